@@ -14,7 +14,11 @@
 //                                  its turn
 //   reach_m(b), mass_kg(b), round_body(b), fastest_point_mps(b, twist)
 //   may_stay(b)                    whether it is a sphere that may stay on static geometry
-//   stays(b), supports(b)          whether it does, and on what
+//   may_lie(b, i)                  whether it is no sphere, and i is flat: a plane or a polyhedron
+//   face_met(i, normal)            which face of that has a normal
+//   lying(b, i, face, twist)       how it would stay there (plane_stay.h), if it would
+//   lifted(b, twist)               as it leaves what it lay on, which carries it no more
+//   stays(b), supports(b)          whether it stays, and on what
 //   lasting_contact(b, feature)    of such a sphere with static geometry
 //   stands(b, contacts)            whether it would stay where it is, on these
 //   slow_from(b, segment, end)     from when on it is slow enough for rest
@@ -32,7 +36,8 @@
 //   notes_corners(b)               corners that carry beside those that touched
 // and says what happened to whoever keeps a history:
 //   learns(b)                      its contact state changes, beyond what it touches
-//   is_asked(member, asker)        its state is read for a decision about rest
+//   is_asked(member, asker)        its state is read for a decision about rest, and may change
+//   is_read(member, asker)         the same, of a resting body that the decision leaves as it is
 //   wakes(b, from, rested)         what it leant on has moved; whether it was at rest by then
 //
 // Everything is a function of the table's state at the event, so both engines do the same, bit for
@@ -44,12 +49,14 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "worker/physics/collision/collision_rule.h"
 #include "worker/physics/contact/contact_state.h"
 #include "worker/physics/contact/lasting_contact.h"
+#include "worker/physics/contact/plane_stay.h"
 #include "worker/physics/contact/resting.h"
 #include "worker/physics/event/tolerances.h"
 #include "worker/physics/response/contact_motion.h"
@@ -80,6 +87,10 @@ concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const S
   { at.fastest_point_mps(body, twist) } -> std::same_as<double>;
   { at.round_body(body) } -> std::convertible_to<RoundBody>;
   { at.may_stay(body) } -> std::same_as<bool>;
+  { at.may_lie(body, body) } -> std::same_as<bool>;
+  { at.face_met(body, Vec3{}) } -> std::same_as<std::optional<std::uint32_t>>;
+  { at.lying(body, body, body, twist) } -> std::same_as<std::optional<PlaneStay>>;
+  { at.lifted(body, twist) } -> std::same_as<Twist>;
   { at.stays(body) } -> std::same_as<bool>;
   { at.supports(body) } -> std::same_as<Supports&>;
   { at.lasting_contact(body, body) } -> std::same_as<LastingContact>;
@@ -98,6 +109,7 @@ concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const S
   at.notes_corners(body);
   at.learns(body);
   at.is_asked(body, body);
+  at.is_read(body, body);
   at.wakes(body, body, bool{});
 };
 
@@ -242,10 +254,73 @@ void begin_caught(At& at, std::uint32_t body, std::uint32_t feature, const Twist
   begin_on_faces(at, body, few.first(caught.count, false), caught.twist, caught.otherwise);
 }
 
-/// A sphere's mode event: its contact with static geometry changes.
+// ---- lasting contact of other bodies ------------------------------------------------------------
+
+// What is no sphere stays on what is flat when what carries it bounces there by no more than slow
+// bounces do (plane_stay.h), under the same conditions: its own bounce would be slower than
+// separation_speed_mps, and it has met no other body for some bounces, nor two static pieces one
+// soon after the other: what leans on both would be pressed into one while it stays on the other.
+
+/// A body begins to stay on what is flat, or goes on to.
+template <Bodies At>
+void begin_lying(At& at, std::uint32_t body, std::uint32_t index, const PlaneStay& stay) {
+  at.learns(body);
+  at.begin_segment(body, stay.segment);
+  Supports& kept = at.supports(body);
+  kept.features[0] = index;
+  kept.features[1] = stay.face;
+  kept.count = 1;
+  kept.end = stay.end;
+  kept.leaves = Stay::k_none;
+  kept.half_way = Vec3::Zero();
+  if (!at.resting().enabled()) return;
+  // What friction brakes comes to a stop by itself.
+  const Tick slow = stay.brakes ? k_never : at.slow_from(body, stay.segment, stay.end);
+  at.resting().stays(body, at.tick(), slow);
+}
+
+/// How a body that collides with what is flat stays there, if it does.
+template <Bodies At>
+std::optional<PlaneStay> settling(At& at, std::uint32_t body, std::uint32_t index,
+                                  const PieceContact& contact, double restitution,
+                                  const Twist& twist) {
+  if (!at.may_lie(body, index)) return std::nullopt;
+  Supports& supports = at.supports(body);
+  supports.hits(index, at.tick(), at.alone_for());
+  if (restitution * -contact.rate_mps >= at.slow().separation_speed_mps ||
+      at.tick() - supports.met_body < at.alone_for() ||
+      at.tick() - supports.hit_both < at.alone_for())
+    return std::nullopt;
+  const auto face = at.face_met(index, contact.normal);
+  return face ? at.lying(body, index, *face, twist) : std::nullopt;
+}
+
+/// Its mode event: it goes on otherwise, or is carried no more.
+template <Bodies At>
+void change_lying(At& at, std::uint32_t body) {
+  const Twist twist = at.twist(body);
+  const std::uint32_t index = at.supports(body).features[0];
+  if (const auto stay = at.lying(body, index, at.supports(body).features[1], twist)) {
+    begin_lying(at, body, index, *stay);
+    return;
+  }
+  at.learns(body);
+  at.resting().flies(body, at.tick());
+  // Not from rest at the touch, or the next bounces would come at every tick.
+  at.begin_after(body, at.lifted(body, twist));
+}
+
+// ---- mode events --------------------------------------------------------------------------------
+
+/// A body's contact with static geometry changes.
 template <Bodies At>
 void change_mode(At& at, std::uint32_t body, bool rolled) {
   at.changed().clear();
+  if (!at.is_round(body)) {
+    change_lying(at, body);
+    wake_on_those_that_left(at);
+    return;
+  }
   const Twist twist = at.twist(body);
   // Over the border of one: what lies there is met as anything else, at once if it goes on level.
   FewContacts few;
@@ -320,8 +395,11 @@ void collide_static(At& at, std::uint32_t body, std::uint32_t index, const Piece
   const double approach_mps = -math::dot(contact.normal, before.velocity_mps);
   const bool caught = is_caught(at, body, index, approach_mps, law.restitution, before);
   if (caught) law = {.restitution = 0, .friction = law.friction};
-  Twist after = at.impact_on_static(body, before, contact, law);
-  if (!caught && at.slow().separation_speed_mps > 0) after = at.leaving(body, contact, after);
+  const auto lies = settling(at, body, index, contact, law.restitution, before);
+  Twist after =
+      lies ? twist_at_begin(lies->segment) : at.impact_on_static(body, before, contact, law);
+  if (!caught && !lies && at.slow().separation_speed_mps > 0)
+    after = at.leaving(body, contact, after);
   if (touched) {
     const Vec3 arm_m = contact.point_m - at.place_m(body);
     at.touches(
@@ -337,6 +415,8 @@ void collide_static(At& at, std::uint32_t body, std::uint32_t index, const Piece
   }
   if (caught) {
     begin_caught(at, body, index, after);
+  } else if (lies) {
+    begin_lying(at, body, index, *lies);
   } else {
     at.begin_after(body, after);
   }
@@ -352,7 +432,7 @@ Resting::Present present_of(At& at, std::uint32_t body) {
   const std::span<const std::uint32_t> features =
       at.stays(body) ? at.supports(body).all() : std::span<const std::uint32_t>{};
   FewContacts few;
-  for (const std::uint32_t feature : features) {
+  for (const std::uint32_t feature : at.is_round(body) ? features : features.first(0)) {
     few.add(feature, at.lasting_contact(body, feature));
     const LastingContact& contact = few.contacts[few.count - 1];
     at.resting().still_touches(body, {.tick = at.tick(),
@@ -369,7 +449,12 @@ Resting::Present present_of(At& at, std::uint32_t body) {
                            .centre_m = at.place_m(body),
                            .round = at.is_round(body)};
   if (!at.stays(body)) return present;
-  if (at.stands(body, few.all())) {
+  const auto stands_still = [&] {
+    if (at.is_round(body)) return at.stands(body, few.all());
+    const auto still = at.lying(body, features.front(), at.supports(body).features[1], {});
+    return still && still->stands;
+  };
+  if (stands_still()) {
     present.stance = Resting::Stance::holds;
   } else if (at.resting().touched_only(body, at.tick(), features)) {
     present.stance = Resting::Stance::slides;
@@ -385,9 +470,21 @@ std::size_t rest(At& at, std::uint32_t body) {
     at.is_asked(member, body);
     return present_of(at, member);
   };
-  for (const std::uint32_t member : at.resting().decide(body, at.tick(), present))
+  const auto looks = [&](std::uint32_t member) {
+    at.is_read(member, body);
+    return Resting::Present{.weight_n = at.mass_kg(member) * at.gravity_mps2(),
+                            .reach_m = at.reach_m(member),
+                            .centre_m = at.place_m(member)};
+  };
+  for (const std::uint32_t member : at.resting().decide(body, at.tick(), present, looks))
     at.begin_rest(member);
   const std::size_t count = at.changed().size();
+  for (const std::uint32_t member : at.resting().overloaded()) {
+    at.wakes(member, body, true);
+    at.resting().rouse(member, body);
+    at.begin_after(member, {});
+    at.resting().woke(member, at.tick(), at.place_of_rest(member));
+  }
   if (count == 0 && has_left(at, body)) {
     at.resting().leave(body);
     wake_dependents(at, body);

@@ -16,7 +16,7 @@
 
 namespace sleight::physics {
 
-/// What a sphere in contact stays on.
+/// What a body in contact stays on.
 struct Supports {
   std::array<std::uint32_t, 3> features{};
   std::uint32_t count = 0;
@@ -24,6 +24,16 @@ struct Supports {
   std::uint32_t leaves = Stay::k_none;  ///< the one whose region the centre leaves then, if any
   Tick met_body{-k_tick_max.value};     ///< when it last collided with another body
   Vec3 half_way = Vec3::Zero();         ///< of a piece over an edge (lasting_contact.h)
+  // Of a body that is no sphere: what static piece it hit last, and when it last hit one soon after
+  // another.
+  std::uint32_t last_hit = Stay::k_none;
+  Tick hit{-k_tick_max.value};
+  Tick hit_both{-k_tick_max.value};
+  void hits(std::uint32_t piece, Tick now, TickCount soon) {
+    if (last_hit != piece && now - hit < soon) hit_both = now;
+    last_hit = piece;
+    hit = now;
+  }
   std::span<const std::uint32_t> all() const { return std::span(features).first(count); }
   bool holds(std::uint32_t feature) const {
     return std::ranges::find(all(), feature) != all().end();

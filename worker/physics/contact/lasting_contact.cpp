@@ -15,6 +15,17 @@ Tick tick_after(Tick tick, double span_s) {
   return tick + std::max<TickCount>(1, ticks_after(span_s));
 }
 
+double bounce_m(const SlowContacts& slow, const Vec3& gravity_mps2) {
+  return 0.5 * slow.separation_speed_mps * slow.separation_speed_mps / math::norm(gravity_mps2);
+}
+
+Tick meets_border(const FrictionMap& map, const MapPath& path, Tick from, Tick end) {
+  const double most_s = seconds(std::min(end, k_tick_max) - from);
+  const double border_s = map.border_s(path, most_s);
+  if (!(border_s < most_s)) return k_never;
+  return std::max(tick_after(from, border_s), from + k_border_ticks);
+}
+
 namespace {
 
 /// A sphere that accelerates into a face by less than this doesn't press on it: over an hour, less
@@ -24,14 +35,6 @@ constexpr double k_press_mps2 = 1e-12;
 /// A sphere that is too slow to hop over an edge or a vertex rises so far above it, as a part of
 /// the height of its slowest bounces: in pieces, or straight on before it falls back.
 constexpr double k_rise_bounces = 0.5;
-
-/// A slip is over when it is slower than this part of its slowest bounces.
-constexpr double k_stick_bounces = 0.1;
-
-/// The height of the slowest bounces.
-double bounce_m(const SlowContacts& slow, const Vec3& gravity_mps2) {
-  return 0.5 * slow.separation_speed_mps * slow.separation_speed_mps / math::norm(gravity_mps2);
-}
 
 /// When the centre leaves the region of a feature, by the segment's parabola.
 Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) {
@@ -44,22 +47,6 @@ Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) 
                                         math::dot(side.space.normal, flight.acceleration_mps2)));
   }
   return tick_after(flight.begin, leaves_s);
-}
-
-/// Friction is asked for again no sooner than after so long: a sphere that is driven to a border
-/// from both sides, as one that spins up a slope to where it is slippery, would meet it ever
-/// faster.
-constexpr TickCount k_border_ticks = 256;
-
-/// When a sphere on a plane comes to where friction is another one. Its centre is over the contact.
-Tick meets_border(const FreeFlight& flight, const FrictionMap& map, Tick end) {
-  const double most_s = seconds(std::min(end, k_tick_max) - flight.begin);
-  const double border_s = map.border_s({.place_m = flight.position_m,
-                                        .velocity_mps = flight.velocity_mps,
-                                        .acceleration_mps2 = flight.acceleration_mps2},
-                                       most_s);
-  if (!(border_s < most_s)) return k_never;
-  return std::max(tick_after(flight.begin, border_s), flight.begin + k_border_ticks);
 }
 
 /// When a sphere that goes straight on from an edge or a vertex has left that.
@@ -204,7 +191,12 @@ std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const F
     if ((stay.subset >> i & 1U) == 0) continue;
     const SphereFeature& feature = scene.statics.feature(on.features[i]);
     if (const FrictionMap* map = scene.statics.friction_map(on.features[i])) {
-      const Tick border = meets_border(flight, *map, stay.end);
+      // The centre is over the contact.
+      const Tick border = meets_border(*map,
+                                       {.place_m = flight.position_m,
+                                        .velocity_mps = flight.velocity_mps,
+                                        .acceleration_mps2 = flight.acceleration_mps2},
+                                       flight.begin, stay.end);
       if (border < stay.end) {
         stay.end = border;
         stay.leaves = Stay::k_none;

@@ -26,8 +26,20 @@ inline constexpr double k_edge_speeds = 16;
 /// speed: less than other bounces have, as it is paid from its rolling.
 inline constexpr double k_hop_share = 0.25;
 
+/// A slip is over when it is slower than this part of the slowest bounces.
+inline constexpr double k_stick_bounces = 0.1;
+/// Friction is asked for again no sooner than after so long: what is driven to a border from both
+/// sides, as a sphere that spins up a slope to where it is slippery, would meet it ever faster.
+inline constexpr TickCount k_border_ticks = 256;
+
 /// A tick so much later, at least the next one; k_never if that is beyond a simulation's end.
 Tick tick_after(Tick tick, double span_s);
+
+/// The height of the slowest bounces.
+double bounce_m(const SlowContacts& slow, const Vec3& gravity_mps2);
+
+/// When what moves on a plane comes to where friction is another one; k_never if not before an end.
+Tick meets_border(const FrictionMap& map, const MapPath& path, Tick from, Tick end);
 
 /// A sphere as contact_motion asks for it. REQUIRES: the inertia of a ball.
 RoundBody round_body(double radius_m, const Inertia& inertia, const SlowContacts& slow);

@@ -174,6 +174,10 @@ bool Resting::has_stayed(const Log& log, Tick now) const {
   return log.stays_since <= now && (now - log.stays_since) / k_patience >= rest_span();
 }
 
+bool Resting::has_been_slow(const Log& log, Tick now) const {
+  return log.slow_since <= now && (now - log.slow_since) / k_patience >= rest_span();
+}
+
 Resting::Chosen Resting::supporting(const Log& log, Tick now) const {
   const TickCount slow = now - log.slow_since;
   const auto contacts = log.touches();
@@ -217,11 +221,48 @@ Resting::Chosen Resting::supporting(const Log& log, Tick now) const {
   return 0;
 }
 
+bool Resting::balances(std::size_t count, Tick now) {
+  held_bodies_.clear();
+  holding_.clear();
+  for (std::size_t i = 0; i < structure_.size(); ++i) {
+    Log& log = logs_[structure_[i]];
+    log.structure_place = HoldingContact::k_fixed;
+    if (i >= count || is_zero(log.state.weight_n) || holds_anyhow(log, now)) continue;
+    log.structure_place = static_cast<std::uint32_t>(held_bodies_.size());
+    held_bodies_.push_back({.weight_n = log.state.weight_n, .reach_m = log.state.reach_m});
+  }
+  for (const std::uint32_t member : structure_) {
+    const Log& log = logs_[member];
+    if (log.structure_place == HoldingContact::k_fixed) continue;
+    for (const TouchRecord& touch : log.rests ? log.holding() : log.touches()) {
+      if (!log.rests && !may_lean_on(touch)) continue;
+      HoldingContact contact{.body = log.structure_place,
+                             .friction = touch.friction,
+                             .normal = touch.normal,
+                             .arm_m = touch.arm_m};
+      if (touch.partner != k_static_partner && logs_[touch.partner].in_structure == round_) {
+        const Log& partner = logs_[touch.partner];
+        contact.partner = partner.structure_place;
+        contact.partner_arm_m = (log.state.centre_m + touch.arm_m) - partner.state.centre_m;
+      }
+      holding_.push_back(contact);
+    }
+  }
+  return balance_.holds(held_bodies_, holding_);
+}
+
 void Resting::reset(std::size_t bodies, const SlowContacts& rule, TickCount jam_span) {
   rule_ = rule;
   jam_span_ = std::min(jam_span, rest_span());
   logs_.assign(enabled() ? bodies : 0, {});
   set_.reserve(bodies);
+  if (!enabled()) return;
+  const std::size_t together = std::min(bodies, k_held_together_max);
+  structure_.reserve(bodies);
+  overloaded_.reserve(bodies);
+  held_bodies_.reserve(together);
+  holding_.reserve(together * k_records);
+  balance_.reserve(together, together * k_records);
 }
 
 double Resting::wake_speed_mps() const {
@@ -275,7 +316,7 @@ void Resting::touched(std::uint32_t body, const TouchRecord& touch, bool slowly)
     log.slow_collisions = 0;
     log.counted_since = touch.tick;
   }
-  if (++log.slow_collisions == k_slow_collisions) log.due = touch.tick;
+  if (++log.slow_collisions % k_slow_collisions == 0) log.due = touch.tick;
 }
 
 void Resting::stays(std::uint32_t body, Tick now, Tick slow_from) {
@@ -323,6 +364,16 @@ std::span<const std::uint32_t> Resting::wake(std::uint32_t body) {
     set_.push_back(other);
   }
   return set_;
+}
+
+void Resting::lies(std::uint32_t body, std::span<const TouchRecord> touches,
+                   std::span<const std::uint32_t> supporters) {
+  Log& log = logs_[body];
+  log.rests = true;
+  log.held_count = static_cast<std::uint32_t>(touches.size());
+  std::ranges::copy(touches, log.held.begin());
+  log.supporter_count = static_cast<std::uint32_t>(supporters.size());
+  std::ranges::copy(supporters, log.supporters.begin());
 }
 
 void Resting::woke(std::uint32_t body, Tick now, const Pose& pose) {

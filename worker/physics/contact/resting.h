@@ -14,7 +14,12 @@
 //     they balance it: a ball on a ledge that leans on another one may lack a thousandth of its
 //     weight, and yet only bounce by micrometres for ever.
 // Balance keeps a body that is slow because it is about to topple or to slide from being frozen.
-// Everything is read from recorded contacts, so the decision is a function of the events so far.
+// What lies on a body counts as well: the set, with all resting bodies that it leans on, that lean
+// on these, and so on, is held by one system of contact forces (force_balance.h), in structures of
+// up to k_held_together_max bodies. A set that is not goes to rest without the members that miss
+// most; resting bodies that can't bear it wake. In greater structures, and for a body that has been
+// slow for 64 rest times, each body is looked at by itself.
+//    Everything is read from recorded contacts, so the decision is a function of the events so far.
 //
 // A resting body is an obstacle. The bodies that pushed in its balance are its supporters. It wakes
 // when a collision, or a user, would give it a speed above wake_speed_mps(); below, it takes the
@@ -35,6 +40,7 @@
 #include <span>
 #include <vector>
 
+#include "worker/physics/contact/force_balance.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/scene/scene.h"
@@ -49,12 +55,17 @@ inline constexpr double k_near_corner = 0.003;
 /// Balance may miss by this part of the weight.
 inline constexpr double k_balance_tolerance = 0.002;
 
+/// Of a set that isn't held, those that miss so much of what the worst of them misses don't rest.
+inline constexpr double k_misses_much = 0.5;
+
 /// A body's partner is static geometry.
 inline constexpr std::uint32_t k_static_partner = UINT32_MAX;
 
 /// So many slow collisions without a fast one, in a few times that slow bounces take, stand for any
 /// rest time: a body that is jammed between others collides without time passing.
 inline constexpr std::uint32_t k_slow_collisions = 256;
+/// So many times as many stand for balance with others as well.
+inline constexpr std::uint32_t k_jams_anyhow = 16;
 
 /// One impact as a body felt it.
 struct TouchRecord {
@@ -165,13 +176,26 @@ class Resting {
   Tick due(std::uint32_t body) const { return logs_[body].due; }
 
   /// Asks for a body. The set that goes to rest, in ascending order; empty if it doesn't yet, and
-  /// then it asks again later. present(body) gives a body's present state.
-  template <class PresentOf>
-  std::span<const std::uint32_t> decide(std::uint32_t body, Tick now, const PresentOf& present);
+  /// then it asks again later. present(body) gives a body's present state, and looks(body) what of
+  /// that doesn't change while it rests, of one at rest.
+  template <class PresentOf, class LooksOf>
+  std::span<const std::uint32_t> decide(std::uint32_t body, Tick now, const PresentOf& present,
+                                        const LooksOf& looks);
+  /// After it: resting bodies that can't bear what was to rest on them. They are to wake.
+  std::span<const std::uint32_t> overloaded() const { return overloaded_; }
+  /// One of these no longer rests, and not again before what it couldn't bear rests with it.
+  void rouse(std::uint32_t body, std::uint32_t load) {
+    logs_[body].rests = false;
+    logs_[body].must_bear = load;
+  }
 
   /// The bodies that rest on a body, in ascending order; they are no longer resting. Those that
   /// rest on them still do, until they leave their place.
   std::span<const std::uint32_t> wake(std::uint32_t body);
+  /// A body begins at rest, on some others; what may hold it. REQUIRES: k_records of either at
+  /// most.
+  void lies(std::uint32_t body, std::span<const TouchRecord> touches,
+            std::span<const std::uint32_t> supporters);
   /// A body woke without a blow, where it rested.
   void woke(std::uint32_t body, Tick now, const Pose& pose);
   /// Whether others may still rest on a body that woke.
@@ -198,9 +222,12 @@ class Resting {
     std::uint32_t count = 0;  ///< of records
     std::uint32_t supporter_count = 0;
     std::array<std::uint32_t, k_records> supporters{};  ///< of a resting body
+    std::uint32_t held_count = 0;                       ///< of contacts that may hold it
     bool rests = false;
-    bool has_place = false;  ///< some may have rested on it since it was there
-    bool in_place = false;   ///< awake, and others may still rest on it
+    bool rests_anyhow = false;                   ///< whatever balances it
+    std::uint32_t must_bear = k_static_partner;  ///< another body, while that touches it
+    bool has_place = false;                      ///< some may have rested on it since it was there
+    bool in_place = false;                       ///< awake, and others may still rest on it
     Pose place{};
     Tick stays_since = k_never;  ///< slow, and about there all the time; as decisions found it
     Vec3 stays_at_m = Vec3::Zero();
@@ -212,13 +239,18 @@ class Resting {
   };
   struct Log : Known {
     std::array<TouchRecord, k_records> records;
+    std::array<TouchRecord, k_records> held;  ///< of a resting body
     // Of the last decision in which the body was looked at.
     bool candidate = false;  ///< it may rest, as far as is known
+    bool unheld = false;     ///< but for the balance of all
     std::uint32_t carried = 0;
     std::uint64_t round = 0;
     Present state{};
+    std::uint64_t in_structure = 0;     ///< the round in which it was
+    std::uint32_t structure_place = 0;  ///< in that; k_fixed if it counts as fixed
 
     std::span<const TouchRecord> touches() const { return {records.data(), count}; }
+    std::span<const TouchRecord> holding() const { return {held.data(), held_count}; }
   };
 
   /// Which of some contacts, as bits.
@@ -239,12 +271,43 @@ class Resting {
   /// Whether a candidate has been about its place for so long that it must be standing.
   bool has_stayed(const Log& log, Tick now) const;
   void note_stay(Log& log, Tick now) const;
+  /// Whether it has been slow for as long, wherever that has brought it: what others don't hold
+  /// would be fast by then.
+  bool has_been_slow(const Log& log, Tick now) const;
   /// Finds the greatest set around a body of which each is slow and in balance by what may rest
   /// with it, and leaves it in set_. Whether the body is in it.
-  template <class PresentOf>
-  bool gather(std::uint32_t body, Tick now, const PresentOf& present);
+  template <class PresentOf, class LooksOf>
+  bool gather(std::uint32_t body, Tick now, const PresentOf& present, const LooksOf& looks);
+  /// Takes those out of set_ that are no longer candidates, or lean on such. Whether the body is
+  /// still one.
+  bool settle_set(std::uint32_t body, Tick now);
+  /// Whether it must bear what doesn't rest with it.
+  bool lacks_load(const Log& log) const {
+    return log.must_bear != k_static_partner &&
+           std::ranges::any_of(log.touches(), [&](const TouchRecord& touch) {
+             return touch.partner == log.must_bear && !may_lean_on(touch);
+           });
+  }
+  /// Notes what carries a candidate; whether anything does.
+  bool check(std::uint32_t member, Tick now);
+  /// Whether one system of forces holds set_, and all resting bodies that hang together with it. If
+  /// not, either some of these are overloaded_, or the members that miss most are no candidates any
+  /// more.
+  template <class LooksOf>
+  bool is_held(Tick now, const LooksOf& looks);
+  /// Finds structure_: set_ and those resting bodies. Whether it is small enough.
+  template <class LooksOf>
+  bool find_structure(const LooksOf& looks);
+  /// Whether forces hold the first so many of structure_; the others count as fixed.
+  bool balances(std::size_t count, Tick now);
+  /// A body of structure_ that balance isn't asked of.
+  bool holds_anyhow(const Log& log, Tick now) const {
+    return log.rests ? log.rests_anyhow
+                     : log.slow_collisions >= k_jams_anyhow * k_slow_collisions ||
+                           has_been_slow(log, now);
+  }
   /// The bodies of set_ rest, each on the bodies that carry it.
-  void lay_down_set();
+  void lay_down_set(Tick now);
   /// Records of the last rest_time_s, moved to the front of the list.
   std::span<const TouchRecord> recent(Log& log, Tick now) const;
   void record(Log& log, const TouchRecord& touch) const;
@@ -256,7 +319,12 @@ class Resting {
   TickCount jam_span_ = 0;
   std::vector<Log> logs_;
   std::vector<std::uint32_t> set_;  ///< scratch
-  std::uint64_t round_ = 0;         ///< decisions so far
+  std::vector<std::uint32_t> structure_;
+  std::vector<std::uint32_t> overloaded_;
+  std::vector<HeldBody> held_bodies_;
+  std::vector<HoldingContact> holding_;
+  ForceBalance balance_;
+  std::uint64_t round_ = 0;  ///< decisions so far
 };
 
 class Resting::State {
@@ -265,12 +333,12 @@ class Resting::State {
   bool rests_on(std::uint32_t other) const { return known_.rests && known_.leans_on(other); }
   /// Where in the list what it touched lies, and how much that is.
   std::size_t first_touch() const { return first_touch_; }
-  std::size_t touch_count() const { return known_.count; }
+  std::size_t touch_count() const { return known_.count + known_.held_count; }
 
  private:
   friend class Resting;
   Known known_;
-  std::size_t first_touch_ = 0;  ///< of known_.count in the list
+  std::size_t first_touch_ = 0;  ///< of known_.count in the list, then known_.held_count
 };
 
 inline Resting::State Resting::state_of(std::uint32_t body, TouchList& touches) const {
@@ -278,8 +346,10 @@ inline Resting::State Resting::state_of(std::uint32_t body, TouchList& touches) 
   if (!enabled()) return state;
   const Log& log = logs_[body];
   state.known_ = log;
+  if (!log.rests) state.known_.held_count = 0;
   state.first_touch_ = touches.size();
   touches.insert(touches.end(), log.records.begin(), log.records.begin() + log.count);
+  touches.insert(touches.end(), log.held.begin(), log.held.begin() + state.known_.held_count);
   return state;
 }
 
@@ -289,19 +359,22 @@ inline void Resting::restore(std::uint32_t body, const State& state,
   Log& log = logs_[body];
   log.round = 0;  // what the last decision noted counts no more
   static_cast<Known&>(log) = state.known_;
-  std::copy_n(touches.begin() + static_cast<std::ptrdiff_t>(state.first_touch_), log.count,
-              log.records.begin());
+  const auto first = touches.begin() + static_cast<std::ptrdiff_t>(state.first_touch_);
+  std::copy_n(first, log.count, log.records.begin());
+  std::copy_n(first + log.count, log.held_count, log.held.begin());
 }
 
-template <class PresentOf>
-bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
+template <class PresentOf, class LooksOf>
+bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present, const LooksOf& looks) {
   ++round_;
   set_.clear();
+  overloaded_.clear();
   const auto consider = [&](std::uint32_t member) {
     Log& log = logs_[member];
     if (log.round == round_) return;
     log.round = round_;
     log.state = present(member);
+    log.unheld = false;
     log.candidate = !recent(log, now).empty() && log.slow_since != k_never &&
                     (now - log.slow_since >= rest_span() || is_jammed(log)) &&
                     log.state.speed_mps < rule_.rest_speed_mps;
@@ -310,46 +383,127 @@ bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present) {
   };
   // A body that all candidates together don't carry is carried by no subset of them. The body
   // itself comes first, since mostly that settles it.
-  const auto check = [&](std::uint32_t member) {
-    Log& log = logs_[member];
-    log.carried = supporting(log, now);
-    log.candidate = log.carried != 0;
-    return log.candidate;
-  };
   consider(body);
   for (std::size_t i = 0; i < set_.size(); ++i) {
     for (const TouchRecord& touch : logs_[set_[i]].touches()) {
       if (touch.partner != k_static_partner && !logs_[touch.partner].rests) consider(touch.partner);
     }
-    check(set_[i]);
+    check(set_[i], now);
     if (!logs_[body].candidate) return false;
   }
+  // Nearly always the first time.
+  do {
+    if (!settle_set(body, now)) return false;
+  } while (!is_held(now, looks) && overloaded_.empty());
+  if (!overloaded_.empty()) return false;
+  lay_down_set(now);
+  return true;
+}
+
+inline bool Resting::check(std::uint32_t member, Tick now) {
+  Log& log = logs_[member];
+  log.carried = lacks_load(log) && !has_been_slow(log, now) ? 0 : supporting(log, now);
+  log.candidate = log.carried != 0;
+  return log.candidate;
+}
+
+inline bool Resting::settle_set(std::uint32_t body, Tick now) {
   // A body that leaned on one that has turned out not to be carried is checked again.
   const auto leans_on_others = [&](const Log& log) {
     const auto contacts = log.touches();
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       if ((log.carried >> k & 1U) != 0 && !may_lean_on(contacts[k])) return true;
     }
-    return false;
+    return lacks_load(log);
   };
   for (bool again = true; again;) {
     again = false;
     for (const std::uint32_t member : set_) {
-      if (logs_[member].candidate && leans_on_others(logs_[member]) && !check(member)) again = true;
+      if (logs_[member].candidate && leans_on_others(logs_[member]) && !check(member, now))
+        again = true;
     }
     if (!logs_[body].candidate) return false;
   }
   std::erase_if(set_, [&](std::uint32_t member) { return !logs_[member].candidate; });
   std::sort(set_.begin(), set_.end());
-  lay_down_set();
   return true;
 }
 
-inline void Resting::lay_down_set() {
+template <class LooksOf>
+bool Resting::find_structure(const LooksOf& looks) {
+  structure_.clear();
+  const auto add = [&](std::uint32_t member) {
+    Log& log = logs_[member];
+    if (log.in_structure == round_) return;
+    log.in_structure = round_;
+    structure_.push_back(member);
+  };
+  for (std::size_t i = 0; i < set_.size(); ++i) {
+    logs_[set_[i]].in_structure = 0;
+    add(set_[i]);
+  }
+  for (std::size_t i = 0; i < structure_.size(); ++i) {
+    const Log& log = logs_[structure_[i]];
+    for (const TouchRecord& touch : log.rests ? log.holding() : log.touches()) {
+      if (touch.partner != k_static_partner && logs_[touch.partner].rests) add(touch.partner);
+    }
+    // Nothing rests on what has been moving.
+    const bool bears = log.rests || log.has_place;
+    for (std::uint32_t other = 0; bears && other < logs_.size(); ++other) {
+      if (logs_[other].rests && logs_[other].leans_on(structure_[i])) add(other);
+    }
+    if (structure_.size() > k_held_together_max) return false;
+    if (log.rests) logs_[structure_[i]].state = looks(structure_[i]);
+  }
+  return true;
+}
+
+template <class LooksOf>
+bool Resting::is_held(Tick now, const LooksOf& looks) {
+  // What leans on static geometry alone is in balance already.
+  const bool alone = std::ranges::all_of(set_, [&](std::uint32_t member) {
+    const Log& log = logs_[member];
+    return !log.has_place && std::ranges::all_of(log.touches(), [&](const TouchRecord& touch) {
+      return touch.partner == k_static_partner || !may_lean_on(touch);
+    });
+  });
+  if (alone || !find_structure(looks) || balances(structure_.size(), now)) return true;
+  if (structure_.size() > set_.size() && balances(set_.size(), now)) {
+    for (const std::uint32_t member : std::span(structure_).subspan(set_.size())) {
+      if (std::ranges::any_of(set_, [&](std::uint32_t one) {
+            return std::ranges::any_of(logs_[one].touches(), [&](const TouchRecord& touch) {
+              return touch.partner == member;
+            });
+          }))
+        overloaded_.push_back(member);
+    }
+    if (!overloaded_.empty()) return false;
+  }
+  const auto missing = [&](std::uint32_t member) {
+    const std::uint32_t place = logs_[member].structure_place;
+    return place == HoldingContact::k_fixed ? 0 : balance_.missing(place);
+  };
+  double most = 0;
+  for (const std::uint32_t member : set_)
+    most = std::max(most, missing(member));
+  for (const std::uint32_t member : set_) {
+    if (missing(member) < k_misses_much * most) continue;
+    logs_[member].candidate = false;
+    logs_[member].unheld = true;
+  }
+  return false;
+}
+
+inline void Resting::lay_down_set(Tick now) {
   for (const std::uint32_t member : set_) {
     Log& log = logs_[member];
     log.supporter_count = 0;
+    log.held_count = 0;
+    log.rests_anyhow = holds_anyhow(log, now);
     const auto contacts = log.touches();
+    for (const TouchRecord& touch : contacts) {
+      if (may_lean_on(touch)) log.held[log.held_count++] = touch;
+    }
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const std::uint32_t partner = contacts[k].partner;
       if ((log.carried >> k & 1U) == 0 || partner == k_static_partner || log.leans_on(partner))
@@ -360,6 +514,7 @@ inline void Resting::lay_down_set() {
   for (const std::uint32_t member : set_) {
     Log& log = logs_[member];
     log.rests = true;
+    log.must_bear = k_static_partner;
     log.in_place = false;
     log.slow_since = k_never;
     log.due = k_never;
@@ -368,15 +523,17 @@ inline void Resting::lay_down_set() {
   }
 }
 
-template <class PresentOf>
+template <class PresentOf, class LooksOf>
 std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
-                                               const PresentOf& present) {
-  if (!gather(body, now, present)) {
+                                               const PresentOf& present, const LooksOf& looks) {
+  if (!gather(body, now, present, looks)) {
     Log& log = logs_[body];
-    // What slides is asked again when it slides otherwise (stays).
-    const bool slides = log.state.stance == Stance::slides;
-    log.due = now + std::max<TickCount>(1, slides ? 4 * rest_span() : rest_span() / 2);
-    if (is_jammed(log)) log.slow_collisions = 0;
+    // What slides is asked again when it slides otherwise (stays); what leans on others that can't
+    // hold it moves with them for a while.
+    const bool unheld = log.unheld || !overloaded_.empty();
+    const bool later = unheld || log.state.stance == Stance::slides;
+    log.due = now + std::max<TickCount>(1, later ? 4 * rest_span() : rest_span() / 2);
+    if (is_jammed(log) && !unheld) log.slow_collisions = 0;
     if (log.state.speed_mps >= rule_.rest_speed_mps) disturbed(body);
     return {};
   }

@@ -73,6 +73,15 @@ class Marbles::AtEvent {
 
   const RoundBody& round_body(std::uint32_t /*ball*/) const { return marbles_.round_; }
   bool may_stay(std::uint32_t /*ball*/) const { return marbles_.contacts_last_; }
+  bool may_lie(std::uint32_t /*ball*/, std::uint32_t /*feature*/) const { return false; }
+  std::optional<std::uint32_t> face_met(std::uint32_t /*feature*/, const Vec3& /*normal*/) const {
+    return std::nullopt;
+  }
+  std::optional<PlaneStay> lying(std::uint32_t /*ball*/, std::uint32_t /*feature*/,
+                                 std::uint32_t /*face*/, const Twist& /*twist*/) const {
+    return std::nullopt;
+  }
+  Twist lifted(std::uint32_t /*ball*/, const Twist& twist) const { return twist; }
   bool stays(std::uint32_t ball) const { return in_contact(marbles_.balls_[ball].segment); }
   Supports& supports(std::uint32_t ball) { return marbles_.balls_[ball].supports; }
   LastingContact lasting_contact(std::uint32_t ball, std::uint32_t feature) const {
@@ -161,6 +170,9 @@ class Marbles::AtEvent {
     if (member != asker) marbles_.keep_meeting(asker, member);
     resting().for_each_partner(
         member, tick_, [&](std::uint32_t partner) { marbles_.keep_meeting(member, partner); });
+  }
+  void is_read(std::uint32_t member, std::uint32_t asker) {
+    if (marbles_.records_ && member != asker) marbles_.keep_meeting(asker, member);
   }
   void wakes(std::uint32_t ball, std::uint32_t from, bool rested) {
     if (marbles_.records_ && rested) marbles_.keep_meeting(from, ball);

@@ -102,7 +102,7 @@ MarbleHistories Marbles::histories() const {
     }
     if (!balls_[ball].started) continue;
     auto history = std::make_shared<MarbleHistory>();
-    history->touches.reserve(kept_[ball].touches.size() + Resting::k_records);
+    history->touches.reserve(kept_[ball].touches.size() + 2 * Resting::k_records);
     history->met.reserve(kept_[ball].met.size() + RecentContacts::k_partners);
     *history = kept_[ball];
     history->last = checkpoint_in(*history, ball, last_event_[ball]);

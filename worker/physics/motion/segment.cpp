@@ -48,6 +48,16 @@ Quat orientation_of(const Segment& segment, const Inertia& inertia, Tick tick) {
   return orientation_at(segment.flight, inertia, tick);
 }
 
+RotationBounds contact_rotation_bounds(const Segment& segment) {
+  constexpr double k_margin = 1 + 0x1p-30;
+  const double change_radps2 = math::norm(segment.angular_acceleration_radps2) * k_margin;
+  const double fastest_radps = math::norm(segment.flight.angular_velocity_radps) * k_margin +
+                               change_radps2 * seconds(k_turning_contact_span);
+  return {.angular_speed_radps = fastest_radps,
+          .angular_acceleration_radps2 = change_radps2,
+          .phase_rate_radps = fastest_radps};
+}
+
 Twist twist_of(const Segment& segment, const Inertia& inertia, Tick tick) {
   Twist twist{.velocity_mps = velocity_at(segment.flight, tick),
               .angular_velocity_radps = segment.flight.angular_velocity_radps};

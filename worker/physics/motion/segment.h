@@ -6,26 +6,30 @@
 #include <cstdint>
 
 #include "worker/physics/motion/free_flight.h"
+#include "worker/physics/motion/rotation_bounds.h"
 #include "worker/physics/motion/rotation_track.h"
 
 namespace sleight::physics {
 
 enum class MotionMode : std::uint8_t {
   free,     ///< flight: gravity alone acts
-  sliding,  ///< a sphere on static geometry whose surface slips
+  sliding,  ///< on static geometry, on which it slips
   rolling,  ///< the same without slip
   resting   ///< doesn't move until it is woken
 };
 
 /// The centre of mass moves on a parabola in every mode. A body in flight turns freely; the angular
-/// velocity of a sphere in contact changes evenly.
+/// velocity of one in contact changes evenly.
 struct Segment {
   FreeFlight flight;
   Vec3 angular_acceleration_radps2 = Vec3::Zero();  ///< 0 in flight
   MotionMode mode = MotionMode::free;
 };
 
-/// Whether a sphere stays on static geometry.
+/// What is no sphere turns unevenly on static geometry for so long at most in one segment (0.25 s).
+inline constexpr TickCount k_turning_contact_span = TickCount{1} << 28;
+
+/// Whether a body stays on static geometry.
 inline bool in_contact(const Segment& segment) {
   return segment.mode == MotionMode::sliding || segment.mode == MotionMode::rolling;
 }
@@ -39,5 +43,14 @@ Quat orientation_of(const Segment& segment, const Inertia& inertia, Tick tick);
 
 /// In the world's frame. REQUIRES: the same.
 Twist twist_of(const Segment& segment, const Inertia& inertia, Tick tick);
+
+/// Without a look at its turn.
+inline Twist twist_at_begin(const Segment& segment) {
+  return {.velocity_mps = segment.flight.velocity_mps,
+          .angular_velocity_radps = segment.flight.angular_velocity_radps};
+}
+
+/// Of a segment in contact, of a body that is no sphere, while it lasts.
+RotationBounds contact_rotation_bounds(const Segment& segment);
 
 }  // namespace sleight::physics

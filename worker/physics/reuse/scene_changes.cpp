@@ -283,16 +283,25 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
   changes.laws = !same_laws(before, after);
   if (changes.laws) return changes;
   bool same_shapes = true;
+  bool some_rest = false;
+  bool others_rest = false;
   for (std::size_t i = 0; i < after.bodies.size(); ++i) {
     const BodyDescription& was = before.bodies[i];
     const BodyDescription& is = after.bodies[i];
     const bool same_shape = same(was.shape, is.shape);
     same_shapes = same_shapes && same_shape;
-    const bool differs = !same_shape || !same(was.inertia, is.inertia) ||
+    const bool differs = !same_shape || !same(was.inertia, is.inertia) || was.rests != is.rests ||
                          was.material != is.material || was.start_tick != is.start_tick ||
                          !same(was.start, is.start);
     changes.bodies.push_back(differs ? 1 : 0);
     if (differs) changes.first = std::min({changes.first, was.start_tick, is.start_tick});
+    some_rest = some_rest || was.rests || is.rests;
+    others_rest = others_rest || (differs && (was.rests || is.rests));
+  }
+  // How bodies start at rest hangs on all that they touch then.
+  if (others_rest) {
+    changes.laws = true;
+    return changes;
   }
   // Then nothing can be replayed, or next to nothing, and features needn't be compared, which takes
   // as long as some simulations.
@@ -318,6 +327,8 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
                    (!after.surfaces.empty() && old.piece_count() != statics.piece_count());
     if (changes.laws) return changes;
     changes.places = PlaceFinder(old, statics).find(std::move(over_surfaces));
+    changes.laws = some_rest && !changes.places.none();
+    if (changes.laws) return changes;
   }
   const std::vector<std::uint32_t> old_order = controls_in_order(before);
   const std::vector<std::uint32_t> order = controls_in_order(after);

@@ -28,7 +28,8 @@ struct ChangedPlaces {
 };
 
 struct SceneChanges {
-  /// Nothing is the same: another number of bodies, other laws, or lists that mean something else.
+  /// Nothing is the same: another number of bodies, other laws, lists that mean something else, or
+  /// bodies that start at rest and others of these, or other static geometry.
   bool laws = false;
   std::vector<std::uint8_t> bodies{};  ///< by body: whether itself or its start is another one
   ChangedPlaces places{};

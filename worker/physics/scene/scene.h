@@ -52,7 +52,17 @@ struct BodyDescription {
   /// Another start for a body that would overlap something at its own: attempt 1, 2, ... up to
   /// k_start_attempts_max. A function of the attempt alone. Without it, an overlap is an error.
   std::function<StartState(std::uint32_t attempt)> start_again{};
+  /// It starts at rest on what it touches, as a pin on its spot or a stone in an arch: at tick 0,
+  /// without velocity, to within k_at_rest_gap_m of what is to carry it, in a scene in which bodies
+  /// rest. Contact forces must hold all that starts so and hangs together, else the scene is
+  /// refused. A blow or a moving supporter wakes it.
+  bool rests = false;
 };
+
+/// What starts at rest may be so far above what carries it, or overlap it by so much.
+inline constexpr double k_at_rest_gap_m = 1e-6;
+/// So many bodies that start at rest may hang together.
+inline constexpr std::size_t k_at_rest_together_max = 256;
 
 /// Draws of a start's place before the simulation fails.
 inline constexpr std::uint32_t k_start_attempts_max = 1000;
@@ -143,6 +153,7 @@ struct SceneError {
     bad_mass,       ///< zero, negative, or moments that no mass distribution has
     bad_shape,      ///< size, degenerate geometry
     bad_reference,  ///< a material or a body that doesn't exist
+    no_balance,     ///< a body that is to start at rest isn't held
     overlap,        ///< at a start, also after all attempts
     // What the simulator could not do with a good scene: a bug, which the scene repeats.
     search_gave_up,       ///< a search for a collision examined too many ticks

@@ -113,7 +113,8 @@ Setting bowling(std::uint32_t bodies, std::uint64_t seed) {
           {.name = "pin " + std::to_string(++number),
            .shape = shape,
            .inertia = pin.inertia,
-           .start = {.pose = {.position_m = {x_m, y_m, pin.foot_m + 1e-6}}, .twist = {}}});
+           .start = {.pose = {.position_m = {x_m, y_m, pin.foot_m}}, .twist = {}},
+           .rests = true});
     }
   }
   const double gyration_m2 = 0.38 * k_ball_m * k_ball_m;

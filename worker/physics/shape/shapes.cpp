@@ -108,6 +108,19 @@ std::optional<RoundPiece> hull_of(const Compound& compound) {
   return std::move(hull).value();
 }
 
+std::optional<Vec3> axis_of_revolution(const Compound& compound) {
+  if (!compound.parts.empty() || compound.round_parts.empty()) return std::nullopt;
+  // Makers put bodies in their frame by rounded numbers.
+  constexpr double k_off = 1e-12;
+  const Vec3 z = Vec3::UnitZ();
+  for (const RoundPiece& part : compound.round_parts) {
+    if (!part.of_revolution() || length_across(z, part.axis()) > k_off ||
+        length_across(z, part.origin_m()) > k_off * compound.r_outer_m())
+      return std::nullopt;
+  }
+  return z;
+}
+
 ShapeResult box(const Vec3& sides_m) {
   std::vector<Vec3> corners;
   for (int axis = 0; axis < 3; ++axis) {

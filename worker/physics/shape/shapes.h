@@ -31,6 +31,10 @@ struct Compound {
 /// part.
 std::optional<RoundPiece> hull_of(const Compound& compound);
 
+/// The axis of a compound that is a body of revolution about a line through the frame's origin,
+/// where its parts' and its own axis are along z.
+std::optional<Vec3> axis_of_revolution(const Compound& compound);
+
 using ShapeResult = base::Result<ConvexPolyhedron, ShapeError>;
 
 /// With these lengths of its sides. Eight vertices, six quadrilaterals; inertia: general unless two

@@ -219,7 +219,8 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
   StartState state = description.start;
   for (std::uint32_t attempt = 1;; ++attempt) {
     // Put the body there, to find what it would touch.
-    world_.place(body, world_.segment_of_start(state, event.tick));
+    world_.place(body, description.rests ? world_.segment_at_rest(body)
+                                         : world_.segment_of_start(state, event.tick));
     watch(body);
     const std::string obstacle = obstacle_of(body);
     if (obstacle.empty()) break;
@@ -246,6 +247,7 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
   ++counts_.starts;
   ++present_;
   world_.begin_segment(body, world_.segment(body), event);
+  if (description.rests) world_.begin_at_rest(body);
   world_.keep(event);
   if (world_.replays()) starts_as_before(body, event);
   ++changes_[body];
@@ -255,13 +257,18 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
 /// What a body overlaps, by name; empty if nothing.
 template <BroadPhase Boxes, EventQueue Queue>
 std::string Engine<Boxes, Queue>::obstacle_of(std::uint32_t body) {
+  // What starts at rest has been looked at with all that does (World::lay_down).
+  const std::vector<BodyDescription>& bodies = world_.scene().bodies;
+  const bool rests = bodies[body].rests;
   std::uint32_t lowest = k_nobody;
   for (const BodyId other : graph_.others_of(body)) {
+    if (rests && bodies[other.value].rests) continue;
     const std::uint32_t a = std::min(body, other.value);
     const std::uint32_t b = std::max(body, other.value);
     if (other.value < lowest && world_.touching(a, b, now_)) lowest = other.value;
   }
   if (lowest != k_nobody) return world_.name(lowest);
+  if (rests) return "";
   for (const StaticEdge& edge : statics_[body]) {
     if (world_.touching_static(body, edge.index, now_)) return world_.static_name(body, edge.index);
   }

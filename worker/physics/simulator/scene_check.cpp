@@ -141,6 +141,18 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
     return error(Kind::bad_number, fmt::format("{}: starts at tick {}; give one from 0 to {}", name,
                                                body.start_tick.value, k_tick_max.value));
   }
+  if (body.rests) {
+    const Twist& twist = body.start.twist;
+    const char* const lacks =
+        body.start_tick != Tick{} ? "it must start at tick 0"
+        : !is_zero(twist.velocity_mps) || !is_zero(twist.angular_velocity_radps)
+            ? "its velocities must be 0"
+        : !(scene.slow.rest_speed_mps > 0) ? "the scene must let bodies rest (SlowContacts)"
+        : is_zero(scene.gravity_mps2)      ? "there is no gravity that holds it"
+                                           : nullptr;
+    if (lacks != nullptr)
+      return error(Kind::bad_number, fmt::format("{}: it can't start at rest: {}", name, lacks));
+  }
   return error_of_start(body.start, name);
 }
 

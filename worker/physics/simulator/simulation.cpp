@@ -104,6 +104,7 @@ base::Result<Simulation, SceneError> Simulation::start(const Scene& scene,
                                                        std::shared_ptr<const History> history) {
   if (auto error = error_of(scene)) return *std::move(error);
   Simulation simulation(std::make_unique<Impl>(scene, options, std::move(history)));
+  if (auto error = simulation.impl_->world.lay_down()) return *std::move(error);
   if (auto error = simulation.run_until(Tick{})) return *std::move(error);
   return simulation;
 }

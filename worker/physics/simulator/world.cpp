@@ -64,6 +64,8 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
       for (std::size_t part = 0; part < compound.size(); ++part)
         parts_.push_back(compound.view(part));
       if (compound.round_parts.size() > 1) constants.hull = hull_index(compound, hull_of_shape);
+      if (body.inertia.symmetry != InertiaSymmetry::general)
+        constants.axis = axis_of_revolution(compound).value_or(Vec3::Zero());
     }
     // What a track of a general body needs is allocated now rather than when the body starts.
     if (constants.inertia.symmetry == InertiaSymmetry::general) {
@@ -159,6 +161,10 @@ void World::place(std::uint32_t body, const Segment& segment) {
   Turning& turning = turning_[body];
   turning.placed_at = Tick{-1};
   if (constants_[body].is_sphere) return;
+  if (in_contact(now)) {
+    turning.bounds = contact_rotation_bounds(now);
+    return;
+  }
   turning.track.restart(now.flight, constants_[body].inertia);
   turning.bounds = rotation_bounds(now.flight, constants_[body].inertia);
 }
@@ -196,8 +202,12 @@ Quat World::orientation_at(std::uint32_t body, Tick tick) {
   const FreeFlight& flight = segments_[body].flight;
   if (constants_[body].is_sphere)
     return math::normalized(orientation_of(segments_[body], constants_[body].inertia, tick));
-  if (is_zero(flight.angular_velocity_radps)) return flight.orientation;
   if (turning_[body].placed_at == tick) return turning_[body].orientation;
+  const bool turns = !is_zero(flight.angular_velocity_radps) ||
+                     !is_zero(segments_[body].angular_acceleration_radps2);
+  if (!turns) return flight.orientation;
+  if (in_contact(segments_[body]))
+    return math::normalized(orientation_of(segments_[body], constants_[body].inertia, tick));
   return math::normalized(turning_[body].track.orientation_at(tick));
 }
 
@@ -251,7 +261,8 @@ const MovingPiece& World::moving_at(std::uint32_t body, Tick tick) {
       .angular_velocity_radps = twist.angular_velocity_radps,
       .turning_acceleration_mps2 =
           sphere ? 0 : turning_acceleration_mps2_max(turning.bounds, constants_[body].reach_m),
-      .turns_evenly = constants_[body].inertia.symmetry == InertiaSymmetry::spherical,
+      .turns_evenly = constants_[body].inertia.symmetry == InertiaSymmetry::spherical &&
+                      is_zero(segments_[body].angular_acceleration_radps2),
       .reach_m = sphere ? 0 : constants_[body].reach_m};
   turning.placed_at = tick;
   return turning.placed;

@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -25,6 +26,7 @@
 #include "worker/physics/collision/surface_search.h"
 #include "worker/physics/contact/contact_state.h"
 #include "worker/physics/contact/lasting_contact.h"
+#include "worker/physics/contact/plane_stay.h"
 #include "worker/physics/contact/recent_contacts.h"
 #include "worker/physics/contact/resting.h"
 #include "worker/physics/contact/surface_touches.h"
@@ -65,6 +67,7 @@ struct alignas(64) BodyConstants {
   /// One view for several parts (hull_of), in the table of these. k_no_hull: none.
   std::uint32_t hull = k_no_hull;
   static constexpr std::uint32_t k_no_hull = UINT32_MAX;
+  Vec3 axis = Vec3::Zero();  ///< of a body of revolution, in its frame; else 0
   Inertia inertia;
   RigidMass rigid_mass{};
 };
@@ -117,6 +120,12 @@ class World {
   std::string name(std::uint32_t body) const;
 
   Segment segment_of_start(const StartState& start, Tick tick) const;
+  // Bodies that start at rest (world_at_rest.cpp).
+  /// Finds what carries them; why they can't, if they can't. REQUIRES: nothing has happened yet.
+  std::optional<SceneError> lay_down();
+  Segment segment_at_rest(std::uint32_t body) const;
+  /// Such a body has begun its segment. REQUIRES: lay_down().
+  void begin_at_rest(std::uint32_t body);
   /// Puts a body somewhere without a trace in the recording, to see whether it has room there.
   void place(std::uint32_t body, const Segment& segment);
   void begin_segment(std::uint32_t body, const Segment& segment, const EventKey& cause);
@@ -187,13 +196,14 @@ class World {
   std::size_t rest(std::uint32_t body, const EventKey& event);
   /// The body's mode event: its contact with static geometry changes. REQUIRES: stays_on_faces.
   void change_mode(std::uint32_t body, const EventKey& event);
-  /// Whether the body is a sphere that slides or rolls on static geometry.
+  /// Whether the body slides or rolls on static geometry.
   bool stays_on_faces(std::uint32_t body) const { return in_contact(segments_[body]); }
   /// When the body's mode event is due: the law of its contact changes, or its free rotation can't
   /// be computed any further; k_never if neither.
   Tick mode_end(std::uint32_t body) const {
     if (!has_modes_) return k_never;
-    if (constants_[body].is_sphere) return supports_.empty() ? k_never : supports_[body].end;
+    if (constants_[body].is_sphere || stays_on_faces(body))
+      return supports_.empty() ? k_never : supports_[body].end;
     return constants_[body].inertia.symmetry == InertiaSymmetry::general
                ? turning_[body].track.horizon()
                : k_never;
@@ -323,7 +333,32 @@ class World {
   Segment segment_after(std::uint32_t body, Tick tick, const Vec3& position_m, const Twist& twist);
   /// Corners that carry as well as those that a body touched with, for the decision about rest.
   void note_near_corners(std::uint32_t body, Tick tick);
-  void note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick);
+  /// Calls found(touch) for all corners that touch the same face as a touch was at, or are so near.
+  void corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick, double near_m,
+                    const std::function<void(const TouchRecord&)>& found);
+  struct RestTouch;
+  void find_rest_touches(std::uint32_t body, std::vector<RestTouch>& found,
+                         std::optional<SceneError>& error);
+  SceneError error_of_rest(std::uint32_t body, double missing, bool holds_if_rough,
+                           const std::vector<RestTouch>& touches) const;
+  std::optional<SceneError> lay_down_structure(std::span<const std::uint32_t> members,
+                                               const std::vector<RestTouch>& touches);
+  // Of bodies that stay on planes (world_planes.cpp).
+  struct PlaneSupports {
+    std::array<PlaneSupport, k_plane_supports_max> all;
+    std::size_t count = 0;
+    double lowest_m = 0;  ///< of any, above what is flat; at most 0
+  };
+  /// A plane, or a face of a static polyhedron or triangle.
+  Flat flat_of(std::uint32_t index, std::uint32_t face) const;
+  /// Which face has a normal; of a plane 0.
+  std::optional<std::uint32_t> face_met(std::uint32_t index, const Vec3& normal) const;
+  PlaneSupports supports_on(std::uint32_t body, std::uint32_t index, const Flat& flat, Tick tick);
+  /// How a body with such a twist stays on what it touches, if it does.
+  std::optional<PlaneStay> stay_of(std::uint32_t body, std::uint32_t index, std::uint32_t face,
+                                   const Twist& twist, Tick tick);
+  /// What carries a body that stays on a plane, for the decision about rest.
+  void note_plane_supports(std::uint32_t body, Tick tick);
   /// A body that has just begun a segment may keep its place.
   void note_place(std::uint32_t body);
   /// Counts a collision of a body; how many it had at this tick.
@@ -410,6 +445,11 @@ class World {
   std::vector<std::uint8_t> started_;
   std::vector<Turning> turning_;
   std::vector<Supports> supports_;  ///< by body; empty if no body can stay on anything
+  struct AtRest {
+    std::vector<TouchRecord> touches;
+    std::vector<std::uint32_t> supporters;
+  };
+  std::vector<AtRest> at_rest_;     ///< by body, as they start; empty if none starts at rest
   TickCount alone_for_ = 0;         ///< a sphere stays only if it has met no body for so long
   std::vector<PointPiece> points_;  ///< of spheres
   std::vector<ConvexView> parts_;   ///< of all bodies

@@ -41,6 +41,24 @@ class World::AtEvent {
     return is_round(body) && !world_.supports_.empty() &&
            constants(body).inertia.symmetry == InertiaSymmetry::spherical;
   }
+  bool may_lie(std::uint32_t body, std::uint32_t index) const {
+    return !is_round(body) && !world_.supports_.empty() && index < statics().piece_count();
+  }
+  std::optional<std::uint32_t> face_met(std::uint32_t index, const Vec3& normal) const {
+    return world_.face_met(index, normal);
+  }
+  std::optional<PlaneStay> lying(std::uint32_t body, std::uint32_t index, std::uint32_t face,
+                                 const Twist& twist) {
+    return world_.stay_of(body, index, face, twist, tick());
+  }
+  Twist lifted(std::uint32_t body, const Twist& twist) {
+    const Vec3& normal =
+        world_.flat_of(supports(body).features[0], supports(body).features[1]).normal;
+    RigidImpactBody leaver = world_.rigid_body(body, tick());
+    leaver.twist = twist;
+    return rigid_hop(leaver, leaver.pose.position_m - reach_m(body) * normal, normal,
+                     contact::hop_speed_mps(slow()));
+  }
   bool stays(std::uint32_t body) const { return world_.stays_on_faces(body); }
   Supports& supports(std::uint32_t body) { return world_.supports_[body]; }
   LastingContact lasting_contact(std::uint32_t body, std::uint32_t feature) const {
@@ -129,7 +147,9 @@ class World::AtEvent {
   }
 
   void notes_corners(std::uint32_t body) {
-    if (!is_round(body)) world_.note_near_corners(body, tick());
+    if (is_round(body)) return;
+    if (stays(body)) world_.note_plane_supports(body, tick());
+    world_.note_near_corners(body, tick());
   }
   void learns(std::uint32_t body) { world_.note_contact_state(body); }
   /// Its partners are asked next, and it may come to rest on them.
@@ -139,6 +159,9 @@ class World::AtEvent {
       world_.make_live(partner);
       if (world_.history_builder_) world_.history_builder_->takes_part(partner);
     });
+  }
+  void is_read(std::uint32_t member, std::uint32_t /*asker*/) {
+    if (world_.history_builder_) world_.history_builder_->takes_part(member);
   }
   void wakes(std::uint32_t body, std::uint32_t /*from*/, bool /*rested*/) {
     world_.make_live(body);

@@ -261,6 +261,7 @@ Prediction World::predict_static(std::uint32_t body, std::uint32_t index, Tick n
                                  std::uint32_t& search, Tick until) {
   if (segments_[body].mode == MotionMode::resting) return {};
   if (constants_[body].is_sphere) return look_static(body, index, now, search, until);
+  if (stays_on_faces(body) && supports_[body].holds(index)) return {};
   for (PieceSearch& part : searches_.fresh(search, constants_[body].part_count))
     part.next = flights_[body].begin;
   return look_static(body, index, now, search, until);

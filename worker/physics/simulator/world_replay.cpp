@@ -146,6 +146,8 @@ void World::restore(const HistoryEvent& event) {
       }
     } else if (is_surface(key.lower, key.higher & ~k_static)) {
       restore_surface(event);
+    } else if (!supports_.empty() && !constants_[key.lower].is_sphere) {
+      supports_[key.lower].hits(key.higher & ~k_static, key.tick, alone_for_);
     }
   }
   std::size_t touch = 0;

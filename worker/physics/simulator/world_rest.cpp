@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "worker/physics/collision/piece_corners.h"
 #include "worker/physics/contact/contact_events.h"
-#include "worker/physics/distance/round_distance.h"
 #include "worker/physics/simulator/world.h"
 #include "worker/physics/simulator/world_at_event.h"
 
@@ -14,19 +14,6 @@ namespace {
 /// Corners near a touch (k_near_corner) carry only where both touch the same face: normals this
 /// much alike.
 constexpr double k_same_face_cosine = 0.98;
-
-/// Calls found(point, in the world) for the corners of a polyhedron, or for the points of a round
-/// piece that reach about as far as it does along a direction.
-template <class Found>
-void for_each_corner(const MovingPiece& of, const Vec3& direction, double near_m,
-                     const Found& found) {
-  if (is_round(of)) {
-    for_each_point_near(*of.view, of.pose, direction, near_m, found);
-    return;
-  }
-  for (std::size_t i = 0; i < of.view->vertex_count; ++i)
-    found(to_world(of.pose, of.view->vertices_m[i]));
-}
 
 /// Calls found(corner, normal) for the corners of a piece that are near a face of another one, or
 /// near a round one; the normal points out of that. `direction`: from the piece towards the other.
@@ -42,16 +29,21 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& di
       return;
     }
     const Vec3 local_m = transposed_product(near.pose.rotation, corner_m - near.pose.position_m);
+    const Vec3 towards = transposed_product(near.pose.rotation, direction);
     double above_m = -std::numeric_limits<double>::infinity();
+    // Of the faces that it is near to, the one that is most across: flush sides are others.
     std::size_t face = 0;
+    double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < near.view->face_count && above_m <= near_m; ++k) {
-      const double height_m =
-          math::dot(near.view->faces[k].normal, local_m) - near.view->faces[k].offset_m;
-      if (height_m <= above_m) continue;
-      above_m = height_m;
+      const Face& one = near.view->faces[k];
+      const double height_m = math::dot(one.normal, local_m) - one.offset_m;
+      above_m = std::max(above_m, height_m);
+      const double along = math::dot(one.normal, towards);
+      if (height_m < -near_m || along >= least) continue;
+      least = along;
       face = k;
     }
-    if (above_m <= near_m)
+    if (above_m <= near_m && least < 0)
       found(corner_m, math::product(near.pose.rotation, near.view->faces[face].normal));
   });
 }
@@ -77,13 +69,14 @@ void World::note_near_corners(std::uint32_t body, Tick tick) {
           return earlier.partner == touch.partner && earlier.feature == touch.feature &&
                  math::dot(earlier.normal, touch.normal) > k_same_face_cosine;
         });
-    if (!seen) note_corners_like(body, touch, tick);
+    if (seen) continue;
+    corners_like(body, touch, tick, k_near_corner * constants_[body].reach_m,
+                 [this, body](const TouchRecord& near) { resting_.still_touches(body, near); });
   }
 }
 
-/// All corners that touch, or nearly touch, the same face as a touch was at.
-void World::note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick) {
-  const double near_m = k_near_corner * constants_[body].reach_m;
+void World::corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick, double near_m,
+                         const std::function<void(const TouchRecord&)>& found) {
   const Vec3 centre_m = position_at(segments_[body].flight, tick);
   const bool has_map = touch.partner == k_static_partner && !is_surface(body, touch.feature) &&
                        statics_.friction_map(touch.feature) != nullptr;
@@ -94,7 +87,7 @@ void World::note_corners_like(std::uint32_t body, const TouchRecord& touch, Tick
     near.normal = normal;
     near.arm_m = at_m - centre_m;
     if (has_map) near.friction = law_of_static(body, touch.feature, at_m).friction;
-    resting_.still_touches(body, near);
+    found(near);
   };
   const auto note_both = [&](const MovingPiece& own, const MovingPiece& other) {
     corners_near(own, other, -touch.normal, near_m, note);

@@ -24,6 +24,7 @@ plan::FailureKind kind_of(physics::SceneError::Kind kind) {
     case Kind::bad_mass:
     case Kind::bad_shape:
     case Kind::bad_reference:
+    case Kind::no_balance:
       return plan::FailureKind::scene_refused;
     case Kind::overlap:             // known outcomes are not asked about
     case Kind::incomplete_history:  // a void replay is followed by a whole simulation

@@ -37,7 +37,7 @@ inline Vec3 place_at(const Segment& segment, Tick tick) {
   return flight.position_m + s * flight.velocity_mps + (0.5 * s * s) * flight.acceleration_mps2;
 }
 
-/// The turn of a sphere whose angular velocity changes evenly, by many small steps.
+/// The turn of a body whose angular velocity changes evenly, by many small steps.
 inline Quat turn_in_contact(const Segment& segment, double s) {
   constexpr int k_steps = 20'000;
   const double h = s / k_steps;
@@ -56,9 +56,9 @@ inline Quat turn_in_contact(const Segment& segment, double s) {
 inline Quat turn_at(const Segment& segment, const Inertia& inertia, Tick tick) {
   const FreeFlight& flight = segment.flight;
   if (segment.mode == MotionMode::resting) return flight.orientation;
-  if (inertia.symmetry != InertiaSymmetry::spherical) return orientation_at(flight, inertia, tick);
   const double s = static_cast<double>(tick.value - flight.begin.value) * 0x1p-30;
   if (in_contact(segment)) return turn_in_contact(segment, s);
+  if (inertia.symmetry != InertiaSymmetry::spherical) return orientation_at(flight, inertia, tick);
   const Vec3& w = flight.angular_velocity_radps;
   const double rate = std::sqrt(w.x() * w.x() + w.y() * w.y() + w.z() * w.z());
   if (rate == 0) return flight.orientation;

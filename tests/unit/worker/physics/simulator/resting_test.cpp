@@ -260,7 +260,9 @@ TEST(Resting, NothingHangsInTheAir) {
     again.slow.rest_speed_mps = 0;
     for (std::uint32_t body = 0; body < again.bodies.size(); ++body) {
       const FreeFlight& flight = run.recording.segments({body}).back().segment.flight;
-      again.bodies[body].start = {.pose = {flight.position_m, flight.orientation}, .twist = {}};
+      // Some rest within touch of the floor, where nothing may start.
+      again.bodies[body].start = {
+          .pose = {flight.position_m + Vec3(0, 0, 2 * k_touch_m), flight.orientation}, .twist = {}};
       again.bodies[body].start_tick = {};
     }
     const RecordedRun released = testing::recorded(again, 0.03);

@@ -118,7 +118,7 @@ TEST(Reuse, ReplayingMakesNoDifference) {
     fmt::print("seed {}: {}: {} runs, {} failed; events: {} replayed, {} simulated, {} without\n",
                k_seed, kind, tally.runs, tally.failed, tally.replayed, tally.simulated, tally.all);
     if (!property::all_cases()) continue;
-    EXPECT_GT(tally.replayed, tally.simulated / 50) << kind;
+    EXPECT_GT(tally.replayed, tally.simulated / 60) << kind;
     EXPECT_LT(tally.failed, tally.runs / 2) << kind;
   }
 }

@@ -1,0 +1,213 @@
+// Bodies that start at rest: pins, a stack, an arch; what is refused, and what wakes them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "common/math/rotation.h"
+#include "common/math/vector.h"
+#include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "tests/unit/worker/physics/simulator/reuse_runs.h"
+#include "worker/physics/shape/mass_properties.h"
+#include "worker/physics/shape/round_solids.h"
+
+namespace sleight::physics {
+namespace {
+
+using std::numbers::pi;
+using testing::RecordedRun;
+
+constexpr double k_g_mps2 = 9.81;
+
+Scene floor_scene(double size_m, double friction) {
+  Scene scene;
+  scene.gravity_mps2 = {0, 0, -k_g_mps2};
+  scene.contacts = ContactTable(1, {.restitution = 0.3, .friction = friction});
+  scene.slow = slow_contacts_of(size_m, k_g_mps2);
+  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+  return scene;
+}
+
+/// A body of the hull of some points, where these are.
+BodyDescription hull_at(const std::string& name, const std::vector<Vec3>& points_m) {
+  const ConvexPolyhedron polyhedron = convex_hull(points_m).value();
+  const BodyShape shape = in_body_frame({&polyhedron, 1}, 1000, InertiaSymmetry::general).value();
+  return {.name = name,
+          .shape = std::make_shared<const Compound>(Compound{shape.parts}),
+          .inertia = shape.inertia,
+          .start = {.pose = shape.frame, .twist = {}},
+          .rests = true};
+}
+BodyDescription box_at(const std::string& name, const Vec3& sides_m, const Vec3& centre_m) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back(centre_m + 0.5 * Vec3((i & 1) != 0 ? sides_m.x() : -sides_m.x(),
+                                            (i & 2) != 0 ? sides_m.y() : -sides_m.y(),
+                                            (i & 4) != 0 ? sides_m.z() : -sides_m.z()));
+  return hull_at(name, corners);
+}
+
+/// Ten pins on their spots, a foot apart.
+Scene pins() {
+  Scene scene = floor_scene(0.12, 0.5);
+  const RoundSolid pin = bowling_pin(1.55).value();
+  const auto shape =
+      std::make_shared<const Compound>(Compound{.parts = {}, .round_parts = pin.parts});
+  for (int row = 0; row < 4; ++row) {
+    for (int i = 0; i <= row; ++i)
+      scene.bodies.push_back(
+          {.name = fmt::format("pin {}", scene.bodies.size() + 1),
+           .shape = shape,
+           .inertia = pin.inertia,
+           .start = {.pose = {.position_m = {0.264 * row, 0.3048 * (i - 0.5 * row), pin.foot_m}},
+                     .twist = {}},
+           .rests = true});
+  }
+  return scene;
+}
+
+/// A half circle of stones of mean radius 1 that lean on each other.
+Scene arch(int count, double thickness, double friction) {
+  Scene scene = floor_scene(0.2, friction);
+  const double half = 0.5 * pi / count;
+  for (int i = 0; i < count; ++i) {
+    std::vector<Vec3> corners;
+    for (const double angle : {2 * i * half, 2 * (i + 1) * half}) {
+      for (const double r : {1 - 0.5 * thickness, 1 + 0.5 * thickness}) {
+        for (const double y : {-0.1, 0.1})
+          corners.emplace_back(r * std::cos(angle), y, r * std::sin(angle));
+      }
+    }
+    scene.bodies.push_back(hull_at(fmt::format("stone {}", i + 1), corners));
+  }
+  return scene;
+}
+
+/// What happens in a minute.
+void expect_nothing_happens(const Scene& scene) {
+  const RecordedRun run = testing::recorded(scene, 60);
+  ASSERT_EQ(run.error, "");
+  EXPECT_EQ(run.counts.collisions + run.counts.static_collisions + run.counts.modes +
+                run.counts.rest_decisions,
+            0U);
+  for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) {
+    ASSERT_EQ(run.recording.segments({body}).size(), 1U);
+    EXPECT_EQ(run.recording.segments({body}).front().segment.mode, MotionMode::resting);
+  }
+}
+
+TEST(AtRest, PinsAStackAndAnArchStandForAMinute) {
+  // Goal: not one event. Method: counts.
+  expect_nothing_happens(pins());
+  Scene stack = floor_scene(0.1, 0.5);
+  for (int i = 0; i < 3; ++i)
+    stack.bodies.push_back(
+        box_at(fmt::format("cube {}", i), {0.1, 0.1, 0.1}, {0.01 * i, 0, 0.05 + 0.1 * i}));
+  expect_nothing_happens(stack);
+  expect_nothing_happens(arch(15, 0.13, 0.7));
+}
+
+std::string refusal_of(const Scene& scene) {
+  const auto started = Simulation::start(scene, {});
+  return started.ok() ? "" : started.error().message;
+}
+
+TEST(AtRest, WhatIsNotInBalanceIsNamed) {
+  // Goal: an error names the body and what it lacks, and is the scene's fault. Method: an arch
+  // that is too thin, a block on a slope, one that leans too far, one in the air, one that overlaps
+  // another, and ones that may not start so.
+  const Scene thin = arch(15, 0.09, 0.7);
+  EXPECT_NE(refusal_of(thin).find("stone"), std::string::npos) << refusal_of(thin);
+  EXPECT_NE(refusal_of(thin).find("topple or fall"), std::string::npos) << refusal_of(thin);
+  EXPECT_FALSE(is_failure(Simulation::start(thin, {}).error().kind));
+
+  Scene slope = floor_scene(0.1, 0.3);
+  slope.gravity_mps2 = k_g_mps2 * Vec3(std::sin(0.35), 0, -std::cos(0.35));
+  slope.bodies.push_back(box_at("block", {0.1, 0.1, 0.03}, {0, 0, 0.015}));
+  EXPECT_NE(refusal_of(slope).find("body 'block' can't start at rest"), std::string::npos);
+  EXPECT_NE(refusal_of(slope).find("slide, as friction is too small"), std::string::npos)
+      << refusal_of(slope);
+
+  Scene leans = floor_scene(0.1, 0.5);
+  leans.bodies.push_back(box_at("lower", {0.1, 0.1, 0.1}, {0, 0, 0.05}));
+  leans.bodies.push_back(box_at("upper", {0.1, 0.1, 0.1}, {0.06, 0, 0.15}));
+  EXPECT_NE(refusal_of(leans).find("'upper'"), std::string::npos) << refusal_of(leans);
+  EXPECT_NE(refusal_of(leans).find("body 'lower'"), std::string::npos) << refusal_of(leans);
+
+  Scene air = floor_scene(0.1, 0.5);
+  air.bodies.push_back(box_at("kite", {0.1, 0.1, 0.1}, {0, 0, 0.0501}));
+  EXPECT_NE(refusal_of(air).find("it touches neither"), std::string::npos) << refusal_of(air);
+
+  Scene overlaps = floor_scene(0.1, 0.5);
+  overlaps.bodies.push_back(box_at("one", {0.1, 0.1, 0.1}, {0, 0, 0.05}));
+  overlaps.bodies.push_back(box_at("other", {0.1, 0.1, 0.1}, {0, 0, 0.14}));
+  EXPECT_NE(refusal_of(overlaps).find("it overlaps body 'one'"), std::string::npos)
+      << refusal_of(overlaps);
+
+  Scene late = pins();
+  late.bodies[3].start_tick = Tick{5};
+  EXPECT_NE(refusal_of(late).find("'pin 4'"), std::string::npos) << refusal_of(late);
+  Scene restless = pins();
+  restless.slow.rest_speed_mps = 0;
+  EXPECT_NE(refusal_of(restless).find("let bodies rest"), std::string::npos)
+      << refusal_of(restless);
+}
+
+TEST(AtRest, ABallWakesThePinsThatItHits) {
+  // Goal: what starts at rest is like what came to rest: a blow wakes it, and what leans on what
+  // leaves wakes too. Method: a bowling ball into the pins; a stone knocked out of the arch.
+  Scene scene = pins();
+  scene.bodies.push_back(
+      {.name = "ball",
+       .shape = Sphere{.radius_m = 0.108},
+       .inertia = solid_ball_inertia(6.8, 0.108),
+       .start = {.pose = {.position_m = {-0.6, 0.02, 0.1081}},
+                 .twist = {.velocity_mps = {7, 0, 0}, .angular_velocity_radps = {0, 60, 0}}}});
+  const RecordedRun run = testing::recorded(scene, 2);
+  ASSERT_EQ(run.error, "");
+  int fallen = 0;
+  for (std::uint32_t pin = 0; pin < 10; ++pin)
+    fallen += run.recording.segments({pin}).size() > 1 ? 1 : 0;
+  EXPECT_GT(fallen, 5);
+
+  Scene vault = arch(15, 0.14, 0.7);
+  vault.controls.push_back(
+      {.tick = Tick{} + ticks_after(0.5), .body = {3}, .velocity_change_mps = {0, 4, 0}});
+  const RecordedRun falls = testing::recorded(vault, 3);
+  ASSERT_EQ(falls.error, "");
+  for (std::uint32_t stone = 4; stone < 12; ++stone) {
+    const Segment& last = falls.recording.segments({stone}).back().segment;
+    EXPECT_LT(testing::place_at(last, falls.recording.end()).z(), 0.5) << stone;
+  }
+}
+
+TEST(AtRest, ReplaysAreTheSame) {
+  // Goal: histories of such scenes. Method: other balls into the same pins, with and without the
+  // history of the first; and pins of which one stands elsewhere.
+  Scene scene = pins();
+  scene.bodies.push_back({.name = "ball",
+                          .shape = Sphere{.radius_m = 0.108},
+                          .inertia = solid_ball_inertia(6.8, 0.108),
+                          .start = {.pose = {.position_m = {-0.6, 0.02, 0.1081}},
+                                    .twist = {.velocity_mps = {5, 0, 0}}}});
+  constexpr double k_run_s = 0.3;
+  const testing::RunResult first = testing::run(scene, k_run_s);
+  for (const double y_m : {0.1, -0.3, 1.0}) {
+    Scene other = scene;
+    other.bodies.back().start.pose.position_m.y() = y_m;
+    EXPECT_EQ(testing::run(other, k_run_s, first.history).digest,
+              testing::run(other, k_run_s).digest)
+        << y_m;
+    other.bodies[9].start.pose.position_m.x() += 0.01;
+    EXPECT_EQ(testing::run(other, k_run_s, first.history).digest,
+              testing::run(other, k_run_s).digest)
+        << y_m;
+  }
+}
+
+}  // namespace
+}  // namespace sleight::physics

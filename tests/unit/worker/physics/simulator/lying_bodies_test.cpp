@@ -1,0 +1,252 @@
+// Bodies that stay on planes: how many events they take, where friction lets them stand, what ends
+// their stay.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "common/math/rotation.h"
+#include "common/math/vector.h"
+#include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "worker/physics/scene/friction_map.h"
+#include "worker/physics/shape/mass_properties.h"
+#include "worker/physics/shape/round_solids.h"
+
+namespace sleight::physics {
+namespace {
+
+using std::numbers::pi;
+using testing::RecordedRun;
+
+constexpr double k_g_mps2 = 9.81;
+
+/// A floor, level or falling towards x.
+Scene floor_scene(double size_m, const SurfaceLaw& law, double slope = 0) {
+  Scene scene;
+  scene.gravity_mps2 = k_g_mps2 * Vec3(std::sin(slope), 0, -std::cos(slope));
+  scene.contacts = ContactTable(1, law);
+  scene.slow = slow_contacts_of(size_m, k_g_mps2);
+  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+  return scene;
+}
+
+/// A box that stands on the floor, but for a micrometre.
+BodyDescription box_at(const Vec3& sides_m, double yaw, const Twist& twist) {
+  const ConvexPolyhedron polyhedron = box(sides_m).value();
+  const BodyShape shape = in_body_frame({&polyhedron, 1}, 1000, InertiaSymmetry::general).value();
+  return {.name = {},
+          .shape = std::make_shared<const Compound>(Compound{shape.parts}),
+          .inertia = shape.inertia,
+          .start = {.pose = {.position_m = {0, 0, 0.5 * sides_m.z() + 1e-6},
+                             .orientation =
+                                 math::composed(math::quaternion_of_rotation_vector({0, 0, yaw}),
+                                                shape.frame.orientation)},
+                    .twist = twist}};
+}
+
+std::uint64_t events_of(const RecordedRun& run) {
+  return run.counts.static_collisions + run.counts.modes + run.counts.rests;
+}
+const Segment& last_segment(const RecordedRun& run) {
+  return run.recording.segments({0}).back().segment;
+}
+
+TEST(LyingBodies, ACubeSlidesAMetreInAFewEvents) {
+  // Goal: at most 50 events, and a stop at v^2 / (2 mu g) to 1%. Method: counts; closed form.
+  for (const double yaw : {0.0, 0.5}) {
+    Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0.3});
+    const double speed_mps = std::sqrt(2 * 0.3 * k_g_mps2);
+    scene.bodies.push_back(box_at({0.1, 0.1, 0.1}, yaw, {.velocity_mps = {speed_mps, 0, 0}}));
+    const RecordedRun run = testing::recorded(scene, 2);
+    ASSERT_EQ(run.error, "");
+    EXPECT_LE(events_of(run), 50U);
+    EXPECT_EQ(last_segment(run).mode, MotionMode::resting);
+    EXPECT_NEAR(last_segment(run).flight.position_m.x(), 1, 0.01);
+    EXPECT_NEAR(last_segment(run).flight.position_m.y(), 0, 1e-3);
+  }
+}
+
+TEST(LyingBodies, AnyThrowIsCaughtSoon) {
+  // Goal: what comes down tumbling bounces until it lies, then slides in pieces. Method: cubes
+  // dropped tilted, with speed; the last of their ways is no bounce, and they rest.
+  for (int i = 0; i < 20; ++i) {
+    Scene scene = floor_scene(0.1, {.restitution = 0.4, .friction = 0.3});
+    scene.bodies.push_back(box_at(
+        {0.1, 0.08, 0.05}, 0.1 * i,
+        {.velocity_mps = {1.5, 0.2 * i, 0}, .angular_velocity_radps = {0.5 * i, 3, -0.7 * i}}));
+    scene.bodies[0].start.pose.position_m.z() += 0.1;
+    const RecordedRun run = testing::recorded(scene, 4);
+    ASSERT_EQ(run.error, "");
+    EXPECT_EQ(last_segment(run).mode, MotionMode::resting) << i;
+    EXPECT_GT(run.counts.modes, 0U) << i;
+    EXPECT_LT(events_of(run), 1000U) << i;
+  }
+}
+
+TEST(LyingBodies, ACubeStartsToSlideAtTheAngleOfFriction) {
+  // Goal: it slides if tan > mu, to 0.3 degrees, in any direction of its sides to the slope.
+  // Method: slopes on both sides.
+  for (const double friction : {0.2, 0.4}) {
+    for (const double yaw : {0.0, 0.4, pi / 4}) {
+      for (const double off : {-0.3, 0.3}) {
+        Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = friction},
+                                  std::atan(friction) + off * pi / 180);
+        scene.bodies.push_back(box_at({0.1, 0.1, 0.04}, yaw, {}));
+        const RecordedRun run = testing::recorded(scene, 2);
+        ASSERT_EQ(run.error, "");
+        const bool rests = last_segment(run).mode == MotionMode::resting;
+        EXPECT_EQ(rests, off < 0) << friction << " " << yaw;
+        const double way_m = testing::place_at(last_segment(run), run.recording.end()).x();
+        EXPECT_EQ(way_m < 1e-3, off < 0) << way_m;
+      }
+    }
+  }
+}
+
+TEST(LyingBodies, ABoxTopplesOverItsEdge) {
+  // Goal: on a rough slope it topples if tan > b / h, to 0.3 degrees. Method: slopes on both sides;
+  // what has toppled lies lower.
+  for (const double off : {-0.3, 0.3}) {
+    Scene scene =
+        floor_scene(0.1, {.restitution = 0.3, .friction = 1}, std::atan(0.5) + off * pi / 180);
+    scene.bodies.push_back(box_at({0.05, 0.05, 0.1}, 0, {}));
+    const RecordedRun run = testing::recorded(scene, 3);
+    ASSERT_EQ(run.error, "");
+    const double height_m = testing::place_at(last_segment(run), run.recording.end()).z();
+    EXPECT_EQ(height_m<0.04, off> 0) << height_m;
+  }
+}
+
+TEST(LyingBodies, AWallEndsAStay) {
+  // Goal: a hit is an event like any other. Method: a cube slides into a wall, comes back and
+  // rests; it stays out of the wall.
+  Scene scene = floor_scene(0.1, {.restitution = 0.5, .friction = 0.1});
+  scene.planes.push_back({.name = "wall", .outside = {.normal = {-1, 0, 0}, .offset_m = -0.5}});
+  scene.bodies.push_back(box_at({0.1, 0.1, 0.1}, 0, {.velocity_mps = {2, 0, 0}}));
+  const RecordedRun run = testing::recorded(scene, 3);
+  ASSERT_EQ(run.error, "");
+  EXPECT_EQ(last_segment(run).mode, MotionMode::resting);
+  EXPECT_LT(last_segment(run).flight.position_m.x(), 0.4);
+  for (const auto& [segment, cause] : run.recording.segments({0}))
+    EXPECT_LT(segment.flight.position_m.x(), 0.45 + 1e-6);
+}
+
+TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
+  // Goal: on the face of a static block a box slides as on a plane, to its edge; it stays if its
+  // centre does, and falls if not. Method: throws that would end before and behind the edge.
+  for (const double way_m : {0.3, 0.45, 0.6}) {
+    Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0.3});
+    scene.convexes.push_back({.name = "table",
+                              .polyhedron = std::make_shared<const ConvexPolyhedron>(
+                                  convex_hull(std::vector<Vec3>{{-0.5, -0.5, 0},
+                                                                {0.5, -0.5, 0},
+                                                                {-0.5, 0.5, 0},
+                                                                {0.5, 0.5, 0},
+                                                                {-0.5, -0.5, 0.3},
+                                                                {0.5, -0.5, 0.3},
+                                                                {-0.5, 0.5, 0.3},
+                                                                {0.5, 0.5, 0.3}})
+                                      .value())});
+    BodyDescription box = box_at({0.1, 0.1, 0.04}, 0.2,
+                                 {.velocity_mps = {std::sqrt(2 * 0.3 * k_g_mps2 * way_m), 0, 0}});
+    box.start.pose.position_m += Vec3(0, 0, 0.3);
+    scene.bodies.push_back(box);
+    const RecordedRun run = testing::recorded(scene, 3);
+    ASSERT_EQ(run.error, "");
+    EXPECT_EQ(last_segment(run).mode, MotionMode::resting) << way_m;
+    const Vec3 end_m = last_segment(run).flight.position_m;
+    EXPECT_EQ(end_m.z() > 0.3, way_m < 0.5) << way_m;
+    // On the table's border it bounces, and friction is a little more.
+    if (way_m > 0.5) continue;
+    EXPECT_NEAR(end_m.x(), way_m, way_m < 0.4 ? 2e-3 : 2e-2);
+    EXPECT_TRUE(way_m > 0.4 || events_of(run) <= 50) << events_of(run);
+  }
+}
+
+TEST(LyingBodies, FrictionOfAMapBrakesFromItsBorderOn) {
+  // Goal: a plank that slides on ice to where it is rough stops as both say; while it lies on both
+  // each support has the friction of its place. Method: the work of friction, with the loads of a
+  // plank whose weight is spread by levers.
+  FrictionRectangle rough{
+      .u_min_m = 1, .u_max_m = 100, .v_min_m = -10, .v_max_m = 10, .friction = 0.5};
+  Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0});
+  scene.planes[0].friction_map =
+      std::make_shared<const FrictionMap>(FrictionMap::make({}, {rough}).value());
+  // Its height is next to nothing, so the loads of front and back are equal.
+  scene.bodies.push_back(box_at({0.4, 0.1, 0.002}, 0, {.velocity_mps = {1.5, 0, 0}}));
+  const RecordedRun run = testing::recorded(scene, 3);
+  ASSERT_EQ(run.error, "");
+  ASSERT_EQ(last_segment(run).mode, MotionMode::resting);
+  // Half of the weight is on the rough from 0.8 m on, all of it from 1.2 m on.
+  const double mu_g = 0.5 * k_g_mps2;
+  const double left = 1.5 * 1.5 - 2 * (0.5 * mu_g) * 0.4;
+  EXPECT_NEAR(last_segment(run).flight.position_m.x(), 1.2 + left / (2 * mu_g), 2e-3);
+  EXPECT_LT(events_of(run), 50U);
+}
+
+TEST(LyingBodies, APinRollsInItsCircle) {
+  // Goal: a lying pin rolls as a cone of 7.3 degrees, without loss, in at most 100 events a second
+  // at 0.4 m/s. Method: a pin put down level and rolling; once it lies, the circle's radius, its
+  // height and its speed.
+  Scene scene = floor_scene(0.12, {.restitution = 0.3, .friction = 0.5});
+  const RoundSolid pin = bowling_pin(1.55).value();
+  scene.bodies.push_back(
+      {.name = "pin",
+       .shape = std::make_shared<const Compound>(Compound{.parts = {}, .round_parts = pin.parts}),
+       .inertia = pin.inertia,
+       .start = {.pose = {.position_m = {0, 0, 0.064},
+                          .orientation = math::quaternion_of_rotation_vector({-pi / 2, 0, 0})},
+                 .twist = {.velocity_mps = {0.41, 0, 0},
+                           .angular_velocity_radps = {0, 0.41 / 0.06, 0}}}});
+  const RecordedRun run = testing::recorded(scene, 5);
+  ASSERT_EQ(run.error, "");
+  const auto at = [&](double span_s) -> const Segment& {
+    return *run.recording.segment_at({0}, Tick{} + ticks_after(span_s));
+  };
+  ASSERT_EQ(at(1).mode, MotionMode::rolling);
+  ASSERT_EQ(at(5).mode, MotionMode::rolling);
+  std::size_t segments = 0;
+  for (const auto& [segment, cause] : run.recording.segments({0})) {
+    const double begin_s = seconds(segment.flight.begin - Tick{});
+    if (begin_s > 1 && begin_s <= 2) ++segments;
+  }
+  EXPECT_LT(segments, 100U);
+  const FreeFlight& early = at(1).flight;
+  const FreeFlight& late = at(5).flight;
+  EXPECT_NEAR(early.position_m.z(), late.position_m.z(), 1e-9);
+  const double speed_mps = math::norm(early.velocity_mps);
+  EXPECT_NEAR(speed_mps, 0.4, 0.03);
+  EXPECT_NEAR(math::norm(late.velocity_mps) / speed_mps, 1, 1e-6);
+  const Vec3 axis = math::rotated(late.orientation, Vec3::UnitZ());
+  EXPECT_NEAR(std::asin(std::fabs(axis.z())) * 180 / pi, 7.3, 0.1);
+  // It meets the plane where the circle's middle is; the distance from there to the centre's foot.
+  const double rise = std::asin(std::fabs(axis.z()));
+  const double radius_m = late.position_m.z() / std::tan(rise);
+  const double angle = speed_mps / radius_m * seconds(late.begin - early.begin);
+  const double chord_m = math::norm(late.position_m - early.position_m);
+  EXPECT_NEAR(chord_m, 2 * radius_m * std::fabs(std::sin(0.5 * angle)), 2e-3 * radius_m);
+}
+
+TEST(LyingBodies, ACylinderRollsWithoutBounces) {
+  // Goal: what was 3,300 bounces a second is a piece, until something meets it. Method: counts of
+  // five seconds.
+  Scene scene = floor_scene(0.08, {.restitution = 0.3, .friction = 0.3});
+  const RoundSolid solid = cylinder(0.04, 0.1, 0.001, 1000).value();
+  scene.bodies.push_back(
+      {.name = "cylinder",
+       .shape = std::make_shared<const Compound>(Compound{.parts = {}, .round_parts = solid.parts}),
+       .inertia = solid.inertia,
+       .start = {.pose = {.position_m = {0, 0, 0.04 + 1e-6},
+                          .orientation = math::quaternion_of_rotation_vector({-pi / 2, 0, 0})},
+                 .twist = {.velocity_mps = {1.5, 0, 0}}}});
+  const RecordedRun run = testing::recorded(scene, 5);
+  ASSERT_EQ(run.error, "");
+  EXPECT_LT(events_of(run), 10U);
+  EXPECT_NEAR(last_segment(run).flight.velocity_mps.x(), 1, 1e-3);
+}
+
+}  // namespace
+}  // namespace sleight::physics

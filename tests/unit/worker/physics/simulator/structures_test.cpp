@@ -1,0 +1,118 @@
+// Several bodies that hold one another, or don't: stacks, a plank under a load, an arch.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "common/math/rotation.h"
+#include "common/math/vector.h"
+#include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "worker/physics/shape/mass_properties.h"
+
+namespace sleight::physics {
+namespace {
+
+using testing::RecordedRun;
+
+constexpr double k_g_mps2 = 9.81;
+
+Scene floor_scene(double size_m, const SurfaceLaw& law) {
+  Scene scene;
+  scene.gravity_mps2 = {0, 0, -k_g_mps2};
+  scene.contacts = ContactTable(1, law);
+  scene.slow = slow_contacts_of(size_m, k_g_mps2);
+  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+  return scene;
+}
+
+BodyDescription box_at(const Vec3& sides_m, const Vec3& centre_m, double density_kgpm3 = 1000) {
+  const ConvexPolyhedron polyhedron = box(sides_m).value();
+  const BodyShape shape =
+      in_body_frame({&polyhedron, 1}, density_kgpm3, InertiaSymmetry::general).value();
+  return {.name = {},
+          .shape = std::make_shared<const Compound>(Compound{shape.parts}),
+          .inertia = shape.inertia,
+          .start = {.pose = {.position_m = centre_m, .orientation = shape.frame.orientation},
+                    .twist = {}}};
+}
+
+Vec3 end_of(const RecordedRun& run, std::uint32_t body) {
+  return testing::place_at(run.recording.segments({body}).back().segment, run.recording.end());
+}
+bool rests(const RecordedRun& run, std::uint32_t body) {
+  return run.recording.segments({body}).back().segment.mode == MotionMode::resting;
+}
+
+TEST(Structures, FourBlocksFallThatStandOneByOne) {
+  // Goal: blocks each 0.3 of a width further out fall, though each stands on the next; at 0.2 they
+  // stay. Method: put down with micrometres between them.
+  for (const double step : {0.2, 0.3}) {
+    Scene scene = floor_scene(0.05, {.restitution = 0.2, .friction = 0.6});
+    for (int i = 0; i < 4; ++i)
+      scene.bodies.push_back(
+          box_at({0.1, 0.1, 0.03}, {0.1 * step * i, 0, 0.015 + (0.03 + 2e-6) * i + 1e-6}));
+    const RecordedRun run = testing::recorded(scene, 3);
+    ASSERT_EQ(run.error, "");
+    const bool stands = end_of(run, 3).z() > 0.1;
+    EXPECT_EQ(stands, step < 0.25) << step;
+    for (std::uint32_t body = 0; body < 4; ++body)
+      EXPECT_TRUE(rests(run, body)) << step << ", block " << body;
+  }
+}
+
+TEST(Structures, APlankTipsUnderAGentleLoad) {
+  // Goal: a plank at rest over an edge tips when what is put on its free end is heavy enough, and
+  // holds it if not, without a blow that would wake it. Method: a plank of 1 that hangs over by
+  // half of its length less a tenth, and weights of some parts of it, put down from a micrometre.
+  for (const double load : {0.1, 0.4}) {
+    Scene scene = floor_scene(0.05, {.restitution = 0.2, .friction = 0.6});
+    scene.convexes.push_back({.name = "step",
+                              .polyhedron = std::make_shared<const ConvexPolyhedron>(
+                                  convex_hull(std::vector<Vec3>{{-1, -1, 0},
+                                                                {0, -1, 0},
+                                                                {-1, 1, 0},
+                                                                {0, 1, 0},
+                                                                {-1, -1, 0.2},
+                                                                {0, -1, 0.2},
+                                                                {-1, 1, 0.2},
+                                                                {0, 1, 0.2}})
+                                      .value())});
+    // Its centre lies 0.05 inside of the edge, its end 0.2 outside.
+    scene.bodies.push_back(box_at({0.5, 0.1, 0.02}, {-0.05, 0, 0.21 + 1e-6}));
+    const Vec3 size(0.04, 0.04, 0.03);
+    BodyDescription weight = box_at(size, {0.18, 0, 0.22 + 0.015 + 5e-6});
+    const double share = load * scene.bodies[0].inertia.mass_kg / weight.inertia.mass_kg;
+    weight.inertia.mass_kg *= share;
+    weight.inertia.principal_kgm2 *= share;
+    weight.start_tick = Tick{} + ticks_after(0.5);
+    scene.bodies.push_back(weight);
+    const RecordedRun run = testing::recorded(scene, 4);
+    ASSERT_EQ(run.error, "");
+    ASSERT_EQ(run.recording.segment_at({0}, Tick{} + ticks_after(0.5) - 1)->mode,
+              MotionMode::resting);
+    // Moments about the edge: 0.05 against 0.18 of the load.
+    EXPECT_EQ(end_of(run, 1).z() < 0.2, load * 0.18 > 0.05) << load;
+    EXPECT_TRUE(rests(run, 0));
+    EXPECT_TRUE(rests(run, 1));
+  }
+}
+
+TEST(Structures, ATowerOfTwentyCubesStands) {
+  // Goal: the load of twenty is borne by the lowest. Method: put down one on another.
+  Scene scene = floor_scene(0.04, {.restitution = 0.2, .friction = 0.5});
+  for (int i = 0; i < 20; ++i)
+    scene.bodies.push_back(
+        box_at({0.04, 0.04, 0.04}, {0.0002 * (i % 3), 0, 0.02 + (0.04 + 2e-6) * i + 1e-6}));
+  const RecordedRun run = testing::recorded(scene, 2);
+  ASSERT_EQ(run.error, "");
+  for (std::uint32_t body = 0; body < 20; ++body) {
+    EXPECT_TRUE(rests(run, body)) << body;
+    EXPECT_NEAR(end_of(run, body).z(), 0.02 + 0.04 * body, 2e-4);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::physics

@@ -1,0 +1,82 @@
+#include "worker/physics/contact/plane_stay.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/vector.h"
+
+namespace sleight::physics {
+namespace {
+
+using math::cross;
+using math::dot;
+using math::norm;
+
+/// Whether what the plane takes out of a body's motion is no more than bounces are: towards it or
+/// away from it at the supports, and of what lies on a line also its slip along that and its turn
+/// about the normal.
+bool settles(const BodyOnPlane& body, const FreeFlight& now, const PlaneMotion& motion,
+             double bounce_mps) {
+  const Vec3 off_mps = now.velocity_mps - motion.start.velocity_mps;
+  const Vec3 off_radps = now.angular_velocity_radps - motion.start.angular_velocity_radps;
+  return std::ranges::all_of(body.supports, [&](const PlaneSupport& support) {
+    const Vec3 off = off_mps + cross(off_radps, support.arm_m);
+    const double up = dot(off, body.normal);
+    return std::fabs(up) <= k_settles * bounce_mps &&
+           (!motion.on_line || norm(off - up * body.normal) <= bounce_mps);
+  });
+}
+
+}  // namespace
+
+bool is_over(const Flat& flat, const Vec3& place_m) {
+  return std::ranges::all_of(
+      flat.sides, [&](const Side& side) { return dot(side.inward, place_m) - side.offset_m >= 0; });
+}
+
+std::optional<PlaneStay> stay_on_plane(const BodyOnPlane& body, const FreeFlight& now,
+                                       const Flat& flat, const SlowContacts& slow,
+                                       const Vec3& gravity_mps2) {
+  const PlaneMotion motion = plane_motion(
+      body,
+      {.velocity_mps = now.velocity_mps, .angular_velocity_radps = now.angular_velocity_radps},
+      gravity_mps2);
+  if (!motion.carried || !settles(body, now, motion, slow.separation_speed_mps))
+    return std::nullopt;
+  PlaneStay stay{.segment = {.flight = now,
+                             .angular_acceleration_radps2 = motion.angular_acceleration_radps2,
+                             .mode = motion.mode},
+                 .end = tick_after(now.begin, motion.lasts_s),
+                 .stands = motion.stands,
+                 .brakes = motion.brakes};
+  FreeFlight& flight = stay.segment.flight;
+  flight.velocity_mps = motion.start.velocity_mps;
+  flight.angular_velocity_radps = motion.start.angular_velocity_radps;
+  flight.acceleration_mps2 = motion.acceleration_mps2;
+  if (!is_zero(motion.angular_acceleration_radps2))
+    stay.end = std::min(stay.end, now.begin + k_turning_contact_span);
+  if (motion.stands) return stay;
+  // Points of what rolls come and go, but all of its line moves as the centre does.
+  const bool turns = motion.mode == MotionMode::sliding;
+  const Vec3 turn_radps = turns ? flight.angular_velocity_radps : Vec3(Vec3::Zero());
+  const Vec3 turn_radps2 = turns ? motion.angular_acceleration_radps2 : Vec3(Vec3::Zero());
+  for (const PlaneSupport& support : body.supports) {
+    const Vec3 slip = cross(turn_radps, support.arm_m);
+    const MapPath path{
+        .place_m = flight.position_m + support.arm_m,
+        .velocity_mps = flight.velocity_mps + slip,
+        .acceleration_mps2 =
+            flight.acceleration_mps2 + cross(turn_radps2, support.arm_m) + cross(turn_radps, slip)};
+    if (flat.map != nullptr)
+      stay.end = std::min(stay.end, meets_border(*flat.map, path, now.begin, stay.end));
+    for (const Side& side : flat.sides) {
+      const double leaves_s = first_fall_s(
+          std::max(0.0, dot(side.inward, path.place_m) - side.offset_m),
+          dot(side.inward, path.velocity_mps), dot(side.inward, path.acceleration_mps2));
+      stay.end = std::min(stay.end, tick_after(now.begin, leaves_s));
+    }
+  }
+  return stay;
+}
+
+}  // namespace sleight::physics
