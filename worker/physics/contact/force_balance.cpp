@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/check.h"
 #include "common/math/vector.h"
 #include "worker/physics/contact/resting.h"
 
@@ -170,6 +171,10 @@ double ForceBalance::worst_missing(std::span<const HeldBody> bodies,
 
 bool ForceBalance::holds(std::span<const HeldBody> bodies,
                          std::span<const HoldingContact> contacts) {
+  for (const HoldingContact& contact : contacts) {
+    CHECK(contact.body < bodies.size());
+    CHECK(contact.partner == HoldingContact::k_fixed || contact.partner < bodies.size());
+  }
   const std::size_t size = 6 * bodies.size();
   unit_n_ = 0;
   for (const HeldBody& body : bodies)

@@ -5,6 +5,7 @@
 
 #include "common/math/vector.h"
 #include "worker/physics/motion/rotation_bounds.h"
+#include "worker/physics/response/tangent.h"
 
 namespace sleight::physics {
 namespace {
@@ -39,11 +40,6 @@ struct Wrench {
 
 double product(const Wrench& a, const Wrench& b) {
   return math::dot(a.force, b.force) + math::dot(a.torque, b.torque);
-}
-
-Vec3 any_tangent(const Vec3& normal) {
-  const Vec3 axis = std::fabs(normal.x()) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-  return math::normalized(math::cross(normal, axis));
 }
 
 /// Pushes that contacts may give, and how much of each was needed last: weights that differ by
@@ -240,7 +236,7 @@ bool Resting::balances(std::size_t count, Tick now) {
                              .friction = touch.friction,
                              .normal = touch.normal,
                              .arm_m = touch.arm_m};
-      if (touch.partner != k_static_partner && logs_[touch.partner].in_structure == round_) {
+      if (touch.partner != k_static_partner && logs_[touch.partner].in_structure == structures_) {
         const Log& partner = logs_[touch.partner];
         contact.partner = partner.structure_place;
         contact.partner_arm_m = (log.state.centre_m + touch.arm_m) - partner.state.centre_m;

@@ -246,7 +246,7 @@ class Resting {
     std::uint32_t carried = 0;
     std::uint64_t round = 0;
     Present state{};
-    std::uint64_t in_structure = 0;     ///< the round in which it was
+    std::uint64_t in_structure = 0;     ///< the last one that it was in
     std::uint32_t structure_place = 0;  ///< in that; k_fixed if it counts as fixed
 
     std::span<const TouchRecord> touches() const { return {records.data(), count}; }
@@ -324,7 +324,8 @@ class Resting {
   std::vector<HeldBody> held_bodies_;
   std::vector<HoldingContact> holding_;
   ForceBalance balance_;
-  std::uint64_t round_ = 0;  ///< decisions so far
+  std::uint64_t round_ = 0;       ///< decisions so far
+  std::uint64_t structures_ = 0;  ///< found so far
 };
 
 class Resting::State {
@@ -431,17 +432,17 @@ inline bool Resting::settle_set(std::uint32_t body, Tick now) {
 
 template <class LooksOf>
 bool Resting::find_structure(const LooksOf& looks) {
+  // A decision may look at several, as its set loses members.
+  ++structures_;
   structure_.clear();
   const auto add = [&](std::uint32_t member) {
     Log& log = logs_[member];
-    if (log.in_structure == round_) return;
-    log.in_structure = round_;
+    if (log.in_structure == structures_) return;
+    log.in_structure = structures_;
     structure_.push_back(member);
   };
-  for (std::size_t i = 0; i < set_.size(); ++i) {
-    logs_[set_[i]].in_structure = 0;
-    add(set_[i]);
-  }
+  for (const std::uint32_t member : set_)
+    add(member);
   for (std::size_t i = 0; i < structure_.size(); ++i) {
     const Log& log = logs_[structure_[i]];
     for (const TouchRecord& touch : log.rests ? log.holding() : log.touches()) {

@@ -5,6 +5,7 @@
 
 #include "common/math/vector.h"
 #include "worker/physics/response/linear_system.h"
+#include "worker/physics/response/tangent.h"
 
 namespace sleight::physics {
 namespace {
@@ -16,17 +17,12 @@ using math::norm;
 /// A load may pull by so much of the weight, by rounding.
 constexpr double k_pulls = 1e-12;
 
-Vec3 along_plane(const Vec3& normal) {
-  const Vec3 axis = std::fabs(normal.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY();
-  return math::normalized(cross(normal, axis));
-}
-
 }  // namespace
 
 LyingBody::LyingBody(const BodyOnPlane& body, double load_mps2)
     : body_(body),
       load_mps2_(load_mps2),
-      first_(along_plane(body.normal)),
+      first_(any_tangent(body.normal)),
       second_(cross(body.normal, first_)) {
   const Vec3& n = body.normal;
   for (std::size_t i = 0; i < body.supports.size(); ++i) {

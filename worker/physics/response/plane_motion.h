@@ -24,10 +24,11 @@
 // interpolated between them.
 //
 // Invariants
-//   1. Nothing gains energy: what is taken out at the start is a projection in the metric of the
-//      masses, and friction takes energy in each piece.
+//   1. Nothing gains energy from piece to piece: what is taken out at the start is a projection in
+//      the metric of the masses, and friction takes energy in each piece. Within a piece of a
+//      circle energy is lower by up to 2.5e-4 of itself, in the middle.
 //   2. The supports keep their height: velocities and accelerations have no part along n, and spin
-//      is about n or about the axis of revolution.
+//      is about n or about the axis of revolution; of cones to 1e-9 rad in a piece.
 // Thread safety: pure functions.
 #pragma once
 

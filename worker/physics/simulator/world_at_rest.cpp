@@ -131,10 +131,8 @@ SceneError World::error_of_rest(std::uint32_t body, double missing, bool holds_i
   if (partners.empty()) {
     message = fmt::format(
         "{} can't start at rest: it touches neither static geometry nor another body that starts "
-        "at "
-        "rest, to within {} m; put it on what is to carry it, or let it start a little above and "
-        "come "
-        "to rest",
+        "at rest, to within {} m; put it on what is to carry it, or let it start a little above "
+        "and come to rest",
         name(body), k_at_rest_gap_m);
   } else {
     const std::size_t named = std::min(partners.size(), k_named);

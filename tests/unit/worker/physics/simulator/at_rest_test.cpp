@@ -24,12 +24,7 @@ using testing::RecordedRun;
 constexpr double k_g_mps2 = 9.81;
 
 Scene floor_scene(double size_m, double friction) {
-  Scene scene;
-  scene.gravity_mps2 = {0, 0, -k_g_mps2};
-  scene.contacts = ContactTable(1, {.restitution = 0.3, .friction = friction});
-  scene.slow = slow_contacts_of(size_m, k_g_mps2);
-  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
-  return scene;
+  return testing::floor_scene(size_m, {.restitution = 0.3, .friction = friction});
 }
 
 /// A body of the hull of some points, where these are.

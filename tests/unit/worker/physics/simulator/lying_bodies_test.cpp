@@ -19,19 +19,10 @@ namespace sleight::physics {
 namespace {
 
 using std::numbers::pi;
+using testing::floor_scene;
 using testing::RecordedRun;
 
 constexpr double k_g_mps2 = 9.81;
-
-/// A floor, level or falling towards x.
-Scene floor_scene(double size_m, const SurfaceLaw& law, double slope = 0) {
-  Scene scene;
-  scene.gravity_mps2 = k_g_mps2 * Vec3(std::sin(slope), 0, -std::cos(slope));
-  scene.contacts = ContactTable(1, law);
-  scene.slow = slow_contacts_of(size_m, k_g_mps2);
-  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
-  return scene;
-}
 
 /// A box that stands on the floor, but for a micrometre.
 BodyDescription box_at(const Vec3& sides_m, double yaw, const Twist& twist) {

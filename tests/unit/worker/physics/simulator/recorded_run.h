@@ -22,6 +22,17 @@ struct RecordedRun {
   std::string error;
 };
 
+/// A floor for bodies of a size, level or falling towards x.
+inline Scene floor_scene(double size_m, const SurfaceLaw& law, double slope_rad = 0) {
+  constexpr double k_gravity_mps2 = 9.81;
+  Scene scene;
+  scene.gravity_mps2 = k_gravity_mps2 * Vec3(std::sin(slope_rad), 0, -std::cos(slope_rad));
+  scene.contacts = ContactTable(1, law);
+  scene.slow = slow_contacts_of(size_m, k_gravity_mps2);
+  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
+  return scene;
+}
+
 /// A scene, run and recorded.
 inline RecordedRun recorded(const Scene& scene, double duration_s) {
   auto started = Simulation::start(scene, {});

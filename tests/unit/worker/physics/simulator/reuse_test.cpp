@@ -118,7 +118,8 @@ TEST(Reuse, ReplayingMakesNoDifference) {
     fmt::print("seed {}: {}: {} runs, {} failed; events: {} replayed, {} simulated, {} without\n",
                k_seed, kind, tally.runs, tally.failed, tally.replayed, tally.simulated, tally.all);
     if (!property::all_cases()) continue;
-    EXPECT_GT(tally.replayed, tally.simulated / 60) << kind;
+    // Stacks of cubes that are off balance topple, all of them live: 1.96% are replayed.
+    EXPECT_GT(tally.replayed, tally.simulated / (kind == "cube_stack" ? 60 : 50)) << kind;
     EXPECT_LT(tally.failed, tally.runs / 2) << kind;
   }
 }

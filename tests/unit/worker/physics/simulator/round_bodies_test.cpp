@@ -20,6 +20,7 @@ namespace sleight::physics {
 namespace {
 
 using std::numbers::pi;
+using testing::floor_scene;
 using testing::RecordedRun;
 
 constexpr double k_g_mps2 = 9.81;
@@ -30,15 +31,6 @@ BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
       .shape = std::make_shared<const Compound>(Compound{.parts = {}, .round_parts = solid.parts}),
       .inertia = solid.inertia,
       .start = start};
-}
-
-Scene floor_scene(double size_m, const SurfaceLaw& law) {
-  Scene scene;
-  scene.gravity_mps2 = {0, 0, -k_g_mps2};
-  scene.contacts = ContactTable(1, law);
-  scene.slow = slow_contacts_of(size_m, k_g_mps2);
-  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
-  return scene;
 }
 
 /// The axis z of a body along y.

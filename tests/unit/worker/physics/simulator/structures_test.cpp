@@ -15,18 +15,8 @@
 namespace sleight::physics {
 namespace {
 
+using testing::floor_scene;
 using testing::RecordedRun;
-
-constexpr double k_g_mps2 = 9.81;
-
-Scene floor_scene(double size_m, const SurfaceLaw& law) {
-  Scene scene;
-  scene.gravity_mps2 = {0, 0, -k_g_mps2};
-  scene.contacts = ContactTable(1, law);
-  scene.slow = slow_contacts_of(size_m, k_g_mps2);
-  scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
-  return scene;
-}
 
 BodyDescription box_at(const Vec3& sides_m, const Vec3& centre_m, double density_kgpm3 = 1000) {
   const ConvexPolyhedron polyhedron = box(sides_m).value();
