@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <compare>
+#include <concepts>
 #include <cstdint>
 
 namespace sleight::base {
@@ -13,6 +14,25 @@ struct Id {
   using representation = Representation;
   Representation value{};
   friend constexpr auto operator<=>(Id, Id) = default;
+};
+
+/// An index into arrays as a type of its own. It reads as its number without a cast, and a number
+/// becomes one only in so many words: Index{n}. So does an index of another kind; the two don't
+/// compare.
+template <class Tag>
+struct Index {
+  std::uint32_t value{};
+  constexpr operator std::uint32_t() const { return value; }  // NOLINT: that is its purpose
+  constexpr Index& operator++() {
+    ++value;
+    return *this;
+  }
+  friend constexpr auto operator<=>(Index, Index) = default;
+  template <class Other>
+  requires(!std::same_as<Tag, Other>) friend bool operator==(Index, Index<Other>) = delete;
+  template <class Other>
+  requires(!std::same_as<Tag, Other>) friend std::strong_ordering operator<=>(Index, Index<Other>) =
+      delete;
 };
 
 /// An independent chain, or an independent ladder of tempered replicas: the archive's `chain`.
@@ -29,5 +49,13 @@ struct fmt::formatter<sleight::base::Id<Tag, Representation>> : fmt::formatter<R
   template <class Context>
   auto format(sleight::base::Id<Tag, Representation> id, Context& context) const {
     return fmt::formatter<Representation>::format(id.value, context);
+  }
+};
+
+template <class Tag>
+struct fmt::formatter<sleight::base::Index<Tag>> : fmt::formatter<std::uint32_t> {
+  template <class Context>
+  auto format(sleight::base::Index<Tag> index, Context& context) const {
+    return fmt::formatter<std::uint32_t>::format(index.value, context);
   }
 };

@@ -26,29 +26,29 @@ class BodyBoxes {
 
   const Periods& periods() const { return periods_; }
   std::uint32_t bodies() const { return static_cast<std::uint32_t>(boxes_.size()); }
-  bool contains(std::uint32_t body) const { return present_[body] != 0; }
-  const Box& box(std::uint32_t body) const { return boxes_[body]; }
-  const CodedBox& coded(std::uint32_t body) const { return coded_[body]; }
-  CodedBox& coded(std::uint32_t body) { return coded_[body]; }
+  bool contains(BodyId body) const { return present_[body] != 0; }
+  const Box& box(BodyId body) const { return boxes_[body]; }
+  const CodedBox& coded(BodyId body) const { return coded_[body]; }
+  CodedBox& coded(BodyId body) { return coded_[body]; }
   std::span<const CodedBox> all_coded() const { return coded_; }
 
   void check_present(BodyId body) const {
     CHECK_LT(body.value, bodies());
-    CHECK(contains(body.value));
+    CHECK(contains(body));
   }
   void check_absent(BodyId body) const {
     CHECK_LT(body.value, bodies());
-    CHECK(!contains(body.value));
+    CHECK(!contains(body));
   }
 
   /// A hint to read a body's box soon.
-  void fetch(std::uint32_t body) const {
+  void fetch(BodyId body) const {
     __builtin_prefetch(&coded_[body]);
     __builtin_prefetch(&boxes_[body]);
   }
-  void add(std::uint32_t body) { present_[body] = 1; }
-  void take_away(std::uint32_t body) { present_[body] = 0; }
-  void set(std::uint32_t body, const Box& box, const CodedBox& code) {
+  void add(BodyId body) { present_[body] = 1; }
+  void take_away(BodyId body) { present_[body] = 0; }
+  void set(BodyId body, const Box& box, const CodedBox& code) {
     boxes_[body] = box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       coded_[body].start[axis] = code.start[axis];

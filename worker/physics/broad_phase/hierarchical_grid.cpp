@@ -194,7 +194,7 @@ void HierarchicalGrid::begin_query() {
   begun_.count = 0;
   if (++query_ != 0) return;
   // After 2^32 queries their numbers start again.
-  for (std::uint32_t body = 0; body < boxes_.bodies(); ++body)
+  for (BodyId body{}; body < boxes_.bodies(); ++body)
     boxes_.coded(body).width[3] = 0;
   query_ = 1;
 }
@@ -202,7 +202,7 @@ void HierarchicalGrid::begin_query() {
 void HierarchicalGrid::drop_repeated(std::size_t from) {
   std::size_t kept = from;
   for (std::size_t i = from; i < begun_.count; ++i) {
-    const std::uint32_t body = begun_.ids[i];
+    const BodyId body = begun_.ids[i];
     std::uint32_t& found = boxes_.coded(body).width[3];
     begun_.ids[kept] = body;
     kept += found != query_ ? 1 : 0;
@@ -219,7 +219,7 @@ void HierarchicalGrid::widen_reach(Level& level, const Sketch& sketch) {
   level.changes = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::uint32_t reach = 0;
-    for (const std::uint32_t body : level.members)
+    for (const BodyId body : level.members)
       reach = std::max<std::uint32_t>(reach, cells_.width(body, axis));
     level.axes[axis].reach = reach;
   }
@@ -233,7 +233,7 @@ HierarchicalGrid::Placement HierarchicalGrid::placement_of(const Box& box,
   return made;
 }
 
-void HierarchicalGrid::place(std::uint32_t body, const Placement& at) {
+void HierarchicalGrid::place(BodyId body, const Placement& at) {
   Level& level = levels_[at.number];
   level_[body] = static_cast<std::uint8_t>(at.number);
   member_at_[body] = static_cast<std::uint32_t>(level.members.size());
@@ -245,7 +245,7 @@ void HierarchicalGrid::place(std::uint32_t body, const Placement& at) {
   widen_reach(level, sketch);
 }
 
-void HierarchicalGrid::displace(std::uint32_t body) {
+void HierarchicalGrid::displace(BodyId body) {
   const std::uint32_t number = level_[body];
   Level& level = levels_[number];
   level.members[member_at_[body]] = level.members.back();
@@ -259,7 +259,7 @@ void HierarchicalGrid::displace(std::uint32_t body) {
     axis.reach = 0;
 }
 
-void HierarchicalGrid::change(std::uint32_t body, const Box& box, const CodedBox& code,
+void HierarchicalGrid::change(BodyId body, const Box& box, const CodedBox& code,
                               const Placement& to) {
   boxes_.set(body, box, code);
   if (to.number != level_[body]) {

@@ -44,10 +44,10 @@ class HierarchicalGrid {
  public:
   explicit HierarchicalGrid(const BroadPhaseOptions& options);
 
-  const Box& box(BodyId body) const { return boxes_.box(body.value); }
-  bool contains(BodyId body) const { return boxes_.contains(body.value); }
+  const Box& box(BodyId body) const { return boxes_.box(body); }
+  bool contains(BodyId body) const { return boxes_.contains(body); }
   /// A hint to read soon what a body's move needs.
-  void fetch(BodyId body) const { boxes_.fetch(body.value); }
+  void fetch(BodyId body) const { boxes_.fetch(body); }
 
   template <OverlapSink Sink>
   void insert(BodyId body, const Box& box, Sink& sink);
@@ -81,7 +81,7 @@ class HierarchicalGrid {
     std::array<Axis, 3> axes;
     std::uint32_t cell_zero = 0;  ///< number of the cell at the origin
     std::uint64_t changes = 0;    ///< since `reach` was made
-    std::vector<std::uint32_t> members;
+    std::vector<BodyId> members;
   };
   /// A box in a level's units. On an axis that repeats, it starts within the period.
   struct Extent {
@@ -110,11 +110,11 @@ class HierarchicalGrid {
 
   Placement placement_of(const Box& box, const CodedBox& code) const;
   /// Puts a body that is in no level there.
-  void place(std::uint32_t body, const Placement& at);
+  void place(BodyId body, const Placement& at);
   /// Takes a body out of its level.
-  void displace(std::uint32_t body);
+  void displace(BodyId body);
   /// Replaces a present body's box.
-  void change(std::uint32_t body, const Box& box, const CodedBox& code, const Placement& to);
+  void change(BodyId body, const Box& box, const CodedBox& code, const Placement& to);
   void widen_reach(Level& level, const Sketch& sketch);
 
   /// Writes to near_ the first blocks of all cells that a body of the level which overlaps this box
@@ -134,13 +134,13 @@ class HierarchicalGrid {
   /// Bodies, each appended if something holds, without a branch that the processor could guess
   /// wrong.
   struct Chosen {
-    std::vector<std::uint32_t> ids;
+    std::vector<BodyId> ids;
     std::size_t count = 0;
-    void add_if(bool wanted, std::uint32_t body) {
+    void add_if(bool wanted, BodyId body) {
       ids[count] = body;
       count += wanted ? 1 : 0;
     }
-    std::span<const std::uint32_t> all() const { return {ids.data(), count}; }
+    std::span<const BodyId> all() const { return {ids.data(), count}; }
   };
 
   BodyBoxes boxes_;  ///< width[3] is the last query that found the body
@@ -169,8 +169,7 @@ void HierarchicalGrid::find_in_cells(std::size_t cells, const CellTable::Query& 
   const auto judge = [&] {
     for (; bits != 0; bits &= bits - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
-      const std::uint32_t other =
-          cells_.body(blocks[bit / CellTable::k_slots], bit % CellTable::k_slots);
+      const BodyId other{cells_.body(blocks[bit / CellTable::k_slots], bit % CellTable::k_slots)};
       begun_.add_if(test(other, boxes_.coded(other)), other);
     }
     count = 0;
@@ -205,7 +204,7 @@ void HierarchicalGrid::find_begun(const Box& box, const CodedBox& code, const Pl
       }
     }
     const std::size_t from = begun_.count;
-    for (const std::uint32_t other : level.members)
+    for (const BodyId other : level.members)
       begun_.add_if(test(other, boxes_.coded(other)), other);
     drop_repeated(from);
   }
@@ -216,19 +215,18 @@ void HierarchicalGrid::insert(BodyId body, const Box& box, Sink& sink) {
   boxes_.check_absent(body);
   const CodedBox code = boxes_.periods().coded(box);
   const Placement at = placement_of(box, code);
-  find_begun(box, code, at,
-             [&](std::uint32_t, const CodedBox& there) { return overlap(code, there); });
-  boxes_.add(body.value);
-  boxes_.set(body.value, box, code);
-  place(body.value, at);
-  for (const std::uint32_t other : begun_.all())
-    sink.begin(BodyId{other});
+  find_begun(box, code, at, [&](BodyId, const CodedBox& there) { return overlap(code, there); });
+  boxes_.add(body);
+  boxes_.set(body, box, code);
+  place(body, at);
+  for (const BodyId other : begun_.all())
+    sink.begin(other);
 }
 
 template <OverlapSink Sink>
 void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   boxes_.check_present(body);
-  const CodedBox before = boxes_.coded(body.value);
+  const CodedBox before = boxes_.coded(body);
   const CodedBox after = boxes_.periods().coded(box);
   const Placement to = placement_of(box, after);
 
@@ -236,62 +234,62 @@ void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   ended_.count = 0;
   const std::span<const BodyId> neighbours = sink.neighbours();
   for (const BodyId other : neighbours)
-    ended_.add_if(!overlap(after, boxes_.coded(other.value)), other.value);
+    ended_.add_if(!overlap(after, boxes_.coded(other)), other);
   // An overlap begins with each body that the new box overlaps and the old one did not; the old box
   // overlaps the body itself.
   begun_.count = 0;
   if (!holds(before, after)) {
-    find_begun(box, after, to, [&](std::uint32_t, const CodedBox& there) {
+    find_begun(box, after, to, [&](BodyId, const CodedBox& there) {
       return overlap(after, there) & !overlap(before, there);
     });
   }
-  change(body.value, box, after, to);
-  for (const std::uint32_t other : ended_.all())
-    sink.end(BodyId{other});
-  for (const std::uint32_t other : begun_.all())
-    sink.begin(BodyId{other});
+  change(body, box, after, to);
+  for (const BodyId other : ended_.all())
+    sink.end(other);
+  for (const BodyId other : begun_.all())
+    sink.begin(other);
 }
 
 template <OverlapSink Sink>
 void HierarchicalGrid::remove(BodyId body, Sink& sink) {
   boxes_.check_present(body);
-  displace(body.value);
-  boxes_.take_away(body.value);
+  displace(body);
+  boxes_.take_away(body);
   ended_.count = 0;
   const std::span<const BodyId> neighbours = sink.neighbours();
   for (const BodyId other : neighbours)
-    ended_.add_if(true, other.value);
-  for (const std::uint32_t other : ended_.all())
-    sink.end(BodyId{other});
+    ended_.add_if(true, other);
+  for (const BodyId other : ended_.all())
+    sink.end(other);
 }
 
 template <PairSink Sink>
 void HierarchicalGrid::move_all(std::span<const Box> boxes, Sink& sink) {
   CHECK_EQ(boxes.size(), std::size_t{boxes_.bodies()});
   before_.assign(boxes_.all_coded().begin(), boxes_.all_coded().end());
-  for (std::uint32_t body = 0; body < boxes_.bodies(); ++body) {
+  for (BodyId body{}; body < boxes_.bodies(); ++body) {
     if (!boxes_.contains(body)) continue;
     const CodedBox code = boxes_.periods().coded(boxes[body]);
     change(body, boxes[body], code, placement_of(boxes[body], code));
   }
-  for (std::uint32_t body = 0; body < boxes_.bodies(); ++body) {
+  for (BodyId body{}; body < boxes_.bodies(); ++body) {
     if (!boxes_.contains(body)) continue;
     // Each pair is told by its lower body.
     const CodedBox after = boxes_.coded(body);
     const CodedBox before = before_[body];
     ended_.count = 0;
-    const std::span<const BodyId> neighbours = sink.neighbours(BodyId{body});
+    const std::span<const BodyId> neighbours = sink.neighbours(body);
     for (const BodyId other : neighbours) {
-      ended_.add_if((other.value > body) & !overlap(after, boxes_.coded(other.value)), other.value);
+      ended_.add_if((other > body) & !overlap(after, boxes_.coded(other)), other);
     }
     const Placement at = placement_of(boxes[body], after);
-    find_begun(boxes[body], after, at, [&](std::uint32_t other, const CodedBox& there) {
+    find_begun(boxes[body], after, at, [&](BodyId other, const CodedBox& there) {
       return (other > body) & overlap(after, there) & !overlap(before, before_[other]);
     });
-    for (const std::uint32_t other : ended_.all())
-      sink.end(BodyId{body}, BodyId{other});
-    for (const std::uint32_t other : begun_.all())
-      sink.begin(BodyId{body}, BodyId{other});
+    for (const BodyId other : ended_.all())
+      sink.end(body, other);
+    for (const BodyId other : begun_.all())
+      sink.begin(body, other);
   }
 }
 

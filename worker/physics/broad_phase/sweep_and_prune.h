@@ -36,8 +36,8 @@ class SweepAndPrune {
     before_.reserve(options.bodies);
   }
 
-  const Box& box(BodyId body) const { return boxes_.box(body.value); }
-  bool contains(BodyId body) const { return boxes_.contains(body.value); }
+  const Box& box(BodyId body) const { return boxes_.box(body); }
+  bool contains(BodyId body) const { return boxes_.contains(body); }
 
   template <OverlapSink Sink>
   void insert(BodyId body, const Box& box, Sink& sink);
@@ -58,7 +58,7 @@ class SweepAndPrune {
   }
 
   /// Brings an axis' table up to date on a pair; whether that changed it.
-  bool look_again(std::size_t axis, std::uint32_t a, std::uint32_t b) {
+  bool look_again(std::size_t axis, BodyId a, BodyId b) {
     const std::uint64_t key = pair_key(a, b);
     return overlap(boxes_.coded(a).arc(axis), boxes_.coded(b).arc(axis))
                ? axis_pairs_[axis].insert(key).second
@@ -83,65 +83,65 @@ class SweepAndPrune {
   std::array<PairTable, 3> axis_pairs_;
   PairTable space_pairs_;
   std::vector<CodedBox> before_;              ///< move_all: the boxes that it replaces
-  std::vector<std::uint32_t> touched_;        ///< move: bodies whose state on some axis changed
+  std::vector<BodyId> touched_;               ///< move: bodies whose state on some axis changed
   std::vector<std::uint64_t> pairs_touched_;  ///< move_all: the same for pairs
 };
 
 template <OverlapSink Sink>
 void SweepAndPrune::insert(BodyId body, const Box& box, Sink& sink) {
   boxes_.check_absent(body);
-  boxes_.set(body.value, box, boxes_.periods().coded(box));
-  for (std::uint32_t other = 0; other < boxes_.bodies(); ++other) {
+  boxes_.set(body, box, boxes_.periods().coded(box));
+  for (BodyId other{}; other < boxes_.bodies(); ++other) {
     if (!boxes_.contains(other)) continue;
     bool changed = false;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      changed |= look_again(axis, body.value, other);
+      changed |= look_again(axis, body, other);
     if (changed)
       settle(
-          pair_key(body.value, other), [&] { sink.begin(BodyId{other}); }, [] {});
+          pair_key(body, other), [&] { sink.begin(other); }, [] {});
   }
-  boxes_.add(body.value);
+  boxes_.add(body);
   for (std::size_t axis = 0; axis < 3; ++axis)
-    rings_[axis].insert(body.value, boxes_.coded(body.value).arc(axis));
+    rings_[axis].insert(body, boxes_.coded(body).arc(axis));
 }
 
 template <OverlapSink Sink>
 void SweepAndPrune::remove(BodyId body, Sink& sink) {
   boxes_.check_present(body);
-  boxes_.take_away(body.value);
+  boxes_.take_away(body);
   for (std::size_t axis = 0; axis < 3; ++axis)
-    rings_[axis].remove(body.value);
-  const CodedBox& gone = boxes_.coded(body.value);
-  for (std::uint32_t other = 0; other < boxes_.bodies(); ++other) {
+    rings_[axis].remove(body);
+  const CodedBox& gone = boxes_.coded(body);
+  for (BodyId other{}; other < boxes_.bodies(); ++other) {
     if (!boxes_.contains(other)) continue;
-    const std::uint64_t key = pair_key(body.value, other);
+    const std::uint64_t key = pair_key(body, other);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (overlap(gone.arc(axis), boxes_.coded(other).arc(axis))) axis_pairs_[axis].erase(key);
     }
-    if (overlap(gone, boxes_.coded(other)) && space_pairs_.erase(key)) sink.end(BodyId{other});
+    if (overlap(gone, boxes_.coded(other)) && space_pairs_.erase(key)) sink.end(other);
   }
 }
 
 template <OverlapSink Sink>
 void SweepAndPrune::move(BodyId body, const Box& box, Sink& sink) {
   boxes_.check_present(body);
-  const CodedBox before = boxes_.coded(body.value);
-  boxes_.set(body.value, box, boxes_.periods().coded(box));
-  const CodedBox& after = boxes_.coded(body.value);
+  const CodedBox before = boxes_.coded(body);
+  boxes_.set(body, box, boxes_.periods().coded(box));
+  const CodedBox& after = boxes_.coded(body);
 
   // Let the extents travel on each axis, and note whose state on it changed.
   touched_.clear();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const ArcTravel by = travel(before.arc(axis), after.arc(axis), boxes_.periods().periodic(axis));
-    rings_[axis].move(body.value, by, [&](std::uint32_t other) {
-      if (look_again(axis, body.value, other)) touched_.push_back(other);
+    rings_[axis].move(body, by, [&](std::uint32_t met) {
+      const BodyId other{met};
+      if (look_again(axis, body, other)) touched_.push_back(other);
     });
   }
   // Map the changes on axes to changes in space.
-  for (const std::uint32_t other : touched_) {
+  for (const BodyId other : touched_) {
     settle(
-        pair_key(body.value, other), [&] { sink.begin(BodyId{other}); },
-        [&] { sink.end(BodyId{other}); });
+        pair_key(body, other), [&] { sink.begin(other); }, [&] { sink.end(other); });
   }
 }
 
@@ -149,7 +149,7 @@ template <PairSink Sink>
 void SweepAndPrune::move_all(std::span<const Box> boxes, Sink& sink) {
   CHECK_EQ(boxes.size(), std::size_t{boxes_.bodies()});
   before_.assign(boxes_.all_coded().begin(), boxes_.all_coded().end());
-  for (std::uint32_t body = 0; body < boxes_.bodies(); ++body) {
+  for (BodyId body{}; body < boxes_.bodies(); ++body) {
     if (boxes_.contains(body)) boxes_.set(body, boxes[body], boxes_.periods().coded(boxes[body]));
   }
 
@@ -157,11 +157,12 @@ void SweepAndPrune::move_all(std::span<const Box> boxes, Sink& sink) {
   pairs_touched_.clear();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool periodic = boxes_.periods().periodic(axis);
-    const auto travel_of = [&](std::uint32_t body) {
+    const auto travel_of = [&](std::uint32_t index) {
+      const BodyId body{index};
       return travel(before_[body].arc(axis), boxes_.coded(body).arc(axis), periodic);
     };
     rings_[axis].move_all(travel_of, [&](std::uint32_t a, std::uint32_t b) {
-      if (look_again(axis, a, b)) pairs_touched_.push_back(pair_key(a, b));
+      if (look_again(axis, {a}, {b})) pairs_touched_.push_back(pair_key(a, b));
     });
   }
   // Map the changes on axes to changes in space.

@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/physics/event/ids.h"
 #include "worker/physics/motion/rotation_bounds.h"
 
 namespace sleight::physics {
@@ -46,7 +47,7 @@ class NearPlaces {
   bool enabled() const { return !of_body_.empty(); }
 
   /// A body of a reach begins a motion; it keeps its place, gets another or has none.
-  void began(std::uint32_t body, double reach_m, const Motion& motion) {
+  void began(BodyId body, double reach_m, const Motion& motion) {
     Place& place = of_body_[body];
     const double room_m = k_room * reach_m;
     if (place.number != 0) {
@@ -64,7 +65,7 @@ class NearPlaces {
   }
 
   /// The places of a pair at a tick; 0 unless both have one until then.
-  PlacesOfPair of(std::uint32_t a, std::uint32_t b, Tick tick) const {
+  PlacesOfPair of(BodyId a, BodyId b, Tick tick) const {
     const Place& first = of_body_[a];
     const Place& second = of_body_[b];
     const bool both =
@@ -72,12 +73,10 @@ class NearPlaces {
     return both ? (PlacesOfPair{first.number} << 32U) | second.number : 0;
   }
   /// How long both have them. REQUIRES: they do.
-  Tick until(std::uint32_t a, std::uint32_t b) const {
-    return std::min(of_body_[a].until, of_body_[b].until);
-  }
+  Tick until(BodyId a, BodyId b) const { return std::min(of_body_[a].until, of_body_[b].until); }
   /// A pair that is further apart than this, at any time while it has its places, doesn't meet.
   /// REQUIRES: it has places.
-  double clear_m(std::uint32_t a, std::uint32_t b) const {
+  double clear_m(BodyId a, BodyId b) const {
     // Each may have come nearer by its room, and may still do so by twice that.
     return 2 * (of_body_[a].room_m + of_body_[b].room_m) + k_margin_m;
   }

@@ -27,6 +27,7 @@
 //                                  stayed on: supports(b) is empty then
 //   begin_rest(b)                  the same, and the body stands still
 //   count(b)                       one more collision: its number at this tick
+//   collided(b)                    all that is counted of its collisions
 //   meets(a, b, gap)               two bodies collide: for the refractory time, and for histories
 //   touches(b, record, slowly)     a body's part in a collision, for the decision about rest
 //   impact(a, b, contact, law, a_fixed, b_fixed)
@@ -67,11 +68,12 @@ namespace sleight::physics::contact {
 
 /// A table of bodies at an event, as above.
 template <class T>
-concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const Segment& segment,
-                          const TouchRecord& touch, const PieceContact& contact,
-                          const ContactLaw& law, std::span<const LastingContact> contacts) {
+concept BodiesAtEvent = requires(T& at, BodyId body, StaticId met, FeatureId feature,
+                                 const Twist& twist, const Segment& segment,
+                                 const TouchRecord& touch, const PieceContact& contact,
+                                 const ContactLaw& law, std::span<const LastingContact> contacts) {
   { at.tick() } -> std::same_as<Tick>;
-  { at.changed() } -> std::same_as<std::vector<std::uint32_t>&>;
+  { at.changed() } -> std::same_as<std::vector<BodyId>&>;
   { at.resting() } -> std::same_as<Resting&>;
   { at.statics() } -> std::convertible_to<const StaticGeometry&>;
   { at.slow() } -> std::convertible_to<const SlowContacts&>;
@@ -87,13 +89,13 @@ concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const S
   { at.fastest_point_mps(body, twist) } -> std::same_as<double>;
   { at.round_body(body) } -> std::convertible_to<RoundBody>;
   { at.may_stay(body) } -> std::same_as<bool>;
-  { at.may_lie(body, body) } -> std::same_as<bool>;
-  { at.face_met(body, Vec3{}) } -> std::same_as<std::optional<std::uint32_t>>;
-  { at.lying(body, body, body, twist) } -> std::same_as<std::optional<PlaneStay>>;
+  { at.may_lie(body, met) } -> std::same_as<bool>;
+  { at.face_met(met, Vec3{}) } -> std::same_as<std::optional<std::uint32_t>>;
+  { at.lying(body, met, std::uint32_t{}, twist) } -> std::same_as<std::optional<PlaneStay>>;
   { at.lifted(body, twist) } -> std::same_as<Twist>;
   { at.stays(body) } -> std::same_as<bool>;
   { at.supports(body) } -> std::same_as<Supports&>;
-  { at.lasting_contact(body, body) } -> std::same_as<LastingContact>;
+  { at.lasting_contact(body, feature) } -> std::same_as<LastingContact>;
   { at.stands(body, contacts) } -> std::same_as<bool>;
   { at.slow_from(body, segment, Tick{}) } -> std::same_as<Tick>;
   { at.flight_after(body, twist) } -> std::same_as<FreeFlight>;
@@ -101,6 +103,7 @@ concept Bodies = requires(T& at, std::uint32_t body, const Twist& twist, const S
   at.begin_after(body, twist);
   at.begin_rest(body);
   { at.count(body) } -> std::same_as<std::uint32_t>;
+  { at.collided(body) } -> std::same_as<const CollisionCount&>;
   at.meets(body, body, double{});
   at.touches(body, touch, bool{});
   { at.impact(body, body, contact, law, bool{}, bool{}) } -> std::same_as<ImpactOutput>;
@@ -140,9 +143,9 @@ inline double hop_speed_mps(const SlowContacts& slow) {
 // ---- who wakes ----------------------------------------------------------------------------------
 
 /// A body moves: what rested on it wakes, each where it is.
-template <Bodies At>
-void wake_dependents(At& at, std::uint32_t body) {
-  for (const std::uint32_t dependent : at.resting().wake(body)) {
+template <BodiesAtEvent At>
+void wake_dependents(At& at, BodyId body) {
+  for (const BodyId dependent : at.resting().wake(body)) {
     const bool rested = at.is_resting(dependent);
     at.wakes(dependent, body, rested);
     if (!rested) continue;
@@ -152,19 +155,19 @@ void wake_dependents(At& at, std::uint32_t body) {
 }
 
 /// Whether a body that woke without a blow has left the place in which others rest on it.
-template <Bodies At>
-bool has_left(At& at, std::uint32_t body) {
+template <BodiesAtEvent At>
+bool has_left(At& at, BodyId body) {
   if (!at.resting().in_place(body)) return false;
   return at.resting().has_left(body, at.place_of_rest(body),
                                at.fastest_point_mps(body, at.twist(body)), at.reach_m(body));
 }
 
 /// What rested on those whose motion has changed, and that have left their places, wakes.
-template <Bodies At>
+template <BodiesAtEvent At>
 void wake_on_those_that_left(At& at) {
   // The list grows by the bodies that wake; these are still in their places.
   for (std::size_t i = 0; i < at.changed().size(); ++i) {
-    const std::uint32_t body = at.changed()[i];
+    const BodyId body = at.changed()[i];
     if (at.is_resting(body) || !has_left(at, body)) continue;
     at.learns(body);
     at.resting().leave(body);
@@ -187,10 +190,10 @@ void wake_on_those_that_left(At& at) {
 
 /// Up to three features, and a sphere's contacts with them.
 struct FewContacts {
-  std::array<std::uint32_t, 3> features{};
+  std::array<FeatureId, 3> features{};
   std::array<LastingContact, 3> contacts;
   std::size_t count = 0;
-  void add(std::uint32_t feature, const LastingContact& contact) {
+  void add(FeatureId feature, const LastingContact& contact) {
     contacts[count] = contact;
     features[count++] = feature;
   }
@@ -202,23 +205,23 @@ struct FewContacts {
   }
 };
 
-/// Whether a sphere that meets a feature so slowly loses its bounce there, and may stay.
-template <Bodies At>
-bool is_caught(At& at, std::uint32_t body, std::uint32_t feature, double approach_mps,
-               double restitution, const Twist& twist) {
+/// Whether a sphere that meets something so slowly loses its bounce there, and may stay.
+template <BodiesAtEvent At>
+bool is_caught(At& at, BodyId body, StaticId met, double approach_mps, double restitution,
+               const Twist& twist) {
   if (!at.may_stay(body)) return false;
   const double slow_mps = at.slow().separation_speed_mps;
   if (restitution * approach_mps >= slow_mps ||
       at.tick() - at.supports(body).met_body < at.alone_for())
     return false;
-  return at.statics().feature(feature).kind == FeatureKind::face ||
+  return at.statics().feature({met}).kind == FeatureKind::face ||
          math::norm(twist.velocity_mps) < k_edge_speeds * slow_mps;
 }
 
 /// A sphere with such a twist goes on from what it touches: it stays on those that carry it, if any
 /// do, or flies with the other one.
-template <Bodies At>
-void begin_on_faces(At& at, std::uint32_t body, const MayStayOn& on, const Twist& twist,
+template <BodiesAtEvent At>
+void begin_on_faces(At& at, BodyId body, const MayStayOn& on, const Twist& twist,
                     const Twist& otherwise) {
   const auto stay =
       stay_on(at.round_body(body), on, at.flight_after(body, twist),
@@ -232,7 +235,7 @@ void begin_on_faces(At& at, std::uint32_t body, const MayStayOn& on, const Twist
   at.begin_segment(body, stay->segment);
   Supports& kept = at.supports(body);
   for (std::size_t i = 0; i < on.features.size(); ++i) {
-    if ((stay->subset >> i & 1U) != 0) kept.features[kept.count++] = on.features[i];
+    if ((stay->subset >> i & 1U) != 0) kept.features[kept.count++] = {on.features[i]};
   }
   kept.end = stay->end;
   kept.leaves = stay->leaves;
@@ -242,11 +245,12 @@ void begin_on_faces(At& at, std::uint32_t body, const MayStayOn& on, const Twist
 }
 
 /// The same when it has just lost its bounce on `feature`.
-template <Bodies At>
-void begin_caught(At& at, std::uint32_t body, std::uint32_t feature, const Twist& twist) {
+template <BodiesAtEvent At>
+void begin_caught(At& at, BodyId body, FeatureId feature, const Twist& twist) {
   FewContacts few;
   few.add(feature, at.lasting_contact(body, feature));
-  for (const std::uint32_t other : at.supports(body).all()) {
+  for (const StaticId met : at.supports(body).all()) {
+    const FeatureId other{met};
     if (other != feature && few.count < few.features.size())
       few.add(other, at.lasting_contact(body, other));
   }
@@ -262,13 +266,13 @@ void begin_caught(At& at, std::uint32_t body, std::uint32_t feature, const Twist
 // soon after the other: what leans on both would be pressed into one while it stays on the other.
 
 /// A body begins to stay on what is flat, or goes on to.
-template <Bodies At>
-void begin_lying(At& at, std::uint32_t body, std::uint32_t index, const PlaneStay& stay) {
+template <BodiesAtEvent At>
+void begin_lying(At& at, BodyId body, StaticId index, const PlaneStay& stay) {
   at.learns(body);
   at.begin_segment(body, stay.segment);
   Supports& kept = at.supports(body);
   kept.features[0] = index;
-  kept.features[1] = stay.face;
+  kept.face = stay.face;
   kept.count = 1;
   kept.end = stay.end;
   kept.leaves = Stay::k_none;
@@ -280,10 +284,9 @@ void begin_lying(At& at, std::uint32_t body, std::uint32_t index, const PlaneSta
 }
 
 /// How a body that collides with what is flat stays there, if it does.
-template <Bodies At>
-std::optional<PlaneStay> settling(At& at, std::uint32_t body, std::uint32_t index,
-                                  const PieceContact& contact, double restitution,
-                                  const Twist& twist) {
+template <BodiesAtEvent At>
+std::optional<PlaneStay> settling(At& at, BodyId body, StaticId index, const PieceContact& contact,
+                                  double restitution, const Twist& twist) {
   if (!at.may_lie(body, index)) return std::nullopt;
   Supports& supports = at.supports(body);
   supports.hits(index, at.tick(), at.alone_for());
@@ -296,11 +299,11 @@ std::optional<PlaneStay> settling(At& at, std::uint32_t body, std::uint32_t inde
 }
 
 /// Its mode event: it goes on otherwise, or is carried no more.
-template <Bodies At>
-void change_lying(At& at, std::uint32_t body) {
+template <BodiesAtEvent At>
+void change_lying(At& at, BodyId body) {
   const Twist twist = at.twist(body);
-  const std::uint32_t index = at.supports(body).features[0];
-  if (const auto stay = at.lying(body, index, at.supports(body).features[1], twist)) {
+  const StaticId index = at.supports(body).features[0];
+  if (const auto stay = at.lying(body, index, at.supports(body).face, twist)) {
     begin_lying(at, body, index, *stay);
     return;
   }
@@ -313,8 +316,8 @@ void change_lying(At& at, std::uint32_t body) {
 // ---- mode events --------------------------------------------------------------------------------
 
 /// A body's contact with static geometry changes.
-template <Bodies At>
-void change_mode(At& at, std::uint32_t body, bool rolled) {
+template <BodiesAtEvent At>
+void change_mode(At& at, BodyId body, bool rolled) {
   at.changed().clear();
   if (!at.is_round(body)) {
     change_lying(at, body);
@@ -324,7 +327,8 @@ void change_mode(At& at, std::uint32_t body, bool rolled) {
   const Twist twist = at.twist(body);
   // Over the border of one: what lies there is met as anything else, at once if it goes on level.
   FewContacts few;
-  for (const std::uint32_t feature : at.supports(body).all()) {
+  for (const StaticId met : at.supports(body).all()) {
+    const FeatureId feature{met};
     if (feature != at.supports(body).leaves) few.add(feature, at.lasting_contact(body, feature));
   }
   begin_on_faces(at, body, few.first(few.count, rolled), twist, twist);
@@ -333,10 +337,26 @@ void change_mode(At& at, std::uint32_t body, bool rolled) {
 
 // ---- collisions ---------------------------------------------------------------------------------
 
+/// A body at rest bears blows that push it as hard as so many times its weight. It carries less in
+/// most heaps.
+inline constexpr double k_bears_gravities = 16;
+
+/// Whether a blow wakes a resting body: by itself, or as one of many that push it on and on, each
+/// of which it could take. As if all in the window were like this one.
+template <BodiesAtEvent At>
+bool is_woken(At& at, BodyId body, double jump_mps) {
+  const double wake_mps = at.resting().wake_speed_mps();
+  if (jump_mps > wake_mps) return true;
+  // Balls that jam collide hundreds of times in a window without being pushed far: of them each
+  // blow counts alone.
+  if (at.is_round(body)) return false;
+  const double borne_mps = k_bears_gravities * math::norm(at.gravity_mps2()) * seconds(k_window);
+  return at.collided(body).in_window * jump_mps > wake_mps + borne_mps;
+}
+
 /// Two bodies collide. Whether the impact could be resolved.
-template <Bodies At>
-bool collide(At& at, std::uint32_t a, std::uint32_t b, const PieceContact& contact,
-             const SurfaceLaw& surfaces) {
+template <BodiesAtEvent At>
+bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const SurfaceLaw& surfaces) {
   at.changed().clear();
   const bool plastic = std::max(at.count(a), at.count(b)) > k_elastic_at_a_tick;
   const ContactLaw law = law_of_impact(surfaces.restitution, surfaces.friction, at.slow(), plastic);
@@ -346,9 +366,9 @@ bool collide(At& at, std::uint32_t a, std::uint32_t b, const PieceContact& conta
   ImpactOutput after = at.impact(a, b, contact, law, a_rests, b_rests);
   if (a_rests || b_rests) {
     // A blow that is hard enough wakes the resting one, which then takes part.
-    const std::uint32_t sleeper = a_rests ? a : b;
+    const BodyId sleeper = a_rests ? a : b;
     const double jump_mps = math::norm(after.impulse_ns) / at.mass_kg(sleeper);
-    if (jump_mps > at.resting().wake_speed_mps()) {
+    if (is_woken(at, sleeper, jump_mps)) {
       a_rests = false;
       b_rests = false;
       after = at.impact(a, b, contact, law, false, false);
@@ -365,8 +385,8 @@ bool collide(At& at, std::uint32_t a, std::uint32_t b, const PieceContact& conta
     const Vec3 arm_a_m = contact.point_m - at.place_m(a);
     const Vec3 arm_b_m = contact.point_m - at.place_m(b);
     const double parting = parting_mps(contact.normal, arm_a_m, after.a, arm_b_m, after.b);
-    const auto note = [&](std::uint32_t body, std::uint32_t partner, const Vec3& outwards,
-                          const Vec3& arm_m, const Twist& then) {
+    const auto note = [&](BodyId body, BodyId partner, const Vec3& outwards, const Vec3& arm_m,
+                          const Twist& then) {
       at.touches(body,
                  {.tick = at.tick(),
                   .partner = partner,
@@ -387,8 +407,8 @@ bool collide(At& at, std::uint32_t a, std::uint32_t b, const PieceContact& conta
 
 /// A body collides with static geometry, by such a law of the impact (law_of_impact).
 /// `touched`: whether it is noted that the body touches it.
-template <Bodies At>
-void collide_static(At& at, std::uint32_t body, std::uint32_t index, const PieceContact& contact,
+template <BodiesAtEvent At>
+void collide_static(At& at, BodyId body, StaticId index, const PieceContact& contact,
                     ContactLaw law, bool touched) {
   at.changed().clear();
   const Twist before = at.twist(body);
@@ -414,7 +434,7 @@ void collide_static(At& at, std::uint32_t body, std::uint32_t index, const Piece
                              parting_mps(contact.normal, Vec3::Zero(), {}, arm_m, after)));
   }
   if (caught) {
-    begin_caught(at, body, index, after);
+    begin_caught(at, body, {index}, after);
   } else if (lies) {
     begin_lying(at, body, index, *lies);
   } else {
@@ -427,17 +447,18 @@ void collide_static(At& at, std::uint32_t body, std::uint32_t index, const Piece
 
 /// What a decision about rest needs to know of a body; what carries it all the time is noted as
 /// touched.
-template <Bodies At>
-Resting::Present present_of(At& at, std::uint32_t body) {
-  const std::span<const std::uint32_t> features =
-      at.stays(body) ? at.supports(body).all() : std::span<const std::uint32_t>{};
+template <BodiesAtEvent At>
+Resting::Present present_of(At& at, BodyId body) {
+  const std::span<const StaticId> features =
+      at.stays(body) ? at.supports(body).all() : std::span<const StaticId>{};
   FewContacts few;
-  for (const std::uint32_t feature : at.is_round(body) ? features : features.first(0)) {
+  for (const StaticId met : at.is_round(body) ? features : features.first(0)) {
+    const FeatureId feature{met};
     few.add(feature, at.lasting_contact(body, feature));
     const LastingContact& contact = few.contacts[few.count - 1];
     at.resting().still_touches(body, {.tick = at.tick(),
                                       .partner = k_static_partner,
-                                      .feature = feature,
+                                      .feature = met,
                                       .friction = contact.friction,
                                       .normal = contact.normal,
                                       .arm_m = -at.reach_m(body) * contact.normal});
@@ -451,7 +472,7 @@ Resting::Present present_of(At& at, std::uint32_t body) {
   if (!at.stays(body)) return present;
   const auto stands_still = [&] {
     if (at.is_round(body)) return at.stands(body, few.all());
-    const auto still = at.lying(body, features.front(), at.supports(body).features[1], {});
+    const auto still = at.lying(body, features.front(), at.supports(body).face, {});
     return still && still->stands;
   };
   if (stands_still()) {
@@ -463,23 +484,23 @@ Resting::Present present_of(At& at, std::uint32_t body) {
 }
 
 /// A body's rest event: it and those it leans on go to rest, if they may. How many did.
-template <Bodies At>
-std::size_t rest(At& at, std::uint32_t body) {
+template <BodiesAtEvent At>
+std::size_t rest(At& at, BodyId body) {
   at.changed().clear();
-  const auto present = [&](std::uint32_t member) {
+  const auto present = [&](BodyId member) {
     at.is_asked(member, body);
     return present_of(at, member);
   };
-  const auto looks = [&](std::uint32_t member) {
+  const auto looks = [&](BodyId member) {
     at.is_read(member, body);
     return Resting::Present{.weight_n = at.mass_kg(member) * at.gravity_mps2(),
                             .reach_m = at.reach_m(member),
                             .centre_m = at.place_m(member)};
   };
-  for (const std::uint32_t member : at.resting().decide(body, at.tick(), present, looks))
+  for (const BodyId member : at.resting().decide(body, at.tick(), present, looks))
     at.begin_rest(member);
   const std::size_t count = at.changed().size();
-  for (const std::uint32_t member : at.resting().overloaded()) {
+  for (const BodyId member : at.resting().overloaded()) {
     at.wakes(member, body, true);
     at.resting().rouse(member, body);
     at.begin_after(member, {});

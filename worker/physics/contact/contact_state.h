@@ -18,26 +18,25 @@ namespace sleight::physics {
 
 /// What a body in contact stays on.
 struct Supports {
-  std::array<std::uint32_t, 3> features{};
+  std::array<StaticId, 3> features{};
   std::uint32_t count = 0;
-  Tick end = k_never;                   ///< of the segment's accelerations
-  std::uint32_t leaves = Stay::k_none;  ///< the one whose region the centre leaves then, if any
-  Tick met_body{-k_tick_max.value};     ///< when it last collided with another body
-  Vec3 half_way = Vec3::Zero();         ///< of a piece over an edge (lasting_contact.h)
+  Tick end = k_never;                ///< of the segment's accelerations
+  FeatureId leaves = Stay::k_none;   ///< the one whose region the centre leaves then, if any
+  std::uint32_t face = 0;            ///< of a polyhedron that a body lies on
+  Tick met_body{-k_tick_max.value};  ///< when it last collided with another body
+  Vec3 half_way = Vec3::Zero();      ///< of a piece over an edge (lasting_contact.h)
   // Of a body that is no sphere: what static piece it hit last, and when it last hit one soon after
   // another.
-  std::uint32_t last_hit = Stay::k_none;
+  StaticId last_hit{UINT32_MAX};
   Tick hit{-k_tick_max.value};
   Tick hit_both{-k_tick_max.value};
-  void hits(std::uint32_t piece, Tick now, TickCount soon) {
+  void hits(StaticId piece, Tick now, TickCount soon) {
     if (last_hit != piece && now - hit < soon) hit_both = now;
     last_hit = piece;
     hit = now;
   }
-  std::span<const std::uint32_t> all() const { return std::span(features).first(count); }
-  bool holds(std::uint32_t feature) const {
-    return std::ranges::find(all(), feature) != all().end();
-  }
+  std::span<const StaticId> all() const { return std::span(features).first(count); }
+  bool holds(StaticId feature) const { return std::ranges::find(all(), feature) != all().end(); }
 };
 
 /// How often a body has collided at its last tick, and in a window of time.

@@ -102,7 +102,7 @@ std::optional<Carried> carried_by(const RoundBody& round, std::span<const Lastin
 /// A piece over an edge, if that is what is next.
 std::optional<Stay> stay_on_edge(const RoundBody& round, const MayStayOn& on, const FreeFlight& now,
                                  const ContactScene& scene) {
-  const std::uint32_t index = on.features.front();
+  const FeatureId index = on.features.front();
   const LastingContact& contact = on.contacts.front();
   const SphereFeature& edge = scene.statics.feature(index);
   if (edge.kind != FeatureKind::edge) return std::nullopt;
@@ -190,7 +190,7 @@ std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const F
   for (std::size_t i = 0; i < on.features.size(); ++i) {
     if ((stay.subset >> i & 1U) == 0) continue;
     const SphereFeature& feature = scene.statics.feature(on.features[i]);
-    if (const FrictionMap* map = scene.statics.friction_map(on.features[i])) {
+    if (const FrictionMap* map = scene.statics.friction_map({on.features[i]})) {
       // The centre is over the contact.
       const Tick border = meets_border(*map,
                                        {.place_m = flight.position_m,

@@ -57,17 +57,17 @@ Tick slow_from(const Segment& segment, double radius_m, const Inertia& inertia,
 
 /// How a sphere stays on some of up to three features.
 struct Stay {
-  static constexpr std::uint32_t k_none = UINT32_MAX;
+  static constexpr FeatureId k_none{UINT32_MAX};
   std::uint32_t subset = 0;  ///< bit i: of the features, it stays on the i-th
   Segment segment;
-  Tick end = k_never;             ///< then all this is to be asked for again
-  std::uint32_t leaves = k_none;  ///< the feature that the sphere leaves then, if any
-  Vec3 half_way = Vec3::Zero();   ///< over an edge, piece by piece: of edge_motion.h; else 0
+  Tick end = k_never;            ///< then all this is to be asked for again
+  FeatureId leaves = k_none;     ///< the feature that the sphere leaves then, if any
+  Vec3 half_way = Vec3::Zero();  ///< over an edge, piece by piece: of edge_motion.h; else 0
 };
 
 /// The features that a sphere may stay on, three at most, and its contacts with them.
 struct MayStayOn {
-  std::span<const std::uint32_t> features;
+  std::span<const FeatureId> features;
   std::span<const LastingContact> contacts;
   bool rolled = false;  ///< it has rolled on all of them up to now
 };

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "worker/physics/collision/sphere_search.h"
+#include "worker/physics/event/ids.h"
 #include "worker/physics/event/tick.h"
 #include "worker/physics/event/tolerances.h"
 
@@ -42,26 +43,26 @@ class RecentContacts {
   static constexpr std::size_t k_partners = 16;
   /// A collision with a partner.
   struct Entry {
-    std::uint32_t partner = UINT32_MAX;
+    BodyId partner{UINT32_MAX};
     Tick tick{-1};
     double gap_m = 0;
   };
   /// Appends all that is known of a body, for a simulation that goes on from here; how much.
-  std::size_t remember(std::uint32_t body, std::vector<Entry>& entries) const {
+  std::size_t remember(BodyId body, std::vector<Entry>& entries) const {
     if (!enabled()) return 0;
     const std::size_t before = entries.size();
     std::ranges::copy_if(of_body_[body].entries, std::back_inserter(entries),
                          [](const Entry& entry) { return entry.partner != UINT32_MAX; });
     return entries.size() - before;
   }
-  void restore(std::uint32_t body, std::span<const Entry> entries) {
+  void restore(BodyId body, std::span<const Entry> entries) {
     if (!enabled()) return;
     of_body_[body] = {};
     std::ranges::copy(entries, of_body_[body].entries.begin());
   }
 
-  /// A collision of a body with a partner, by an id of the caller's choice.
-  void note(std::uint32_t body, std::uint32_t partner, Tick tick, double gap_m) {
+  /// A collision of a body with a partner. Whether both are noted is the caller's choice.
+  void note(BodyId body, BodyId partner, Tick tick, double gap_m) {
     if (!enabled()) return;
     Ring& ring = of_body_[body];
     std::size_t place = 0;
@@ -75,7 +76,7 @@ class RecentContacts {
     ring.entries[place] = {.partner = partner, .tick = tick, .gap_m = gap_m};
   }
 
-  Refractory of(std::uint32_t body, std::uint32_t partner) const {
+  Refractory of(BodyId body, BodyId partner) const {
     if (!enabled()) return {};
     for (const Entry& entry : of_body_[body].entries) {
       if (entry.partner != partner) continue;

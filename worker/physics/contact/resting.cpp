@@ -227,7 +227,7 @@ bool Resting::balances(std::size_t count, Tick now) {
     log.structure_place = static_cast<std::uint32_t>(held_bodies_.size());
     held_bodies_.push_back({.weight_n = log.state.weight_n, .reach_m = log.state.reach_m});
   }
-  for (const std::uint32_t member : structure_) {
+  for (const BodyId member : structure_) {
     const Log& log = logs_[member];
     if (log.structure_place == HoldingContact::k_fixed) continue;
     for (const TouchRecord& touch : log.rests ? log.holding() : log.touches()) {
@@ -293,7 +293,7 @@ bool Resting::is_slow(double before_mps, double after_mps, double parting_mps) c
          parting_mps <= k_slow_parting * rule_.separation_speed_mps;
 }
 
-void Resting::touched(std::uint32_t body, const TouchRecord& touch, bool slowly) {
+void Resting::touched(BodyId body, const TouchRecord& touch, bool slowly) {
   if (!enabled()) return;
   Log& log = logs_[body];
   log.rests = false;
@@ -315,7 +315,7 @@ void Resting::touched(std::uint32_t body, const TouchRecord& touch, bool slowly)
   if (++log.slow_collisions % k_slow_collisions == 0) log.due = touch.tick;
 }
 
-void Resting::stays(std::uint32_t body, Tick now, Tick slow_from) {
+void Resting::stays(BodyId body, Tick now, Tick slow_from) {
   if (!enabled()) return;
   Log& log = logs_[body];
   log.rests = false;
@@ -324,7 +324,7 @@ void Resting::stays(std::uint32_t body, Tick now, Tick slow_from) {
   if (log.in_place) log.due = std::min(log.due, now + rest_span());
 }
 
-void Resting::flies(std::uint32_t body, Tick now) {
+void Resting::flies(BodyId body, Tick now) {
   if (!enabled()) return;
   Log& log = logs_[body];
   if (log.slow_since <= now) return;
@@ -332,7 +332,7 @@ void Resting::flies(std::uint32_t body, Tick now) {
   log.due = due_if_not_slow(log, now);
 }
 
-void Resting::disturbed(std::uint32_t body) {
+void Resting::disturbed(BodyId body) {
   if (!enabled()) return;
   Log& log = logs_[body];
   log.rests = false;
@@ -350,10 +350,10 @@ std::span<const TouchRecord> Resting::recent(Log& log, Tick now) const {
   return {log.records.data(), log.count};
 }
 
-std::span<const std::uint32_t> Resting::wake(std::uint32_t body) {
+std::span<const BodyId> Resting::wake(BodyId body) {
   set_.clear();
   if (!enabled()) return set_;
-  for (std::uint32_t other = 0; other < logs_.size(); ++other) {
+  for (BodyId other{}; other < logs_.size(); ++other) {
     Log& log = logs_[other];
     if (!log.rests || !log.leans_on(body)) continue;
     log.rests = false;
@@ -362,8 +362,8 @@ std::span<const std::uint32_t> Resting::wake(std::uint32_t body) {
   return set_;
 }
 
-void Resting::lies(std::uint32_t body, std::span<const TouchRecord> touches,
-                   std::span<const std::uint32_t> supporters) {
+void Resting::lies(BodyId body, std::span<const TouchRecord> touches,
+                   std::span<const BodyId> supporters) {
   Log& log = logs_[body];
   log.rests = true;
   log.held_count = static_cast<std::uint32_t>(touches.size());
@@ -372,7 +372,7 @@ void Resting::lies(std::uint32_t body, std::span<const TouchRecord> touches,
   std::ranges::copy(supporters, log.supporters.begin());
 }
 
-void Resting::woke(std::uint32_t body, Tick now, const Pose& pose) {
+void Resting::woke(BodyId body, Tick now, const Pose& pose) {
   Log& log = logs_[body];
   log.in_place = true;
   // Places don't creep: the first one counts, as long as those that rested on it may still do so.
@@ -382,8 +382,7 @@ void Resting::woke(std::uint32_t body, Tick now, const Pose& pose) {
   log.due = now + rest_span();
 }
 
-bool Resting::has_left(std::uint32_t body, const Pose& pose, double speed_mps,
-                       double reach_m) const {
+bool Resting::has_left(BodyId body, const Pose& pose, double speed_mps, double reach_m) const {
   if (speed_mps >= rule_.rest_speed_mps) return true;
   return moved_m_max(logs_[body].place, pose, reach_m) > k_in_place * reach_m;
 }

@@ -59,7 +59,7 @@ inline constexpr double k_balance_tolerance = 0.002;
 inline constexpr double k_misses_much = 0.5;
 
 /// A body's partner is static geometry.
-inline constexpr std::uint32_t k_static_partner = UINT32_MAX;
+inline constexpr BodyId k_static_partner{UINT32_MAX};
 
 /// So many slow collisions without a fast one, in a few times that slow bounces take, stand for any
 /// rest time: a body that is jammed between others collides without time passing.
@@ -70,8 +70,8 @@ inline constexpr std::uint32_t k_jams_anyhow = 16;
 /// One impact as a body felt it.
 struct TouchRecord {
   Tick tick{};
-  std::uint32_t partner = k_static_partner;
-  std::uint32_t feature = 0;  ///< of static geometry: which
+  BodyId partner = k_static_partner;
+  StaticId feature{};  ///< of static geometry: which
   double friction = 0;
   Vec3 normal = Vec3::Zero();  ///< from the partner to the body
   Vec3 arm_m = Vec3::Zero();   ///< from the body's centre to the contact
@@ -117,7 +117,7 @@ class Resting {
     std::size_t count = 0;
   };
   /// What a body touched in the last rest_time_s.
-  Touches touches(std::uint32_t body, Tick now) {
+  Touches touches(BodyId body, Tick now) {
     const auto felt = recent(logs_[body], now);
     Touches copy;
     copy.count = felt.size();
@@ -135,19 +135,19 @@ class Resting {
   /// body would freeze in the air.
   bool is_slow(double before_mps, double after_mps, double parting_mps) const;
   /// A collision of a body.
-  void touched(std::uint32_t body, const TouchRecord& record, bool slowly);
+  void touched(BodyId body, const TouchRecord& record, bool slowly);
   /// A body begins a segment in which it stays in contact; it is slow from a tick of that on, or
   /// not (k_never).
-  void stays(std::uint32_t body, Tick now, Tick slow_from);
+  void stays(BodyId body, Tick now, Tick slow_from);
   /// It leaves that contact without a blow.
-  void flies(std::uint32_t body, Tick now);
+  void flies(BodyId body, Tick now);
   /// A contact that lasts, for the decision that is about to be made.
-  void still_touches(std::uint32_t body, const TouchRecord& touch) { record(logs_[body], touch); }
+  void still_touches(BodyId body, const TouchRecord& touch) { record(logs_[body], touch); }
   /// The body's motion changed for another reason.
-  void disturbed(std::uint32_t body);
+  void disturbed(BodyId body);
 
   /// Whether a body touched nothing in the last rest_time_s but these features of static geometry.
-  bool touched_only(std::uint32_t body, Tick now, std::span<const std::uint32_t> features) {
+  bool touched_only(BodyId body, Tick now, std::span<const StaticId> features) {
     return std::ranges::all_of(recent(logs_[body], now), [&](const TouchRecord& touch) {
       return touch.partner == k_static_partner &&
              std::ranges::find(features, touch.feature) != features.end();
@@ -157,7 +157,7 @@ class Resting {
   /// Calls visit(partner) for each other body that a body touched in the last rest_time_s, more
   /// than once perhaps: its own rest depends on theirs.
   template <class Visit>
-  void for_each_partner(std::uint32_t body, Tick now, const Visit& visit) const {
+  void for_each_partner(BodyId body, Tick now, const Visit& visit) const {
     for (const TouchRecord& touch : logs_[body].touches()) {
       if (touch.partner != k_static_partner && now - touch.tick <= rest_span())
         visit(touch.partner);
@@ -166,51 +166,50 @@ class Resting {
 
   /// Calls visit(supporter) for each body that a resting one leans on.
   template <class Visit>
-  void for_each_supporter(std::uint32_t body, const Visit& visit) const {
+  void for_each_supporter(BodyId body, const Visit& visit) const {
     const Log& log = logs_[body];
     for (std::uint32_t i = 0; log.rests && i < log.supporter_count; ++i)
       visit(log.supporters[i]);
   }
 
   /// When the body asks next whether it may rest; k_never if it isn't slow.
-  Tick due(std::uint32_t body) const { return logs_[body].due; }
+  Tick due(BodyId body) const { return logs_[body].due; }
 
   /// Asks for a body. The set that goes to rest, in ascending order; empty if it doesn't yet, and
   /// then it asks again later. present(body) gives a body's present state, and looks(body) what of
   /// that doesn't change while it rests, of one at rest.
   template <class PresentOf, class LooksOf>
-  std::span<const std::uint32_t> decide(std::uint32_t body, Tick now, const PresentOf& present,
-                                        const LooksOf& looks);
+  std::span<const BodyId> decide(BodyId body, Tick now, const PresentOf& present,
+                                 const LooksOf& looks);
   /// After it: resting bodies that can't bear what was to rest on them. They are to wake.
-  std::span<const std::uint32_t> overloaded() const { return overloaded_; }
+  std::span<const BodyId> overloaded() const { return overloaded_; }
   /// One of these no longer rests, and not again before what it couldn't bear rests with it.
-  void rouse(std::uint32_t body, std::uint32_t load) {
+  void rouse(BodyId body, BodyId load) {
     logs_[body].rests = false;
     logs_[body].must_bear = load;
   }
 
   /// The bodies that rest on a body, in ascending order; they are no longer resting. Those that
   /// rest on them still do, until they leave their place.
-  std::span<const std::uint32_t> wake(std::uint32_t body);
+  std::span<const BodyId> wake(BodyId body);
   /// A body begins at rest, on some others; what may hold it. REQUIRES: k_records of either at
   /// most.
-  void lies(std::uint32_t body, std::span<const TouchRecord> touches,
-            std::span<const std::uint32_t> supporters);
+  void lies(BodyId body, std::span<const TouchRecord> touches, std::span<const BodyId> supporters);
   /// A body woke without a blow, where it rested.
-  void woke(std::uint32_t body, Tick now, const Pose& pose);
+  void woke(BodyId body, Tick now, const Pose& pose);
   /// Whether others may still rest on a body that woke.
-  bool in_place(std::uint32_t body) const { return enabled() && logs_[body].in_place; }
+  bool in_place(BodyId body) const { return enabled() && logs_[body].in_place; }
   /// Whether such a body, in another pose and at a speed by now, has left its place.
-  bool has_left(std::uint32_t body, const Pose& pose, double speed_mps, double reach_m) const;
+  bool has_left(BodyId body, const Pose& pose, double speed_mps, double reach_m) const;
   /// It is in no place any more.
-  void leave(std::uint32_t body) { logs_[body].in_place = logs_[body].has_place = false; }
+  void leave(BodyId body) { logs_[body].in_place = logs_[body].has_place = false; }
 
   /// All that is known of a body, for a simulation that goes on from here. What it touched lies in
   /// a list that contact_states share, since most touched little.
   class State;
   using TouchList = std::vector<TouchRecord>;
-  State state_of(std::uint32_t body, TouchList& touches) const;
-  void restore(std::uint32_t body, const State& state, std::span<const TouchRecord> touches);
+  State state_of(BodyId body, TouchList& touches) const;
+  void restore(BodyId body, const State& state, std::span<const TouchRecord> touches);
 
  private:
   /// Of a body, but for what it touched and for what a decision notes on its way.
@@ -221,18 +220,18 @@ class Resting {
     std::uint32_t slow_collisions = 0;
     std::uint32_t count = 0;  ///< of records
     std::uint32_t supporter_count = 0;
-    std::array<std::uint32_t, k_records> supporters{};  ///< of a resting body
-    std::uint32_t held_count = 0;                       ///< of contacts that may hold it
+    std::array<BodyId, k_records> supporters{};  ///< of a resting body
+    std::uint32_t held_count = 0;                ///< of contacts that may hold it
     bool rests = false;
-    bool rests_anyhow = false;                   ///< whatever balances it
-    std::uint32_t must_bear = k_static_partner;  ///< another body, while that touches it
-    bool has_place = false;                      ///< some may have rested on it since it was there
-    bool in_place = false;                       ///< awake, and others may still rest on it
+    bool rests_anyhow = false;            ///< whatever balances it
+    BodyId must_bear = k_static_partner;  ///< another body, while that touches it
+    bool has_place = false;               ///< some may have rested on it since it was there
+    bool in_place = false;                ///< awake, and others may still rest on it
     Pose place{};
     Tick stays_since = k_never;  ///< slow, and about there all the time; as decisions found it
     Vec3 stays_at_m = Vec3::Zero();
 
-    bool leans_on(std::uint32_t other) const {
+    bool leans_on(BodyId other) const {
       const auto end = supporters.begin() + supporter_count;
       return std::find(supporters.begin(), end, other) != end;
     }
@@ -277,10 +276,10 @@ class Resting {
   /// Finds the greatest set around a body of which each is slow and in balance by what may rest
   /// with it, and leaves it in set_. Whether the body is in it.
   template <class PresentOf, class LooksOf>
-  bool gather(std::uint32_t body, Tick now, const PresentOf& present, const LooksOf& looks);
+  bool gather(BodyId body, Tick now, const PresentOf& present, const LooksOf& looks);
   /// Takes those out of set_ that are no longer candidates, or lean on such. Whether the body is
   /// still one.
-  bool settle_set(std::uint32_t body, Tick now);
+  bool settle_set(BodyId body, Tick now);
   /// Whether it must bear what doesn't rest with it.
   bool lacks_load(const Log& log) const {
     return log.must_bear != k_static_partner &&
@@ -289,7 +288,7 @@ class Resting {
            });
   }
   /// Notes what carries a candidate; whether anything does.
-  bool check(std::uint32_t member, Tick now);
+  bool check(BodyId member, Tick now);
   /// Whether one system of forces holds set_, and all resting bodies that hang together with it. If
   /// not, either some of these are overloaded_, or the members that miss most are no candidates any
   /// more.
@@ -318,9 +317,9 @@ class Resting {
   SlowContacts rule_;
   TickCount jam_span_ = 0;
   std::vector<Log> logs_;
-  std::vector<std::uint32_t> set_;  ///< scratch
-  std::vector<std::uint32_t> structure_;
-  std::vector<std::uint32_t> overloaded_;
+  std::vector<BodyId> set_;  ///< scratch
+  std::vector<BodyId> structure_;
+  std::vector<BodyId> overloaded_;
   std::vector<HeldBody> held_bodies_;
   std::vector<HoldingContact> holding_;
   ForceBalance balance_;
@@ -331,7 +330,7 @@ class Resting {
 class Resting::State {
  public:
   /// Whether the body rested, on that other one among others.
-  bool rests_on(std::uint32_t other) const { return known_.rests && known_.leans_on(other); }
+  bool rests_on(BodyId other) const { return known_.rests && known_.leans_on(other); }
   /// Where in the list what it touched lies, and how much that is.
   std::size_t first_touch() const { return first_touch_; }
   std::size_t touch_count() const { return known_.count + known_.held_count; }
@@ -342,7 +341,7 @@ class Resting::State {
   std::size_t first_touch_ = 0;  ///< of known_.count in the list, then known_.held_count
 };
 
-inline Resting::State Resting::state_of(std::uint32_t body, TouchList& touches) const {
+inline Resting::State Resting::state_of(BodyId body, TouchList& touches) const {
   State state;
   if (!enabled()) return state;
   const Log& log = logs_[body];
@@ -354,7 +353,7 @@ inline Resting::State Resting::state_of(std::uint32_t body, TouchList& touches) 
   return state;
 }
 
-inline void Resting::restore(std::uint32_t body, const State& state,
+inline void Resting::restore(BodyId body, const State& state,
                              std::span<const TouchRecord> touches) {
   if (!enabled()) return;
   Log& log = logs_[body];
@@ -366,11 +365,11 @@ inline void Resting::restore(std::uint32_t body, const State& state,
 }
 
 template <class PresentOf, class LooksOf>
-bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present, const LooksOf& looks) {
+bool Resting::gather(BodyId body, Tick now, const PresentOf& present, const LooksOf& looks) {
   ++round_;
   set_.clear();
   overloaded_.clear();
-  const auto consider = [&](std::uint32_t member) {
+  const auto consider = [&](BodyId member) {
     Log& log = logs_[member];
     if (log.round == round_) return;
     log.round = round_;
@@ -401,14 +400,14 @@ bool Resting::gather(std::uint32_t body, Tick now, const PresentOf& present, con
   return true;
 }
 
-inline bool Resting::check(std::uint32_t member, Tick now) {
+inline bool Resting::check(BodyId member, Tick now) {
   Log& log = logs_[member];
   log.carried = lacks_load(log) && !has_been_slow(log, now) ? 0 : supporting(log, now);
   log.candidate = log.carried != 0;
   return log.candidate;
 }
 
-inline bool Resting::settle_set(std::uint32_t body, Tick now) {
+inline bool Resting::settle_set(BodyId body, Tick now) {
   // A body that leaned on one that has turned out not to be carried is checked again.
   const auto leans_on_others = [&](const Log& log) {
     const auto contacts = log.touches();
@@ -419,13 +418,13 @@ inline bool Resting::settle_set(std::uint32_t body, Tick now) {
   };
   for (bool again = true; again;) {
     again = false;
-    for (const std::uint32_t member : set_) {
+    for (const BodyId member : set_) {
       if (logs_[member].candidate && leans_on_others(logs_[member]) && !check(member, now))
         again = true;
     }
     if (!logs_[body].candidate) return false;
   }
-  std::erase_if(set_, [&](std::uint32_t member) { return !logs_[member].candidate; });
+  std::erase_if(set_, [&](BodyId member) { return !logs_[member].candidate; });
   std::sort(set_.begin(), set_.end());
   return true;
 }
@@ -435,13 +434,13 @@ bool Resting::find_structure(const LooksOf& looks) {
   // A decision may look at several, as its set loses members.
   ++structures_;
   structure_.clear();
-  const auto add = [&](std::uint32_t member) {
+  const auto add = [&](BodyId member) {
     Log& log = logs_[member];
     if (log.in_structure == structures_) return;
     log.in_structure = structures_;
     structure_.push_back(member);
   };
-  for (const std::uint32_t member : set_)
+  for (const BodyId member : set_)
     add(member);
   for (std::size_t i = 0; i < structure_.size(); ++i) {
     const Log& log = logs_[structure_[i]];
@@ -450,7 +449,7 @@ bool Resting::find_structure(const LooksOf& looks) {
     }
     // Nothing rests on what has been moving.
     const bool bears = log.rests || log.has_place;
-    for (std::uint32_t other = 0; bears && other < logs_.size(); ++other) {
+    for (BodyId other{}; bears && other < logs_.size(); ++other) {
       if (logs_[other].rests && logs_[other].leans_on(structure_[i])) add(other);
     }
     if (structure_.size() > k_held_together_max) return false;
@@ -462,7 +461,7 @@ bool Resting::find_structure(const LooksOf& looks) {
 template <class LooksOf>
 bool Resting::is_held(Tick now, const LooksOf& looks) {
   // What leans on static geometry alone is in balance already.
-  const bool alone = std::ranges::all_of(set_, [&](std::uint32_t member) {
+  const bool alone = std::ranges::all_of(set_, [&](BodyId member) {
     const Log& log = logs_[member];
     return !log.has_place && std::ranges::all_of(log.touches(), [&](const TouchRecord& touch) {
       return touch.partner == k_static_partner || !may_lean_on(touch);
@@ -470,8 +469,8 @@ bool Resting::is_held(Tick now, const LooksOf& looks) {
   });
   if (alone || !find_structure(looks) || balances(structure_.size(), now)) return true;
   if (structure_.size() > set_.size() && balances(set_.size(), now)) {
-    for (const std::uint32_t member : std::span(structure_).subspan(set_.size())) {
-      if (std::ranges::any_of(set_, [&](std::uint32_t one) {
+    for (const BodyId member : std::span(structure_).subspan(set_.size())) {
+      if (std::ranges::any_of(set_, [&](BodyId one) {
             return std::ranges::any_of(logs_[one].touches(), [&](const TouchRecord& touch) {
               return touch.partner == member;
             });
@@ -480,14 +479,14 @@ bool Resting::is_held(Tick now, const LooksOf& looks) {
     }
     if (!overloaded_.empty()) return false;
   }
-  const auto missing = [&](std::uint32_t member) {
+  const auto missing = [&](BodyId member) {
     const std::uint32_t place = logs_[member].structure_place;
     return place == HoldingContact::k_fixed ? 0 : balance_.missing(place);
   };
   double most = 0;
-  for (const std::uint32_t member : set_)
+  for (const BodyId member : set_)
     most = std::max(most, missing(member));
-  for (const std::uint32_t member : set_) {
+  for (const BodyId member : set_) {
     if (missing(member) < k_misses_much * most) continue;
     logs_[member].candidate = false;
     logs_[member].unheld = true;
@@ -496,7 +495,7 @@ bool Resting::is_held(Tick now, const LooksOf& looks) {
 }
 
 inline void Resting::lay_down_set(Tick now) {
-  for (const std::uint32_t member : set_) {
+  for (const BodyId member : set_) {
     Log& log = logs_[member];
     log.supporter_count = 0;
     log.held_count = 0;
@@ -506,13 +505,13 @@ inline void Resting::lay_down_set(Tick now) {
       if (may_lean_on(touch)) log.held[log.held_count++] = touch;
     }
     for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const std::uint32_t partner = contacts[k].partner;
+      const BodyId partner = contacts[k].partner;
       if ((log.carried >> k & 1U) == 0 || partner == k_static_partner || log.leans_on(partner))
         continue;
       log.supporters[log.supporter_count++] = partner;
     }
   }
-  for (const std::uint32_t member : set_) {
+  for (const BodyId member : set_) {
     Log& log = logs_[member];
     log.rests = true;
     log.must_bear = k_static_partner;
@@ -525,8 +524,8 @@ inline void Resting::lay_down_set(Tick now) {
 }
 
 template <class PresentOf, class LooksOf>
-std::span<const std::uint32_t> Resting::decide(std::uint32_t body, Tick now,
-                                               const PresentOf& present, const LooksOf& looks) {
+std::span<const BodyId> Resting::decide(BodyId body, Tick now, const PresentOf& present,
+                                        const LooksOf& looks) {
   if (!gather(body, now, present, looks)) {
     Log& log = logs_[body];
     // What slides is asked again when it slides otherwise (stays); what leans on others that can't

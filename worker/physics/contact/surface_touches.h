@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "common/math/vector.h"
+#include "worker/physics/event/ids.h"
 #include "worker/physics/event/tick.h"
 
 namespace sleight::physics {
@@ -13,7 +14,7 @@ namespace sleight::physics {
 /// A collision of a body with a surface.
 struct SurfaceTouch {
   Tick tick{};
-  std::uint32_t body = 0;
+  BodyId body{};
   std::uint32_t surface = 0;  ///< its place in the scene
   math::Vec3 point_m = math::Vec3::Zero();
 };

@@ -18,13 +18,10 @@
 #include <compare>
 #include <cstdint>
 
-#include "common/base/ids.h"
+#include "worker/physics/event/ids.h"
 #include "worker/physics/event/tick.h"
 
 namespace sleight::physics {
-
-/// A moving body: its index in the scene.
-using BodyId = base::Id<struct BodyTag, std::uint32_t>;
 
 /// In the order in which they are processed at one tick. `update` changes no state, only which
 /// pairs are watched; it comes before all that such pairs may do at that tick. `sample` sees the
@@ -42,6 +39,11 @@ struct EventKey {
   std::uint32_t lower = 0;    ///< id of the first body
   std::uint32_t higher = 0;   ///< id of the other body, or index of a static piece
   std::uint32_t feature = 0;  ///< which of several contacts of the two
+  /// The first body. REQUIRES, of these: the kind of event has what they name.
+  constexpr BodyId body() const { return {lower}; }
+  constexpr BodyId other_body() const { return {higher}; }
+  constexpr bool is_with_static() const { return (higher & k_static) != 0; }
+  constexpr StaticId met() const { return {higher & ~k_static}; }
   friend constexpr auto operator<=>(const EventKey&, const EventKey&) = default;
 };
 

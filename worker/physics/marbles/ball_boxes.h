@@ -35,14 +35,14 @@ class BallBoxes {
     }
     groups_.assign((count + 3) / 4, nowhere);
   }
-  void set(std::uint32_t ball, const TouchBox& box) {
+  void set(BodyId ball, const TouchBox& box) {
     Group& group = groups_[ball / 4];
     for (std::size_t axis = 0; axis < 3; ++axis) {
       group.low_m[axis][ball % 4] = box.low_m[axis];
       group.high_m[axis][ball % 4] = box.high_m[axis];
     }
   }
-  TouchBox of(std::uint32_t ball) const {
+  TouchBox of(BodyId ball) const {
     const Group& group = groups_[ball / 4];
     TouchBox box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -58,7 +58,7 @@ class BallBoxes {
     std::uint32_t first = 0;
     for (const Group& group : groups_) {
       for (std::uint32_t some = overlapped(group, box); some != 0; some &= some - 1)
-        visit(first + static_cast<std::uint32_t>(std::countr_zero(some)));
+        visit(BodyId{first + static_cast<std::uint32_t>(std::countr_zero(some))});
       first += 4;
     }
   }

@@ -22,7 +22,7 @@ namespace sleight::physics {
 
 /// A ball of Marbles at present.
 struct Marble {
-  static constexpr std::uint32_t k_none = UINT32_MAX;
+  static constexpr FeatureId k_none{UINT32_MAX};
   Segment segment;
   Supports supports;  ///< what it stays on, in contact
   enum class Stance : std::uint8_t { unknown, stands, moves };
@@ -30,8 +30,8 @@ struct Marble {
   Tick stance_tick{};
   // What it does next.
   Tick static_tick = k_never;
-  std::uint32_t static_feature = k_none;
-  std::uint32_t last_feature = k_none;  ///< that it collided with
+  FeatureId static_feature = k_none;
+  FeatureId last_feature = k_none;  ///< that it collided with
   Tick pair_tick = k_never;
   CollisionCount collided;
   bool started = false;
@@ -43,7 +43,7 @@ struct MarbleHistory {
   /// A part of its way: the ball is in the box from here to where the next part begins.
   struct Part {
     Tick begin;
-    std::uint32_t last_feature = Marble::k_none;  ///< of static geometry that it collided with
+    FeatureId last_feature = Marble::k_none;  ///< of static geometry that it collided with
     MotionMode mode = MotionMode::free;
     bool is_alone = false;  ///< left alone in its confinement, which the box is
     TouchBox box;
@@ -76,7 +76,7 @@ struct MarbleHistory {
   /// An event at which another ball had a say.
   struct Meeting {
     Tick tick;
-    std::uint32_t partner = 0;
+    BodyId partner{};
   };
 
   std::vector<Part> parts{};

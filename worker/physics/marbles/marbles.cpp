@@ -62,7 +62,7 @@ void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
   boxes_.assign(count);
   keys_.resize(count);
   partners_.assign(count, k_none);
-  for (std::uint32_t ball = 0; ball < count; ++ball) {
+  for (BodyId ball{}; ball < count; ++ball) {
     keys_[ball] = {.tick = scene.bodies[ball].start_tick, .kind = EventKind::start, .lower = ball};
   }
   changed_.clear();
@@ -89,7 +89,7 @@ std::optional<SceneError> Marbles::run_until(Tick tick) {
 }
 
 void Marbles::process(const EventKey& event) {
-  const std::uint32_t ball = event.lower;
+  const BodyId ball = event.body();
   if (counts_.work() > work_max_) {
     fail(SceneError::Kind::work_limit,
          fmt::format("{}: more work than {} events up to {:.9g} s", name(ball), work_max_,
@@ -105,12 +105,12 @@ void Marbles::process(const EventKey& event) {
       start_ball(ball, event);
       return;
     case EventKind::collision:
-      if ((event.higher & k_static) != 0) {
+      if (event.is_with_static()) {
         ++counts_.static_collisions;
-        collide_static(ball, event.higher & ~k_static, event.tick);
+        collide_static(ball, {event.met()}, event.tick);
       } else {
         ++counts_.collisions;
-        collide(ball, event.higher, event.tick);
+        collide(ball, event.other_body(), event.tick);
       }
       balls_changed();
       keep_checkpoints(ball);
@@ -148,7 +148,7 @@ void Marbles::process(const EventKey& event) {
   CHECK(false);
 }
 
-void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
+void Marbles::start_ball(BodyId ball, const EventKey& event) {
   const StartState& state = scene_->bodies[ball].start;
   balls_[ball].segment = {.flight = {.begin = event.tick,
                                      .position_m = state.pose.position_m,
@@ -159,7 +159,7 @@ void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
   // Those that are left alone where it starts must be where they are by now.
   const TouchBox here = path_box_of(ball, event.tick, event.tick);
   if (!replays_.empty()) comes_near_replayed(ball, here, event.tick, false);
-  boxes_.for_each_overlapping(here, [&](std::uint32_t other) {
+  boxes_.for_each_overlapping(here, [&](BodyId other) {
     if (!balls_[other].suspended || balls_[other].resumes) return;
     balls_[other].resumes = true;
     to_resume_.push_back(other);
@@ -182,9 +182,9 @@ void Marbles::start_ball(std::uint32_t ball, const EventKey& event) {
 }
 
 /// What a ball that starts overlaps, by name; empty if nothing.
-std::string Marbles::obstacle_of(std::uint32_t ball) {
+std::string Marbles::obstacle_of(BodyId ball) {
   const Vec3 place_m = place_at(ball, now_);
-  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
+  for (BodyId other{}; other < balls_.size(); ++other) {
     if (!balls_[other].started || balls_[other].suspended) continue;
     const Vec3 between_m = ball < other ? Vec3(place_at(other, now_) - place_m)
                                         : Vec3(place_m - place_at(other, now_));
@@ -193,11 +193,11 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
   const MovingPoint centre{.position_m = place_m,
                            .velocity_mps = balls_[ball].segment.flight.velocity_mps,
                            .acceleration_mps2 = scene_->gravity_mps2};
-  std::uint32_t lowest = k_none;
+  FeatureId lowest = k_nothing;
   // Touch boxes are wider than the rounding of a place.
   const std::array<float, 4> rounded_m = floats_of(Four::of(place_m));
   const TouchBox here{.low_m = rounded_m, .high_m = rounded_m};
-  const auto ask = [&](std::uint32_t index) {
+  const auto ask = [&](FeatureId index) {
     if (!overlaps(here, near_->touch_boxes()[index])) return;
     const SphereFeature& feature = statics_->feature(index);
     if (index < lowest && touches(gap_between(feature, centre, radius_m_).gap_m) &&
@@ -208,7 +208,7 @@ std::string Marbles::obstacle_of(std::uint32_t ball) {
   const NearFeatures::Cell cell = near_->cell_at(Four::of(place_m));
   std::ranges::for_each(cell.faces, ask);
   std::ranges::for_each(cell.corners, ask);
-  if (lowest != k_none) return statics_->name_of_feature(lowest);
+  if (lowest != k_nothing) return statics_->name_of_feature(lowest);
   // Deep inside of a solid a ball may touch nothing of its surface.
   const std::string* solid = statics_->solid_at(place_m);
   return solid != nullptr ? *solid : "";
@@ -219,17 +219,17 @@ void Marbles::balls_changed() {
   const bool one = changed_.size() == 1;
   // Said here, so that the loop over all of them is a tight one.
   const auto count = size();
-  const std::uint32_t* const partners = partners_.data();
+  const BodyId* const partners = partners_.data();
   if (one && suspend(changed_.front())) return;
-  for (const std::uint32_t ball : changed_) {
+  for (const BodyId ball : changed_) {
     balls_[ball].suspended = false;
     predict_static(ball);
   }
-  for (const std::uint32_t ball : changed_) {
+  for (const BodyId ball : changed_) {
     if (!one && suspend(ball)) continue;
     predict_pairs(ball);
     refresh_key(ball);
-    for (std::uint32_t other = 0; other < count; ++other) {
+    for (BodyId other{}; other < count; ++other) {
       if (partners[other] != ball || std::ranges::binary_search(changed_, other)) continue;
       predict_pairs(other);
       refresh_key(other);
@@ -238,19 +238,19 @@ void Marbles::balls_changed() {
 }
 
 /// A ball's motion has changed: leaves it alone if it may be. False if it goes on.
-bool Marbles::suspend(std::uint32_t ball) {
+bool Marbles::suspend(BodyId ball) {
   if (!confinement_ || catches_up_ || is_resting(ball)) return false;
   // Decisions about rest still look at both.
   if (resting_.enabled() && now_ - balls_[ball].supports.met_body <= resting_.rest_span())
     return false;
   const FreeFlight& flight = balls_[ball].segment.flight;
-  const auto box = confinement_({ball}, flight.position_m,
+  const auto box = confinement_(ball, flight.position_m,
                                 {.velocity_mps = flight.velocity_mps,
                                  .angular_velocity_radps = flight.angular_velocity_radps});
   if (!box) return false;
   const TouchBox confined = touch_box_of(*box);
   bool is_alone = true;
-  boxes_.for_each_overlapping(confined, [&](std::uint32_t other) {
+  boxes_.for_each_overlapping(confined, [&](BodyId other) {
     if (other == ball || !is_alone) return;
     is_alone = !balls_[other].suspended && !path_meets(other, now_, next_of(other), confined, 0);
   });
@@ -264,12 +264,13 @@ bool Marbles::suspend(std::uint32_t ball) {
   left.resumes = false;
   if (records_) keep_part(ball, confined);
   left.static_tick = left.pair_tick = k_never;
-  left.static_feature = partners_[ball] = k_none;
+  left.static_feature = k_nothing;
+  partners_[ball] = k_none;
   keys_[ball] = disturbed == k_never
                     ? k_no_event
                     : EventKey{.tick = disturbed, .kind = EventKind::update, .lower = ball};
   ++counts_.suspensions;
-  for (std::uint32_t other = 0; other < balls_.size(); ++other) {
+  for (BodyId other{}; other < balls_.size(); ++other) {
     if (partners_[other] != ball) continue;
     predict_pairs(other);
     refresh_key(other);
@@ -288,7 +289,7 @@ void Marbles::resume(const EventKey& present) {
   catches_up_ = true;
   while (!failure_) {
     if (!to_resume_.empty()) {
-      const std::uint32_t ball = to_resume_.back();
+      const BodyId ball = to_resume_.back();
       to_resume_.pop_back();
       ++counts_.resumptions;
       balls_[ball].suspended = false;
@@ -308,18 +309,18 @@ void Marbles::resume(const EventKey& present) {
   now_ = now;
 }
 
-void Marbles::refresh_key(std::uint32_t index) {
+void Marbles::refresh_key(BodyId index) {
   const Marble& ball = balls_[index];
   EventKey best = k_no_event;
   const auto offer = [&](const EventKey& key) {
     if (key < best) best = key;
   };
-  if (ball.static_tick <= best.tick && ball.static_feature != k_none)
+  if (ball.static_tick <= best.tick && ball.static_feature != k_nothing)
     offer({.tick = ball.static_tick,
            .kind = EventKind::collision,
            .lower = index,
            .higher = k_static | ball.static_feature});
-  const std::uint32_t partner = partners_[index];
+  const BodyId partner = partners_[index];
   if (partner != k_none && replayed_[partner] != nullptr) {
     // Before they meet, that one must be here.
     offer({.tick = ball.pair_tick, .kind = EventKind::update, .lower = index});
@@ -336,7 +337,7 @@ void Marbles::refresh_key(std::uint32_t index) {
   keys_[index] = best;
 }
 
-std::string Marbles::name(std::uint32_t ball) const {
+std::string Marbles::name(BodyId ball) const {
   const std::string& given = scene_->bodies[ball].name;
   return given.empty() ? fmt::format("body {}", ball) : fmt::format("body '{}'", given);
 }

@@ -83,7 +83,7 @@ using MarbleHistories = std::vector<std::shared_ptr<const MarbleHistory>>;
 
 /// Where static geometry may be otherwise than in another simulation.
 struct MarbleChange {
-  std::span<const std::uint32_t> features;  ///< which
+  std::span<const FeatureId> features;  ///< which
   TouchBox box;  ///< a ball overlaps it if it meets one of them, as that was or is
 };
 
@@ -127,22 +127,20 @@ class Marbles {
   Tick now() const { return now_; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(balls_.size()); }
   // REQUIRES, of the rest: the ball has started.
-  bool started(BodyId marble) const { return balls_[marble.value].started; }
-  bool is_suspended(BodyId marble) const { return balls_[marble.value].suspended; }
+  bool started(BodyId marble) const { return balls_[marble].started; }
+  bool is_suspended(BodyId marble) const { return balls_[marble].suspended; }
   /// At present; of a ball that is suspended, when it was.
-  MotionMode mode(BodyId marble) const { return balls_[marble.value].segment.mode; }
+  MotionMode mode(BodyId marble) const { return balls_[marble].segment.mode; }
   /// The present motion; of a ball that is suspended, the one that it began when it was.
-  const Segment& segment(BodyId marble) const { return balls_[marble.value].segment; }
+  const Segment& segment(BodyId marble) const { return balls_[marble].segment; }
   /// At now(). REQUIRES: not suspended.
-  Vec3 position_m(BodyId marble) const {
-    return position_at(balls_[marble.value].segment.flight, now_);
-  }
-  Twist twist(BodyId marble) const { return twist_at(marble.value, now_); }
+  Vec3 position_m(BodyId marble) const { return position_at(balls_[marble].segment.flight, now_); }
+  Twist twist(BodyId marble) const { return twist_at(marble, now_); }
   const Counts& counts() const { return counts_; }
 
   /// The history that a ball is replayed by at present, null if by none: then nothing of the above
   /// may be asked for.
-  const MarbleHistory* replayed(BodyId marble) const { return replayed_[marble.value].get(); }
+  const MarbleHistory* replayed(BodyId marble) const { return replayed_[marble].get(); }
   /// Simulates a ball from the present on.
   void stop_replay(BodyId marble);
   /// Whether what happened isn't known to be what would happen without histories.
@@ -151,97 +149,95 @@ class Marbles {
   MarbleHistories histories() const;
 
  private:
-  static constexpr std::uint32_t k_none = Marble::k_none;
+  static constexpr BodyId k_none{UINT32_MAX};
+  static constexpr FeatureId k_nothing = Marble::k_none;
 
   // State.
-  bool meets_replayed(std::uint32_t ball) const {
+  bool meets_replayed(BodyId ball) const {
     return partners_[ball] != k_none && replayed_[partners_[ball]] != nullptr;
   }
-  bool is_resting(std::uint32_t ball) const {
-    return balls_[ball].segment.mode == MotionMode::resting;
-  }
+  bool is_resting(BodyId ball) const { return balls_[ball].segment.mode == MotionMode::resting; }
   /// Up to when a ball's present motion goes on, other balls apart; of one at rest, the present.
-  Tick next_of(std::uint32_t ball) const {
+  Tick next_of(BodyId ball) const {
     const Marble& own = balls_[ball];
     return is_resting(ball) ? now_ : std::min({own.static_tick, own.supports.end, end_});
   }
-  Twist twist_at(std::uint32_t ball, Tick tick) const;
-  Vec3 place_at(std::uint32_t ball, Tick tick) const {
+  Twist twist_at(BodyId ball, Tick tick) const;
+  Vec3 place_at(BodyId ball, Tick tick) const {
     return position_at(balls_[ball].segment.flight, tick);
   }
-  void begin_segment(std::uint32_t ball, const Segment& segment);
-  std::string name(std::uint32_t ball) const;
+  void begin_segment(BodyId ball, const Segment& segment);
+  std::string name(BodyId ball) const;
 
   // Events (marbles.cpp).
   void process(const EventKey& event);
-  void start_ball(std::uint32_t ball, const EventKey& event);
-  std::string obstacle_of(std::uint32_t ball);
+  void start_ball(BodyId ball, const EventKey& event);
+  std::string obstacle_of(BodyId ball);
   void resume(const EventKey& present);
   void balls_changed();
-  bool suspend(std::uint32_t ball);
-  void refresh_key(std::uint32_t ball);
+  bool suspend(BodyId ball);
+  void refresh_key(BodyId ball);
   void fail(SceneError::Kind kind, std::string message);
 
   // What happens (marbles_contacts.cpp).
   class AtEvent;
-  std::uint32_t count_at(std::uint32_t ball, Tick tick);
-  void collide(std::uint32_t a, std::uint32_t b, Tick tick);
-  void collide_static(std::uint32_t ball, std::uint32_t feature, Tick tick);
-  void change_mode(std::uint32_t ball, Tick tick);
-  std::size_t rest(std::uint32_t ball, Tick tick);
+  std::uint32_t count_at(BodyId ball, Tick tick);
+  void collide(BodyId a, BodyId b, Tick tick);
+  void collide_static(BodyId ball, FeatureId feature, Tick tick);
+  void change_mode(BodyId ball, Tick tick);
+  std::size_t rest(BodyId ball, Tick tick);
 
   // Keeping histories (marbles_histories.cpp).
-  void begin_history(std::uint32_t ball);
-  void keep_part(std::uint32_t ball, const TouchBox& box);
-  void keep_meeting(std::uint32_t a, std::uint32_t b);
-  void keep_checkpoints(std::uint32_t of);
-  MarbleHistory::Checkpoint checkpoint_in(MarbleHistory& history, std::uint32_t ball,
-                                          Tick tick) const;
+  void begin_history(BodyId ball);
+  void keep_part(BodyId ball, const TouchBox& box);
+  void keep_meeting(BodyId a, BodyId b);
+  void keep_checkpoints(BodyId of);
+  MarbleHistory::Checkpoint checkpoint_in(MarbleHistory& history, BodyId ball, Tick tick) const;
 
   // What is replayed (marbles_replays.cpp).
   void begin_replay(const MarbleReplay& replay);
-  void goes_live(std::uint32_t ball);
-  void hasten_partners(std::uint32_t ball, Tick now);
-  void go_on_from(std::uint32_t ball, const MarbleHistory& history,
+  void goes_live(BodyId ball);
+  void hasten_partners(BodyId ball, Tick now);
+  void go_on_from(BodyId ball, const MarbleHistory& history,
                   const MarbleHistory::Checkpoint& checkpoint, Tick now);
-  void keep_up_to(std::uint32_t ball, const MarbleHistory& history,
+  void keep_up_to(BodyId ball, const MarbleHistory& history,
                   const MarbleHistory::Checkpoint& checkpoint);
-  void goes_live_by(std::uint32_t ball, Tick tick);
+  void goes_live_by(BodyId ball, Tick tick);
   void hasten(std::size_t from);
-  void comes_near_replayed(std::uint32_t ball, const TouchBox& box, Tick to, bool is_path);
-  void find_part_now(std::uint32_t ball);
+  void comes_near_replayed(BodyId ball, const TouchBox& box, Tick to, bool is_path);
+  void find_part_now(BodyId ball);
   Tick replayed_comes_near(const TouchBox& box);
-  bool stays_alone(std::uint32_t ball, const MarbleHistory::Part& part,
+  bool stays_alone(BodyId ball, const MarbleHistory::Part& part,
                    const MarbleHistory::Flight& way) const;
-  Tick first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick until);
+  Tick first_changed(BodyId ball, const MarbleReplay& replay, Tick until);
   /// The tick of what takes place, also while some catch up with it.
   Tick present() const { return catches_up_ ? present_ : now_; }
 
   // When balls meet something (marbles_predictions.cpp).
-  void predict_static(std::uint32_t ball);
+  void predict_static(BodyId ball);
   struct Window;
   Tick meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
                   double after_s);
   Tick gives_up(Tick tick);
   Tick meets_corner(const FreeFlight& flight, const SphereFeature& corner, const Window& window,
                     double after_s);
-  void predict_pairs(std::uint32_t ball);
-  void comes_near(std::uint32_t ball, const TouchBox& own, std::uint32_t other);
-  Tick predict_pair(std::uint32_t a, std::uint32_t b) const;
+  void predict_pairs(BodyId ball);
+  void comes_near(BodyId ball, const TouchBox& own, BodyId other);
+  Tick predict_pair(BodyId a, BodyId b) const;
   Tick first_touch(const FreeFlight& first, const FreeFlight& second, Tick from, Tick until,
                    const Refractory& refractory) const;
-  bool starts_at(std::uint32_t ball, const MarbleHistory::Flight& way) const;
-  Tick meets_way(std::uint32_t ball, const MarbleHistory::Flight& way, MotionMode mode, Tick from,
+  bool starts_at(BodyId ball, const MarbleHistory::Flight& way) const;
+  Tick meets_way(BodyId ball, const MarbleHistory::Flight& way, MotionMode mode, Tick from,
                  Tick until) const;
   Tick first_met(const FreeFlight& flight, Tick from, Tick until, const MarbleChange& change);
-  Refractory refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const;
+  Refractory refractory_of(BodyId a, BodyId b, Tick begin) const;
   TouchBox way_box_of(const FreeFlight& flight, Tick from, Tick to) const;
-  TouchBox path_box_of(std::uint32_t ball, Tick from, Tick to) const {
+  TouchBox path_box_of(BodyId ball, Tick from, Tick to) const {
     return way_box_of(balls_[ball].segment.flight, from, to);
   }
   bool way_meets(const FreeFlight& flight, Tick from, Tick to, const TouchBox& box,
                  int depth) const;
-  bool path_meets(std::uint32_t ball, Tick from, Tick to, const TouchBox& box, int depth) const {
+  bool path_meets(BodyId ball, Tick from, Tick to, const TouchBox& box, int depth) const {
     return way_meets(balls_[ball].segment.flight, from, to, box, depth);
   }
 
@@ -266,25 +262,25 @@ class Marbles {
   BallBoxes boxes_;             ///< of paths, or of confinements
   std::vector<EventKey> keys_;  ///< of each ball's next event
   /// By ball: its next partner, if it meets one at pair_tick; a replayed ball's is its history's.
-  std::vector<std::uint32_t> partners_;
+  std::vector<BodyId> partners_;
   Resting resting_;
   RecentContacts recent_;
-  std::vector<std::uint32_t> changed_;
-  std::vector<std::uint32_t> to_resume_;
+  std::vector<BodyId> changed_;
+  std::vector<BodyId> to_resume_;
   bool catches_up_ = false;
   Tick present_{};  ///< that they catch up with
   // MarbleHistories.
   bool records_ = false;
   std::vector<MarbleHistory> kept_;               ///< of those that are simulated, if it records
-  std::vector<std::uint32_t> met_;                ///< at the present event
+  std::vector<BodyId> met_;                       ///< at the present event
   MarbleHistories replayed_;                      ///< null: simulated
-  std::vector<std::uint32_t> replays_;            ///< those that aren't null, ascending
+  std::vector<BodyId> replays_;                   ///< those that aren't null, ascending
   std::vector<std::uint8_t> is_changed_feature_;  ///< by feature
   std::vector<std::size_t> part_now_;             ///< of each replayed ball's history
   std::vector<std::uint64_t> own_work_;  ///< by ball: of events of which it is the lower one
   std::vector<Tick> last_event_;         ///< by ball
-  std::vector<std::uint32_t> since_checkpoint_;  ///< by ball: events since its last checkpoint
-  std::vector<std::pair<std::uint32_t, Tick>> hastened_;  ///< scratch: balls going live, by when
+  std::vector<std::uint32_t> since_checkpoint_;    ///< by ball: events since its last checkpoint
+  std::vector<std::pair<BodyId, Tick>> hastened_;  ///< scratch: balls going live, by when
   std::uint64_t replayed_work_ = 0;  ///< of events before the checkpoints that some went on from
   bool has_replayed_ = false;
   bool lacks_checkpoint_ = false;

@@ -20,13 +20,13 @@ constexpr std::size_t k_lone_checkpoints_max = 24;
 
 }  // namespace
 
-void Marbles::begin_history(std::uint32_t ball) {
+void Marbles::begin_history(BodyId ball) {
   kept_[ball].clear();
   own_work_[ball] = 0;
   since_checkpoint_[ball] = 0;
 }
 
-void Marbles::keep_part(std::uint32_t ball, const TouchBox& box) {
+void Marbles::keep_part(BodyId ball, const TouchBox& box) {
   auto& parts = kept_[ball].parts;
   auto& flights = kept_[ball].flights;
   const Marble& own = balls_[ball];
@@ -50,7 +50,7 @@ void Marbles::keep_part(std::uint32_t ball, const TouchBox& box) {
                      .angular_velocity_radps = flight.angular_velocity_radps});
 }
 
-void Marbles::keep_meeting(std::uint32_t a, std::uint32_t b) {
+void Marbles::keep_meeting(BodyId a, BodyId b) {
   for (const auto& [ball, partner] : {std::pair(a, b), std::pair(b, a)}) {
     kept_[ball].meetings.push_back({.tick = now_, .partner = partner});
     if (std::ranges::find(met_, ball) == met_.end()) met_.push_back(ball);
@@ -59,7 +59,7 @@ void Marbles::keep_meeting(std::uint32_t a, std::uint32_t b) {
 }
 
 /// What goes on from here, of which a part lies in the history's lists.
-MarbleHistory::Checkpoint Marbles::checkpoint_in(MarbleHistory& history, std::uint32_t ball,
+MarbleHistory::Checkpoint Marbles::checkpoint_in(MarbleHistory& history, BodyId ball,
                                                  Tick tick) const {
   MarbleHistory::Checkpoint checkpoint{.tick = tick,
                                        .parts = history.parts.size(),
@@ -73,12 +73,12 @@ MarbleHistory::Checkpoint Marbles::checkpoint_in(MarbleHistory& history, std::ui
 }
 
 /// Of those that met at the event that has just been processed, and of its ball once in a while.
-void Marbles::keep_checkpoints(std::uint32_t of) {
+void Marbles::keep_checkpoints(BodyId of) {
   if (records_ && ++since_checkpoint_[of] >= k_checkpoint_every &&
       kept_[of].checkpoints.size() < k_lone_checkpoints_max &&
       std::ranges::find(met_, of) == met_.end())
     met_.push_back(of);
-  for (const std::uint32_t ball : met_) {
+  for (const BodyId ball : met_) {
     MarbleHistory& kept = kept_[ball];
     if (kept.checkpoints.size() == k_checkpoints_max) {
       kept.touches.resize(kept.checkpoints.back().rest.first_touch());
@@ -94,7 +94,7 @@ void Marbles::keep_checkpoints(std::uint32_t of) {
 MarbleHistories Marbles::histories() const {
   CHECK(records_ && !is_replay_void());
   MarbleHistories histories(balls_.size());
-  for (std::uint32_t ball = 0; ball < balls_.size(); ++ball) {
+  for (BodyId ball{}; ball < balls_.size(); ++ball) {
     if (const auto& replayed = replayed_[ball]) {
       // Beyond the present it is another simulation's.
       if (replayed->stays && replayed->last.tick <= now_) histories[ball] = replayed;

@@ -157,10 +157,10 @@ struct Marbles::Window {
 
 /// When a ball whose motion has changed now meets static geometry, and the box of its path up to
 /// its next event.
-void Marbles::predict_static(std::uint32_t index) {
+void Marbles::predict_static(BodyId index) {
   Marble& ball = balls_[index];
   ball.static_tick = k_never;
-  ball.static_feature = k_none;
+  ball.static_feature = k_nothing;
   const FreeFlight& flight = ball.segment.flight;
   if (ball.segment.mode == MotionMode::resting) {
     boxes_.set(index, path_box_of(index, now_, now_));
@@ -169,29 +169,32 @@ void Marbles::predict_static(std::uint32_t index) {
   }
   // What it stays on it doesn't meet before its mode event. What it has just left is often what it
   // meets next, and then the rest is too far away: so that is asked first.
-  std::array<std::uint32_t, 4> done{k_none, k_none, k_none, k_none};
-  if (in_contact(ball.segment)) std::ranges::copy(ball.supports.all(), done.begin());
-  const std::uint32_t last = ball.last_feature;
+  std::array<FeatureId, 4> done{k_nothing, k_nothing, k_nothing, k_nothing};
+  if (in_contact(ball.segment)) {
+    for (std::uint32_t i = 0; i < ball.supports.count; ++i)
+      done[i] = {ball.supports.features[i]};
+  }
+  const FeatureId last = ball.last_feature;
   if (last != done[0] && last != done[1] && last != done[2]) done[3] = last;
   const Tick until = std::min(end_, ball.supports.end);
   Tick best_tick = k_never;
-  std::uint32_t best = k_none;
+  FeatureId best = k_nothing;
   Surroundings& surroundings = surroundings_[index];
   Window window;
-  const auto met = [&](std::uint32_t feature, Tick tick) {
+  const auto met = [&](FeatureId feature, Tick tick) {
     if (tick > window.stop || (tick == best_tick && feature > best)) return;
     window.ends(tick);
     best_tick = tick;
     best = feature;
   };
-  const auto ask_face = [&](std::uint32_t index_of_face) {
+  const auto ask_face = [&](FeatureId index_of_face) {
     const SphereFeature& face = statics_->feature(index_of_face);
     const double after_s = face_not_before_s(window.path, face);
     if (after_s <= window.path.span_s && !stays_outside(statics_->sides(face), window.path, after_s,
                                                         window.path.span_s + k_seconds_per_tick))
       met(index_of_face, meets_face(flight, face, window, after_s));
   };
-  const auto ask_corner = [&](std::uint32_t index_of_corner) {
+  const auto ask_corner = [&](FeatureId index_of_corner) {
     const SphereFeature& corner = statics_->feature(index_of_corner);
     const CornerWay way = corner_way(window.path, corner);
     if (way.c_c > window.path.near_m2) return;
@@ -203,17 +206,18 @@ void Marbles::predict_static(std::uint32_t index) {
   // The processor can't foretell which are near, so no branch depends on it: the near ones are
   // collected first and tested afterwards.
   std::array<std::uint32_t, 64> near;
-  const auto ask_each = [&](std::span<const std::uint32_t> features, const auto& ask) {
+  const auto ask_each = [&](std::span<const FeatureId> features, const auto& ask) {
     const TouchBox box = window.box;
     while (!features.empty()) {
       const auto some = features.first(std::min(features.size(), near.size()));
       features = features.subspan(some.size());
       std::size_t count = 0;
-      for (const std::uint32_t feature : some) {
+      for (const FeatureId feature : some) {
         near[count] = feature;
         count += overlaps(box, touch_boxes[feature]) ? 1 : 0;
       }
-      for (const std::uint32_t feature : std::span(near).first(count)) {
+      for (const std::uint32_t number : std::span(near).first(count)) {
+        const FeatureId feature{number};
         if (feature != done[0] && feature != done[1] && feature != done[2] && feature != done[3])
           ask(feature);
       }
@@ -227,14 +231,14 @@ void Marbles::predict_static(std::uint32_t index) {
         is_settled ? surroundings.cell() : near_->cell_at(window.path.place_m);
     window.ends(std::min(until, window.start + k_short));
     window.path.sets_margins(near_->coordinates_m(), radius_m_);
-    if (done[3] != k_none) {
+    if (done[3] != k_nothing) {
       if (statics_->feature(done[3]).kind == FeatureKind::face) {
         ask_face(done[3]);
       } else {
         ask_corner(done[3]);
       }
     }
-    if (best == k_none) window.ends(until);
+    if (best == k_nothing) window.ends(until);
     if (!window.is_short() || !window.is_within(cell)) {
       const double stay_s = stays_s(window.path.place_m, window.path.velocity_mps,
                                     window.path.pull_mps2, cell.low_m, cell.high_m);
@@ -243,12 +247,12 @@ void Marbles::predict_static(std::uint32_t index) {
       if (best_tick > window.stop) {
         // It is asked again where it is near then.
         best_tick = k_never;
-        best = k_none;
+        best = k_nothing;
       }
       if (!window.is_short()) {
         // For longer than it was asked for.
         window.path.sets_margins(near_->coordinates_m(), radius_m_);
-        done[3] = k_none;
+        done[3] = k_nothing;
       }
     }
     window.make_box();
@@ -260,8 +264,8 @@ void Marbles::predict_static(std::uint32_t index) {
     window.measure();
     if (!is_settled && window.start == now_ && window.goes_m() < k_short_radii * radius_m_)
       surroundings.settle(*near_, cell, window.path.place_m);
-    if (best != k_none) break;
-    done[3] = k_none;
+    if (best != k_nothing) break;
+    done[3] = k_nothing;
   }
   ball.static_tick = best_tick;
   ball.static_feature = best;
@@ -342,7 +346,7 @@ Tick Marbles::first_met(const FreeFlight& flight, Tick from, Tick until,
   window.path.sets_margins(near_->coordinates_m(), radius_m_);
   window.make_box();
   Tick first = k_never;
-  for (const std::uint32_t index : change.features) {
+  for (const FeatureId index : change.features) {
     if (!overlaps(window.box, near_->touch_boxes()[index])) continue;
     const SphereFeature& feature = statics_->feature(index);
     if (feature.kind == FeatureKind::face) {
@@ -391,11 +395,11 @@ bool Marbles::way_meets(const FreeFlight& flight, Tick from, Tick to, const Touc
 
 /// When a ball whose motion has changed meets another one, if first; wakes the attention of those
 /// that are left alone.
-void Marbles::predict_pairs(std::uint32_t index) {
+void Marbles::predict_pairs(BodyId index) {
   balls_[index].pair_tick = k_never;
   partners_[index] = k_none;
   const TouchBox own = boxes_.of(index);
-  boxes_.for_each_overlapping(own, [&](std::uint32_t other) {
+  boxes_.for_each_overlapping(own, [&](BodyId other) {
     if (other != index) comes_near(index, own, other);
   });
   if (!replays_.empty()) {
@@ -405,7 +409,7 @@ void Marbles::predict_pairs(std::uint32_t index) {
 }
 
 /// A ball's path comes near another one's, or near its confinement.
-void Marbles::comes_near(std::uint32_t index, const TouchBox& own, std::uint32_t other) {
+void Marbles::comes_near(BodyId index, const TouchBox& own, BodyId other) {
   if (balls_[other].suspended) {
     if (balls_[other].resumes || !path_meets(index, now_, next_of(index), boxes_.of(other), 0))
       return;
@@ -424,7 +428,7 @@ void Marbles::comes_near(std::uint32_t index, const TouchBox& own, std::uint32_t
   partners_[index] = other;
 }
 
-Refractory Marbles::refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) const {
+Refractory Marbles::refractory_of(BodyId a, BodyId b, Tick begin) const {
   const Refractory refractory = recent_.of(a, b);
   if (refractory.until <= begin) return refractory;
   // In so short a time they don't change their speed by themselves.
@@ -437,7 +441,7 @@ Refractory Marbles::refractory_of(std::uint32_t a, std::uint32_t b, Tick begin) 
   return fast ? Refractory{} : refractory;
 }
 
-Tick Marbles::predict_pair(std::uint32_t a, std::uint32_t b) const {
+Tick Marbles::predict_pair(BodyId a, BodyId b) const {
   const Segment& segment_a = balls_[a].segment;
   const Segment& segment_b = balls_[b].segment;
   const FreeFlight& first = segment_a.flight;

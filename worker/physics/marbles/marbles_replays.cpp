@@ -15,7 +15,7 @@ constexpr std::uint64_t k_work_margin = 2;
 }  // namespace
 
 /// Whether a ball that was left alone would be in the same confinement.
-bool Marbles::stays_alone(std::uint32_t ball, const MarbleHistory::Part& part,
+bool Marbles::stays_alone(BodyId ball, const MarbleHistory::Part& part,
                           const MarbleHistory::Flight& way) const {
   const auto box = confinement_(
       {ball}, way.position_m,
@@ -28,10 +28,11 @@ bool Marbles::stays_alone(std::uint32_t ball, const MarbleHistory::Part& part,
 /// When a ball first meets, in its history, something of static geometry that is otherwise than it
 /// was, or was met by it and isn't now, or would be left alone otherwise; k_never if not up to a
 /// tick.
-Tick Marbles::first_changed(std::uint32_t ball, const MarbleReplay& replay, Tick until) {
+Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until) {
   const MarbleHistory& history = *replayed_[ball];
-  const auto is_changed = [&](std::uint32_t feature) {
-    return feature != k_none && !is_changed_feature_.empty() && is_changed_feature_[feature] != 0;
+  const auto is_changed = [&](FeatureId feature) {
+    return feature != k_nothing && !is_changed_feature_.empty() &&
+           is_changed_feature_[feature] != 0;
   };
   for (std::size_t i = 0; i < history.parts.size(); ++i) {
     const MarbleHistory::Part& part = history.parts[i];
@@ -79,7 +80,7 @@ void Marbles::begin_replay(const MarbleReplay& replay) {
   has_replayed_ = false;
   if (replay.histories == nullptr) return;
   CHECK_EQ(replay.histories->size(), count);
-  for (std::uint32_t ball = 0; ball < count; ++ball) {
+  for (BodyId ball{}; ball < count; ++ball) {
     if ((*replay.histories)[ball] == nullptr) continue;
     replayed_[ball] = (*replay.histories)[ball];
     replays_.push_back(ball);
@@ -88,10 +89,10 @@ void Marbles::begin_replay(const MarbleReplay& replay) {
   part_now_.assign(count, 0);
   is_changed_feature_.assign(replay.changes.empty() ? 0 : statics_->feature_count(), 0);
   for (const MarbleChange& change : replay.changes) {
-    for (const std::uint32_t feature : change.features)
+    for (const FeatureId feature : change.features)
       is_changed_feature_[feature] = 1;
   }
-  for (const std::uint32_t ball : replays_) {
+  for (const BodyId ball : replays_) {
     const MarbleHistory& history = *replayed_[ball];
     Tick until = history.stays ? k_never : history.until;
     if (!replay.changes.empty() || replay.confinement_differs)
@@ -109,19 +110,19 @@ bool Marbles::is_replay_void() const {
   if (!has_replayed_) return false;
   if (failure_ || lacks_checkpoint_) return true;
   std::uint64_t work = counts_.work() + replayed_work_;
-  for (const std::uint32_t ball : replays_)
+  for (const BodyId ball : replays_)
     work += replayed_[ball]->work;
   return work > work_max_ / k_work_margin;
 }
 
 void Marbles::stop_replay(BodyId marble) {
-  if (replayed_[marble.value] == nullptr) return;
-  goes_live(marble.value);
+  if (replayed_[marble] == nullptr) return;
+  goes_live(marble);
   // All that happens up to the present has happened.
   resume({.tick = now_, .kind = EventKind::sample, .lower = UINT32_MAX});
 }
 
-void Marbles::goes_live_by(std::uint32_t ball, Tick tick) {
+void Marbles::goes_live_by(BodyId ball, Tick tick) {
   if (replayed_[ball] == nullptr) return;
   if (tick <= present()) {
     goes_live(ball);
@@ -140,7 +141,7 @@ void Marbles::hasten(std::size_t from) {
 }
 
 /// From the present on a ball is simulated. It is then among those that catch up.
-void Marbles::goes_live(std::uint32_t ball) {
+void Marbles::goes_live(BodyId ball) {
   const std::shared_ptr<const MarbleHistory> history = std::move(replayed_[ball]);
   replayed_[ball] = nullptr;
   std::erase(replays_, ball);
@@ -166,8 +167,8 @@ void Marbles::goes_live(std::uint32_t ball) {
 
 /// What a ball did to others in its history it may not do now: neither meet them, nor be what the
 /// one that it has just met rests on, or asks about rest with.
-void Marbles::hasten_partners(std::uint32_t ball, Tick now) {
-  for (const std::uint32_t other : replays_) {
+void Marbles::hasten_partners(BodyId ball, Tick now) {
+  for (const BodyId other : replays_) {
     const MarbleHistory& theirs = *replayed_[other];
     bool has_met = false;
     for (const MarbleHistory::Meeting& meeting : theirs.meetings) {
@@ -188,10 +189,10 @@ void Marbles::hasten_partners(std::uint32_t ball, Tick now) {
 }
 
 /// A ball has the state of a checkpoint, and waits to catch up.
-void Marbles::go_on_from(std::uint32_t ball, const MarbleHistory& history,
+void Marbles::go_on_from(BodyId ball, const MarbleHistory& history,
                          const MarbleHistory::Checkpoint& checkpoint, Tick now) {
   // What it rests on must be there to wake it.
-  for (const std::uint32_t other : replays_) {
+  for (const BodyId other : replays_) {
     if (checkpoint.rest.rests_on(other)) hastened_.emplace_back(other, now);
   }
   balls_[ball] = checkpoint.marble;
@@ -208,7 +209,7 @@ void Marbles::go_on_from(std::uint32_t ball, const MarbleHistory& history,
 }
 
 /// What is kept of a ball begins with its history up to a checkpoint.
-void Marbles::keep_up_to(std::uint32_t ball, const MarbleHistory& history,
+void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
                          const MarbleHistory::Checkpoint& checkpoint) {
   MarbleHistory& own = kept_[ball];
   const auto is_before = [&](const auto& it) { return it.tick <= checkpoint.tick; };
@@ -230,12 +231,12 @@ void Marbles::keep_up_to(std::uint32_t ball, const MarbleHistory& history,
 // ---- those that are simulated, and those that are replayed --------------------------------------
 
 /// A ball is in a box from now to a tick, or, if that is its path, where that takes it.
-void Marbles::comes_near_replayed(std::uint32_t index, const TouchBox& box, Tick to, bool is_path) {
+void Marbles::comes_near_replayed(BodyId index, const TouchBox& box, Tick to, bool is_path) {
   const Tick from = present();
   if (to < from) return;
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   const std::size_t found = hastened_.size();
-  for (const std::uint32_t other : replays_) {
+  for (const BodyId other : replays_) {
     const auto& parts = replayed_[other]->parts;
     find_part_now(other);
     for (auto part = parts.begin() + static_cast<std::ptrdiff_t>(part_now_[other]);
@@ -266,7 +267,7 @@ void Marbles::comes_near_replayed(std::uint32_t index, const TouchBox& box, Tick
 }
 
 /// Whether another one starts where a ball is then, or as good as there.
-bool Marbles::starts_at(std::uint32_t ball, const MarbleHistory::Flight& way) const {
+bool Marbles::starts_at(BodyId ball, const MarbleHistory::Flight& way) const {
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   return apart_m2(path_box_of(ball, way.begin, way.begin),
                   way_box_of(way.flight(), way.begin, way.begin), radius_m_) <= reach_m * reach_m;
@@ -274,8 +275,8 @@ bool Marbles::starts_at(std::uint32_t ball, const MarbleHistory::Flight& way) co
 
 /// When a ball meets one that moves in a known way, both from a tick on and up to another one; not
 /// too late.
-Tick Marbles::meets_way(std::uint32_t ball, const MarbleHistory::Flight& way, MotionMode mode,
-                        Tick from, Tick until) const {
+Tick Marbles::meets_way(BodyId ball, const MarbleHistory::Flight& way, MotionMode mode, Tick from,
+                        Tick until) const {
   const Segment& segment = balls_[ball].segment;
   if (segment.mode == MotionMode::resting && mode == MotionMode::resting) return k_never;
   const double radii_m = radius_m_ + radius_m_;
@@ -286,7 +287,7 @@ Tick Marbles::meets_way(std::uint32_t ball, const MarbleHistory::Flight& way, Mo
 }
 
 /// The last part of a replayed ball's way that began before the present.
-void Marbles::find_part_now(std::uint32_t ball) {
+void Marbles::find_part_now(BodyId ball) {
   const auto& parts = replayed_[ball]->parts;
   std::size_t& part = part_now_[ball];
   while (part + 1 < parts.size() && parts[part + 1].begin <= present())
@@ -297,7 +298,7 @@ void Marbles::find_part_now(std::uint32_t ball) {
 /// never.
 Tick Marbles::replayed_comes_near(const TouchBox& box) {
   Tick first = k_never;
-  for (const std::uint32_t other : replays_) {
+  for (const BodyId other : replays_) {
     const MarbleHistory& history = *replayed_[other];
     find_part_now(other);
     for (std::size_t i = part_now_[other]; i < history.parts.size(); ++i) {

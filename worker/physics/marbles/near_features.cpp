@@ -30,7 +30,7 @@ float padded_above(double x, double pad) {
 
 }  // namespace
 
-TouchBox NearFeatures::touch_box_of_plane(std::uint32_t index) const {
+TouchBox NearFeatures::touch_box_of_plane(FeatureId index) const {
   const SphereFeature& plane = statics_.feature(index);
   const double reach_m = radius_m_ + 2 * k_touch_m;
   TouchBox box = k_everywhere;
@@ -47,7 +47,7 @@ TouchBox NearFeatures::touch_box_of_plane(std::uint32_t index) const {
 /// Where features themselves are, which seldom changes: boxes have slack.
 void NearFeatures::measure_features() {
   boxes_made_ = statics_.boxes_made();
-  for (std::uint32_t f = statics_.plane_count(); f < statics_.feature_count(); ++f)
+  for (FeatureId f{statics_.plane_count()}; f < statics_.feature_count(); ++f)
     extents_[f] = extent_of(statics_.feature_box(f), reach_m());
 }
 
@@ -80,7 +80,7 @@ void NearFeatures::for_each_cell(const Range& range, const Range& without,
 }
 
 /// Makes a feature's home larger, so that it holds its touch box.
-void NearFeatures::enlarge_home(std::uint32_t feature) {
+void NearFeatures::enlarge_home(FeatureId feature) {
   const TouchBox& box = touch_boxes_[feature];
   TouchBox& home = homes_[feature];
   const double growth_m = k_growth_radii * radius_m_;
@@ -95,12 +95,12 @@ void NearFeatures::enlarge_home(std::uint32_t feature) {
 }
 
 /// The same, and puts it in the lists that it wasn't in before.
-void NearFeatures::grow_home(std::uint32_t feature) {
+void NearFeatures::grow_home(FeatureId feature) {
   const Range before = cells_of(homes_[feature]);
   enlarge_home(feature);
   const bool is_face = statics_.feature(feature).kind == FeatureKind::face;
   for_each_cell(cells_of(homes_[feature]), before, [&](std::size_t index) {
-    std::vector<std::uint32_t>& list = is_face ? lists_[index].faces : lists_[index].corners;
+    std::vector<FeatureId>& list = is_face ? lists_[index].faces : lists_[index].corners;
     list.insert(std::upper_bound(list.begin(), list.end(), feature), feature);
   });
 }
@@ -113,7 +113,7 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
   extents_.resize(count);
   measure_features();
   TouchBox all = k_unmeetable;
-  for (std::uint32_t f = 0; f < count; ++f) {
+  for (FeatureId f{}; f < count; ++f) {
     if (f < statics_.plane_count()) {
       touch_boxes_[f] = touch_box_of_plane(f);
       everywhere_.push_back(f);
@@ -147,10 +147,10 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
   lists_.resize(std::size_t{counts_[0]} * counts_[1] * counts_[2]);
   // How long lists will be, then the lists.
   std::vector<std::uint32_t> lengths(2 * lists_.size());
-  const auto is_corner = [&](std::uint32_t f) {
+  const auto is_corner = [&](FeatureId f) {
     return statics_.feature(f).kind == FeatureKind::face ? 0U : 1U;
   };
-  for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
+  for (FeatureId f{statics_.plane_count()}; f < count; ++f) {
     if (statics_.is_absent(f)) continue;
     enlarge_home(f);
     for_each_cell(cells_of(homes_[f]), {},
@@ -161,7 +161,7 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
     // Flat edges that become convex come in later.
     lists_[list].corners.reserve(lengths[2 * list + 1] + (lengths[2 * list + 1] + 1) / 2);
   }
-  for (std::uint32_t f = statics_.plane_count(); f < count; ++f) {
+  for (FeatureId f{statics_.plane_count()}; f < count; ++f) {
     if (statics_.is_absent(f)) continue;
     for_each_cell(cells_of(homes_[f]), {}, [&](std::size_t list) {
       (is_corner(f) != 0 ? lists_[list].corners : lists_[list].faces).push_back(f);
@@ -174,7 +174,7 @@ void NearFeatures::refresh() {
   outgrown_.clear();
   write_touch_boxes(statics_, statics_.refreshed(), reach_m(),
                     {.extents = extents_, .homes = homes_, .boxes = touch_boxes_}, outgrown_);
-  for (const std::uint32_t f : outgrown_)
+  for (const FeatureId f : outgrown_)
     grow_home(f);
 }
 

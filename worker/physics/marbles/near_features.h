@@ -43,24 +43,24 @@ class NearFeatures {
   struct Cell {
     Four low_m;   ///< of its reach: the cell, and some margin on each side
     Four high_m;  ///< as good as infinite where no cell is beyond
-    std::span<const std::uint32_t> faces;
-    std::span<const std::uint32_t> corners;  ///< edges and vertices
+    std::span<const FeatureId> faces;
+    std::span<const FeatureId> corners;  ///< edges and vertices
   };
   /// Inline, since it is asked for each part of each path. REQUIRES: the fourth number is 0.
   Cell cell_at(const Four& centre_m) const;
   /// Faces that belong to all cells: planes.
-  std::span<const std::uint32_t> everywhere() const { return everywhere_; }
+  std::span<const FeatureId> everywhere() const { return everywhere_; }
   /// By feature.
   std::span<const TouchBox> touch_boxes() const { return touch_boxes_; }
   /// No less than the sum of |coordinates| of any feature's point.
   double coordinates_m() const { return coordinates_m_; }
 
  private:
-  TouchBox touch_box_of_plane(std::uint32_t plane) const;
+  TouchBox touch_box_of_plane(FeatureId plane) const;
   void measure_features();
   float reach_m() const { return static_cast<float>(radius_m_ + 2 * k_touch_m); }
-  void enlarge_home(std::uint32_t feature);
-  void grow_home(std::uint32_t feature);
+  void enlarge_home(FeatureId feature);
+  void grow_home(FeatureId feature);
   /// Cells from the first up to, and without, the last of each axis.
   struct Range {
     std::array<std::uint32_t, 3> from{};
@@ -80,10 +80,10 @@ class NearFeatures {
   double radius_m_;
   std::vector<TouchBox> touch_boxes_;
   std::vector<FeatureExtent> extents_;
-  std::uint64_t boxes_made_ = 0;         ///< the geometry's count when extents were
-  std::vector<TouchBox> homes_;          ///< for which lists were made
-  std::vector<std::uint32_t> outgrown_;  ///< while refreshing
-  std::vector<std::uint32_t> everywhere_;
+  std::uint64_t boxes_made_ = 0;     ///< the geometry's count when extents were
+  std::vector<TouchBox> homes_;      ///< for which lists were made
+  std::vector<FeatureId> outgrown_;  ///< while refreshing
+  std::vector<FeatureId> everywhere_;
   // Cells, x fastest.
   std::array<double, 4> origin_m_{};
   std::array<std::uint32_t, 3> counts_{1, 1, 1};
@@ -94,8 +94,8 @@ class NearFeatures {
   double cells_per_m_ = 1;
   double margin_m_ = 0;
   struct List {
-    std::vector<std::uint32_t> faces;
-    std::vector<std::uint32_t> corners;
+    std::vector<FeatureId> faces;
+    std::vector<FeatureId> corners;
   };
   std::vector<List> lists_;
 };

@@ -25,8 +25,8 @@ void Surroundings::settle(const NearFeatures& near, const NearFeatures::Cell& ce
   const CentreRange range(balls, near.radius_m());
   std::size_t count = 0;
   bool fits = true;
-  const auto take = [&](std::span<const std::uint32_t> features) {
-    for (const std::uint32_t feature : features) {
+  const auto take = [&](std::span<const FeatureId> features) {
+    for (const FeatureId feature : features) {
       if (!overlaps(centres, near.touch_boxes()[feature]) ||
           !near.statics().may_meet(feature, range))
         continue;

@@ -26,7 +26,7 @@ class Surroundings {
   }
   /// As of a cell whose reach is the box. REQUIRES: it holds some centre.
   NearFeatures::Cell cell() const {
-    const std::span<const std::uint32_t> all(features_);
+    const std::span<const FeatureId> all(features_);
     return {.low_m = low_m_,
             .high_m = high_m_,
             .faces = all.first(face_count_),
@@ -43,7 +43,7 @@ class Surroundings {
   Four high_m_ = Four::all(-1);
   std::uint32_t face_count_ = 0;
   std::uint32_t corner_count_ = 0;
-  std::array<std::uint32_t, k_most> features_{};
+  std::array<FeatureId, k_most> features_{};
 };
 
 /// Half of the box's sides, as a part of the radius. Speed only.

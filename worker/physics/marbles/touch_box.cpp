@@ -199,10 +199,9 @@ TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> 
   return box;
 }
 
-void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint32_t> features,
-                       float reach_m, const TouchBoxes& table,
-                       std::vector<std::uint32_t>& outgrown) {
-  for (const std::uint32_t f : features) {
+void write_touch_boxes(const StaticGeometry& statics, std::span<const FeatureId> features,
+                       float reach_m, const TouchBoxes& table, std::vector<FeatureId>& outgrown) {
+  for (const FeatureId f : features) {
     const SphereFeature& feature = statics.feature(f);
     if (StaticGeometry::is_absent(feature)) {
       table.boxes[f] = k_unmeetable;

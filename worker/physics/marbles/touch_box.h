@@ -104,8 +104,7 @@ struct TouchBoxes {
 
 /// Writes the touch boxes of some features, k_unmeetable for those that can't be met, and appends
 /// to `outgrown` those that their homes don't hold. REQUIRES: no planes.
-void write_touch_boxes(const StaticGeometry& statics, std::span<const std::uint32_t> features,
-                       float reach_m, const TouchBoxes& table,
-                       std::vector<std::uint32_t>& outgrown);
+void write_touch_boxes(const StaticGeometry& statics, std::span<const FeatureId> features,
+                       float reach_m, const TouchBoxes& table, std::vector<FeatureId>& outgrown);
 
 }  // namespace sleight::physics

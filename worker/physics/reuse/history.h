@@ -36,7 +36,7 @@ struct Participant {
   static constexpr std::uint32_t k_slowly = 1U << 29U;         ///< and that was slow
   static constexpr std::uint32_t k_contact_state = 1U << 28U;  ///< all that it knows
   std::uint32_t bits = 0;
-  std::uint32_t body() const { return bits & (k_contact_state - 1); }
+  BodyId body() const { return {bits & (k_contact_state - 1)}; }
   bool begins() const { return (bits & k_begins) != 0; }
   bool touches() const { return (bits & k_touches) != 0; }
   bool slowly() const { return (bits & k_slowly) != 0; }

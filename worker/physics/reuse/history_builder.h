@@ -17,10 +17,10 @@ class HistoryBuilder {
       : place_of_(bodies, k_nowhere), bytes_max_(bytes_max) {}
 
   // Of the event that is taking place, in any order.
-  void takes_part(std::uint32_t body) { add(body, 0); }
-  void begins(std::uint32_t body) { add(body, Participant::k_begins); }
-  void has_contact_state(std::uint32_t body) { add(body, Participant::k_contact_state); }
-  void touches(std::uint32_t body, const TouchRecord& touch, bool slowly) {
+  void takes_part(BodyId body) { add(body, 0); }
+  void begins(BodyId body) { add(body, Participant::k_begins); }
+  void has_contact_state(BodyId body) { add(body, Participant::k_contact_state); }
+  void touches(BodyId body, const TouchRecord& touch, bool slowly) {
     const std::size_t place =
         add(body, Participant::k_touches | (slowly ? Participant::k_slowly : 0));
     touch_of_[place] = touch;
@@ -64,7 +64,7 @@ class HistoryBuilder {
 
  private:
   static constexpr std::uint32_t k_nowhere = std::numeric_limits<std::uint32_t>::max();
-  std::size_t add(std::uint32_t body, std::uint32_t flags) {
+  std::size_t add(BodyId body, std::uint32_t flags) {
     std::uint32_t& place = place_of_[body];
     if (place == k_nowhere) {
       place = static_cast<std::uint32_t>(participants_.size());

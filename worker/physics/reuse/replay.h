@@ -10,7 +10,7 @@
 //   3. If a live body rests on a body, that one is live too; so waking never spreads to replayed
 //      bodies.
 //   4. An event of the history is replayed if all of its participants are replayed. Otherwise its
-//      replayed participants go live before it (world_replay.cpp). Bodies also go live before they
+//      replayed participants go live before it (replaying.h). Bodies also go live before they
 //      come near a place where static geometry differs, and at the history's end.
 // A body goes live in its present state, so it has nothing to catch up with.
 // Thread safety: none.

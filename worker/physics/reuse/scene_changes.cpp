@@ -152,7 +152,7 @@ bool most_moved(const Scene& a, const Scene& b) {
   return 2 * moved > all;
 }
 
-bool same_feature(const StaticGeometry& a, const StaticGeometry& b, std::uint32_t index) {
+bool same_feature(const StaticGeometry& a, const StaticGeometry& b, FeatureId index) {
   const SphereFeature& first = a.feature(index);
   const SphereFeature& second = b.feature(index);
   if (a.is_absent(index) && b.is_absent(index)) return true;
@@ -165,7 +165,7 @@ bool same_feature(const StaticGeometry& a, const StaticGeometry& b, std::uint32_
          a.material_of_feature(index) == b.material_of_feature(index);
 }
 
-bool same_piece(const StaticGeometry& a, const StaticGeometry& b, std::uint32_t index) {
+bool same_piece(const StaticGeometry& a, const StaticGeometry& b, PieceId index) {
   const ConvexView& first = *a.piece(index).view;
   const ConvexView& second = *b.piece(index).view;
   if (a.material_of_piece(index) != b.material_of_piece(index)) return false;
@@ -207,10 +207,11 @@ class PlaceFinder {
  private:
   void compare_features() {
     const std::uint32_t count = std::max(before_.feature_count(), after_.feature_count());
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (FeatureId i{}; i < count; ++i) {
       const bool in_both = i < before_.feature_count() && i < after_.feature_count();
       if (in_both && is_plane(before_, i) == is_plane(after_, i) &&
-          same_feature(before_, after_, i) && same(before_.friction_map(i), after_.friction_map(i)))
+          same_feature(before_, after_, i) &&
+          same(before_.friction_map({i}), after_.friction_map({i})))
         continue;
       add_feature(before_, i);
       add_feature(after_, i);
@@ -218,12 +219,12 @@ class PlaceFinder {
   }
   void compare_pieces() {
     const std::uint32_t count = std::max(before_.piece_count(), after_.piece_count());
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (PieceId i{}; i < count; ++i) {
       const bool in_both = i < before_.piece_count() && i < after_.piece_count();
       if (in_both && is_plane(before_, i) && is_plane(after_, i)) {
         if (same(before_.plane(i), after_.plane(i)) &&
             before_.material_of_piece(i) == after_.material_of_piece(i) &&
-            same(before_.friction_map(i), after_.friction_map(i)))
+            same(before_.friction_map({i}), after_.friction_map({i})))
           continue;
       } else if (in_both && !is_plane(before_, i) && !is_plane(after_, i) &&
                  same_piece(before_, after_, i)) {
@@ -236,15 +237,15 @@ class PlaceFinder {
   static bool is_plane(const StaticGeometry& statics, std::uint32_t index) {
     return index < statics.plane_count();
   }
-  void add_feature(const StaticGeometry& statics, std::uint32_t index) {
+  void add_feature(const StaticGeometry& statics, FeatureId index) {
     if (index >= statics.feature_count()) return;
     if (is_plane(statics, index)) {
-      places_.outside.push_back(statics.plane(index));
+      places_.outside.push_back(statics.plane({index}));
     } else {
       boxes_.push_back(statics.feature_box(index));
     }
   }
-  void add_piece(const StaticGeometry& statics, std::uint32_t index) {
+  void add_piece(const StaticGeometry& statics, PieceId index) {
     if (index >= statics.piece_count()) return;
     if (is_plane(statics, index)) {
       places_.outside.push_back(statics.plane(index));

@@ -129,7 +129,7 @@ void StaticGeometry::plant_feature_tree() {
   const auto add = [&](std::uint32_t from, std::uint32_t to, bool all) {
     for (std::uint32_t i = from; i < to; ++i) {
       if (!all && is_absent(features_[i])) continue;
-      in_feature_tree_.push_back(i);
+      in_feature_tree_.push_back({i});
       tree_boxes_.push_back(feature_boxes_[i - plane_count_]);
     }
   };
@@ -337,10 +337,10 @@ bool reaches(const HalfSpace& outside, const Box& box) {
 }
 
 void StaticGeometry::features_near(const Box& box, double radius_m,
-                                   std::vector<std::uint32_t>& found) const {
+                                   std::vector<StaticId>& found) const {
   const CentreRange centre(box, radius_m);
   for (std::uint32_t i = 0; i < plane_count(); ++i) {
-    if (reaches(planes_[i], box) && may_meet(i, centre)) found.push_back(i);
+    if (reaches(planes_[i], box) && may_meet({i}, centre)) found.push_back({i});
   }
   // Where the centre may be; to rounding, and by what counts as a touch, more.
   Box centres;
@@ -356,18 +356,18 @@ void StaticGeometry::features_near(const Box& box, double radius_m,
   const float reach_m = radius + static_cast<float>(2 * k_touch_m) + 0x1p-21F * (size_m + radius);
   const auto in_tree = static_cast<std::ptrdiff_t>(found.size());
   feature_tree_.for_each_within(centres, reach_m, [&](std::uint32_t i) {
-    const std::uint32_t index = in_feature_tree_[i];
-    if (!is_absent(features_[index]) && may_meet(index, centre)) found.push_back(index);
+    const FeatureId index = in_feature_tree_[i];
+    if (!is_absent(features_[index]) && may_meet(index, centre)) found.push_back({index});
   });
   std::sort(found.begin() + in_tree, found.end());
 }
 
-void StaticGeometry::pieces_near(const Box& box, std::vector<std::uint32_t>& found) const {
+void StaticGeometry::pieces_near(const Box& box, std::vector<StaticId>& found) const {
   for (std::uint32_t i = 0; i < plane_count(); ++i) {
-    if (reaches(planes_[i], box)) found.push_back(i);
+    if (reaches(planes_[i], box)) found.push_back({i});
   }
   const auto in_tree = static_cast<std::ptrdiff_t>(found.size());
-  piece_tree_.for_each_overlap(box, [&](std::uint32_t i) { found.push_back(plane_count() + i); });
+  piece_tree_.for_each_overlap(box, [&](std::uint32_t i) { found.push_back({plane_count() + i}); });
   std::sort(found.begin() + in_tree, found.end());
 }
 

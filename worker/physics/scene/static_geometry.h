@@ -37,6 +37,7 @@
 #include "worker/physics/broad_phase/box.h"
 #include "worker/physics/collision/convex_search.h"
 #include "worker/physics/collision/sphere_search.h"
+#include "worker/physics/event/ids.h"
 #include "worker/physics/scene/box_tree.h"
 #include "worker/physics/scene/scene.h"
 #include "worker/physics/shape/small_pieces.h"
@@ -94,70 +95,68 @@ class StaticGeometry {
   }
   std::uint32_t plane_count() const { return static_cast<std::uint32_t>(plane_count_); }
 
-  const SphereFeature& feature(std::uint32_t index) const { return features_[index]; }
+  const SphereFeature& feature(FeatureId index) const { return features_[index]; }
   std::span<const RegionSide> sides(const SphereFeature& feature) const {
     return std::span(sides_).subspan(feature.regions_begin,
                                      feature.regions_end - feature.regions_begin);
   }
   /// Whether nothing can meet a feature as its mesh is now.
-  bool is_absent(std::uint32_t index) const { return is_absent(features_[index]); }
+  bool is_absent(FeatureId index) const { return is_absent(features_[index]); }
   static bool is_absent(const SphereFeature& feature) {
     return feature.regions_end == k_nothing + 1;
   }
   /// Of a feature itself, wherever its mesh's slack lets its vertices be. REQUIRES: not a plane.
-  const Box& feature_box(std::uint32_t index) const { return feature_boxes_[index - plane_count_]; }
+  const Box& feature_box(FeatureId index) const { return feature_boxes_[index - plane_count_]; }
   /// How often refresh has made boxes of features anew: each time that a vertex was outside of its
   /// slack.
   std::uint64_t boxes_made() const { return boxes_made_; }
   /// Those that the last refresh wrote anew; some may come twice.
-  std::span<const std::uint32_t> refreshed() const { return refreshed_; }
+  std::span<const FeatureId> refreshed() const { return refreshed_; }
   /// What of a mesh, by its place in the scene, is otherwise once a vertex has moved, as long as
   /// border_m stays; all is, if not.
   struct About {
-    std::vector<std::uint32_t> features;  ///< that hang on it
+    std::vector<FeatureId> features;  ///< that hang on it
     /// Faces that do not, beside some that do: theirs is otherwise only where an edge between has
     /// become flat, or is flat no more.
-    std::vector<std::uint32_t> beside;
+    std::vector<FeatureId> beside;
     std::vector<std::uint32_t> edges;  ///< of the mesh: those that may
   };
   About about(std::size_t mesh, std::uint32_t vertex) const;
   /// How far a mesh's regions reach over their borders: by rounding, at its greatest coordinate.
   double border_m(std::size_t mesh) const { return meshes_[mesh].margins.border_m; }
-  const HalfSpace& plane(std::uint32_t index) const { return planes_[index]; }
+  const HalfSpace& plane(PieceId index) const { return planes_[index]; }
   /// REQUIRES: plane_count() <= index < piece_count().
-  const MovingPiece& piece(std::uint32_t index) const { return pieces_[index - plane_count_]; }
+  const MovingPiece& piece(PieceId index) const { return pieces_[index - plane_count_]; }
 
   /// A plane's, or null. Of features and pieces alike, as planes come first in both.
-  const FrictionMap* friction_map(std::uint32_t index) const {
+  const FrictionMap* friction_map(StaticId index) const {
     return index < friction_maps_.size() ? friction_maps_[index].get() : nullptr;
   }
   /// Friction where something touches a feature or a piece; `otherwise` is the table's.
-  double friction_at(std::uint32_t index, const Vec3& point_m, double otherwise) const {
+  double friction_at(StaticId index, const Vec3& point_m, double otherwise) const {
     const FrictionMap* map = friction_map(index);
     return map == nullptr ? otherwise : map->friction_at(point_m).value_or(otherwise);
   }
 
-  MaterialId material_of_feature(std::uint32_t index) const {
-    return feature_owners_[index].material;
-  }
-  MaterialId material_of_piece(std::uint32_t index) const { return piece_owners_[index].material; }
+  MaterialId material_of_feature(FeatureId index) const { return feature_owners_[index].material; }
+  MaterialId material_of_piece(PieceId index) const { return piece_owners_[index].material; }
   /// For people.
-  const std::string& name_of_feature(std::uint32_t index) const {
+  const std::string& name_of_feature(FeatureId index) const {
     return names_[feature_owners_[index].name];
   }
-  const std::string& name_of_piece(std::uint32_t index) const {
+  const std::string& name_of_piece(PieceId index) const {
     return names_[piece_owners_[index].name];
   }
 
   /// Appends the indices of the features that a sphere of this radius may meet while its centre
   /// stays in a box, in ascending order.
-  void features_near(const Box& box, double radius_m, std::vector<std::uint32_t>& found) const;
+  void features_near(const Box& box, double radius_m, std::vector<StaticId>& found) const;
   /// The same of pieces that a box overlaps.
-  void pieces_near(const Box& box, std::vector<std::uint32_t>& found) const;
+  void pieces_near(const Box& box, std::vector<StaticId>& found) const;
 
   /// Whether a sphere may meet a feature: its centre comes into the feature's region, and near
   /// enough. Inline, since this is asked for each feature near each new box.
-  bool may_meet(std::uint32_t index, const CentreRange& centre) const {
+  bool may_meet(FeatureId index, const CentreRange& centre) const {
     const SphereFeature& one = features_[index];
     const Vec3 from = centre.middle_m - one.point_m;
     const double along_m = math::dot(one.direction, from);  // of a vertex 0
@@ -174,7 +173,7 @@ class StaticGeometry {
     return true;
   }
   /// Whether a piece reaches into a box.
-  bool piece_overlaps(std::uint32_t index, const Box& box) const {
+  bool piece_overlaps(PieceId index, const Box& box) const {
     return index < plane_count_ ? reaches(planes_[index], box)
                                 : overlap(piece_boxes_[index - plane_count_], box);
   }
@@ -263,12 +262,12 @@ class StaticGeometry {
   std::vector<Box> piece_boxes_;  ///< from plane_count_ on
   std::vector<MeshPlace> meshes_;
   BoxTree feature_tree_;
-  std::vector<std::uint32_t> in_feature_tree_;  ///< by place there: which feature
+  std::vector<FeatureId> in_feature_tree_;  ///< by place there: which feature
   BoxTree piece_tree_;
   std::vector<std::string> names_;
   std::vector<Solid> solids_;
   std::uint64_t boxes_made_ = 0;
-  std::vector<std::uint32_t> refreshed_;
+  std::vector<FeatureId> refreshed_;
   std::vector<std::uint32_t> beside_;  ///< triangles, while refreshing
   std::vector<std::uint32_t> every_;   ///< number there is of a mesh's faces, edges or vertices
   // Room for building.

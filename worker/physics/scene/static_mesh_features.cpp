@@ -100,7 +100,11 @@ void StaticGeometry::refresh(std::size_t index) {
     place.margins = margins;
     write_all(place);
     refreshed_.resize(place.first_vertex + mesh.vertices_m().size() - place.first_face);
-    std::iota(refreshed_.begin(), refreshed_.end(), place.first_face);
+    std::ranges::generate(refreshed_, [next = FeatureId{place.first_face}]() mutable {
+      const FeatureId now = next;
+      ++next;
+      return now;
+    });
   } else {
     write_moved(place);
   }
@@ -148,7 +152,7 @@ void StaticGeometry::write_moved(MeshPlace& place) {
   const auto add = [&](std::span<const std::uint32_t> numbers, std::uint32_t first,
                        std::uint32_t each) {
     for (const std::uint32_t number : numbers)
-      *next++ = first + each * number;
+      *next++ = {first + each * number};
   };
   for (std::uint32_t back = 0; back < backs; ++back) {
     add(mesh.moved_triangles(), place.first_face + back, backs);
@@ -161,22 +165,22 @@ void StaticGeometry::write_moved(MeshPlace& place) {
 StaticGeometry::About StaticGeometry::about(std::size_t index, std::uint32_t vertex) const {
   const MeshPlace& place = meshes_[index];
   const TriangleMesh& mesh = *place.mesh;
-  std::set<std::uint32_t> features;
+  std::set<FeatureId> features;
   std::set<std::uint32_t> edges;
-  std::set<std::uint32_t> faces_beside;
+  std::set<FeatureId> faces_beside;
   const std::uint32_t backs = place.closed ? 1 : 2;
-  const auto add_face = [&](std::uint32_t triangle, std::set<std::uint32_t>& to) {
+  const auto add_face = [&](std::uint32_t triangle, std::set<FeatureId>& to) {
     for (std::uint32_t back = 0; back < backs && triangle != k_no_triangle; ++back)
-      to.insert(place.first_face + backs * triangle + back);
+      to.insert({place.first_face + backs * triangle + back});
   };
   for (std::uint32_t triangle = 0; triangle < mesh.triangles().size(); ++triangle) {
     const TriangleCorners& corners = mesh.triangles()[triangle];
     if (std::ranges::find(corners, vertex) == corners.end()) continue;
     add_face(triangle, features);
     for (const std::uint32_t corner : corners)
-      features.insert(place.first_vertex + corner);
+      features.insert({place.first_vertex + corner});
     for (const std::uint32_t edge : mesh.edges_of(triangle)) {
-      features.insert(place.first_edge + edge);
+      features.insert({place.first_edge + edge});
       edges.insert(edge);
       for (const std::uint32_t beside : mesh.edges()[edge].triangle)
         add_face(beside, faces_beside);

@@ -32,6 +32,7 @@
 #include "worker/physics/broad_phase/broad_phase.h"
 #include "worker/physics/event/event_queue.h"
 #include "worker/physics/simulator/engine_options.h"
+#include "worker/physics/simulator/replaying.h"
 #include "worker/physics/simulator/world.h"
 
 namespace sleight::physics {
@@ -46,8 +47,10 @@ struct Takeover {
 template <BroadPhase Boxes, EventQueue Queue>
 class Engine {
  public:
-  /// Borrows the world. It begins before everything in one without bodies, or takes over.
-  Engine(World& world, EngineOptions options, const std::optional<Takeover>& from);
+  /// Borrows the world and what is replayed in it. It begins before everything in one without
+  /// bodies, or takes over.
+  Engine(World& world, Replaying& replaying, EngineOptions options,
+         const std::optional<Takeover>& from);
 
   /// Processes every event up to and at `end`. Nothing if all went well; after an error the engine
   /// stays where it is.
@@ -59,7 +62,7 @@ class Engine {
   Takeover state() const { return {now_, counts_, failure_}; }
 
  private:
-  static constexpr std::uint32_t k_nobody = UINT32_MAX;
+  static constexpr BodyId k_nobody{UINT32_MAX};
 
   /// The queue has a slot for each body, numbered as bodies are, and after these one for each kind
   /// of event that no body owns.
@@ -70,8 +73,8 @@ class Engine {
     replayed,   ///< the next event of the simulation that is replayed
     count,
   };
-  static Slot slot_of(std::uint32_t body) { return {body}; }
-  Slot slot_of(OwnSlot own) const { return {world_.size() + static_cast<std::uint32_t>(own)}; }
+  static Slot slot_of(BodyId body) { return {body}; }
+  Slot slot_of(OwnSlot own) const { return {bodies_.size() + static_cast<std::uint32_t>(own)}; }
 
   struct Bound {
     Tick expiry = k_never;
@@ -79,23 +82,23 @@ class Engine {
   };
   struct StaticEdge {
     Prediction prediction{};
-    std::uint32_t index = 0;
+    StaticId index{};
     std::uint32_t search = k_no_search;
   };
   /// Takes the broad phase's report on one body. Pairs that begin are predicted many at a time, by
   /// finish, unless all of the body's are going to be.
   struct Sink {
     Engine& engine;
-    std::uint32_t body;
+    BodyId body;
     bool predict;
     std::size_t begun = 0;  ///< not predicted yet; the last ones in the body's list
     void begin(BodyId other) {
-      engine.begin_pair(body, other.value, false);
+      engine.begin_pair(body, other, false);
       ++begun;
     }
     void end(BodyId other) {
       finish();  // another edge takes the place of this one
-      engine.end_pair(body, other.value);
+      engine.end_pair(body, other);
     }
     void finish() {
       if (predict && begun > 0) engine.predict_last(body, begun);
@@ -106,80 +109,83 @@ class Engine {
   struct PairsSink {
     Engine& engine;
     void begin(BodyId a, BodyId b) {
-      engine.begin_pair(a.value, b.value, true);
-      engine.refresh_key(a.value);
+      engine.begin_pair(a, b, true);
+      engine.refresh_key(a);
     }
-    void end(BodyId a, BodyId b) { engine.end_pair(a.value, b.value); }
-    std::span<const BodyId> neighbours(BodyId a) const { return engine.graph_.others_of(a.value); }
+    void end(BodyId a, BodyId b) { engine.end_pair(a, b); }
+    std::span<const BodyId> neighbours(BodyId a) const { return engine.graph_.others_of(a); }
   };
 
   // Events.
   void process(const QueuedEvent& queued);
-  bool is_void(std::uint32_t body, const EventKey& event);
-  void start(std::uint32_t body, const EventKey& event);
+  bool is_void(BodyId body, const EventKey& event);
+  void start(BodyId body, const EventKey& event);
   void collide(const EventKey& event);
-  void examine(std::uint32_t body, const EventKey& event);
+  void examine(BodyId body, const EventKey& event);
   void control(const EventKey& event);
   void rest(const EventKey& event);
   void bodies_changed();
   void sample();
 
   // Replaying (engine_replay.h).
-  bool starts_as_before(std::uint32_t body, const EventKey& event);
+  bool starts_as_before(BodyId body, const EventKey& event);
   bool replay();
   void schedule_replay();
   void take_over_live();
 
-  std::string obstacle_of(std::uint32_t body);
-  void watch(std::uint32_t body);
-  void unwatch(std::uint32_t body);
+  std::string obstacle_of(BodyId body);
+  void watch(BodyId body);
+  void unwatch(BodyId body);
 
   // Reading ahead.
   void fetch_next();
   void fetch_next_neighbours() const;
 
   // Predictions.
-  void begin_pair(std::uint32_t a, std::uint32_t b, bool predict);
-  void end_pair(std::uint32_t a, std::uint32_t b);
-  void predict(std::uint32_t body, PairEdge& edge);
-  void predict_all(std::uint32_t body);
-  void predict_last(std::uint32_t body, std::size_t count);
-  void predict_statics(std::uint32_t body);
-  void refresh_key(std::uint32_t body);
+  void begin_pair(BodyId a, BodyId b, bool predict);
+  void end_pair(BodyId a, BodyId b);
+  void predict(BodyId body, const PairEdge& edge);
+  void predict_all(BodyId body);
+  void predict_last(BodyId body, std::size_t count);
+  void predict_statics(BodyId body);
+  void refresh_key(BodyId body);
 
   // Bounding volumes.
-  void motion_changed(std::uint32_t body);
-  void renew_box(std::uint32_t body, bool predict);
+  void motion_changed(BodyId body);
+  void renew_box(BodyId body, bool predict);
   void renew_all_boxes(Tick end);
-  bool watch_statics(std::uint32_t body, const Box& box);
-  TickCount least_span(std::uint32_t body) const;
+  bool watch_statics(BodyId body, const Box& box);
+  TickCount least_span(BodyId body) const;
   /// Static geometry near a body; without a look at its list where there can't be any.
-  std::span<StaticEdge> statics_of(std::uint32_t body) {
-    return world_.has_statics() ? std::span<StaticEdge>(statics_[body]) : std::span<StaticEdge>{};
+  std::span<StaticEdge> statics_of(BodyId body) {
+    return world_.statics().any() ? std::span<StaticEdge>(statics_[body]) : std::span<StaticEdge>{};
   }
 
   void fail(SceneError::Kind kind, std::string message);
   void schedule_control();
 
   World& world_;
+  const Bodies& bodies_;  ///< the world's
+  Predictions& predictions_;
+  Replaying& replaying_;
   EngineOptions options_;
   Boxes boxes_;
   Queue queue_;
   PairGraph graph_;
   std::vector<std::vector<StaticEdge>> statics_;
   std::vector<Bound> bounds_;
-  std::vector<std::vector<std::uint32_t>> candidates_;  ///< static features in a wider box
-  std::vector<Box> static_boxes_;                       ///< that one
-  Tick boxes_until_ = k_never;                          ///< of the synchronous algorithm
-  std::vector<Box> all_boxes_;                          ///< scratch of the synchronous algorithm
-  std::vector<std::uint32_t> near_;                     ///< scratch
-  std::vector<std::uint32_t> changes_;                  ///< of each body's motion
+  std::vector<std::vector<StaticId>> candidates_;  ///< static features in a wider box
+  std::vector<Box> static_boxes_;                  ///< that one
+  Tick boxes_until_ = k_never;                     ///< of the synchronous algorithm
+  std::vector<Box> all_boxes_;                     ///< scratch of the synchronous algorithm
+  std::vector<StaticId> near_;                     ///< scratch
+  std::vector<std::uint32_t> changes_;             ///< of each body's motion
   std::vector<std::uint8_t> is_watched_;
   std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
   std::size_t next_control_ = 0;
   std::uint32_t present_ = 0;  ///< bodies that have started
   bool reads_ahead_ = false;
-  std::array<std::uint32_t, 2> next_bodies_{k_nobody, k_nobody};  ///< of the next event, probably
+  std::array<BodyId, 2> next_bodies_{k_nobody, k_nobody};  ///< of the next event, probably
   Tick now_{};
   Counts counts_;
   std::optional<SceneError> failure_;

@@ -26,28 +26,33 @@ inline constexpr std::size_t k_candidate_room = 256;
 inline constexpr std::uint32_t k_read_ahead_bodies = 4000;
 
 template <BroadPhase Boxes, EventQueue Queue>
-Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
+Engine<Boxes, Queue>::Engine(World& world, Replaying& replaying, EngineOptions options,
                              const std::optional<Takeover>& from)
     : world_(world),
+      bodies_(world.bodies()),
+      predictions_(world.predictions()),
+      replaying_(replaying),
       options_(std::move(options)),
-      boxes_({.bodies = world.size(),
-              .period_m = world.scene().period_m,
-              .size_m = world.typical_box_m()}) {
+      boxes_({.bodies = bodies_.size(),
+              .period_m = bodies_.scene().period_m,
+              .size_m = typical_box_m(bodies_)}) {
   if (from) {
     now_ = from->now;
     counts_ = from->counts;
     failure_ = from->failure;
   }
-  const auto count = world.size();
+  const auto count = bodies_.size();
   queue_.reset(slot_of(OwnSlot::count).value);
   graph_.reset(count, options_.algorithm == Algorithm::all_pairs
                           ? PairGraph::Room{.list = std::max(count, 1U), .average = 0}
-                          : PairGraph::Room{.list = k_list_room, .average = k_list_average});
+                          : PairGraph::Room{.list = k_list_room,
+                                            .average = k_list_average,
+                                            .details = !world.only_flies()});
   statics_.resize(count);
   candidates_.resize(count);
-  for (std::uint32_t body = 0; body < count; ++body) {
-    statics_[body].reserve(world.static_count(body) > 0 ? k_static_room : 0);
-    candidates_[body].reserve(world.static_count(body) > 0 ? k_candidate_room : 0);
+  for (BodyId body{}; body < count; ++body) {
+    statics_[body].reserve(world_.statics().count(body) > 0 ? k_static_room : 0);
+    candidates_[body].reserve(world_.statics().count(body) > 0 ? k_candidate_room : 0);
   }
   near_.reserve(k_static_room);
   bounds_.resize(count);
@@ -58,24 +63,24 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
   if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
 
   // Bodies that have started are taken over; the others wait for their start.
-  world.forget_searches(options_.algorithm != Algorithm::all_pairs);
-  for (std::uint32_t body = 0; body < count; ++body) {
-    if (world.started(body)) {
+  predictions_.forget_searches(options_.algorithm != Algorithm::all_pairs);
+  for (BodyId body{}; body < count; ++body) {
+    if (bodies_.started(body)) {
       ++present_;
       watch(body);
     } else {
-      queue_.set(
-          slot_of(body),
-          {.tick = world.scene().bodies[body].start_tick, .kind = EventKind::start, .lower = body});
+      queue_.set(slot_of(body), {.tick = bodies_.scene().bodies[body].start_tick,
+                                 .kind = EventKind::start,
+                                 .lower = body});
     }
   }
-  for (std::uint32_t body = 0; body < count; ++body) {
-    if (world.started(body)) motion_changed(body);
+  for (BodyId body{}; body < count; ++body) {
+    if (bodies_.started(body)) motion_changed(body);
   }
   schedule_replay();
   take_over_live();
-  const std::vector<Control>& controls = world.scene().controls;
-  controls_ = controls_in_order(world.scene());
+  const std::vector<Control>& controls = bodies_.scene().controls;
+  controls_ = controls_in_order(bodies_.scene());
   while (from && next_control_ < controls_.size() &&
          controls[controls_[next_control_]].tick <= now_) {
     ++next_control_;
@@ -90,24 +95,24 @@ Engine<Boxes, Queue>::Engine(World& world, EngineOptions options,
 
 /// Finds what is near a body that has just been placed. Nothing is predicted yet.
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::watch(std::uint32_t body) {
+void Engine<Boxes, Queue>::watch(BodyId body) {
   bounds_[body].made = now_ - 1;
   static_boxes_[body] = {.low_m = {1, 1, 1}, .high_m = {-1, -1, -1}};
   for (StaticEdge& edge : statics_[body])
-    world_.end_search(edge.search);
+    predictions_.end_search(edge.search);
   statics_[body].clear();
   if (options_.algorithm == Algorithm::all_pairs) {
-    for (std::uint32_t other = 0; other < world_.size(); ++other) {
+    for (BodyId other{}; other < bodies_.size(); ++other) {
       if (other != body && is_watched_[other] != 0) begin_pair(body, other, false);
     }
-    for (std::uint32_t index = 0; index < world_.static_count(body); ++index)
+    for (StaticId index{}; index < world_.statics().count(body); ++index)
       statics_[body].push_back({.index = index});
-    if (world_.statics_differ()) world_.make_live(body);
+    if (replaying_.statics_differ()) replaying_.make_live(body);
   } else {
-    const Box box = path_box(world_.path(body), world_.reach_m(body) + k_touch_m, now_, now_ + 1);
+    const Box box = path_box(bodies_.path(body), bodies_.reach_m(body) + k_touch_m, now_, now_ + 1);
     Sink sink{*this, body, false};
-    boxes_.insert({body}, box, sink);
-    world_.comes_into(body, box);
+    boxes_.insert(body, box, sink);
+    replaying_.comes_into(body, box);
     watch_statics(body, box);
   }
   is_watched_[body] = 1;
@@ -115,13 +120,13 @@ void Engine<Boxes, Queue>::watch(std::uint32_t body) {
 
 /// Takes that back.
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::unwatch(std::uint32_t body) {
+void Engine<Boxes, Queue>::unwatch(BodyId body) {
   if (options_.algorithm == Algorithm::all_pairs) {
     while (!graph_.others_of(body).empty())
-      end_pair(body, graph_.others_of(body).front().value);
+      end_pair(body, graph_.others_of(body).front());
   } else {
     Sink sink{*this, body, false};
-    boxes_.remove({body}, sink);
+    boxes_.remove(body, sink);
   }
   is_watched_[body] = 0;
 }
@@ -141,9 +146,10 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
     now_ = event.key.tick;
     if (reads_ahead_) fetch_next();
     process(event);
-    if (world_.failure()) failure_ = world_.failure();
+    if (world_.has_failed()) [[unlikely]]
+      failure_ = world_.failure();
     if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
-    if (world_.has_gone_live()) take_over_live();
+    if (replaying_.has_gone_live()) take_over_live();
   }
   if (!failure_) now_ = end;
   return failure_;
@@ -160,24 +166,24 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
   }
   switch (event.kind) {
     case EventKind::update:
-      if (event.lower == k_nobody) return;  // the synchronous algorithm wants new boxes
+      if (event.body() == k_nobody) return;  // the synchronous algorithm wants new boxes
       if (event.higher == k_nobody) {
         ++counts_.updates;
-        renew_box(event.lower, true);
+        renew_box(event.body(), true);
       } else {
-        examine(queued.slot.value, event);
+        examine({queued.slot.value}, event);
       }
       return;
     case EventKind::start:
-      start(event.lower, event);
+      start(event.body(), event);
       return;
     case EventKind::control:
       control(event);
       return;
     case EventKind::collision:
-      if (is_void(queued.slot.value, event)) {
+      if (is_void({queued.slot.value}, event)) {
         ++counts_.voids;
-        refresh_key(queued.slot.value);
+        refresh_key({queued.slot.value});
       } else {
         collide(event);
       }
@@ -189,16 +195,16 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
       rest(event);
       return;
     case EventKind::mode:
-      if (world_.stays_on_faces(event.lower)) {
+      if (bodies_.stays_on_faces(event.body())) {
         ++counts_.modes;
-        world_.change_mode(event.lower, event);
+        world_.change_mode(event.body(), event);
         world_.keep(event);
         bodies_changed();
         return;
       }
       fail(SceneError::Kind::spins_too_long,
            fmt::format("{} turns too fast for too long without touching anything, at {:.9g} s",
-                       world_.name(event.lower), seconds(now_ - Tick{})));
+                       bodies_.name(event.body()), seconds(now_ - Tick{})));
       return;
   }
   CHECK(false);
@@ -207,20 +213,20 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
 /// Whether a pair's partner has changed since a body predicted this, or the pair is not watched
 /// now.
 template <BroadPhase Boxes, EventQueue Queue>
-bool Engine<Boxes, Queue>::is_void(std::uint32_t body, const EventKey& event) {
-  if ((event.higher & k_static) != 0) return false;
-  const PairEdge* edge = graph_.find(body, body == event.lower ? event.higher : event.lower);
-  return edge == nullptr || edge->other_changes != changes_[edge->other];
+bool Engine<Boxes, Queue>::is_void(BodyId body, const EventKey& event) {
+  if (event.is_with_static()) return false;
+  const auto edge = graph_.find(body, body == event.body() ? event.other_body() : event.body());
+  return !edge || *edge->other_changes != changes_[edge->other];
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
-  const BodyDescription& description = world_.scene().bodies[body];
+void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
+  const BodyDescription& description = bodies_.scene().bodies[body];
   StartState state = description.start;
   for (std::uint32_t attempt = 1;; ++attempt) {
     // Put the body there, to find what it would touch.
     world_.place(body, description.rests ? world_.segment_at_rest(body)
-                                         : world_.segment_of_start(state, event.tick));
+                                         : bodies_.segment_of_start(state, event.tick));
     watch(body);
     const std::string obstacle = obstacle_of(body);
     if (obstacle.empty()) break;
@@ -228,62 +234,64 @@ void Engine<Boxes, Queue>::start(std::uint32_t body, const EventKey& event) {
     // It is taken away again and gets another place, if it has any.
     unwatch(body);
     if (!description.start_again || attempt > k_start_attempts_max) {
-      fail(SceneError::Kind::overlap,
-           description.start_again
-               ? fmt::format("{} finds no free place to start at {:.9g} s in {} attempts; the last "
-                             "one overlaps {}",
-                             world_.name(body), seconds(event.tick - Tick{}), attempt - 1, obstacle)
-               : fmt::format("{} can't start at {:.9g} s: it overlaps {}, or is within {} m of it",
-                             world_.name(body), seconds(event.tick - Tick{}), obstacle, k_touch_m));
+      fail(
+          SceneError::Kind::overlap,
+          description.start_again
+              ? fmt::format("{} finds no free place to start at {:.9g} s in {} attempts; the last "
+                            "one overlaps {}",
+                            bodies_.name(body), seconds(event.tick - Tick{}), attempt - 1, obstacle)
+              : fmt::format("{} can't start at {:.9g} s: it overlaps {}, or is within {} m of it",
+                            bodies_.name(body), seconds(event.tick - Tick{}), obstacle, k_touch_m));
       return;
     }
     ++counts_.start_draws;
     state = description.start_again(attempt);
-    if (auto wrong = error_of_start(state, world_.name(body))) {
+    if (auto wrong = error_of_start(state, bodies_.name(body))) {
       failure_ = std::move(wrong);
       return;
     }
   }
   ++counts_.starts;
   ++present_;
-  world_.begin_segment(body, world_.segment(body), event);
+  world_.begin_segment(body, bodies_.segment(body), event);
   if (description.rests) world_.begin_at_rest(body);
   world_.keep(event);
-  if (world_.replays()) starts_as_before(body, event);
+  if (replaying_.active()) starts_as_before(body, event);
   ++changes_[body];
   motion_changed(body);
 }
 
 /// What a body overlaps, by name; empty if nothing.
 template <BroadPhase Boxes, EventQueue Queue>
-std::string Engine<Boxes, Queue>::obstacle_of(std::uint32_t body) {
+std::string Engine<Boxes, Queue>::obstacle_of(BodyId body) {
   // What starts at rest has been looked at with all that does (World::lay_down).
-  const std::vector<BodyDescription>& bodies = world_.scene().bodies;
+  const std::vector<BodyDescription>& bodies = bodies_.scene().bodies;
   const bool rests = bodies[body].rests;
-  std::uint32_t lowest = k_nobody;
+  BodyId lowest = k_nobody;
   for (const BodyId other : graph_.others_of(body)) {
-    if (rests && bodies[other.value].rests) continue;
-    const std::uint32_t a = std::min(body, other.value);
-    const std::uint32_t b = std::max(body, other.value);
-    if (other.value < lowest && world_.touching(a, b, now_)) lowest = other.value;
+    if (rests && bodies[other].rests) continue;
+    const BodyId a = std::min(body, other);
+    const BodyId b = std::max(body, other);
+    if (other < lowest && predictions_.touching(a, b, now_)) lowest = other;
   }
-  if (lowest != k_nobody) return world_.name(lowest);
+  if (lowest != k_nobody) return bodies_.name(lowest);
   if (rests) return "";
   for (const StaticEdge& edge : statics_[body]) {
-    if (world_.touching_static(body, edge.index, now_)) return world_.static_name(body, edge.index);
+    if (world_.statics().touching(body, edge.index, now_))
+      return world_.statics().name(body, edge.index);
   }
   // Deep inside of a solid a body may touch nothing of its surface.
-  return world_.solid_around(body, now_);
+  return world_.statics().solid_at(bodies_.position_at(body, now_));
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::collide(const EventKey& event) {
-  if ((event.higher & k_static) != 0) {
+  if (event.is_with_static()) {
     ++counts_.static_collisions;
-    world_.collide_static(event.lower, event.higher & ~k_static, event);
+    world_.collide_static(event.body(), event.met(), event);
   } else {
     ++counts_.collisions;
-    world_.collide(event.lower, event.higher, event);
+    world_.collide(event.body(), event.other_body(), event);
   }
   world_.keep(event);
   bodies_changed();
@@ -293,9 +301,9 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::bodies_changed() {
   // All numbers of changes first: a prediction is void if they change after it was made.
-  for (const std::uint32_t body : world_.changed())
+  for (const BodyId body : world_.changed())
     ++changes_[body];
-  for (const std::uint32_t body : world_.changed()) {
+  for (const BodyId body : world_.changed()) {
     motion_changed(body);
     if (body == world_.changed().front()) fetch_next_neighbours();
   }
@@ -304,31 +312,34 @@ void Engine<Boxes, Queue>::bodies_changed() {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::rest(const EventKey& event) {
   ++counts_.rest_decisions;
-  const std::size_t rested = world_.rest(event.lower, event);
+  const std::size_t rested = world_.rest(event.body(), event);
   counts_.rests += rested;
   world_.keep(event);
   bodies_changed();
-  if (rested == 0) refresh_key(event.lower);
+  if (rested == 0) refresh_key(event.body());
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::examine(std::uint32_t body, const EventKey& event) {
+void Engine<Boxes, Queue>::examine(BodyId body, const EventKey& event) {
   if (is_void(body, event)) {
     ++counts_.voids;
-  } else if ((event.higher & k_static) != 0) {
+  } else if (event.is_with_static()) {
     ++counts_.examined;
-    const std::uint32_t index = event.higher & ~k_static;
+    const StaticId index = event.met();
     for (StaticEdge& edge : statics_[body]) {
       if (edge.index == index)
-        edge.prediction = world_.look_static(body, index, now_, edge.search, bounds_[body].expiry);
+        edge.prediction =
+            predictions_.look_static(body, index, now_, edge.search, bounds_[body].expiry);
     }
   } else {
     ++counts_.examined;
-    PairEdge& edge = *graph_.find(body, body == event.lower ? event.higher : event.lower);
-    if (options_.algorithm == Algorithm::all_pairs && world_.periodic()) {
+    const PairEdge edge =
+        *graph_.find(body, body == event.body() ? event.other_body() : event.body());
+    if (options_.algorithm == Algorithm::all_pairs && bodies_.periodic()) {
       predict(body, edge);
     } else {
-      edge.predict(world_.look(event.lower, event.higher, now_, edge.search));
+      CHECK(edge.detail != nullptr);
+      edge.predict(predictions_.look(event.body(), event.other_body(), now_, edge.detail->search));
     }
   }
   refresh_key(body);
@@ -336,17 +347,17 @@ void Engine<Boxes, Queue>::examine(std::uint32_t body, const EventKey& event) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::control(const EventKey& event) {
-  const Control& control = world_.scene().controls[controls_[next_control_]];
+  const Control& control = bodies_.scene().controls[controls_[next_control_]];
   ++counts_.controls;
   ++next_control_;
   schedule_control();
-  const std::uint32_t body = control.body.value;
-  if (!world_.started(body)) {
+  const BodyId body = control.body;
+  if (!bodies_.started(body)) {
     schedule_replay();
     return;
   }
-  if (world_.is_replayed(body) && event.feature < world_.same_controls()) {
-    CHECK(world_.next_replayed() == event);
+  if (world_.replayed().has(body) && event.feature < replaying_.same_controls()) {
+    CHECK(replaying_.next() == event);
     if (replay()) return;
   }
   world_.apply(control, event);
@@ -361,10 +372,10 @@ void Engine<Boxes, Queue>::schedule_control() {
     queue_.erase(slot_of(OwnSlot::control));
     return;
   }
-  const Control& control = world_.scene().controls[controls_[next_control_]];
+  const Control& control = bodies_.scene().controls[controls_[next_control_]];
   queue_.set(slot_of(OwnSlot::control), {.tick = control.tick,
                                          .kind = EventKind::control,
-                                         .lower = control.body.value,
+                                         .lower = control.body,
                                          .feature = static_cast<std::uint32_t>(next_control_)});
 }
 
@@ -380,8 +391,8 @@ void Engine<Boxes, Queue>::sample() {
 
 // In a simulation of many bodies most of an event's data are not in the near caches, and the event
 // waits for list after list, box after box. The event after it is mostly known, so its data are
-// read while this one is processed: first those of its bodies, then, when their lists are here,
-// those of their neighbours. (Edges and the neighbours' boxes are left out: with them the gases are
+// read while this one is processed: first those of its bodies with their lists, then, when these
+// are here, those of their neighbours. (The neighbours' boxes are left out: with them the gases are
 // slower, since too much is read for nothing.)
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -389,106 +400,110 @@ void Engine<Boxes, Queue>::fetch_next() {
   if constexpr (requires { queue_.second(); }) {
     const EventKey& next = queue_.key_of(queue_.second());
     next_bodies_ = {
-        next.lower < world_.size() ? next.lower : k_nobody,
-        next.higher < world_.size() && next.higher != next.lower ? next.higher : k_nobody};
-    for (const std::uint32_t body : next_bodies_) {
+        next.lower < bodies_.size() ? next.body() : k_nobody,
+        next.higher < bodies_.size() && next.higher != next.lower ? next.other_body() : k_nobody};
+    for (const BodyId body : next_bodies_) {
       if (body == k_nobody) continue;
       world_.fetch(body);
       graph_.fetch(body);
       __builtin_prefetch(&bounds_[body], 1);
-      if constexpr (requires { boxes_.fetch({body}); }) boxes_.fetch({body});
+      if constexpr (requires { boxes_.fetch(body); }) boxes_.fetch(body);
     }
   }
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::fetch_next_neighbours() const {
-  for (const std::uint32_t body : next_bodies_) {
+  for (const BodyId body : next_bodies_) {
     if (body == k_nobody) continue;
     for (const BodyId other : graph_.others_of(body))
-      world_.fetch_flight(other.value);
+      bodies_.fetch_flight(other);
   }
 }
 
 // ---- predictions --------------------------------------------------------------------------------
 
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::begin_pair(std::uint32_t a, std::uint32_t b, bool predict_now) {
-  PairEdge& edge = graph_.add(a, b);
-  if (predict_now) predict(a, edge);
+void Engine<Boxes, Queue>::begin_pair(BodyId a, BodyId b, bool predict_now) {
+  graph_.add(a, b);
+  if (predict_now) predict_last(a, 1);
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::end_pair(std::uint32_t a, std::uint32_t b) {
+void Engine<Boxes, Queue>::end_pair(BodyId a, BodyId b) {
   std::uint32_t search = graph_.remove(a, b);
-  world_.end_search(search);
+  predictions_.end_search(search);
 }
 
 /// Predicts a pair; the prediction goes to the body's copy of the edge, and the other copy is void.
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::predict(std::uint32_t body, PairEdge& edge) {
-  edge.other_changes = changes_[edge.other];
-  if (world_.is_replayed(body) && world_.is_replayed(edge.other)) {
+void Engine<Boxes, Queue>::predict(BodyId body, const PairEdge& edge) {
+  *edge.other_changes = changes_[edge.other];
+  if (world_.replayed().has(body) && world_.replayed().has(edge.other)) {
     edge.predict({});
     return;
   }
   ++counts_.predictions;
-  const std::uint32_t lower = std::min(body, edge.other);
-  const std::uint32_t higher = std::max(body, edge.other);
-  if (world_.free_spheres(lower, higher) && options_.algorithm != Algorithm::all_pairs) {
-    edge.predict(world_.predict_free_spheres(lower, higher, now_));
+  const BodyId lower = std::min(body, edge.other);
+  const BodyId higher = std::max(body, edge.other);
+  if (predictions_.free_spheres(lower, higher) && options_.algorithm != Algorithm::all_pairs) {
+    edge.predict(predictions_.predict_free_spheres(lower, higher, now_));
     return;
   }
-  if (options_.algorithm == Algorithm::all_pairs && world_.periodic()) {
-    edge.predict(world_.predict_any_image(lower, higher, now_));
+  if (options_.algorithm == Algorithm::all_pairs && bodies_.periodic()) {
+    edge.predict(predictions_.predict_any_image(lower, higher, now_));
     return;
   }
-  const std::uint32_t search = edge.search;
-  edge.predict(world_.predict(lower, higher, now_, edge.search));
-  if (edge.search != search) graph_.find(edge.other, body)->search = edge.search;
+  CHECK(edge.detail != nullptr);
+  std::uint32_t search = edge.detail->search;
+  edge.predict(predictions_.predict(lower, higher, now_, search));
+  if (search == edge.detail->search) return;
+  edge.detail->search = search;
+  graph_.find(edge.other, body)->detail->search = search;
 }
 
 /// Predicts all pairs of a body whose motion has changed, and puts its key.
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::predict_all(std::uint32_t body) {
-  predict_last(body, graph_.edges_of(body).size());
+void Engine<Boxes, Queue>::predict_all(BodyId body) {
+  predict_last(body, graph_.edges_of(body).count);
   predict_statics(body);
   refresh_key(body);
 }
 
 /// Predicts the last so many pairs of a body's list.
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::predict_last(std::uint32_t body, std::size_t count) {
-  const std::span<PairEdge> edges = graph_.edges_of(body).last(count);
-  const bool flies = options_.algorithm != Algorithm::all_pairs && world_.in_free_flight(body) &&
-                     !world_.is_replayed(body);
-  if (flies && world_.predict_flight(body, edges, changes_, now_)) {
-    counts_.predictions += edges.size();
+void Engine<Boxes, Queue>::predict_last(BodyId body, std::size_t count) {
+  const PairEdges all = graph_.edges_of(body);
+  const PairEdges edges = all.from(all.count - count, count);
+  const bool flies = options_.algorithm != Algorithm::all_pairs &&
+                     predictions_.in_free_flight(body) && !world_.replayed().has(body);
+  if (flies && predictions_.predict_flight(body, edges, changes_, now_)) {
+    counts_.predictions += count;
     return;
   }
-  for (PairEdge& edge : edges) {
-    if (flies && world_.in_free_flight(edge.other)) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (flies && predictions_.in_free_flight(edges.others[i])) {
       ++counts_.predictions;
     } else {
-      predict(body, edge);
+      predict(body, edges[i]);
     }
   }
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::predict_statics(std::uint32_t body) {
-  if (world_.is_replayed(body)) return;
+void Engine<Boxes, Queue>::predict_statics(BodyId body) {
+  if (world_.replayed().has(body)) return;
   // What comes after the first change of the body's motion needn't be known.
   Tick until = std::min(bounds_[body].expiry, world_.mode_end(body));
   for (StaticEdge& edge : statics_of(body)) {
     ++counts_.predictions;
-    edge.prediction = world_.predict_static(body, edge.index, now_, edge.search, until);
+    edge.prediction = predictions_.predict_static(body, edge.index, now_, edge.search, until);
     if (edge.prediction.certain) until = std::min(until, edge.prediction.tick);
   }
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
-void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
+void Engine<Boxes, Queue>::refresh_key(BodyId body) {
   EventKey best{
       .tick = bounds_[body].expiry, .kind = EventKind::update, .lower = body, .higher = k_nobody};
   const auto offer = [&](const auto& prediction, std::uint32_t lower, std::uint32_t higher) {
@@ -500,15 +515,18 @@ void Engine<Boxes, Queue>::refresh_key(std::uint32_t body) {
     if (key < best) best = key;
   };
   // Find the least tick without a branch on each, then compare whole keys at that tick.
-  const std::span<const PairEdge> edges = graph_.edges_of(body);
+  const PairEdges edges = graph_.edges_of(body);
+  const auto is_void = [&](std::size_t i) {
+    return edges.other_changes[i] != changes_[edges.others[i]];
+  };
   Tick least = k_never;
-  for (const PairEdge& edge : edges)
-    least = std::min(least, edge.other_changes == changes_[edge.other] ? edge.tick : k_never);
-  for (const PairEdge& edge : least > best.tick ? edges.first(0) : edges) {
-    if (edge.tick != least || edge.other_changes != changes_[edge.other]) continue;
-    offer(edge, std::min(body, edge.other), std::max(body, edge.other));
+  for (std::size_t i = 0; i < edges.count; ++i)
+    least = std::min(least, is_void(i) ? k_never : edges.ticks[i]);
+  for (std::size_t i = 0; least <= best.tick && i < edges.count; ++i) {
+    if (edges.ticks[i] != least || is_void(i)) continue;
+    offer(edges[i].prediction(), std::min(body, edges.others[i]), std::max(body, edges.others[i]));
   }
-  if (world_.is_replayed(body)) {
+  if (world_.replayed().has(body)) {
     queue_.set(slot_of(body), best);  // what else it does is in the history
     return;
   }

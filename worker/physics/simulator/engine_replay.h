@@ -11,17 +11,17 @@ namespace sleight::physics {
 
 /// A body has started; whether it is replayed from now on.
 template <BroadPhase Boxes, EventQueue Queue>
-bool Engine<Boxes, Queue>::starts_as_before(std::uint32_t body, const EventKey& event) {
-  const bool same = world_.replays_start(body, event);
+bool Engine<Boxes, Queue>::starts_as_before(BodyId body, const EventKey& event) {
+  const bool same = replaying_.starts(body, event);
   if (same) {
     // Its place was free of static geometry for the next tick, which is all that the list says.
     for (StaticEdge& edge : statics_[body])
-      world_.end_search(edge.search);
+      predictions_.end_search(edge.search);
     if (options_.algorithm != Algorithm::all_pairs) {
       statics_[body].clear();
-      world_.comes_into(body, boxes_.box({body}));
-    } else if (world_.statics_differ()) {
-      world_.make_live(body);  // without boxes its coming near would go unnoticed
+      replaying_.comes_into(body, boxes_.box({body}));
+    } else if (replaying_.statics_differ()) {
+      replaying_.make_live(body);  // without boxes its coming near would go unnoticed
     }
   }
   schedule_replay();
@@ -31,7 +31,7 @@ bool Engine<Boxes, Queue>::starts_as_before(std::uint32_t body, const EventKey& 
 /// The history's next event; whether it was replayed.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::replay() {
-  const bool played = world_.play();
+  const bool played = replaying_.play();
   if (played) {
     ++counts_.replayed;
     bodies_changed();
@@ -42,11 +42,11 @@ bool Engine<Boxes, Queue>::replay() {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::schedule_replay() {
-  if (world_.replays() && world_.replay_is_over()) world_.end_replay();
-  const EventKey next = world_.replays() ? world_.next_replayed() : k_no_event;
+  if (replaying_.active()) replaying_.end_if_over();
+  const EventKey next = replaying_.active() ? replaying_.next() : k_no_event;
   // Controls that both have come by themselves, in the order that the scene gives.
   const bool comes_by_itself =
-      next.kind == EventKind::control && next.feature < world_.same_controls();
+      next.kind == EventKind::control && next.feature < replaying_.same_controls();
   if (next == k_no_event || comes_by_itself) {
     queue_.erase(slot_of(OwnSlot::replayed));
   } else {
@@ -57,12 +57,12 @@ void Engine<Boxes, Queue>::schedule_replay() {
 /// Bodies that have gone live are simulated from now on.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::take_over_live() {
-  for (const std::uint32_t body : world_.bodies_gone_live()) {
+  for (const BodyId body : replaying_.make_supporters_live()) {
     if (options_.algorithm == Algorithm::asynchronous) watch_statics(body, boxes_.box({body}));
     if (options_.algorithm == Algorithm::synchronous) watch_statics(body, all_boxes_[body]);
     predict_all(body);
   }
-  world_.forget_gone_live();
+  replaying_.forget_gone_live();
   // Boxes were made to last until the event that came next, which is withdrawn if it was a void
   // prediction of theirs.
   if (options_.algorithm == Algorithm::synchronous && boxes_until_ != k_never &&

@@ -1,16 +1,17 @@
 // Which pairs of bodies are watched, and when each may collide next.
 //
 // Each body has a flat list of edges, one for each body whose bounding volume overlaps its own. All
-// lists are stretches of one array, close together so that few pages of memory hold those that a
-// simulation reads; one that is full moves into a stretch of twice the room. Ids lie apart from the
-// rest, so that a search for one of them reads a cache line, and the two copies of an edge needn't
-// know one another's place. A pair's prediction is in the copy of the body that made it, the one
-// that changed its motion last. The other copy may hold an older prediction, which stays there: it
-// carries the partner's number of changes at that time, and is void if the partner has changed
-// since.
+// lists are stretches of a few arrays, close together so that few pages of memory hold those that a
+// simulation reads; one that is full moves into a stretch of twice the room. Ids, ticks, numbers of
+// changes and the rest lie in arrays of their own: a search for an id reads one cache line, the two
+// copies of an edge needn't know one another's place, and of spheres in flight nothing but the
+// first three is there: four lines for sixteen neighbours. A pair's prediction is in the copy of
+// the body that made it, the one that changed its motion last. The other copy may hold an older
+// prediction, which stays there: it carries the partner's number of changes at that time, and is
+// void if the partner has changed since.
 //
 // Invariants
-//   1. others_of(body)[i] is the id in edges_of(body)[i].other.
+//   1. What stands at the same place of the arrays is of the same edge.
 //   2. One of a pair's copies holds the prediction for the two bodies' present segments.
 //   3. The order within a list says nothing; no result may depend on it.
 //   4. Rooms are a power of two times the first one. A stretch that its list has left is in the
@@ -22,6 +23,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,28 +48,61 @@ struct Prediction {
 /// Never a number of changes: a copy that has no prediction.
 inline constexpr std::uint32_t k_void = UINT32_MAX;
 
-/// Half a cache line.
-struct alignas(32) PairEdge {
-  Tick tick = k_never;  ///< of the prediction, as are `feature` and `certain`
+/// What an edge has beside its tick, unless all pairs are of spheres in flight.
+struct EdgeDetail {
   std::uint32_t feature = 0;
-  std::uint32_t other = 0;
-  std::uint32_t other_changes = k_void;  ///< the other body's, when this was predicted
-  std::uint32_t search = k_no_search;    ///< the same in both copies
+  std::uint32_t search = k_no_search;  ///< the same in both copies
   bool certain = false;
+};
 
-  void predict(const Prediction& prediction) {
-    tick = prediction.tick;
-    feature = prediction.feature;
-    certain = prediction.certain;
+/// A body's copy of an edge, where it lies.
+struct PairEdge {
+  BodyId other{};
+  Tick* tick = nullptr;
+  std::uint32_t* other_changes = nullptr;  ///< the other body's, when this was predicted
+  EdgeDetail* detail = nullptr;            ///< may be null: feature 0, certain if ever
+
+  void predict(const Prediction& prediction) const {
+    *tick = prediction.tick;
+    if (detail == nullptr) return;
+    detail->feature = prediction.feature;
+    detail->certain = prediction.certain;
+  }
+  Prediction prediction() const {
+    if (detail == nullptr) return {.tick = *tick, .certain = *tick != k_never};
+    return {.tick = *tick, .feature = detail->feature, .certain = detail->certain};
   }
 };
-static_assert(sizeof(PairEdge) == 32);
+
+/// A body's list, or some of it; valid until the next change.
+struct PairEdges {
+  std::size_t count = 0;
+  const BodyId* others = nullptr;
+  Tick* ticks = nullptr;
+  std::uint32_t* other_changes = nullptr;
+  EdgeDetail* details = nullptr;  ///< may be null
+
+  PairEdge operator[](std::size_t i) const {
+    return {.other = others[i],
+            .tick = ticks + i,
+            .other_changes = other_changes + i,
+            .detail = details == nullptr ? nullptr : details + i};
+  }
+  PairEdges from(std::size_t begin, std::size_t some) const {
+    return {.count = some,
+            .others = others + begin,
+            .ticks = ticks + begin,
+            .other_changes = other_changes + begin,
+            .details = details == nullptr ? nullptr : details + begin};
+  }
+};
 
 class PairGraph {
  public:
   struct Room {
     std::size_t list = 16;     ///< edges of each list before it moves, rounded up to whole lines
     std::size_t average = 16;  ///< edges per body before anything is allocated
+    bool details = true;       ///< else all pairs are of spheres in flight, whose ticks are certain
   };
 
   void reset(std::size_t bodies, const Room& room) {
@@ -75,41 +110,52 @@ class PairGraph {
     left_.fill(k_none);
     // Lists that move leave their stretches behind, which are at most as much as all that is in
     // use.
-    edges_.reserve(bodies * std::max<std::size_t>(first_room_, 2 * room.average));
-    others_.reserve(edges_.capacity());
+    const std::size_t edges = bodies * std::max<std::size_t>(first_room_, 2 * room.average);
+    others_.reserve(edges);
+    ticks_.reserve(edges);
+    other_changes_.reserve(edges);
+    has_details_ = room.details;
+    if (has_details_) details_.reserve(edges);
     lists_.resize(bodies);
     for (List& list : lists_)
       list = {.begin = stretch(0)};
   }
 
-  std::span<PairEdge> edges_of(std::uint32_t body) {
+  PairEdges edges_of(BodyId body) {
     const List& list = lists_[body];
-    return {edges_.data() + list.begin, list.count};
+    return all().from(list.begin, list.count);
   }
-  std::span<const BodyId> others_of(std::uint32_t body) const {
+  std::span<const BodyId> others_of(BodyId body) const {
     const List& list = lists_[body];
     return {others_.data() + list.begin, list.count};
   }
 
-  /// Adds a pair and returns a's copy, valid until the next change.
-  PairEdge& add(std::uint32_t a, std::uint32_t b) {
+  /// Adds a pair, last in both lists. Nothing is predicted of it yet.
+  void add(BodyId a, BodyId b) {
     append(b, a);
-    return append(a, b);
+    append(a, b);
   }
 
-  /// A hint that a body's list is read soon.
-  void fetch(std::uint32_t body) const { __builtin_prefetch(others_.data() + lists_[body].begin); }
+  /// A hint that a body's list is used soon: its first sixteen edges.
+  void fetch(BodyId body) const {
+    const std::uint32_t begin = lists_[body].begin;
+    __builtin_prefetch(others_.data() + begin);
+    __builtin_prefetch(other_changes_.data() + begin, 1);
+    __builtin_prefetch(ticks_.data() + begin, 1);
+    __builtin_prefetch(ticks_.data() + begin + 8, 1);
+  }
 
-  /// a's copy of the pair's edge; null if there is none.
-  PairEdge* find(std::uint32_t a, std::uint32_t b) {
+  /// a's copy of the pair's edge, if there is one.
+  std::optional<PairEdge> find(BodyId a, BodyId b) {
     const List& list = lists_[a];
     const std::uint32_t place = place_of(list, b);
-    return place < list.count ? &edges_[std::size_t{list.begin} + place] : nullptr;
+    if (place >= list.count) return std::nullopt;
+    return all()[std::size_t{list.begin} + place];
   }
 
   /// Removes a pair and returns its search; the last edges of the two lists take the places.
   /// REQUIRES: it is there.
-  std::uint32_t remove(std::uint32_t a, std::uint32_t b) {
+  std::uint32_t remove(BodyId a, BodyId b) {
     take_out(lists_[b], a);
     return take_out(lists_[a], b);
   }
@@ -118,19 +164,28 @@ class PairGraph {
   static constexpr std::uint32_t k_none = UINT32_MAX;
   static constexpr std::uint32_t k_scan = 16;
   struct List {
-    std::uint32_t begin = 0;  ///< in edges_ and others_
+    std::uint32_t begin = 0;  ///< in all arrays
     std::uint32_t count = 0;
     std::uint32_t doublings = 0;  ///< of the first room
   };
 
-  PairEdge& append(std::uint32_t body, std::uint32_t other) {
+  PairEdges all() {
+    return {.count = others_.size(),
+            .others = others_.data(),
+            .ticks = ticks_.data(),
+            .other_changes = other_changes_.data(),
+            .details = has_details_ ? details_.data() : nullptr};
+  }
+
+  void append(BodyId body, BodyId other) {
     List& list = lists_[body];
     if (list.count == first_room_ << list.doublings) [[unlikely]] {
       move(list);
     }
     const std::size_t at = std::size_t{list.begin} + list.count++;
-    others_[at] = {other};
-    return edges_[at] = {.other = other};
+    others_[at] = other;
+    other_changes_[at] = k_void;  // whatever its tick says
+    if (has_details_) details_[at] = {};
   }
 
   /// A stretch that no list has, with as many doublings of the first room.
@@ -138,22 +193,29 @@ class PairGraph {
     std::uint32_t& left = left_[doublings];
     if (left != k_none) {
       const std::uint32_t begin = left;
-      left = edges_[begin].other;
+      left = other_changes_[begin];
       return begin;
     }
-    const std::size_t begin = edges_.size();
+    const std::size_t begin = others_.size();
     const std::size_t end = begin + (std::size_t{first_room_} << doublings);
     CHECK_LT(end, std::size_t{k_none});
-    edges_.resize(end);
     others_.resize(end);
+    ticks_.resize(end);
+    other_changes_.resize(end);
+    if (has_details_) details_.resize(end);
     return static_cast<std::uint32_t>(begin);
   }
 
   void move(List& list) {
     const std::uint32_t to = stretch(list.doublings + 1);
-    std::copy_n(edges_.begin() + list.begin, list.count, edges_.begin() + to);
-    std::copy_n(others_.begin() + list.begin, list.count, others_.begin() + to);
-    edges_[list.begin].other = left_[list.doublings];
+    const auto copy = [&](auto& array) {
+      std::copy_n(array.begin() + list.begin, list.count, array.begin() + to);
+    };
+    copy(others_);
+    copy(ticks_);
+    copy(other_changes_);
+    if (has_details_) copy(details_);
+    other_changes_[list.begin] = left_[list.doublings];
     left_[list.doublings] = list.begin;
     list.begin = to;
     ++list.doublings;
@@ -161,7 +223,7 @@ class PairGraph {
 
   /// Where in a list another body is; at least its count if it isn't there. Many ids at a time: the
   /// processor can't guess where a search of one at a time ends.
-  std::uint32_t place_of(const List& list, std::uint32_t other) const {
+  std::uint32_t place_of(const List& list, BodyId other) const {
     const BodyId* ids = others_.data() + list.begin;
     std::uint32_t from = 0;
     for (; from + k_scan <= list.count; from += k_scan) {
@@ -190,19 +252,25 @@ class PairGraph {
     return bits;
   }
 
-  std::uint32_t take_out(List& list, std::uint32_t other) {
+  std::uint32_t take_out(List& list, BodyId other) {
     const std::size_t place = std::size_t{list.begin} + place_of(list, other);
     const std::size_t last = std::size_t{list.begin} + --list.count;
-    const std::uint32_t search = edges_[place].search;
-    edges_[place] = edges_[last];
     others_[place] = others_[last];
+    ticks_[place] = ticks_[last];
+    other_changes_[place] = other_changes_[last];
+    if (!has_details_) return k_no_search;
+    const std::uint32_t search = details_[place].search;
+    details_[place] = details_[last];
     return search;
   }
 
   std::uint32_t first_room_ = 1;
   std::vector<List> lists_;
-  NearVector<PairEdge> edges_;
   NearVector<BodyId> others_;
+  NearVector<Tick> ticks_;  ///< of predictions
+  NearVector<std::uint32_t> other_changes_;
+  NearVector<EdgeDetail> details_;
+  bool has_details_ = true;
   std::array<std::uint32_t, 32> left_{};  ///< by doublings: the first stretch that a list has left
 };
 

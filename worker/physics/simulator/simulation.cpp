@@ -25,8 +25,9 @@ class AnyEngine {
 template <class Boxes, class Queue>
 class EngineOf final : public AnyEngine {
  public:
-  EngineOf(World& world, const EngineOptions& options, const std::optional<Takeover>& from)
-      : engine_(world, options, from) {}
+  EngineOf(World& world, Replaying& replaying, const EngineOptions& options,
+           const std::optional<Takeover>& from)
+      : engine_(world, replaying, options, from) {}
   std::optional<SceneError> run_until(Tick end) override { return engine_.run_until(end); }
   Tick now() const override { return engine_.now(); }
   const Counts& counts() const override { return engine_.counts(); }
@@ -37,27 +38,29 @@ class EngineOf final : public AnyEngine {
 };
 
 template <class Boxes>
-std::unique_ptr<AnyEngine> engine_with(World& world, QueueKind queue, const EngineOptions& options,
+std::unique_ptr<AnyEngine> engine_with(World& world, Replaying& replaying, QueueKind queue,
+                                       const EngineOptions& options,
                                        const std::optional<Takeover>& from) {
   switch (queue) {
     case QueueKind::tournament:
-      return std::make_unique<EngineOf<Boxes, TournamentQueue>>(world, options, from);
+      return std::make_unique<EngineOf<Boxes, TournamentQueue>>(world, replaying, options, from);
     case QueueKind::heap:
-      return std::make_unique<EngineOf<Boxes, HeapQueue>>(world, options, from);
+      return std::make_unique<EngineOf<Boxes, HeapQueue>>(world, replaying, options, from);
     case QueueKind::calendar:
       break;
   }
-  return std::make_unique<EngineOf<Boxes, CalendarQueue>>(world, options, from);
+  return std::make_unique<EngineOf<Boxes, CalendarQueue>>(world, replaying, options, from);
 }
 
-std::unique_ptr<AnyEngine> engine_of(World& world, const SimulationOptions& options,
+std::unique_ptr<AnyEngine> engine_of(World& world, Replaying& replaying,
+                                     const SimulationOptions& options,
                                      const std::optional<Takeover>& from) {
   const EngineOptions chosen{.algorithm = options.algorithm,
                              .sample_every = options.sample_every,
                              .on_sample = options.on_sample};
   return options.broad_phase == BroadPhaseKind::sweep_and_prune
-             ? engine_with<SweepAndPrune>(world, options.queue, chosen, from)
-             : engine_with<HierarchicalGrid>(world, options.queue, chosen, from);
+             ? engine_with<SweepAndPrune>(world, replaying, options.queue, chosen, from)
+             : engine_with<HierarchicalGrid>(world, replaying, options.queue, chosen, from);
 }
 
 }  // namespace
@@ -66,9 +69,10 @@ class Simulation::Impl {
  public:
   Impl(const Scene& scene, SimulationOptions chosen, std::shared_ptr<const History> history)
       : options(std::move(chosen)),
-        world(scene, options.record || options.keep_history, options.segments_reserved) {
-    if (options.keep_history) world.begin_history(options.history_bytes_max, options.record);
-    world.begin_replay(std::move(history));
+        world(scene, options.record || options.keep_history, options.segments_reserved),
+        replaying(world, std::move(history)) {
+    if (options.keep_history)
+      world.recorder().begin_history(options.history_bytes_max, options.record);
   }
 
   std::optional<SceneError> run_until(Tick end) {
@@ -76,18 +80,19 @@ class Simulation::Impl {
     if (end < now) return {};
     // As long as nothing differs there is nothing to simulate, but samples to be seen.
     std::optional<Takeover> from;
-    if (world.replays() && options.sample_every == 0 && world.quiet_until() > now) {
+    if (replaying.active() && options.sample_every == 0 && replaying.quiet_until() > now) {
       skipped = true;
-      now = world.skip_quiet(end);
+      now = replaying.skip_quiet(end);
       if (now == end) return {};
     }
     if (skipped) from = Takeover{.now = now, .counts = {}, .failure = {}};
-    engine = engine_of(world, options, from);
+    engine = engine_of(world, replaying, options, from);
     return engine->run_until(end);
   }
 
   SimulationOptions options;
   World world;
+  Replaying replaying;
   std::unique_ptr<AnyEngine> engine{};  ///< once it is needed
   bool skipped = false;
   bool failed = false;
@@ -117,7 +122,8 @@ std::optional<SceneError> Simulation::run_until(Tick end) {
 
 void Simulation::go_on_with(const SimulationOptions& options) {
   impl_->options = options;
-  if (impl_->engine) impl_->engine = engine_of(impl_->world, options, impl_->engine->state());
+  if (impl_->engine)
+    impl_->engine = engine_of(impl_->world, impl_->replaying, options, impl_->engine->state());
 }
 
 std::span<const SurfaceTouch> Simulation::surface_touches() const {
@@ -128,26 +134,26 @@ Tick Simulation::now() const {
   return impl_->engine ? impl_->engine->now() : impl_->now;
 }
 bool Simulation::started(BodyId body) const {
-  return impl_->world.started(body.value);
+  return impl_->world.bodies().started(body);
 }
 Pose Simulation::pose(BodyId body, Tick tick) const {
-  return impl_->world.pose_at(body.value, tick);
+  return impl_->world.bodies().pose_at(body, tick);
 }
 Twist Simulation::twist(BodyId body, Tick tick) const {
-  return impl_->world.twist_at(body.value, tick);
+  return impl_->world.bodies().twist_at(body, tick);
 }
 MotionMode Simulation::mode(BodyId body) const {
-  return impl_->world.segment(body.value).mode;
+  return impl_->world.bodies().mode(body);
 }
 double Simulation::kinetic_energy_j() const {
-  return impl_->world.kinetic_energy_j(now());
+  return impl_->world.bodies().kinetic_energy_j(now());
 }
 const Counts& Simulation::counts() const {
   static constexpr Counts k_none{};
   return impl_->engine ? impl_->engine->counts() : k_none;
 }
 const Recording& Simulation::recording() const {
-  Recording& recording = impl_->world.recording();
+  Recording& recording = impl_->world.recorder().recording();
   recording.end_at(now());
   return recording;
 }

@@ -1,129 +1,111 @@
 // What collisions and controls do to bodies.
+#include <algorithm>
+
 #include "worker/physics/contact/contact_events.h"
 #include "worker/physics/simulator/world.h"
 #include "worker/physics/simulator/world_at_event.h"
 
 namespace sleight::physics {
+namespace {
 
-SurfaceLaw World::law_of_static(std::uint32_t body, std::uint32_t index,
-                                const Vec3& point_m) const {
-  if (is_surface(body, index)) {
-    const SurfaceControl law = surface(index).surface.fields_at(point_m.x(), point_m.y());
-    return {.restitution = law.restitution, .friction = law.friction};
-  }
-  const MaterialId material = constants_[body].is_sphere ? statics_.material_of_feature(index)
-                                                         : statics_.material_of_piece(index);
-  SurfaceLaw law = scene_.contacts.between(constants_[body].material, material);
-  law.friction = statics_.friction_at(index, point_m, law.friction);
-  return law;
+Vec3 on_path_m(const Path& path, Tick tick) {
+  const double s = seconds(tick - path.begin);
+  Vec3 place_m;
+  for (int i = 0; i < 3; ++i)
+    place_m[i] = parabola(path.position_m[i], path.velocity_mps[i], path.acceleration_mps2[i], s);
+  return place_m;
 }
 
-void World::note_too_much(std::uint32_t body, Tick tick) {
+}  // namespace
+
+void World::note_too_much(BodyId body, Tick tick) {
   note_failure(SceneError::Kind::too_many_collisions,
-               words_of_too_much(collided_[body], scene_.slow.separation_speed_mps > 0), body,
+               words_of_too_much(collided_[body], scene().slow.separation_speed_mps > 0), body,
                tick);
 }
 
-RigidImpactBody World::rigid_body(std::uint32_t body, Tick tick) {
-  return {.mass = constants_[body].rigid_mass,
-          .pose = pose_at(body, tick),
-          .twist = twist_at(body, tick)};
-}
-
-PieceContact World::contact_at(std::uint32_t a, std::uint32_t b, const EventKey& event) {
-  if (constants_[a].is_sphere && constants_[b].is_sphere) {
-    return contact_of_spheres(position_at(segments_[a].flight, event.tick),
-                              between_at(a, b, event.tick), constants_[a].reach_m,
-                              constants_[b].reach_m);
-  }
-  if (const PieceContact* found = found_contact(a, b, event)) return *found;
-  const std::uint32_t of_b = constants_[b].part_count;
-  return contact_of(part_at(a, event.feature / of_b, event.tick),
-                    part_at(b, event.feature % of_b, event.tick));
-}
-
-PieceContact World::static_contact_at(std::uint32_t body, std::uint32_t index,
-                                      const EventKey& event) {
-  if (constants_[body].is_sphere) {
-    const Vec3 place_m = position_at(segments_[body].flight, event.tick);
-    PieceContact contact;
-    contact.gap_m =
-        gap_between(statics_.feature(index), centre_at(body, event.tick), constants_[body].reach_m)
-            .gap_m;
-    contact.normal = normal_at(statics_.feature(index), place_m);
-    contact.point_m = place_m - constants_[body].reach_m * contact.normal;
-    return contact;
-  }
-  if (const PieceContact* found = found_contact(body, k_static | index, event)) return *found;
-  return contact_with_static(index, body, event.feature, event.tick);
-}
-
-PieceContact World::contact_with_static(std::uint32_t index, std::uint32_t body, std::uint32_t part,
-                                        Tick tick) {
-  const MovingPiece piece = part_at(body, part, tick);
-  if (is_surface(body, index))
-    return contact_of(surface(index).surface, lattice_on(index, body, part), piece);
-  return index < statics_.plane_count() ? contact_of(statics_.plane(index), piece)
-                                        : contact_of(statics_.piece(index), piece);
-}
-
-void World::collide(std::uint32_t a, std::uint32_t b, const EventKey& event) {
+void World::collide(BodyId a, BodyId b, const EventKey& event) {
   changed_.clear();
-  if (replayed_count_ != 0) {
-    make_live(a);
-    make_live(b);
-  }
-  if (plain_spheres_ && free_spheres(a, b) && turns_[a] == 0 && turns_[b] == 0) {
+  replayed_.make_live(a);
+  replayed_.make_live(b);
+  if (!plain_inverse_masses_per_kg_.empty() && predictions_.free_spheres(a, b) &&
+      !bodies_.turns(a) && !bodies_.turns(b)) {
     collide_plain(a, b, event);
     return;
   }
-  static_assert(contact::Bodies<AtEvent>);
+  static_assert(contact::BodiesAtEvent<AtEvent>);
   AtEvent at(*this, event);
-  const bool resolved =
-      contact::collide(at, a, b, contact_at(a, b, event),
-                       scene_.contacts.between(constants_[a].material, constants_[b].material));
+  const bool resolved = contact::collide(
+      at, a, b, predictions_.contact_at(a, b, event),
+      scene().contacts.between(bodies_.constants(a).material, bodies_.constants(b).material));
   if (!resolved)
     note_failure(SceneError::Kind::impact_unresolved, "its impact can't be resolved", a,
                  event.tick);
 }
 
-void World::collide_static(std::uint32_t body, std::uint32_t index, const EventKey& event) {
-  const PieceContact contact = static_contact_at(body, index, event);
+void World::collide_static(BodyId body, StaticId met, const EventKey& event) {
+  const PieceContact contact = predictions_.static_contact_at(body, met, event);
   const bool plastic = count_at(body, event.tick) > k_elastic_at_a_tick;
-  const SurfaceLaw law = law_of_static(body, index, contact.point_m);
-  const bool surface = is_surface(body, index);
+  const SurfaceLaw law = statics_.law(body, met, contact.point_m);
+  const bool surface = statics_.is_surface(body, met);
   if (surface) {
-    const Vec3 place_m = position_at(segments_[body].flight, event.tick);
-    note_surface(body, index, event.tick, place_m, contact.point_m - place_m);
+    const Vec3 place_m = bodies_.position_at(body, event.tick);
+    note_surface(body, met, event.tick, place_m, contact.point_m - place_m);
   }
   AtEvent at(*this, event);
   contact::collide_static(
-      at, body, index, contact,
-      contact::law_of_impact(law.restitution, law.friction, scene_.slow, plastic),
+      at, body, met, contact,
+      contact::law_of_impact(law.restitution, law.friction, scene().slow, plastic),
       resting_.enabled() || surface);
 }
 
-void World::note_surface(std::uint32_t body, std::uint32_t index, Tick tick, const Vec3& centre_m,
+void World::note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m,
                          const Vec3& arm_m) {
   surface_touches_.push_back({.tick = tick,
                               .body = body,
-                              .surface = index - statics_.piece_count(),
+                              .surface = statics_.surface_number(met),
                               .point_m = centre_m + arm_m});
 }
 
 void World::apply(const Control& control, const EventKey& event) {
   changed_.clear();
-  const std::uint32_t body = control.body.value;
-  make_live(body);
-  Twist twist = twist_at(body, event.tick);
+  const BodyId body = control.body;
+  replayed_.make_live(body);
+  Twist twist = bodies_.twist_at(body, event.tick);
   twist.velocity_mps += control.velocity_change_mps;
   twist.angular_velocity_radps += control.angular_velocity_change_radps;
   AtEvent at(*this, event);
   contact::wake_dependents(at, body);
-  note_contact_state(body);
+  recorder_.learns(body);
   resting_.disturbed(body);
   at.begin_after(body, twist);
   contact::wake_on_those_that_left(at);
+}
+
+void World::collide_plain(BodyId a, BodyId b, const EventKey& event) {
+  const Tick tick = event.tick;
+  const Path first = bodies_.path(a);
+  const Path second = bodies_.path(b);
+  const Vec3 place_a_m = on_path_m(first, tick);
+  const Vec3 place_b_m = on_path_m(second, tick);
+  Vec3 between_m = place_b_m - place_a_m;
+  if (bodies_.periodic()) between_m = Vec3(between_m + bodies_.to_nearest_image(between_m));
+  const Vec3 normal = between_m / math::norm(between_m);
+  const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
+  Vec3 velocity_a_mps = first.velocity_mps + seconds(tick - first.begin) * first.acceleration_mps2;
+  Vec3 velocity_b_mps =
+      second.velocity_mps + seconds(tick - second.begin) * second.acceleration_mps2;
+  frictionless_sphere_impact(normal, plain_inverse_masses_per_kg_[a],
+                             plain_inverse_masses_per_kg_[b],
+                             plastic ? 0 : scene().contacts.between({}, {}).restitution, 0,
+                             velocity_a_mps, velocity_b_mps);
+  const auto fly_on = [&](BodyId body, const Vec3& place_m, const Vec3& velocity_mps) {
+    bodies_.fly_on(body, tick, place_m, velocity_mps);
+    if (recorder_.is_used()) recorder_.begins(body, bodies_.segment(body), event);
+    changed_.push_back(body);
+  };
+  fly_on(a, place_a_m, velocity_a_mps);
+  fly_on(b, place_b_m, velocity_b_mps);
 }
 
 }  // namespace sleight::physics

@@ -50,17 +50,17 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& di
 
 }  // namespace
 
-std::size_t World::rest(std::uint32_t body, const EventKey& event) {
+std::size_t World::rest(BodyId body, const EventKey& event) {
   AtEvent at(*this, event);
   return contact::rest(at, body);
 }
 
-void World::change_mode(std::uint32_t body, const EventKey& event) {
+void World::change_mode(BodyId body, const EventKey& event) {
   AtEvent at(*this, event);
-  contact::change_mode(at, body, segments_[body].mode == MotionMode::rolling);
+  contact::change_mode(at, body, bodies_.mode(body) == MotionMode::rolling);
 }
 
-void World::note_near_corners(std::uint32_t body, Tick tick) {
+void World::note_near_corners(BodyId body, Tick tick) {
   Resting::Touches felt = resting_.touches(body, tick);
   for (std::size_t i = 0; i < felt.count; ++i) {
     const TouchRecord& touch = felt.records[i];
@@ -70,23 +70,24 @@ void World::note_near_corners(std::uint32_t body, Tick tick) {
                  math::dot(earlier.normal, touch.normal) > k_same_face_cosine;
         });
     if (seen) continue;
-    corners_like(body, touch, tick, k_near_corner * constants_[body].reach_m,
+    corners_like(body, touch, tick, k_near_corner * bodies_.constants(body).reach_m,
                  [this, body](const TouchRecord& near) { resting_.still_touches(body, near); });
   }
 }
 
-void World::corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick, double near_m,
+void World::corners_like(BodyId body, const TouchRecord& touch, Tick tick, double near_m,
                          const std::function<void(const TouchRecord&)>& found) {
-  const Vec3 centre_m = position_at(segments_[body].flight, tick);
-  const bool has_map = touch.partner == k_static_partner && !is_surface(body, touch.feature) &&
-                       statics_.friction_map(touch.feature) != nullptr;
+  const Vec3 centre_m = bodies_.position_at(body, tick);
+  const bool has_map = touch.partner == k_static_partner &&
+                       !statics_.is_surface(body, touch.feature) &&
+                       statics_.geometry().friction_map(touch.feature) != nullptr;
   const auto note = [&](const Vec3& at_m, const Vec3& normal) {
     if (math::dot(normal, touch.normal) < k_same_face_cosine) return;
     TouchRecord near = touch;
     near.tick = tick;
     near.normal = normal;
     near.arm_m = at_m - centre_m;
-    if (has_map) near.friction = law_of_static(body, touch.feature, at_m).friction;
+    if (has_map) near.friction = statics_.law(body, touch.feature, at_m).friction;
     found(near);
   };
   const auto note_both = [&](const MovingPiece& own, const MovingPiece& other) {
@@ -94,19 +95,20 @@ void World::corners_like(std::uint32_t body, const TouchRecord& touch, Tick tick
     corners_near(other, own, touch.normal, near_m,
                  [&](const Vec3& at_m, const Vec3& normal) { note(at_m, -normal); });
   };
-  for (std::uint32_t part = 0; part < constants_[body].part_count; ++part) {
-    const MovingPiece own = part_at(body, part, tick);
+  for (std::uint32_t part = 0; part < bodies_.constants(body).part_count; ++part) {
+    const MovingPiece own = bodies_.part_at(body, part, tick);
     if (touch.partner != k_static_partner) {
-      if (constants_[touch.partner].is_sphere) return;
-      for (std::uint32_t other = 0; other < constants_[touch.partner].part_count; ++other)
-        note_both(own, part_at(touch.partner, other, tick));
-    } else if (is_surface(body, touch.feature)) {
-      points_near(surface(touch.feature).surface, lattice_on(touch.feature, body, part), own,
-                  near_m, note);
-    } else if (touch.feature >= statics_.plane_count()) {
-      note_both(own, statics_.piece(touch.feature));
+      if (bodies_.constants(touch.partner).is_sphere) return;
+      for (std::uint32_t of_other = 0; of_other < bodies_.constants(touch.partner).part_count;
+           ++of_other)
+        note_both(own, bodies_.part_at(touch.partner, of_other, tick));
+    } else if (statics_.is_surface(body, touch.feature)) {
+      points_near(statics_.surface(touch.feature).surface,
+                  statics_.lattice_on(touch.feature, body, part), own, near_m, note);
+    } else if (touch.feature >= statics_.geometry().plane_count()) {
+      note_both(own, statics_.geometry().piece({touch.feature}));
     } else {
-      const HalfSpace& solid = statics_.plane(touch.feature);
+      const HalfSpace& solid = statics_.geometry().plane({touch.feature});
       for_each_corner(own, -solid.normal, near_m, [&](const Vec3& corner_m) {
         if (math::dot(solid.normal, corner_m) - solid.offset_m <= near_m)
           note(corner_m, solid.normal);

@@ -107,7 +107,7 @@ scene::Scene make_scene(const Spelling& world, const physics::Scene& simulated) 
 std::vector<std::int32_t> features_of(const physics::Scene& simulated, const scene::Scene& scene) {
   const physics::StaticGeometry geometry(simulated);
   std::vector<std::int32_t> features;
-  for (std::uint32_t index = 0; index < geometry.feature_count(); ++index) {
+  for (physics::FeatureId index{}; index < geometry.feature_count(); ++index) {
     // Such as "mesh 'bins'".
     const std::string_view name = geometry.name_of_feature(index);
     const auto open = name.find('\'');

@@ -53,7 +53,7 @@ TEST(NearPlaces, HoldWhatTheySay) {
     const Inertia inertia = random_inertia(stream, symmetry);
     NearPlaces places;
     places.reset(2, ticks_after(1e-4));
-    places.began(1, k_reach_m, {.stays = true});
+    places.began({1}, k_reach_m, {.stays = true});
     FreeFlight flight = random_flight(stream, 0.01);
     PlacesOfPair number = 0;
     Pose then;
@@ -63,8 +63,8 @@ TEST(NearPlaces, HoldWhatTheySay) {
       flight.acceleration_mps2 = {0, 0, stream.uniform() < 0.5 ? 0.0 : -9.81};
       const double turning_mps = 0.02 * stream.uniform();
       flight.angular_velocity_radps = turning_mps / k_reach_m * random_direction(stream);
-      places.began(0, k_reach_m, motion_of(flight, inertia));
-      const PlacesOfPair present = places.of(0, 1, flight.begin);
+      places.began({0}, k_reach_m, motion_of(flight, inertia));
+      const PlacesOfPair present = places.of({0}, {1}, flight.begin);
       const Pose start{flight.position_m, flight.orientation};
       if (present != 0 && present == number) {
         ++kept;
@@ -74,16 +74,16 @@ TEST(NearPlaces, HoldWhatTheySay) {
       number = present;
       RotationTrack track(flight, inertia);
       if (present != 0) {
-        const TickCount span = places.until(0, 1) - flight.begin;
+        const TickCount span = places.until(BodyId{0}, BodyId{1}) - flight.begin;
         for (int k = 0; k < 20; ++k) {
           const Tick tick =
               flight.begin + (k == 0 ? span : ticks_before(stream.uniform() * seconds(span)));
-          ASSERT_EQ(places.of(0, 1, tick), present);
+          ASSERT_EQ(places.of({0}, {1}, tick), present);
           const double way_m = moved_m(then, pose_at(flight, track, tick));
           ASSERT_LE(way_m, k_room_m) << seed;
           nearest_to_bound = std::max(nearest_to_bound, way_m / k_room_m);
         }
-        EXPECT_EQ(places.of(0, 1, places.until(0, 1) + 1), 0U);
+        EXPECT_EQ(places.of({0}, {1}, places.until(BodyId{0}, BodyId{1}) + 1), 0U);
       }
       const Tick next = flight.begin + 1 + ticks_before(3e-3 * stream.uniform());
       const Pose pose = pose_at(flight, track, next);
@@ -102,16 +102,16 @@ TEST(NearPlaces, AFastBodyHasNone) {
   // again. Method: slow, fast, slow.
   NearPlaces places;
   places.reset(2, ticks_after(1e-3));
-  places.began(0, k_reach_m, {.stays = true});
-  places.began(1, k_reach_m, {.stays = true});
-  const PlacesOfPair first = places.of(0, 1, Tick{5});
+  places.began({0}, k_reach_m, {.stays = true});
+  places.began({1}, k_reach_m, {.stays = true});
+  const PlacesOfPair first = places.of({0}, {1}, Tick{5});
   EXPECT_NE(first, 0U);
-  EXPECT_EQ(places.until(0, 1), k_never);
-  places.began(1, k_reach_m, {.begin = Tick{10}, .speed_mps = 1});
-  EXPECT_EQ(places.of(0, 1, Tick{10}), 0U);
-  places.began(1, k_reach_m, {.begin = Tick{20}, .speed_mps = 0.01});
-  EXPECT_NE(places.of(0, 1, Tick{20}), 0U);
-  EXPECT_NE(places.of(0, 1, Tick{20}), first);
+  EXPECT_EQ(places.until(BodyId{0}, BodyId{1}), k_never);
+  places.began({1}, k_reach_m, {.begin = Tick{10}, .speed_mps = 1});
+  EXPECT_EQ(places.of({0}, {1}, Tick{10}), 0U);
+  places.began({1}, k_reach_m, {.begin = Tick{20}, .speed_mps = 0.01});
+  EXPECT_NE(places.of({0}, {1}, Tick{20}), 0U);
+  EXPECT_NE(places.of({0}, {1}, Tick{20}), first);
 }
 
 }  // namespace

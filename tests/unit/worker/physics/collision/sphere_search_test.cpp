@@ -150,7 +150,7 @@ TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
     random::Stream stream({.seed = 17, .purpose = random::Purpose::scene}, n);
     const StaticGeometry geometry = geometry_of(n, stream);
     for (int i = 0; i < k_flights; ++i) {
-      const auto index = static_cast<std::uint32_t>(stream.bits() % geometry.feature_count());
+      const FeatureId index{static_cast<std::uint32_t>(stream.bits() % geometry.feature_count())};
       const SphereFeature& feature = geometry.feature(index);
       const auto sides = geometry.sides(feature);
       const Sort sort = k_sorts[stream.bits() % k_sorts.size()];

@@ -98,7 +98,7 @@ class MovingMesh {
 
  private:
   struct Place {
-    std::vector<std::uint32_t> features;
+    std::vector<FeatureId> features;
     TouchBox box;
   };
   std::shared_ptr<TriangleMesh> mesh_;
@@ -351,7 +351,7 @@ TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
   ASSERT_TRUE(earlier.is_suspended({0}));
   const MarbleHistories histories = earlier.histories();
 
-  std::vector<std::uint32_t> features;
+  std::vector<FeatureId> features;
   std::vector<VertexMove> moves;
   for (std::uint32_t vertex = 0; vertex < 4; ++vertex) {
     const auto about = statics.about(0, vertex).features;

@@ -111,8 +111,8 @@ TEST(Marbles, StartsInTouchAreErrors) {
     const NearFeatures near(statics, radius_m);
     scene.bodies[0].start_tick = Tick{};
     for (int n = 0; n < 200; ++n) {
-      const SphereFeature& feature = statics.feature(static_cast<std::uint32_t>(
-          random::UniformInteger{.count = statics.feature_count()}.draw(stream)));
+      const SphereFeature& feature = statics.feature({static_cast<std::uint32_t>(
+          random::UniformInteger{.count = statics.feature_count()}.draw(stream))});
       const random::Uniform sides{.low = -1, .high = 1};
       Vec3 away;
       for (int axis = 0; axis < 3; ++axis)

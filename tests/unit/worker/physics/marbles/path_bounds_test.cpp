@@ -58,7 +58,8 @@ TEST(PathBounds, ComeBeforeEveryCollision) {
     const StaticGeometry statics(scene_of(n, stream));
     const NearFeatures near(statics, k_radius_m);
     for (int i = 0; i < 500; ++i) {
-      const auto index = static_cast<std::uint32_t>(between(stream, 0, statics.feature_count()));
+      const FeatureId index{
+          static_cast<std::uint32_t>(between(stream, 0, statics.feature_count()))};
       if (statics.is_absent(index)) continue;
       const SphereFeature& feature = statics.feature(index);
       const Vec3 away = math::normalized(vector_between(stream, -1, 1));
@@ -93,7 +94,7 @@ TEST(PathBounds, ComeBeforeEveryCollision) {
       const Four there = Four::of(position_at(flight, tick));
       if (!surroundings.holds(there)) continue;
       const NearFeatures::Cell cell = surroundings.cell();
-      const std::span<const std::uint32_t> known = is_face ? cell.faces : cell.corners;
+      const std::span<const FeatureId> known = is_face ? cell.faces : cell.corners;
       ASSERT_TRUE(std::ranges::find(known, index) != known.end())
           << "mesh " << n << ", flight " << i;
     }
@@ -134,7 +135,7 @@ TEST(BallBoxes, FindWhatOverlaps) {
     BallBoxes boxes;
     boxes.assign(count);
     std::vector<TouchBox> plain;
-    for (std::uint32_t ball = 0; ball < count; ++ball) {
+    for (BodyId ball{}; ball < count; ++ball) {
       plain.push_back(box_of());
       boxes.set(ball, plain.back());
       EXPECT_EQ(boxes.of(ball).high_m, plain.back().high_m);
@@ -144,7 +145,7 @@ TEST(BallBoxes, FindWhatOverlaps) {
       std::vector<std::uint32_t> found;
       boxes.for_each_overlapping(box, [&](std::uint32_t ball) { found.push_back(ball); });
       std::vector<std::uint32_t> expected;
-      for (std::uint32_t ball = 0; ball < count; ++ball) {
+      for (BodyId ball{}; ball < count; ++ball) {
         if (overlaps(box, plain[ball])) expected.push_back(ball);
       }
       EXPECT_EQ(found, expected);

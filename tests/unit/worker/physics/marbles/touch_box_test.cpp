@@ -108,7 +108,7 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
     scene.meshes = {{.name = "it", .mesh = testing::open_mesh(raw)}};
     const StaticGeometry geometry(scene);
     const auto reach = static_cast<float>(0.01 + 0.2 * stream.uniform());
-    for (std::uint32_t f = geometry.plane_count(); f < geometry.feature_count(); ++f) {
+    for (FeatureId f{geometry.plane_count()}; f < geometry.feature_count(); ++f) {
       const SphereFeature& feature = geometry.feature(f);
       std::vector<RegionSide> sides(geometry.sides(feature).begin(), geometry.sides(feature).end());
       // An edge between two faces; it may have sides towards its ends alone, or none.
@@ -156,7 +156,7 @@ TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
       geometry.refresh(0);
       near.refresh();
       beyond += geometry.boxes_made() != made ? 1 : 0;
-      for (const std::uint32_t f : geometry.refreshed()) {
+      for (const FeatureId f : geometry.refreshed()) {
         if (geometry.is_absent(f)) {
           ASSERT_TRUE(same(near.touch_boxes()[f], k_unmeetable)) << n << ", " << i << ", " << f;
           continue;
@@ -196,9 +196,9 @@ TEST(TouchBox, ManyAreWrittenAtTheirIndices) {
     constexpr float k_reach_m = 0.05F;
     std::vector<TouchBox> expected(geometry.feature_count());
     std::vector<TouchBox> homes(geometry.feature_count());
-    std::vector<std::uint32_t> named;
-    std::vector<std::uint32_t> expected_outgrown;
-    for (std::uint32_t f = geometry.plane_count(); f < geometry.feature_count(); ++f) {
+    std::vector<FeatureId> named;
+    std::vector<FeatureId> expected_outgrown;
+    for (FeatureId f{geometry.plane_count()}; f < geometry.feature_count(); ++f) {
       if (stream.bits() % 4 == 0) continue;
       named.push_back(f);
       absent += geometry.is_absent(f) ? 1 : 0;
@@ -216,10 +216,10 @@ TEST(TouchBox, ManyAreWrittenAtTheirIndices) {
       outgrown_sides |= 1 << (2 * axis + (way < 0 ? 1 : 0));
     }
     std::vector<FeatureExtent> extents(geometry.feature_count());
-    for (const std::uint32_t f : named)
+    for (const FeatureId f : named)
       extents[f] = extent_of(geometry.feature_box(f), k_reach_m);
     std::vector<TouchBox> boxes(geometry.feature_count());
-    std::vector<std::uint32_t> outgrown;
+    std::vector<FeatureId> outgrown;
     write_touch_boxes(geometry, named, k_reach_m,
                       {.extents = extents, .homes = homes, .boxes = boxes}, outgrown);
     for (std::uint32_t f = 0; f < geometry.feature_count(); ++f)

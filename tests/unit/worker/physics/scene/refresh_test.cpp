@@ -120,7 +120,7 @@ std::vector<VertexMove> random_moves(const Raw& raw, random::Stream& stream) {
 
 void expect_equal_features(const StaticGeometry& used, const StaticGeometry& fresh) {
   ASSERT_EQ(used.feature_count(), fresh.feature_count());
-  for (std::uint32_t i = 0; i < fresh.feature_count(); ++i) {
+  for (FeatureId i{}; i < fresh.feature_count(); ++i) {
     const SphereFeature& a = used.feature(i);
     const SphereFeature& b = fresh.feature(i);
     ASSERT_EQ(a.kind, b.kind) << i;
@@ -180,8 +180,8 @@ void expect_near(const StaticGeometry& used, const StaticGeometry& fresh, const 
                  bool closed, bool same_boxes, random::Stream& stream, Nearness& tally) {
   const auto corners_m = corners_of_features(mesh, closed);
   const auto first = fresh.feature_count() - static_cast<std::uint32_t>(corners_m.size());
-  std::vector<std::uint32_t> of_used;
-  std::vector<std::uint32_t> of_fresh;
+  std::vector<StaticId> of_used;
+  std::vector<StaticId> of_fresh;
   for (int i = 0; i < 12; ++i) {
     const Vec3 middle_m = mesh.vertices_m()[stream.bits() % mesh.vertices_m().size()] +
                           vector_between(stream, -0.12, 0.12);
@@ -197,9 +197,9 @@ void expect_near(const StaticGeometry& used, const StaticGeometry& fresh, const 
     fresh.features_near(box, k_radius_m, of_fresh);
     ASSERT_TRUE(std::ranges::is_sorted(of_used));
     const CentreRange centre(box, k_radius_m);
-    for (std::uint32_t f = 0; f < fresh.feature_count(); ++f) {
-      const bool in_used = std::ranges::binary_search(of_used, f);
-      const bool in_fresh = std::ranges::binary_search(of_fresh, f);
+    for (FeatureId f{}; f < fresh.feature_count(); ++f) {
+      const bool in_used = std::ranges::binary_search(of_used, StaticId{f});
+      const bool in_fresh = std::ranges::binary_search(of_fresh, StaticId{f});
       tally.found += in_fresh ? 1 : 0;
       tally.differ += in_used != in_fresh ? 1 : 0;
       if (f < first || same_boxes) {

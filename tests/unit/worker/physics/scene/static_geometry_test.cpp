@@ -74,11 +74,11 @@ Scene scene_of(std::shared_ptr<const TriangleMesh> mesh) {
 
 // ---- regions ------------------------------------------------------------------------------------
 
-constexpr std::uint32_t k_none = UINT32_MAX;
+constexpr FeatureId k_none{UINT32_MAX};
 
 /// The feature in whose region a point lies, at the least distance.
 struct Closest {
-  std::uint32_t feature = k_none;
+  FeatureId feature = k_none;
   double distance_m = 1e300;
 };
 
@@ -86,7 +86,7 @@ Closest closest_feature(const StaticGeometry& geometry, const Vec3& p) {
   const MovingPoint still{
       .position_m = p, .velocity_mps = Vec3::Zero(), .acceleration_mps2 = Vec3::Zero()};
   Closest closest;
-  for (std::uint32_t i = 0; i < geometry.feature_count(); ++i) {
+  for (FeatureId i{}; i < geometry.feature_count(); ++i) {
     const SphereFeature& feature = geometry.feature(i);
     if (outside_for_s(geometry.sides(feature), still) > 0) continue;
     const double distance_m = gap_between(feature, still, 0).gap_m;
@@ -109,10 +109,10 @@ void expect_closest(const StaticGeometry& geometry, const TriangleMesh& mesh, co
     box.low_m[axis] = std::nextafter(static_cast<float>(p[i] - expected_m), -k_far);
     box.high_m[axis] = std::nextafter(static_cast<float>(p[i] + expected_m), k_far);
   }
-  std::vector<std::uint32_t> near;
+  std::vector<StaticId> near;
   geometry.features_near(box, expected_m, near);
   EXPECT_TRUE(std::ranges::is_sorted(near, std::less_equal<>{}) || near.size() < 2);
-  EXPECT_TRUE(std::ranges::binary_search(near, closest.feature));
+  EXPECT_TRUE(std::ranges::binary_search(near, StaticId{closest.feature}));
 }
 
 TEST(StaticGeometry, AnOpenMeshIsMetWhereItIsClosestFromBothSides) {
@@ -224,18 +224,18 @@ TEST(StaticGeometry, PiecesAreTheTrianglesAndStayWhenMoved) {
   const StaticGeometry geometry = std::move(first);
   ASSERT_EQ(geometry.piece_count(), 1 + mesh->triangles().size());
   for (std::uint32_t t = 0; t < mesh->triangles().size(); ++t) {
-    const MovingPiece& piece = geometry.piece(t + 1);
+    const MovingPiece& piece = geometry.piece({t + 1});
     ASSERT_EQ(piece.view->vertex_count, 3);
     EXPECT_TRUE(std::isinf(piece.reach_m));
     for (std::size_t k = 0; k < 3; ++k)
       EXPECT_EQ(piece.view->vertices_m[k], mesh->vertices_m()[mesh->triangles()[t][k]]);
     EXPECT_EQ(piece.view->faces[0].normal, mesh->faces()[t].normal);
-    EXPECT_EQ(geometry.name_of_piece(t + 1), "mesh 'it'");
-    EXPECT_EQ(geometry.material_of_piece(t + 1), MaterialId{1});
+    EXPECT_EQ(geometry.name_of_piece({t + 1}), "mesh 'it'");
+    EXPECT_EQ(geometry.material_of_piece({t + 1}), MaterialId{1});
   }
-  EXPECT_EQ(geometry.name_of_piece(0), "plane 0");
-  EXPECT_EQ(geometry.name_of_feature(1), "mesh 'it'");
-  EXPECT_EQ(geometry.material_of_feature(1), MaterialId{1});
+  EXPECT_EQ(geometry.name_of_piece({0}), "plane 0");
+  EXPECT_EQ(geometry.name_of_feature({1}), "mesh 'it'");
+  EXPECT_EQ(geometry.material_of_feature({1}), MaterialId{1});
   // What no body meets is not built.
   Scene spheres = scene;
   spheres.bodies.pop_back();
@@ -257,7 +257,7 @@ TEST(StaticGeometry, AssignedIsAsNew) {
       const StaticGeometry fresh(scene);
       ASSERT_EQ(used.feature_count(), fresh.feature_count());
       ASSERT_EQ(used.piece_count(), fresh.piece_count());
-      for (std::uint32_t i = 0; i < fresh.feature_count(); ++i) {
+      for (FeatureId i{}; i < fresh.feature_count(); ++i) {
         const SphereFeature& a = used.feature(i);
         const SphereFeature& b = fresh.feature(i);
         ASSERT_EQ(a.point_m, b.point_m);
@@ -269,7 +269,7 @@ TEST(StaticGeometry, AssignedIsAsNew) {
           ASSERT_EQ(used.sides(a)[k].strict, fresh.sides(b)[k].strict);
         }
       }
-      for (std::uint32_t i = fresh.plane_count(); i < fresh.piece_count(); ++i)
+      for (PieceId i{fresh.plane_count()}; i < fresh.piece_count(); ++i)
         ASSERT_EQ(used.piece(i).view->centre_m, fresh.piece(i).view->centre_m);
       const Vec3 p = vector_between(stream, -0.1, 0.1);
       EXPECT_EQ(used.solid_at(p) == nullptr, fresh.solid_at(p) == nullptr);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -24,6 +25,8 @@ using testing::floor_scene;
 using testing::RecordedRun;
 
 constexpr double k_g_mps2 = 9.81;
+/// Of the kinetic energy on a circle: what the chord of a 32nd of a radian lacks in its middle.
+constexpr double k_chord_share = 1.0 / (64 * 64);
 
 BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
   return {
@@ -158,26 +161,33 @@ TEST(RoundBodies, KeepEnergyWithoutLoss) {
 
 TEST(RoundBodies, NeverGainEnergy) {
   // Goal: with friction and loss nothing gains energy, slow contacts included. Method: scenes of
-  // all kinds; the sum of kinetic and potential energy at each look.
+  // all kinds; the sum of kinetic and potential energy at each look, against the least of all that
+  // came before. What rolls as a cone does so on a circle in pieces of a 32nd of a radian, each
+  // with the right velocities at its ends and the chord between them: there a look may see the
+  // square of half that angle less of its kinetic energy, and may later see it whole.
   for (const std::uint64_t seed : property::cases(property::long_run() ? 100 : 6)) {
     const Scene scene = scenes::round_solids(10, seed + 1).scene;
     auto started = Simulation::start(scene, {});
     ASSERT_TRUE(started.ok());
     Simulation simulation = std::move(started).value();
-    double before_j = 1e300;
+    double least_j = 1e300;
     for (int look = 1; look <= 60; ++look) {
       const auto error = simulation.run_until(Tick{} + ticks_after(0.02 * look));
       ASSERT_FALSE(error) << error->message;
       double now_j = 0;
+      double unseen_j = 0;
       for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) {
         const Inertia& inertia = scene.bodies[body].inertia;
         const Pose pose = simulation.pose({body}, simulation.now());
-        now_j += kinetic_energy_j(inertia, pose.orientation,
-                                  simulation.twist({body}, simulation.now())) +
-                 inertia.mass_kg * k_g_mps2 * pose.position_m.z();
+        const double kinetic_j =
+            kinetic_energy_j(inertia, pose.orientation, simulation.twist({body}, simulation.now()));
+        const bool is_cone = inertia.symmetry != InertiaSymmetry::spherical;
+        if (is_cone && simulation.mode({body}) == MotionMode::rolling)
+          unseen_j += k_chord_share * kinetic_j;
+        now_j += kinetic_j + inertia.mass_kg * k_g_mps2 * pose.position_m.z();
       }
-      ASSERT_LT(now_j, before_j + 1e-12) << seed << ", look " << look;
-      before_j = now_j;
+      ASSERT_LT(now_j, least_j + 1e-12) << seed << ", look " << look;
+      least_j = std::min(least_j, now_j + unseen_j);
     }
   }
 }

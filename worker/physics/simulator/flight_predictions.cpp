@@ -1,31 +1,30 @@
-// What gases of spheres do most, from as little memory as there is: with many bodies, reading them
-// takes longer than computing.
+// Predictions of spheres in flight, which gases do most, from as little memory as there is: with
+// many bodies, reading them takes longer than computing.
 #include <algorithm>
 #include <array>
 
 #include "worker/physics/simulator/lanes.h"
-#include "worker/physics/simulator/world.h"
+#include "worker/physics/simulator/predictions.h"
 
 namespace sleight::physics {
 
-Prediction World::predict_free_spheres(std::uint32_t a, std::uint32_t b, Tick now) const {
+Prediction Predictions::predict_free_spheres(BodyId a, BodyId b, Tick now) const {
   Vec3 shift_m = Vec3::Zero();
-  if (periodic_) {
-    const Flight& first = flights_[a];
-    const Flight& second = flights_[b];
+  if (bodies_.periodic()) {
+    const Flight& first = bodies_.flight(a);
+    const Flight& second = bodies_.flight(b);
     const double s = seconds(now - first.begin);
     const double t = seconds(now - second.begin);
-    shift_m = to_nearest_image((second.position_m + t * second.velocity_mps) -
-                               (first.position_m + s * first.velocity_mps));
+    shift_m = bodies_.to_nearest_image((second.position_m + t * second.velocity_mps) -
+                                       (first.position_m + s * first.velocity_mps));
   }
   return predict_free_spheres_at(a, b, shift_m);
 }
 
-Prediction World::predict_free_spheres_at(std::uint32_t a, std::uint32_t b,
-                                          const Vec3& shift_m) const {
-  const Flight& first = flights_[a];
-  const Flight& second = flights_[b];
-  const Tick tick = collision_of_flights(first, second, scene_.gravity_mps2, shift_m,
+Prediction Predictions::predict_free_spheres_at(BodyId a, BodyId b, const Vec3& shift_m) const {
+  const Flight& first = bodies_.flight(a);
+  const Flight& second = bodies_.flight(b);
+  const Tick tick = collision_of_flights(first, second, bodies_.scene().gravity_mps2, shift_m,
                                          first.radius_m + second.radius_m);
   if (tick == k_never) return {};
   return {.tick = tick, .certain = true};
@@ -34,8 +33,8 @@ Prediction World::predict_free_spheres_at(std::uint32_t a, std::uint32_t b,
 /// `k_fresh`: the body's flight begins at `now`, so that all is judged there and the body itself is
 /// where its flight says.
 template <bool k_fresh>
-bool World::predict_flight_from(std::uint32_t body, std::span<PairEdge> edges,
-                                std::span<const std::uint32_t> changes, Tick now) const {
+bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
+                                      std::span<const std::uint32_t> changes, Tick now) const {
   // Judge some pairs without a branch, then compute those that collide: which ones, the processor
   // can't guess.
   constexpr std::size_t k_batch = 32;
@@ -45,28 +44,28 @@ bool World::predict_flight_from(std::uint32_t body, std::span<PairEdge> edges,
   std::array<TickCount, k_batch> begins;
   std::array<std::uint32_t, k_batch> places;
 
-  const Flight& own = flights_[body];
+  const Flight* const flights = bodies_.flights().data();
+  const Flight& own = flights[body];
   const Lanes own_place = Lanes::of(own.position_m);
   const Lanes own_velocity = Lanes::of(own.velocity_mps);
-  const Lanes g = Lanes::of(scene_.gravity_mps2);
+  const Lanes g = Lanes::of(bodies_.scene().gravity_mps2);
   const double own_s = k_fresh ? 0 : seconds(now - own.begin);
   const Lanes own_place_now = k_fresh ? own_place : own_place + Lanes::all(own_s) * own_velocity;
   const Images images = images_;
   bool all_free = true;
-  for (std::size_t from = 0; from < edges.size(); from += k_batch) {
-    const std::span<PairEdge> batch = edges.subspan(from, std::min(k_batch, edges.size() - from));
+  for (std::size_t from = 0; from < edges.count; from += k_batch) {
+    const PairEdges batch = edges.from(from, std::min(k_batch, edges.count - from));
     std::size_t count = 0;
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      PairEdge& edge = batch[i];
-      const Flight& other = flights_[edge.other];
-      edge.predict({});
-      edge.other_changes = changes[edge.other];
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const Flight& other = flights[batch.others[i]];
+      batch.ticks[i] = k_never;
+      batch.other_changes[i] = changes[batch.others[i]];
       const Lanes place = Lanes::of(other.position_m);
       const Lanes velocity = Lanes::of(other.velocity_mps);
 
       // The image of the second one that is nearest to the first, now. By a period and no
       // more, nor near to where rounding decides: that needs no branch.
-      const LaneMask own_is_first = LaneMask::all(body < edge.other);
+      const LaneMask own_is_first = LaneMask::all(body < batch.others[i]);
       const Lanes place_now = place + Lanes::all(seconds(now - other.begin)) * velocity;
       const Lanes apart = choose(own_is_first, place_now, own_place_now) -
                           choose(own_is_first, own_place_now, place_now);
@@ -75,7 +74,7 @@ bool World::predict_flight_from(std::uint32_t body, std::span<PairEdge> edges,
       const LaneMask odd = (absolute(apart) > images.half_m) &
                            (absolute(absolute(apart) - images.middle_m) > images.sure_m);
       if (odd.any()) [[unlikely]] {
-        shift = Lanes::of(to_nearest_image({apart.xy[0], apart.xy[1], apart.z[0]}));
+        shift = Lanes::of(bodies_.to_nearest_image({apart.xy[0], apart.xy[1], apart.z[0]}));
       }
 
       // The motion of one against the other from the later one's begin on; both fall alike.
@@ -106,53 +105,24 @@ bool World::predict_flight_from(std::uint32_t body, std::span<PairEdge> edges,
       all_free &= free;
       count += static_cast<std::size_t>(approach.collides & free);
     }
+    for (std::size_t i = 0; batch.details != nullptr && i < batch.count; ++i) {
+      batch.details[i].feature = 0;
+      batch.details[i].certain = false;
+    }
     for (std::size_t i = 0; i < count; ++i) {
       const TickCount span = span_to_collision({towards[i], excess[i], discriminant[i], true});
       if (span >= k_tick_max.value) continue;
-      batch[places[i]].predict({.tick = Tick{begins[i]} + span, .certain = true});
+      batch.ticks[places[i]] = Tick{begins[i]} + span;
+      if (batch.details != nullptr) batch.details[places[i]].certain = true;
     }
   }
   return all_free;
 }
 
-bool World::predict_flight(std::uint32_t body, std::span<PairEdge> edges,
-                           std::span<const std::uint32_t> changes, Tick now) const {
-  return flights_[body].begin == now ? predict_flight_from<true>(body, edges, changes, now)
-                                     : predict_flight_from<false>(body, edges, changes, now);
-}
-
-void World::collide_plain(std::uint32_t a, std::uint32_t b, const EventKey& event) {
-  const Tick tick = event.tick;
-  const Path first = path(a);
-  const Path second = path(b);
-  const Vec3 place_a_m = position_on(first, tick);
-  const Vec3 place_b_m = position_on(second, tick);
-  Vec3 between_m = place_b_m - place_a_m;
-  if (periodic_) between_m = Vec3(between_m + to_nearest_image(between_m));
-  const Vec3 normal = between_m / math::norm(between_m);
-  const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
-  Vec3 velocity_a_mps = first.velocity_mps + seconds(tick - first.begin) * first.acceleration_mps2;
-  Vec3 velocity_b_mps =
-      second.velocity_mps + seconds(tick - second.begin) * second.acceleration_mps2;
-  frictionless_sphere_impact(normal, constants_[a].sphere_mass.inverse_mass_per_kg,
-                             constants_[b].sphere_mass.inverse_mass_per_kg,
-                             plastic ? 0 : scene_.contacts.between({}, {}).restitution, 0,
-                             velocity_a_mps, velocity_b_mps);
-  const auto fly_on = [&](std::uint32_t body, const Vec3& place_m, const Vec3& velocity_mps) {
-    Flight& flight = flights_[body];
-    flight.position_m = wrapped_m(place_m);
-    flight.velocity_mps = velocity_mps;
-    flight.begin = tick;
-    FreeFlight& whole = segments_[body].flight;
-    whole.begin = tick;
-    whole.position_m = flight.position_m;
-    whole.velocity_mps = velocity_mps;
-    if (record_) recording_.append({body}, segments_[body], event);
-    if (history_builder_) history_builder_->begins(body);
-    changed_.push_back(body);
-  };
-  fly_on(a, place_a_m, velocity_a_mps);
-  fly_on(b, place_b_m, velocity_b_mps);
+bool Predictions::predict_flight(BodyId body, const PairEdges& edges,
+                                 std::span<const std::uint32_t> changes, Tick now) const {
+  return bodies_.flight(body).begin == now ? predict_flight_from<true>(body, edges, changes, now)
+                                           : predict_flight_from<false>(body, edges, changes, now);
 }
 
 }  // namespace sleight::physics

@@ -1,0 +1,245 @@
+// The bodies of a running simulation: what they are, and how each moves now.
+//
+// Invariants
+//   1. What is asked at a tick is a function of the body's segment and of what it stays on, never
+//      of when it was asked before: what is kept is kept for speed.
+//   2. A segment says what its body's Flight says, at the latest when it is asked for.
+// Thread safety: none.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "worker/physics/collision/convex_search.h"
+#include "worker/physics/contact/contact_state.h"
+#include "worker/physics/contact/lasting_contact.h"
+#include "worker/physics/motion/motion_bounds.h"
+#include "worker/physics/motion/rotation_track.h"
+#include "worker/physics/response/contact_motion.h"
+#include "worker/physics/response/rigid_impact.h"
+#include "worker/physics/response/sphere_impact.h"
+#include "worker/physics/scene/scene.h"
+#include "worker/physics/shape/small_pieces.h"
+#include "worker/physics/simulator/near_allocator.h"
+
+namespace sleight::physics {
+
+/// What predictions of spheres read, in one cache line.
+struct alignas(64) Flight {
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_mps = Vec3::Zero();
+  Tick begin{};
+  double radius_m = 0;  ///< of a sphere in flight; 0 for whatever has no closed form
+};
+static_assert(sizeof(Flight) == 64);
+
+/// What doesn't change; what spheres need comes first, in one cache line.
+struct alignas(64) BodyConstants {
+  SphereMass sphere_mass{};  ///< of a sphere
+  double reach_m = 0;        ///< radius of a sphere about the centre that holds the body
+  MaterialId material{};
+  bool is_sphere = true;
+  bool has_round_parts = false;  ///< balls and rings (round_piece.h)
+  std::uint32_t first_part = 0;  ///< its convex parts in the table of all; a sphere has one point
+  std::uint32_t part_count = 1;
+  /// One view for several parts (hull_of), in the table of these. k_no_hull: none.
+  std::uint32_t hull = k_no_hull;
+  static constexpr std::uint32_t k_no_hull = UINT32_MAX;
+  Vec3 axis = Vec3::Zero();  ///< of a body of revolution, in its frame; else 0
+  Inertia inertia;
+  RigidMass rigid_mass{};
+};
+
+/// The way of a body's centre (OnParabola in motion_bounds.h).
+struct Path {
+  Tick begin{};
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_mps = Vec3::Zero();
+  Vec3 acceleration_mps2 = Vec3::Zero();
+};
+
+class Bodies {
+ public:
+  /// Copies the scene.
+  explicit Bodies(const Scene& scene);
+  Bodies(const Bodies&) = delete;
+  Bodies& operator=(const Bodies&) = delete;
+
+  // What they are.
+  const Scene& scene() const { return scene_; }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(flights_.size()); }
+  bool periodic() const { return periodic_; }
+  bool only_spheres() const { return only_spheres_; }
+  const BodyConstants& constants(BodyId body) const { return constants_[body]; }
+  bool is_sphere(BodyId body) const { return constants_[body].is_sphere; }
+  /// Views of the convex parts of all, at a body's first_part and after.
+  std::span<const ConvexView> parts() const { return parts_; }
+  /// For people.
+  std::string name(BodyId body) const;
+
+  // How they move now.
+  bool started(BodyId body) const { return started_[body] != 0; }
+  MotionMode mode(BodyId body) const { return segments_[body].mode; }
+  /// Valid until the body's next one.
+  const Segment& segment(BodyId body) const {
+    if (lags_) [[unlikely]]
+      catch_up(body);
+    return segments_[body];
+  }
+  const Flight& flight(BodyId body) const { return flights_[body]; }
+  std::span<const Flight> flights() const { return flights_; }
+  bool is_resting(BodyId body) const { return segments_[body].mode == MotionMode::resting; }
+  /// Of a sphere: whether its segment turns.
+  bool turns(BodyId body) const { return turns_[body] != 0; }
+  /// Of the segment, without a look at the rest of it where that is a sphere in flight.
+  Path path(BodyId body) const {
+    const Flight& flight = flights_[body];
+    return {.begin = flight.begin,
+            .position_m = flight.position_m,
+            .velocity_mps = flight.velocity_mps,
+            .acceleration_mps2 = flight.radius_m > 0 ? scene_.gravity_mps2
+                                                     : segments_[body].flight.acceleration_mps2};
+  }
+  /// Radius of a sphere about the centre that holds the body.
+  double reach_m(BodyId body) const {
+    const double radius_m = flights_[body].radius_m;
+    return radius_m > 0 ? radius_m : constants_[body].reach_m;
+  }
+  /// Of any of its points about the centre, at most. REQUIRES: not a sphere.
+  double turning_speed_mps(BodyId body) const {
+    return turning_speed_mps_max(turning_[body].bounds, constants_[body].reach_m);
+  }
+  /// Until when its free rotation can be computed. REQUIRES: its inertia is general.
+  Tick rotation_horizon(BodyId body) const { return turning_[body].track.horizon(); }
+
+  // What they stay on.
+  /// Whether some may stay on static geometry.
+  bool may_stay() const { return !supports_.empty(); }
+  /// REQUIRES: may_stay().
+  const Supports& supports(BodyId body) const { return supports_[body]; }
+  /// Whether the body slides or rolls on static geometry.
+  bool stays_on_faces(BodyId body) const { return in_contact(segments_[body]); }
+
+  // Segments that may begin.
+  Segment segment_of_start(const StartState& start, Tick tick) const;
+  Segment segment_after(BodyId body, Tick tick, const Vec3& position_m, const Twist& twist);
+
+  // Where they are at a tick.
+  MovingPoint centre_at(BodyId body, Tick tick) const {
+    const FreeFlight& flight = segment(body).flight;
+    return {.position_m = physics::position_at(flight, tick),
+            .velocity_mps = velocity_at(flight, tick),
+            .acceleration_mps2 = flight.acceleration_mps2};
+  }
+  Quat orientation_at(BodyId body, Tick tick);
+  Pose pose_at(BodyId body, Tick tick);
+  Twist twist_at(BodyId body, Tick tick);
+  Vec3 position_at(BodyId body, Tick tick) const {
+    return physics::position_at(segment(body).flight, tick);
+  }
+  const MovingPiece& moving_at(BodyId body, Tick tick);
+  MovingPiece part_at(BodyId body, std::uint32_t part, Tick tick);
+  /// All parts in one view, if there is one for them.
+  std::optional<MovingPiece> hull_at(BodyId body, Tick tick);
+  RigidImpactBody rigid_body(BodyId body, Tick tick);
+  /// As contact_motion asks for a sphere.
+  RoundBody round_body(BodyId body) const {
+    return physics::round_body(constants_[body].reach_m, constants_[body].inertia, scene_.slow);
+  }
+  /// Of all that have started.
+  double kinetic_energy_j(Tick tick);
+
+  // Periodic worlds.
+  /// What to add to a vector to have its shortest image; whole periods.
+  Vec3 to_nearest_image(const Vec3& between_m) const {
+    Vec3 shift_m = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      const double period_m = scene_.period_m[static_cast<std::size_t>(i)];
+      if (std::fabs(between_m[i]) <= 0.5 * period_m || period_m == 0) continue;
+      shift_m[i] = -period_m * std::floor(between_m[i] / period_m + 0.5);
+    }
+    return shift_m;
+  }
+  /// From a's centre to that of b's nearest image.
+  Vec3 between_at(BodyId a, BodyId b, Tick tick) const {
+    const Vec3 between_m = position_at(b, tick) - position_at(a, tick);
+    return periodic_ ? Vec3(between_m + to_nearest_image(between_m)) : between_m;
+  }
+
+  // Hints to read soon what predictions need of a body, and what its collision does.
+  void fetch_flight(BodyId body) const { __builtin_prefetch(&flights_[body]); }
+  void fetch(BodyId body) const {
+    __builtin_prefetch(&flights_[body], 1);
+    if (lags_) return;
+    __builtin_prefetch(&segments_[body], 1);
+    __builtin_prefetch(&segments_[body].flight.velocity_mps[2], 1);
+    __builtin_prefetch(&constants_[body]);
+  }
+
+ private:
+  // What changes them is the world's affair: others must be told (World::begin_segment).
+  friend class World;
+  void let_stay() { supports_.resize(size()); }
+  Supports& supports_of(BodyId body) { return supports_[body]; }
+  void stays_on_nothing(BodyId body) {
+    if (supports_.empty()) return;
+    supports_[body].count = 0;
+    supports_[body].end = k_never;
+  }
+  /// Puts a body somewhere.
+  void place(BodyId body, const Segment& segment);
+  /// A body has begun that; it stays on nothing.
+  void begin(BodyId body, const Segment& segment);
+  /// A body that was placed has started.
+  void has_started(BodyId body) { started_[body] = 1; }
+  /// As begin, of a sphere that flies on without turning, and of which all others do: its segment
+  /// is written when someone asks for it. The same bits from less memory.
+  void fly_on(BodyId body, Tick tick, const Vec3& position_m, const Vec3& velocity_mps) {
+    lags_ = true;
+    Flight& flight = flights_[body];
+    flight.position_m = periodic_ ? wrapped_m(position_m) : position_m;
+    flight.velocity_mps = velocity_mps;
+    flight.begin = tick;
+  }
+
+  /// What bodies that are not spheres need beside their segment.
+  struct Turning {
+    RotationTrack track;
+    RotationBounds bounds;
+    Tick placed_at{-1};  ///< of the rest
+    Quat orientation = Quat::Identity();
+    MovingPiece placed;  ///< without a view
+  };
+
+  /// Of bodies of several round parts, as the table is made: those of one shape share its hull.
+  using HullOfShape = std::vector<std::pair<const Compound*, std::uint32_t>>;
+  std::uint32_t hull_index(const Compound& compound, HullOfShape& known);
+  /// A place within the periods.
+  Vec3 wrapped_m(const Vec3& place_m) const;
+  /// A segment becomes what its flight is.
+  void catch_up(BodyId body) const;
+
+  Scene scene_;
+  NearVector<Flight> flights_;
+  mutable NearVector<Segment> segments_;
+  NearVector<BodyConstants> constants_;
+  std::vector<std::uint8_t> started_;
+  std::vector<Turning> turning_;
+  std::vector<Supports> supports_;
+  std::vector<PointPiece> points_;  ///< of spheres
+  std::vector<ConvexView> parts_;
+  std::vector<ConvexView> hulls_;  ///< of bodies that have one
+  std::vector<std::unique_ptr<const RoundPiece>> made_hulls_;
+  std::vector<std::uint8_t> turns_;  ///< the fast way past a segment, which then needs no look
+  bool periodic_ = false;
+  bool only_spheres_ = true;
+  bool lags_ = false;  ///< segments are older than flights, perhaps
+};
+
+}  // namespace sleight::physics

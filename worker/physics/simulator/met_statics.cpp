@@ -1,0 +1,146 @@
+#include "worker/physics/simulator/met_statics.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "common/base/check.h"
+
+namespace sleight::physics {
+namespace {
+
+/// Whether some of a box is not above all that lies under it.
+bool reaches_into(const Box& box, SplineSurface& surface) {
+  const auto low = [&](std::size_t axis) { return double{box.low_m[axis]}; };
+  const auto high = [&](std::size_t axis) { return double{box.high_m[axis]}; };
+  return low(2) <= surface.bounds_in(low(0), high(0), low(1), high(1)).top_m;
+}
+
+}  // namespace
+
+MetStatics::MetStatics(Bodies& bodies) : bodies_(bodies), geometry_(bodies.scene()) {
+  const Scene& scene = bodies.scene();
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
+    const StaticSurface& surface = scene.surfaces[i];
+    surfaces_.push_back(
+        {name_of_static("surface", surface.name, i), SplineSurface(surface), {}, {}});
+    surfaces_.back().near.resize(bodies.parts().size());
+    for (const ConvexView& part : bodies.parts()) {
+      std::optional<BoxLattice> lattice = BoxLattice::of(part, surface.point_spacing_m);
+      CHECK(lattice.has_value());
+      surfaces_.back().lattices.push_back(*lattice);
+    }
+  }
+  any_ = geometry_.feature_count() > 0 || geometry_.piece_count() > 0 || !surfaces_.empty();
+}
+
+// ---- what a body may meet -----------------------------------------------------------------------
+
+std::uint32_t MetStatics::count(BodyId body) const {
+  if (bodies_.is_sphere(body)) return geometry_.feature_count();
+  return geometry_.piece_count() + static_cast<std::uint32_t>(surfaces_.size());
+}
+
+void MetStatics::near(BodyId body, const Box& box, std::vector<StaticId>& found) const {
+  if (bodies_.is_sphere(body)) {
+    geometry_.features_near(box, bodies_.constants(body).reach_m, found);
+    return;
+  }
+  geometry_.pieces_near(box, found);
+  for (StaticId met{geometry_.piece_count()}; met < count(body); ++met) {
+    if (reaches_into(box, surface(met).surface)) found.push_back(met);
+  }
+}
+
+void MetStatics::in(BodyId body, const Box& box, std::span<const StaticId> some,
+                    std::vector<StaticId>& found) const {
+  if (bodies_.is_sphere(body)) {
+    const CentreRange centre(box, bodies_.constants(body).reach_m);
+    std::ranges::copy_if(some, std::back_inserter(found),
+                         [&](StaticId met) { return geometry_.may_meet({met}, centre); });
+    return;
+  }
+  std::ranges::copy_if(some, std::back_inserter(found), [&](StaticId met) {
+    return met < geometry_.piece_count() ? geometry_.piece_overlaps({met}, box)
+                                         : reaches_into(box, surface(met).surface);
+  });
+}
+
+const std::string& MetStatics::name(BodyId body, StaticId met) const {
+  if (bodies_.is_sphere(body)) return geometry_.name_of_feature({met});
+  return is_surface(body, met) ? surface(met).name : geometry_.name_of_piece({met});
+}
+
+std::string MetStatics::solid_at(const Vec3& place_m) const {
+  const std::string* solid = geometry_.solid_at(place_m);
+  if (solid != nullptr) return *solid;
+  for (MetSurface& met : surfaces_) {
+    if (place_m.z() < met.surface.at(place_m.x(), place_m.y()).height_m) return met.name;
+  }
+  return "";
+}
+
+// ---- contacts -----------------------------------------------------------------------------------
+
+SurfaceLaw MetStatics::law(BodyId body, StaticId met, const Vec3& point_m) const {
+  if (is_surface(body, met)) {
+    const SurfaceControl law = surface(met).surface.fields_at(point_m.x(), point_m.y());
+    return {.restitution = law.restitution, .friction = law.friction};
+  }
+  const MaterialId material = bodies_.is_sphere(body) ? geometry_.material_of_feature({met})
+                                                      : geometry_.material_of_piece({met});
+  SurfaceLaw law = bodies_.scene().contacts.between(bodies_.constants(body).material, material);
+  law.friction = geometry_.friction_at(met, point_m, law.friction);
+  return law;
+}
+
+PieceContact MetStatics::contact_of_part(StaticId met, BodyId body, std::uint32_t part,
+                                         Tick tick) const {
+  const MovingPiece piece = bodies_.part_at(body, part, tick);
+  if (is_surface(body, met))
+    return contact_of(surface(met).surface, lattice_on(met, body, part), piece);
+  return met < geometry_.plane_count() ? contact_of(geometry_.plane({met}), piece)
+                                       : contact_of(geometry_.piece({met}), piece);
+}
+
+bool MetStatics::touching(BodyId body, StaticId met, Tick tick) const {
+  const BodyConstants& constants = bodies_.constants(body);
+  if (constants.is_sphere) {
+    const SphereFeature& feature = geometry_.feature({met});
+    const MovingPoint centre = bodies_.centre_at(body, tick);
+    return touches(gap_between(feature, centre, constants.reach_m).gap_m) &&
+           is_inside(geometry_.sides(feature), centre.position_m);
+  }
+  for (std::uint32_t part = 0; part < constants.part_count; ++part) {
+    if (touches(contact_of_part(met, body, part, tick).gap_m)) return true;
+  }
+  return false;
+}
+
+// ---- what is flat -------------------------------------------------------------------------------
+
+Flat MetStatics::flat(StaticId met, std::uint32_t face) const {
+  if (met < geometry_.plane_count()) {
+    const HalfSpace& plane = geometry_.plane({met});
+    return {.normal = plane.normal,
+            .offset_m = plane.offset_m,
+            .sides = {},
+            .map = geometry_.friction_map(met)};
+  }
+  const ConvexView& view = *geometry_.piece({met}).view;
+  const Face& one = view.faces[face];
+  return {.normal = one.normal,
+          .offset_m = one.offset_m,
+          .sides = std::span(view.sides + one.first_side, one.side_count)};
+}
+
+std::optional<std::uint32_t> MetStatics::face_met(StaticId met, const Vec3& normal) const {
+  if (met < geometry_.plane_count()) return 0;
+  constexpr double k_same_cosine = 1 - 1e-9;
+  const ConvexView& view = *geometry_.piece({met}).view;
+  for (std::uint32_t face = 0; face < view.face_count; ++face) {
+    if (math::dot(view.faces[face].normal, normal) > k_same_cosine) return face;
+  }
+  return std::nullopt;
+}
+
+}  // namespace sleight::physics

@@ -1,0 +1,153 @@
+#include "worker/physics/simulator/replaying.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace sleight::physics {
+
+Replaying::Replaying(World& world, std::shared_ptr<const History> history) : world_(world) {
+  if (history == nullptr) return;
+  SceneChanges changes =
+      changes_between(history->scene, world.bodies().scene(), world.statics().geometry());
+  if (changes.laws) return;
+  auto replay = std::make_unique<Replay>(std::move(history), std::move(changes));
+  replay->awaited.assign(world_.bodies().size(), 0);
+  for (BodyId body{}; body < world_.bodies().size(); ++body) {
+    if (replay->changes.bodies[body] != 0 ||
+        world_.bodies().scene().bodies[body].start_tick > replay->history->end)
+      continue;
+    replay->awaited[body] = 1;
+    ++replay->awaited_count;
+  }
+  if (replay->awaited_count == 0) return;
+  replay_ = std::move(replay);
+  find_quiet_until();
+}
+
+/// When a body's segment is the first to come near a place where static geometry differs, or a body
+/// may start elsewhere because of that.
+void Replaying::find_quiet_until() {
+  Replay& replay = *replay_;
+  const ChangedPlaces& places = replay.changes.places;
+  Tick until = std::min(replay.changes.first, replay.history->end + 1);
+  std::vector<const Segment*> latest(places.none() ? 0 : bodies().size(), nullptr);
+  const auto look = [&](BodyId body, Tick end) {
+    const Segment& segment = *latest[body];
+    const Path path{.begin = segment.flight.begin,
+                    .position_m = segment.flight.position_m,
+                    .velocity_mps = segment.flight.velocity_mps,
+                    .acceleration_mps2 = segment.flight.acceleration_mps2};
+    if (places.meet(path_box(path, bodies().constants(body).reach_m + k_touch_m, path.begin, end)))
+      until = std::min(until, path.begin);
+  };
+  for (HistoryReader reader(replay.history->chunks);
+       !places.none() && !reader.at_end() && reader.event().key.tick < until; reader.next()) {
+    const HistoryEvent& event = reader.event();
+    std::size_t segment = 0;
+    for (const Participant& participant : event.participants) {
+      if (!participant.begins()) continue;
+      const BodyId body = participant.body();
+      if (latest[body] != nullptr) look(body, event.key.tick);
+      latest[body] = &event.segments[segment++];
+      if (event.key.kind != EventKind::start) continue;
+      // It drew its place again, or would have to now.
+      const Vec3& place_m = latest[body]->flight.position_m;
+      if (place_m != bodies().scene().bodies[body].start.pose.position_m ||
+          !world_.statics().solid_at(place_m).empty())
+        until = std::min(until, event.key.tick);
+    }
+  }
+  for (BodyId body{}; body < latest.size(); ++body) {
+    if (latest[body] != nullptr && latest[body]->flight.begin < until) look(body, until);
+  }
+  replay.quiet_until = until;
+}
+
+Tick Replaying::skip_quiet(Tick end) {
+  Replay& replay = *replay_;
+  HistoryReader& reader = replay.reader;
+  const Tick last = std::min(end, replay.quiet_until - 1);
+  std::vector<const Segment*> latest(bodies().size(), nullptr);
+  for (; !reader.at_end() && reader.event().key.tick <= last; reader.next()) {
+    const HistoryEvent& event = reader.event();
+    world_.recorder().takes_over(reader, last);
+    world_.passes(event);
+    std::size_t segment = 0;
+    for (const Participant& participant : event.participants) {
+      if (!participant.begins()) continue;
+      const BodyId body = participant.body();
+      latest[body] = &event.segments[segment++];
+      if (event.key.kind != EventKind::start) continue;
+      replay.awaited[body] = 0;
+      --replay.awaited_count;
+      world_.replayed().add(body);
+    }
+  }
+  for (BodyId body{}; body < bodies().size(); ++body) {
+    if (latest[body] == nullptr) continue;
+    world_.is_by_now(body, *latest[body]);
+  }
+  return last;
+}
+
+bool Replaying::starts(BodyId body, const EventKey& event) {
+  if (replay_->awaited[body] == 0) return false;
+  const HistoryEvent& next = replay_->reader.event();
+  CHECK(next.key == event);
+  const bool same = same_bits(next.segments[0], bodies().segment(body));
+  replay_->reader.next();
+  replay_->awaited[body] = 0;
+  --replay_->awaited_count;
+  if (same) world_.replayed().add(body);
+  return same;
+}
+
+EventKey Replaying::next() {
+  HistoryReader& reader = replay_->reader;
+  const auto concerns = [&](const Participant& participant) {
+    return has(participant.body()) || replay_->awaited[participant.body()] != 0;
+  };
+  while (!reader.at_end() && std::ranges::none_of(reader.event().participants, concerns))
+    reader.next();
+  if (!reader.at_end()) return reader.event().key;
+  return {.tick = replay_->history->end + 1, .kind = EventKind::update};
+}
+
+bool Replaying::play() {
+  world_.nothing_changed();
+  Replay& replay = *replay_;
+  if (replay.reader.at_end()) {
+    for (BodyId body{}; body < bodies().size(); ++body)
+      make_live(body);
+    replay.awaited_count = 0;
+    return false;
+  }
+  const HistoryEvent event = replay.reader.event();
+  replay.reader.next();
+  const bool is_changed_control =
+      event.key.kind == EventKind::control && event.key.feature >= replay.changes.same_controls;
+  const bool all = std::ranges::all_of(
+      event.participants, [&](const Participant& participant) { return has(participant.body()); });
+  if (!all || is_changed_control) {
+    for (const Participant& participant : event.participants)
+      make_live(participant.body());
+    return false;
+  }
+  world_.happens_again(event);
+  return true;
+}
+
+std::span<const BodyId> Replaying::make_supporters_live() {
+  // The list grows.
+  const ReplayedBodies& replayed = world_.replayed();
+  for (std::size_t i = 0; i < replayed.gone_live().size(); ++i) {
+    const BodyId body = replayed.gone_live()[i];
+    if (!bodies().is_resting(body)) continue;
+    world_.resting().for_each_supporter(body, [&](BodyId other) { make_live(other); });
+  }
+  return replayed.gone_live();
+}
+
+}  // namespace sleight::physics
