@@ -94,7 +94,7 @@ class Bodies {
   }
   const Flight& flight(BodyId body) const { return flights_[body]; }
   std::span<const Flight> flights() const { return flights_; }
-  bool is_resting(BodyId body) const { return segments_[body].mode == MotionMode::resting; }
+  bool is_resting(BodyId body) const { return mode(body) == MotionMode::resting; }
   /// Of a sphere: whether its segment turns.
   bool turns(BodyId body) const { return turns_[body] != 0; }
   /// Of the segment, without a look at the rest of it where that is a sphere in flight.

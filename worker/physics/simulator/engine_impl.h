@@ -107,7 +107,7 @@ void Engine<Boxes, Queue>::watch(BodyId body) {
     }
     for (StaticId index{}; index < world_.statics().count(body); ++index)
       statics_[body].push_back({.index = index});
-    if (replaying_.statics_differ()) replaying_.make_live(body);
+    if (replaying_.statics_differ()) world_.replayed().make_live(body);
   } else {
     const Box box = path_box(bodies_.path(body), bodies_.reach_m(body) + k_touch_m, now_, now_ + 1);
     Sink sink{*this, body, false};
@@ -149,7 +149,7 @@ std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
     if (world_.has_failed()) [[unlikely]]
       failure_ = world_.failure();
     if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
-    if (replaying_.has_gone_live()) take_over_live();
+    if (!world_.replayed().gone_live().empty()) take_over_live();
   }
   if (!failure_) now_ = end;
   return failure_;

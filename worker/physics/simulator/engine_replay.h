@@ -21,7 +21,7 @@ bool Engine<Boxes, Queue>::starts_as_before(BodyId body, const EventKey& event) 
       statics_[body].clear();
       replaying_.comes_into(body, boxes_.box({body}));
     } else if (replaying_.statics_differ()) {
-      replaying_.make_live(body);  // without boxes its coming near would go unnoticed
+      world_.replayed().make_live(body);  // without boxes its coming near would go unnoticed
     }
   }
   schedule_replay();
@@ -62,7 +62,7 @@ void Engine<Boxes, Queue>::take_over_live() {
     if (options_.algorithm == Algorithm::synchronous) watch_statics(body, all_boxes_[body]);
     predict_all(body);
   }
-  replaying_.forget_gone_live();
+  world_.replayed().forget_gone_live();
   // Boxes were made to last until the event that came next, which is withdrawn if it was a void
   // prediction of theirs.
   if (options_.algorithm == Algorithm::synchronous && boxes_until_ != k_never &&

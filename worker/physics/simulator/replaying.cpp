@@ -107,7 +107,7 @@ bool Replaying::starts(BodyId body, const EventKey& event) {
 EventKey Replaying::next() {
   HistoryReader& reader = replay_->reader;
   const auto concerns = [&](const Participant& participant) {
-    return has(participant.body()) || replay_->awaited[participant.body()] != 0;
+    return world_.replayed().has(participant.body()) || replay_->awaited[participant.body()] != 0;
   };
   while (!reader.at_end() && std::ranges::none_of(reader.event().participants, concerns))
     reader.next();
@@ -120,7 +120,7 @@ bool Replaying::play() {
   Replay& replay = *replay_;
   if (replay.reader.at_end()) {
     for (BodyId body{}; body < bodies().size(); ++body)
-      make_live(body);
+      world_.replayed().make_live(body);
     replay.awaited_count = 0;
     return false;
   }
@@ -128,11 +128,12 @@ bool Replaying::play() {
   replay.reader.next();
   const bool is_changed_control =
       event.key.kind == EventKind::control && event.key.feature >= replay.changes.same_controls;
-  const bool all = std::ranges::all_of(
-      event.participants, [&](const Participant& participant) { return has(participant.body()); });
+  const bool all = std::ranges::all_of(event.participants, [&](const Participant& participant) {
+    return world_.replayed().has(participant.body());
+  });
   if (!all || is_changed_control) {
     for (const Participant& participant : event.participants)
-      make_live(participant.body());
+      world_.replayed().make_live(participant.body());
     return false;
   }
   world_.happens_again(event);
@@ -141,11 +142,11 @@ bool Replaying::play() {
 
 std::span<const BodyId> Replaying::make_supporters_live() {
   // The list grows.
-  const ReplayedBodies& replayed = world_.replayed();
+  ReplayedBodies& replayed = world_.replayed();
   for (std::size_t i = 0; i < replayed.gone_live().size(); ++i) {
     const BodyId body = replayed.gone_live()[i];
     if (!bodies().is_resting(body)) continue;
-    world_.resting().for_each_supporter(body, [&](BodyId other) { make_live(other); });
+    world_.resting().for_each_supporter(body, [&](BodyId other) { replayed.make_live(other); });
   }
   return replayed.gone_live();
 }

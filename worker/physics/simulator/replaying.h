@@ -21,18 +21,15 @@ class Replaying {
 
   /// Whether anything is, or may still be.
   bool active() const { return replay_ != nullptr; }
-  bool has(BodyId body) const { return world_.replayed().has(body); }
-  void make_live(BodyId body) { world_.replayed().make_live(body); }
   /// A replayed body comes near a place where static geometry differs, if it does: it goes live.
   void comes_into(BodyId body, const Box& box) {
-    if (has(body) && replay_->changes.places.meet(box)) make_live(body);
+    ReplayedBodies& replayed = world_.replayed();
+    if (replayed.has(body) && replay_->changes.places.meet(box)) replayed.make_live(body);
   }
   bool statics_differ() const { return replay_ && !replay_->changes.places.none(); }
-  /// Of bodies that have gone live since the last forget_gone_live, what they rest on goes live as
-  /// well: it must find them if it moves. All of these.
+  /// Of the bodies that have gone live of late, what they rest on goes live as well: it must find
+  /// them if it moves. All of these.
   std::span<const BodyId> make_supporters_live();
-  bool has_gone_live() const { return !world_.replayed().gone_live().empty(); }
-  void forget_gone_live() { world_.replayed().forget_gone_live(); }
 
   // REQUIRES, of the rest: active().
   /// Nothing but what the history has happens before this tick.

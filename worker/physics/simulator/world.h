@@ -9,8 +9,8 @@
 //   World        what happens when they meet
 //
 // Invariants
-//   1. Whenever a body's motion changes, what predictions have found is void, and the recorder is
-//      told.
+//   1. Whenever a body's motion changes the recorder is told, and what predictions have found is
+//      void; where all are spheres nothing is found in advance (collide_plain).
 //   2. A body that is replayed (replay.h) is made live before anything but its history changes it,
 //      or reads what it knows.
 // Thread safety: none.

@@ -35,6 +35,15 @@ const Compound* compound_of(const BodyDescription& body) {
   return shape != nullptr ? shape->get() : nullptr;
 }
 
+/// Along the axis that the distance gives, by a plain computation of how far each reaches.
+double separation_m(const ConvexView& own, const PlacedPose& place, const MovingPiece& other,
+                    Vec3* along = nullptr) {
+  const Vec3 axis = closest_round(own, place, *other.view, other.pose).normal;
+  if (along != nullptr) *along = axis;
+  return -testing::plain_reach_m(own, place, axis) -
+         testing::plain_reach_m(*other.view, other.pose, -axis);
+}
+
 TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
   // Goal: no round body is more than two micrometres deep in a triangle or in a block, and there is
   // a floor for each. Method: scenes on random height fields, looked at at random ticks; the
@@ -43,6 +52,7 @@ TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
   double deepest_m = 0;
   int near_triangles = 0;
   int near_block = 0;
+  int pushed_ones = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 100 : 4)) {
     const Scene scene = round_bodies_on_bumps(seed + 5);
     const RecordedRun run = testing::recorded(scene, 0.8);
@@ -67,11 +77,16 @@ TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
             const Vec3 to_centre_m = place.position_m - other.view->vertices_m[0];
             if (math::dot(other.view->faces[0].normal, to_centre_m) <= 0) continue;
           }
-          const Vec3 axis = closest_round(own, place, *other.view, other.pose).normal;
-          const double gap_m = -testing::plain_reach_m(own, place, axis) -
-                               testing::plain_reach_m(*other.view, other.pose, -axis);
+          Vec3 axis;
+          const double gap_m = separation_m(own, place, other, &axis);
           if (gap_m < 1e-5) ++(is_triangle ? near_triangles : near_block);
           deepest_m = std::max(deepest_m, -gap_m);
+          if (gap_m > 1e-6) continue;
+          // Were it deeper, that would be seen.
+          PlacedPose pushed = place;
+          pushed.position_m += 5e-6 * axis;
+          ASSERT_LT(separation_m(own, pushed, other), -2e-6) << seed;
+          ++pushed_ones;
         }
       }
     }
@@ -82,6 +97,7 @@ TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
   if (property::all_cases()) {
     EXPECT_GT(near_triangles, 50);
     EXPECT_GT(near_block, 5);
+    EXPECT_GT(pushed_ones, 20);
   }
 }
 
