@@ -4,10 +4,15 @@
 #include "clients/cli/submit_command.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <fstream>
-#include <set>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/base/error.h"
@@ -196,40 +201,81 @@ TEST(Submit, PrintsTheServicesErrorsAsCheckDoes) {
   EXPECT_EQ(printed.err, file + ":12:9: unknown key 'lamda'\n" + file + ":13:1: \\u{1b}[2J\n");
 }
 
+/// A server in a process of its own that is killed by the first submission. What it was given, the
+/// submission's key, can be read from it; that ends with the process.
+class DyingServer {
+ public:
+  explicit DyingServer(const std::string& socket) {
+    int ends[2];
+    CHECK(::pipe(ends) == 0);
+    process_ = ::fork();
+    CHECK(process_ >= 0);
+    if (process_ == 0) serve(socket, ends[1]);
+    ::close(ends[1]);
+    said_ = ends[0];
+    char listens = 0;
+    CHECK(::read(said_, &listens, 1) == 1);
+  }
+  ~DyingServer() {
+    ::close(said_);
+    ::waitpid(process_, nullptr, 0);
+  }
+  DyingServer(const DyingServer&) = delete;
+  DyingServer& operator=(const DyingServer&) = delete;
+
+  /// Returns when the process is dead.
+  std::string key() const {
+    std::string key;
+    char letter = 0;
+    while (::read(said_, &letter, 1) == 1)
+      key += letter;
+    return key;
+  }
+
+ private:
+  [[noreturn]] static void serve(const std::string& socket, int said) {
+    ::alarm(k_life_s_max);
+    ScriptedHandler silent;
+    silent.on_submit = [said](const rpc::Submission& submission, const auto&) {
+      CHECK(::write(said, submission.key.data(), submission.key.size()) > 0);
+      ::raise(SIGKILL);
+    };
+    const ServingThread serving(socket, silent);
+    CHECK(::write(said, "+", 1) == 1);
+    for (;;)
+      ::pause();
+  }
+  static constexpr unsigned k_life_s_max = 60;  // if nobody submits
+
+  pid_t process_;
+  int said_;
+};
+
 TEST(Submit, ALostAnswerSubmitsNothingTwice) {
   // Goal: a server that dies after it took a submission and before it answered is asked again with
-  // the same key. Method: the first server never answers and goes; a second one comes a moment
-  // later at the same place, and knows the key.
+  // the same key. Method: the first server is killed by the submission; a second one comes a moment
+  // later at the same place.
   const ScratchFolder scratch;
   const std::string socket = scratch / "socket";
-  std::set<std::string> keys;
-  std::atomic<int> submissions = 0;
-  ScriptedHandler silent;
-  std::vector<rpc::Reply<rpc::Submitted>> owed;
-  std::promise<void> asked;
-  silent.on_submit = [&](rpc::Submission submission, rpc::Reply<rpc::Submitted> reply) {
-    keys.insert(submission.key);
-    if (++submissions == 1) asked.set_value();
-    owed.push_back(std::move(reply));
-  };
+  const DyingServer first(socket);
+  std::string first_key;
+  std::vector<std::string> later_keys;
   ScriptedHandler second;
-  second.on_submit = [&](rpc::Submission submission, rpc::Reply<rpc::Submitted> reply) {
-    const bool was_known = !keys.insert(submission.key).second;
-    reply.answer({.jobs = {rpc::JobId{17}}, .was_known = was_known});
+  second.on_submit = [&](const rpc::Submission& submission, rpc::Reply<rpc::Submitted> reply) {
+    later_keys.push_back(submission.key);
+    reply.answer({.jobs = {rpc::JobId{17}}, .was_known = true});
   };
-  auto first_serving = std::make_unique<ServingThread>(socket, silent);
-  std::thread restart([&] {
-    asked.get_future().wait();
-    first_serving->post([&] { owed.clear(); });
-    first_serving.reset();
+  std::unique_ptr<ServingThread> second_serving;
+  std::jthread restart([&] {
+    first_key = first.key();
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    first_serving = std::make_unique<ServingThread>(socket, second);
+    second_serving = std::make_unique<ServingThread>(socket, second);
   });
   const Printed printed = submit_to(socket, {.word = "HI", .json = true});
   restart.join();
   EXPECT_EQ(printed.code, 0);
-  EXPECT_EQ(keys.size(), 1U);
-  EXPECT_FALSE(keys.begin()->empty());
+  EXPECT_FALSE(first_key.empty());
+  EXPECT_EQ(later_keys, std::vector<std::string>{first_key});
   EXPECT_NE(printed.out.find("\"id\": 17"), std::string::npos);
 }
 
