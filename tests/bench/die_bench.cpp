@@ -68,7 +68,7 @@ Scene table() {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -9.81};
   scene.contacts = ContactTable(1, {.restitution = 0.5, .friction = 0.4});
-  scene.slow = slow_contacts_of_dice(k_side_m, 9.81);
+  scene.slow = coarse_slow_contacts_of(k_side_m, 9.81);
   scene.surfaces.push_back(
       {.name = "table", .controls = std::make_shared<Bumps>(), .spacing_m = 0.021});
   auto cube_of_side = cube(k_side_m);

@@ -19,9 +19,9 @@ std::string filter_of(const std::vector<std::string>& names) {
   return filter.empty() ? "." : filter;
 }
 
-/// Scenes of many bodies, which take minutes: all else.
+/// Scenes of many bodies, which take seconds to minutes: all else.
 constexpr const char* k_all_but_large =
-    "-^(box/.*/(512|4096)|hourglass/.*/([4-9]0|100|1000)|broad_phase/.*/10648)";
+    "-^(box/.*/(512|4096)|hourglass/.*/([4-9]0|100|1000)|wall/|broad_phase/.*/10648)";
 
 }  // namespace
 

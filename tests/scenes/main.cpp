@@ -57,7 +57,7 @@ void draw(const Arguments& arguments) {
         std::ranges::find(arguments.only, entry.name) == arguments.only.end())
       continue;
     std::uint32_t bodies = arguments.bodies > 0 ? arguments.bodies : entry.bodies_default;
-    if (arguments.quick) bodies = std::min(bodies, 100U);
+    bodies = std::min(bodies, arguments.quick ? 100U : entry.bodies_max);
     scenes::Setting setting = entry.make(bodies, arguments.seed);
     if (arguments.quick) setting.duration_s = std::min(setting.duration_s, 0.2);
     const Strip strip = strip_of(setting, fmt::format("{}: {}", entry.name, entry.what));
@@ -101,7 +101,8 @@ int main(int argc, char** argv) {
   app.add_option("--out", arguments.out, "Folder of scenes.html and the pictures")
       ->capture_default_str();
   app.add_option("--only", arguments.only, "Scenes; all if not given")->check(CLI::IsMember(names));
-  app.add_option("--bodies", arguments.bodies, "How many; each scene's own number if not given")
+  app.add_option("--bodies", arguments.bodies,
+                 "How many, as far as a scene can; each scene's own number if not given")
       ->check(CLI::Range(1, 5000));
   app.add_option("--seed", arguments.seed, "Of all scenes")->capture_default_str();
   app.set_version_flag("--version", "sleight-scenes " + std::string(sleight::base::version()));

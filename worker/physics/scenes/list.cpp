@@ -32,6 +32,8 @@ constexpr std::array k_scenes{
     SceneEntry{"round_solids", "cylinders, coins, cones and other round bodies that fall and roll",
                &round_solids, 12},
     SceneEntry{"tray", "spheres and cubes thrown at a tray with a raised rim", &tray, 40},
+    SceneEntry{"wall", "bricks at rest, and a ball that hits them", &wall, 26,
+               k_at_rest_together_max + 1},
 };
 
 }  // namespace

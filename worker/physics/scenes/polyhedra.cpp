@@ -1,4 +1,4 @@
-// Scenes of convex polyhedra: the thesis's two experiments (3.3), and small piles.
+// Scenes of convex polyhedra: the thesis's two experiments (3.3), small piles, and a wall.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -97,14 +97,18 @@ void add_walls(Scene& scene, double half_m, int axes) {
   }
 }
 
-/// Gravity, a floor at height 0, and what ends slow contacts for bodies of this size.
-Scene floor_scene(double size_m, const SurfaceLaw& law) {
+/// Gravity, a floor at height 0, and how slow contacts end.
+Scene floor_scene(const SlowContacts& slow, const SurfaceLaw& law) {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -k_gravity_mps2};
   scene.contacts = ContactTable(1, law);
   scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
-  scene.slow = slow_contacts_of(size_m);
+  scene.slow = slow;
   return scene;
+}
+
+SlowContacts slow_contacts_of_heaps(double size_m) {
+  return coarse_slow_contacts_of(size_m, k_gravity_mps2);
 }
 
 }  // namespace
@@ -145,7 +149,7 @@ Setting hourglass(std::uint32_t bodies, std::uint64_t seed) {
   Scene& scene = setting.scene;
   scene.gravity_mps2 = {0, 0, -k_gravity_mps2};
   scene.contacts = ContactTable(1, {.restitution = 0.5, .friction = 0.3});
-  scene.slow = slow_contacts_of(k_side_m);
+  scene.slow = slow_contacts_of_heaps(k_side_m);
   add_walls(scene, k_half_width_m, 2);
   std::vector<Vec3> floor_m{{0, 0, 0.8 * k_side_m}};
   for (const double height : {0.0, -0.02}) {
@@ -180,8 +184,9 @@ Setting hourglass(std::uint32_t bodies, std::uint64_t seed) {
 Setting cube_drop(std::uint32_t bodies, std::uint64_t seed) {
   constexpr double k_side_m = 0.02;
   random::Stream stream = stream_of_scene(seed, 0);
-  Setting setting{.scene = floor_scene(k_side_m, {.restitution = 0.5, .friction = 0.4}),
-                  .duration_s = 3};
+  Setting setting{
+      .scene = floor_scene(slow_contacts_of(k_side_m), {.restitution = 0.5, .friction = 0.4}),
+      .duration_s = 3};
   const Solid solid = cube_of(k_side_m);
   for (std::uint32_t i = 0; i < bodies; ++i) {
     const Vec3 place_m(0.06 * i, 0, between(stream, 0.05, 0.1));
@@ -197,8 +202,9 @@ Setting cube_drop(std::uint32_t bodies, std::uint64_t seed) {
 Setting cube_stack(std::uint32_t bodies, std::uint64_t seed) {
   constexpr double k_side_m = 0.02;
   random::Stream stream = stream_of_scene(seed, 0);
-  Setting setting{.scene = floor_scene(k_side_m, {.restitution = 0.3, .friction = 0.5}),
-                  .duration_s = 3};
+  Setting setting{
+      .scene = floor_scene(slow_contacts_of_heaps(k_side_m), {.restitution = 0.3, .friction = 0.5}),
+      .duration_s = 3};
   const Solid solid = cube_of(k_side_m);
   for (std::uint32_t i = 0; i < bodies; ++i) {
     const Vec3 place_m(between(stream, -0.001, 0.001), between(stream, -0.001, 0.001),
@@ -211,8 +217,9 @@ Setting cube_stack(std::uint32_t bodies, std::uint64_t seed) {
 Setting grain_heap(std::uint32_t bodies, std::uint64_t seed) {
   constexpr double k_side_m = 0.01;
   random::Stream stream = stream_of_scene(seed, 0);
-  Setting setting{.scene = floor_scene(k_side_m, {.restitution = 0.3, .friction = 0.5}),
-                  .duration_s = 5};
+  Setting setting{
+      .scene = floor_scene(slow_contacts_of_heaps(k_side_m), {.restitution = 0.3, .friction = 0.5}),
+      .duration_s = 5};
   const double half_m = 0.06;
   add_walls(setting.scene, half_m, 2);
   // A loose lattice, five by five in a layer.
@@ -223,6 +230,49 @@ Setting grain_heap(std::uint32_t bodies, std::uint64_t seed) {
         body_of(grain_of(k_side_m, stream), {},
                 {.position_m = place_m, .orientation = random::UniformRotation{}.draw(stream)}));
   }
+  return setting;
+}
+
+Setting wall(std::uint32_t bodies, std::uint64_t seed) {
+  const Vec3 brick_m(0.2, 0.1, 0.1);
+  constexpr double k_joint_m = 0.0005;  // between bricks of a row
+  constexpr double k_ball_m = 0.15;
+  constexpr double k_density_kgpm3 = 1500;
+  random::Stream stream = stream_of_scene(seed, 0);
+  Setting setting{.scene = floor_scene(slow_contacts_of_heaps(brick_m.z()),
+                                       {.restitution = 0.2, .friction = 0.5}),
+                  .duration_s = 1};
+  std::vector<BodyDescription>& all = setting.scene.bodies;
+  const Vec3 half_m(0.5 * (brick_m.x() - k_joint_m), brick_m.y(), brick_m.z());
+  const Solid brick = solid_of(box(brick_m).value(), k_density_kgpm3, InertiaSymmetry::general);
+  const Solid half = solid_of(box(half_m).value(), k_density_kgpm3, InertiaSymmetry::general);
+  const std::uint32_t bricks = std::max(bodies, 1U) - 1;
+  const double pitch_m = brick_m.x() + k_joint_m;
+  const auto add = [&](const Solid& solid, double x_m, std::uint32_t row) {
+    if (all.size() == bricks) return;
+    all.push_back(body_of(solid, {}, {.position_m = {x_m, 0, (row + 0.5) * brick_m.z()}}));
+    all.back().rests = true;
+  };
+  // Every other row begins and ends with half a brick.
+  const auto in_a_row =
+      std::min(bricks, static_cast<std::uint32_t>(std::ceil(std::sqrt(2.0 * bricks))));
+  const double end_m = 0.5 * (in_a_row - 1.0) * pitch_m;
+  for (std::uint32_t row = 0; all.size() < bricks; ++row) {
+    const bool shifted = row % 2 != 0;
+    const double half_at_m = end_m + 0.5 * (brick_m.x() - half_m.x());
+    if (shifted) add(half, -half_at_m, row);
+    for (std::uint32_t i = 0; i + (shifted ? 1 : 0) < in_a_row; ++i)
+      add(brick, (i + (shifted ? 0.5 : 0)) * pitch_m - end_m, row);
+    if (shifted) add(half, half_at_m, row);
+  }
+  const double height_m = all.empty() ? 0 : all.back().start.pose.position_m.z();
+  all.push_back(
+      {.name = "ball",
+       .shape = Sphere{.radius_m = k_ball_m},
+       .inertia = solid_ball_inertia(30, k_ball_m),
+       .start = {.pose = {.position_m = {between(stream, -0.1, 0.1), -0.3,
+                                         std::max(0.5 * height_m, k_ball_m + 0.01)}},
+                 .twist = {.velocity_mps = {0, 5, 1}, .angular_velocity_radps = Vec3::Zero()}}});
   return setting;
 }
 

@@ -24,6 +24,7 @@ struct SceneEntry {
   std::string_view what;
   Setting (*make)(std::uint32_t bodies, std::uint64_t seed);
   std::uint32_t bodies_default;
+  std::uint32_t bodies_max = 5000;
 };
 
 /// All scenes of the list, by name in ascending order.
@@ -58,6 +59,11 @@ Setting cube_drop(std::uint32_t bodies, std::uint64_t seed);
 Setting cube_stack(std::uint32_t bodies, std::uint64_t seed);
 /// Grains that fall from a lattice between four walls and make a heap.
 Setting grain_heap(std::uint32_t bodies, std::uint64_t seed);
+
+/// A wall of bricks of 20 x 10 x 10 cm at rest, about four times as wide as high, every other row
+/// of which begins and ends with half a brick, and a ball of 30 kg that hits its middle at 5 m/s:
+/// the last body.
+Setting wall(std::uint32_t bodies, std::uint64_t seed);
 
 /// Spheres and cubes of some 10 mm that fall between four walls on a random height field, an open
 /// mesh of 288 triangles.

@@ -1,9 +1,10 @@
 // Bodies that start at rest: what they touch, and whether contact forces hold them there.
 //
 // Idea. All of them are put in their places first. What touches is found with the tolerance
-// k_at_rest_gap_m, without a simulation: corners near faces, or else the closest points. Bodies
-// that hang together by such contacts make a structure; one system of contact forces must hold it
-// (force_balance.h). Who is carried by whom follows from these forces.
+// k_at_rest_gap_m, without a simulation: corners near faces and where edges of such faces cross, or
+// else the closest points. Bodies that hang together by such contacts make a structure; one system
+// of contact forces must hold it (force_balance.h). Who is carried by whom follows from these
+// forces.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "common/math/vector.h"
+#include "worker/physics/collision/piece_corners.h"
 #include "worker/physics/contact/force_balance.h"
 #include "worker/physics/simulator/engine_options.h"
 #include "worker/physics/simulator/world.h"
@@ -61,6 +63,21 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
     }
     if (found.size() == before) found.push_back({body, touch, static_index});
   };
+  // Where two faces lie on each other askew, corners alone are too few.
+  const auto add_crossings = [&](const MovingPiece& own, const MovingPiece& other,
+                                 TouchRecord touch, StaticId static_index) {
+    const Vec3 normal = touch.normal;
+    for_each_crossing(own, other, normal, dot(normal, centre_m + touch.arm_m), 2 * k_at_rest_gap_m,
+                      [&](const Vec3& at_m) {
+                        touch.arm_m = at_m - centre_m;
+                        // Triangles of a mesh share their edges.
+                        const bool known = std::ranges::any_of(found, [&](const RestTouch& one) {
+                          return one.body == body && one.record.partner == touch.partner &&
+                                 norm(one.record.arm_m - touch.arm_m) <= 2 * k_at_rest_gap_m;
+                        });
+                        if (!known) found.push_back({body, touch, static_index});
+                      });
+  };
 
   std::vector<StaticId> near;
   statics_.near(
@@ -90,6 +107,9 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
       touch.arm_m = contact.point_m - centre_m;
       touch.friction = statics_.law(body, met, contact.point_m).friction;
       add(touch, met);
+      if (!statics_.is_surface(body, met) && met >= statics_.geometry().plane_count())
+        add_crossings(bodies_.part_at(body, part, tick), statics_.geometry().piece({met}), touch,
+                      met);
     }
   }
 
@@ -100,20 +120,22 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
       continue;
     for (std::uint32_t i = 0; i < bodies_.constants(other).part_count; ++i) {
       for (std::uint32_t j = 0; j < bodies_.constants(body).part_count; ++j) {
-        const PieceContact contact =
-            contact_of(bodies_.part_at(other, i, tick), bodies_.part_at(body, j, tick));
+        const MovingPiece lower = bodies_.part_at(other, i, tick);
+        const MovingPiece own = bodies_.part_at(body, j, tick);
+        const PieceContact contact = contact_of(lower, own);
         if (contact.gap_m > k_at_rest_gap_m) continue;
         if (overlaps(contact.gap_m, bodies_.name(other))) return;
-        add({.tick = tick,
-             .partner = other,
-             .friction =
-                 scene()
-                     .contacts
-                     .between(bodies_.constants(other).material, bodies_.constants(body).material)
-                     .friction,
-             .normal = contact.normal,
-             .arm_m = contact.point_m - centre_m},
-            {});
+        const TouchRecord touch{.tick = tick,
+                                .partner = other,
+                                .friction = scene()
+                                                .contacts
+                                                .between(bodies_.constants(other).material,
+                                                         bodies_.constants(body).material)
+                                                .friction,
+                                .normal = contact.normal,
+                                .arm_m = contact.point_m - centre_m};
+        add(touch, {});
+        add_crossings(own, lower, touch, {});
       }
     }
   }
@@ -202,8 +224,8 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
   if (members.size() > k_at_rest_together_max) {
     return SceneError{
         SceneError::Kind::no_balance,
-        fmt::format("{} can't start at rest: {} bodies hang together with it; {} may",
-                    bodies_.name(members.front()), members.size(), k_at_rest_together_max)};
+        fmt::format("{} can't start at rest: {} other bodies hang together with it; {} may",
+                    bodies_.name(members.front()), members.size() - 1, k_at_rest_together_max - 1)};
   }
   const auto place_of = [&](BodyId body) {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(members, body) - members.begin());

@@ -73,7 +73,7 @@ physics::Scene Dice::scene(const State& state) const {
   scene.gravity_mps2 = {0, 0, -world.gravity_mps2};
   scene.contacts = physics::ContactTable(
       1, {.restitution = world.dice_restitution, .friction = world.dice_friction});
-  scene.slow = physics::slow_contacts_of_dice(world.side_m, world.gravity_mps2);
+  scene.slow = physics::coarse_slow_contacts_of(world.side_m, world.gravity_mps2);
   scene.surfaces.push_back(
       {.name = "table",
        .controls = std::make_shared<RandomTable>(world.table, state.table_key, state.overrides),

@@ -127,9 +127,20 @@ inline void change(Scene& scene, const Subject& subject, Dice& dice) {
   }
 }
 
-/// The n-th of an endless list of subjects: box of spheres, hourglass, heaps that rest and wake.
+/// The n-th of an endless list of subjects: box of spheres, hourglass, heaps and walls that rest
+/// and wake.
 inline Subject subject_of(std::uint64_t n) {
   const std::uint64_t seed = n / 8 + 1;
+  if (n % 9 == 8 && seed % 3 == 2) {
+    // None starts at rest, as most changes of such a start would be refused.
+    const auto bodies = static_cast<std::uint32_t>(3 + seed / 3 % 9);
+    Scene scene = scenes::wall(bodies, seed).scene;
+    for (BodyDescription& body : scene.bodies) {
+      body.rests = false;
+      body.start.pose.position_m.z() *= 1.005;
+    }
+    return {"wall " + std::to_string(bodies), std::move(scene), 0.2, 0.001, 0.3};
+  }
   if (n % 9 == 8) {
     const auto bodies = static_cast<std::uint32_t>(2 + seed % 7);
     return {"round_solids " + std::to_string(bodies), scenes::round_solids(bodies, seed).scene, 0.4,

@@ -77,13 +77,19 @@ inline TestScene test_scene(std::uint64_t n) {
   }
 }
 
-/// The same, but one in eleven of round bodies.
+/// The same, but one in eleven of round bodies, or of bricks that start at rest.
 inline TestScene any_scene(std::uint64_t n) {
   if (n % 11 != 10) return test_scene(n);
   const std::uint64_t seed = n / 11 + 1;
   if (seed % 7 == 0) {
     TestScene scene{"bowling", scenes::bowling(static_cast<std::uint32_t>(2 + seed % 6), seed)};
     scene.setting.duration_s = 0.25;
+    return scene;
+  }
+  if (seed % 7 == 3) {
+    const auto bodies = static_cast<std::uint32_t>(3 + seed * 3 % 10);
+    TestScene scene{"wall " + std::to_string(bodies), scenes::wall(bodies, seed)};
+    scene.setting.duration_s = 0.15;
     return scene;
   }
   const auto bodies = static_cast<std::uint32_t>(1 + seed * 3 % 10);

@@ -1,0 +1,56 @@
+// Where edges of pieces cross that lie on each other.
+#include "worker/physics/collision/piece_corners.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <vector>
+
+#include "common/math/rotation.h"
+#include "worker/physics/shape/shapes.h"
+
+namespace sleight::physics {
+namespace {
+
+constexpr double k_near_m = 1e-6;
+
+/// Where edges cross of a cube of side 1 that lies at height 1, and of one above it that is turned
+/// and moved.
+std::vector<Vec3> crossings(double yaw_rad, const Vec3& aside_m) {
+  const ConvexPolyhedron solid = cube(1).value();
+  const ConvexView view = solid.view();
+  const auto piece_at = [&](const Vec3& centre_m, double turned_rad) {
+    MovingPiece piece;
+    piece.view = &view;
+    piece.pose = {
+        .rotation = math::matrix_of(math::quaternion_of_rotation_vector({0, 0, turned_rad})),
+        .position_m = centre_m};
+    return piece;
+  };
+  std::vector<Vec3> found;
+  for_each_crossing(piece_at({0, 0, 0.5}, 0), piece_at(aside_m + Vec3(0, 0, 1.5), yaw_rad),
+                    {0, 0, 1}, 1, k_near_m, [&](const Vec3& at_m) { found.push_back(at_m); });
+  return found;
+}
+
+TEST(PieceCorners, EdgesCrossWhereFacesLieAskew) {
+  // Goal: the corners of the common area that no piece has. Method: cubes whose edges cross eight
+  // times, twice, or only at their ends; and one that lies a little too high.
+  const double r = 0.5;
+  const std::vector<Vec3> eight = crossings(std::numbers::pi / 4, Vec3::Zero());
+  EXPECT_EQ(eight.size(), 8U);
+  for (const Vec3& at_m : eight) {
+    // On the lower cube's rim, where the other's edges |x| + |y| = sqrt(2) r cross it.
+    EXPECT_NEAR(at_m.cwiseAbs().head<2>().maxCoeff(), r, 1e-12);
+    EXPECT_NEAR(at_m.cwiseAbs().head<2>().sum(), std::numbers::sqrt2 * r, 1e-12);
+    EXPECT_NEAR(at_m.z(), 1, 1e-12);
+  }
+  EXPECT_EQ(crossings(0, {0.25, 0.125, 0}).size(), 2U);
+  EXPECT_EQ(crossings(0, Vec3::Zero()).size(), 0U);
+  EXPECT_EQ(crossings(0, {0.25, 0, 0}).size(), 0U);
+  EXPECT_EQ(crossings(1e-9, {0.25, 0, 0}).size(), 0U);
+  EXPECT_EQ(crossings(std::numbers::pi / 4, {0, 0, 2 * k_near_m}).size(), 0U);
+}
+
+}  // namespace
+}  // namespace sleight::physics
