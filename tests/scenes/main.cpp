@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
   app.add_option("--only", arguments.only, "Scenes; all if not given")->check(CLI::IsMember(names));
   app.add_option("--bodies", arguments.bodies,
                  "How many, as far as a scene can; each scene's own number if not given")
-      ->check(CLI::Range(1, 5000));
+      ->check(CLI::Range(1U, scenes::SceneEntry{}.bodies_max));
   app.add_option("--seed", arguments.seed, "Of all scenes")->capture_default_str();
   app.set_version_flag("--version", "sleight-scenes " + std::string(sleight::base::version()));
   app.add_flag("--quick", arguments.quick, "Few bodies, short: that it works");

@@ -56,8 +56,8 @@ void for_each_crossing(const MovingPiece& a, const MovingPiece& b, const Vec3& n
     for_each_edge(b, [&](const Line& other) {
       const Vec3 across = math::cross(normal, other.along_m);
       const double crosses = math::dot(one.along_m, across);
-      // Along each other to within that distance: where they cross is rounding, and the ends are
-      // corners already. So they are near the other's ends.
+      // Where edges lie along each other to within that distance, rounding says where they cross.
+      // Nothing is lost: as near an edge's end, a corner is already there.
       if (!(std::abs(crosses) > near_m * std::max(one.length_m, other.length_m))) return;
       const Vec3 between_m = other.start_m - one.start_m;
       const double share_of_one = math::dot(between_m, across) / crosses;

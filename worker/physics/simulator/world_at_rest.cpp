@@ -120,9 +120,9 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
       continue;
     for (std::uint32_t i = 0; i < bodies_.constants(other).part_count; ++i) {
       for (std::uint32_t j = 0; j < bodies_.constants(body).part_count; ++j) {
-        const MovingPiece lower = bodies_.part_at(other, i, tick);
+        const MovingPiece of_other = bodies_.part_at(other, i, tick);
         const MovingPiece own = bodies_.part_at(body, j, tick);
-        const PieceContact contact = contact_of(lower, own);
+        const PieceContact contact = contact_of(of_other, own);
         if (contact.gap_m > k_at_rest_gap_m) continue;
         if (overlaps(contact.gap_m, bodies_.name(other))) return;
         const TouchRecord touch{.tick = tick,
@@ -135,7 +135,7 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
                                 .normal = contact.normal,
                                 .arm_m = contact.point_m - centre_m};
         add(touch, {});
-        add_crossings(own, lower, touch, {});
+        add_crossings(own, of_other, touch, {});
       }
     }
   }
