@@ -124,10 +124,21 @@ test("a foreign page reads nothing and changes nothing", async () => {
       const frame = document.createElement("iframe");
       frame.src = `${at}/`;
       document.body.append(frame);
-      await new Promise((resolve) => { frame.onload = resolve; setTimeout(resolve, 2000); });
+      /** Until something holds, or for 15 s: then what is asked afterwards fails. */
+      const soon = async (holds) => {
+        for (let i = 0; i < 300 && !holds(); ++i) await new Promise((resolve) => setTimeout(resolve, 50));
+      };
+      // An empty page of one's own stands there until the other one comes.
+      await soon(() => frame.contentDocument === null);
       await attempt("frame", () => frame.contentDocument?.body.textContent ?? "refused");
       const opened = window.open(`${at}/`);
-      await new Promise((resolve) => setTimeout(resolve, 1000));
+      await soon(() => {
+        try {
+          return opened === null || opened.closed || opened.location.href !== "about:blank";
+        } catch {
+          return true;
+        }
+      });
       await attempt("window", () => opened?.document?.body.textContent ?? "refused");
       opened?.close();
       return tries;

@@ -95,7 +95,7 @@ test("what a run has added is offered, nothing jumps, and it is shown when asked
 
 test("a link from before the run grew still holds", async () => {
   put(readFileSync(ages[0].path), grown);
-  await visitor.open();
+  await visitor.open("#view=list");
   const before = find(ages[0].path);
   await page.locator("#counts", { hasText: `of ${before.of} shown` }).waitFor({ timeout: 10_000 });
   const names = before.animations.slice(0, 2).map(({ id }) => id);

@@ -81,8 +81,9 @@ test("one animation: played from a card, through time and its events", async () 
   // It plays by itself, at the speed that was asked for, and stops at the end.
   await page.locator("#speed").selectOption("4");
   await page.keyboard.press("Home");
+  const plays = page.waitForFunction(() => window.sleightGallery.player.isPlaying);
   await page.locator("#play-pause").click();
-  await page.waitForFunction(() => window.sleightGallery.player.isPlaying);
+  await plays;
   await page.waitForFunction((end) => {
     const { isPlaying, time: now } = window.sleightGallery.player;
     return !isPlaying && Math.abs(now - end) < 1e-3;
@@ -123,8 +124,9 @@ test("trails, marks, cameras and the ghost change the picture, and back", async 
   await page.mouse.up();
   const turned = await picture();
   assert.notEqual(turned, plain);
+  const { frames } = await playerState(page);
   await page.mouse.wheel(0, -240);
-  await page.waitForTimeout(100);
+  await page.waitForFunction((before) => window.sleightGallery.player.frames > before, frames);
   assert.notEqual(await picture(), turned);
   // A click on a body says which and where.
   await page.locator("#camera-home").click();
@@ -199,8 +201,10 @@ test("a lost graphics context comes back", async () => {
   await visitor.open(`#view=list&play=${nine[0]}&t=0.7`);
   await playerShows(page, 1);
   const before = await picture();
-  await page.evaluate(() => window.sleightGallery.loseContext(300));
-  await page.waitForFunction(() => window.sleightGallery.renderer.isLost);
+  assert.ok(await page.evaluate(() => {
+    window.sleightGallery.loseContext(300);
+    return window.sleightGallery.renderer.isLost;
+  }));
   await page.waitForFunction(() => !window.sleightGallery.renderer.isLost);
   await page.locator("#frame-on").click();
   await page.locator("#frame-back").click();

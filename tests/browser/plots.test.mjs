@@ -35,6 +35,8 @@ async function drawAll(path) {
       assert.ok(await page.locator("#plot-place td").count() > 3, name);
       continue;
     }
+    // Lines come with the frame after.
+    await page.locator("#plot-place :is(.u-wrap, svg)").first().waitFor();
     if (kind !== "trace" && await page.locator("#plot-place .u-wrap").count() === 0) {
       const heights = await page.locator("#plot-place svg :is(rect, path, polyline)").evaluateAll((parts) =>
         parts.map((part) => part.getBBox().height));

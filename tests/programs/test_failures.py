@@ -108,7 +108,7 @@ class Failures(ProgramTest):
 
     def test_kills_lose_and_double_none(self):
         # Killed at moments of its work, by threads and as an MPI job, and gone on with.
-        text = harness.request_text(scans=3000, chains=3, iterations_per_scan=100)
+        text = harness.request_text(scans=12000, chains=3, iterations_per_scan=100)
         request = self.request(text)
         whole = self.path("whole.h5")
         self.direct(request, whole)

@@ -212,7 +212,7 @@ class Remote(TlsServiceTest):
     def test_goes_on_over_a_killed_daemon(self):
         self.serve_over_tls()
         self.logged_in()
-        job = self.submit_from("laptop", self.write_request(**{**TINY, "scans": 100_000}))
+        job = self.submit_from("laptop", self.write_request(**{**TINY, "scans": 400_000}))
         wait = subprocess.Popen([harness.program("sleight"), "wait", str(job)], stdout=subprocess.DEVNULL,
                                 stderr=subprocess.PIPE, text=True,
                                 env={**harness.environment(), **self.far_environment("laptop")})

@@ -90,12 +90,13 @@ async function keep(page, hands, build, button) {
 }
 
 async function lookThrough(page, hands, memory, left) {
-  hands.think();
-  await hands.click(page.locator("#view-list"));
+  // Before the list is there: a card that was drawn moving would be looked at as it moves.
   if ((await page.locator("#cards-moving").getAttribute("aria-pressed")) === "true") {
     hands.think();
     await hands.click(page.locator("#cards-moving"));
   }
+  hands.think();
+  await hands.click(page.locator("#view-list"));
   const list = page.locator("#list");
   for (let index = 0; index < left; index++) {
     const card = list.locator(`[role=gridcell][data-index="${index}"]`);

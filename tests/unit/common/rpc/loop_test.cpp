@@ -66,10 +66,12 @@ TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
   Loop loop;
   int count = 0;
   std::optional<Loop::Handle> every;
+  std::optional<Loop::Handle> end;
   every = loop.call_every(0.002, [&] {
-    if (++count == 5) every.reset();
+    if (++count != 5) return;
+    end = loop.call_later(0.1, [&] { loop.stop(); });
+    every.reset();
   });
-  const auto end = loop.call_later(0.1, [&] { loop.stop(); });
   loop.run();
   EXPECT_EQ(count, 5);
 }
@@ -145,13 +147,13 @@ TEST(LoopTest, HearsStopSignalsAndBlocksNone) {
     Loop loop;
     loop.on_stop_signals([&](int signal) {
       heard.push_back(signal);
+      if (heard.size() == 2) ::raise(SIGINT);
       if (heard.size() == 3) loop.stop();
     });
     loop.post([] {
       ::raise(SIGHUP);
       ::raise(SIGTERM);
     });
-    const auto later = loop.call_later(0.02, [] { ::raise(SIGINT); });
     loop.run();
     sigset_t mask;
     ASSERT_EQ(::pthread_sigmask(SIG_SETMASK, nullptr, &mask), 0);

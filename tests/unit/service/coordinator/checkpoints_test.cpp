@@ -112,13 +112,17 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
 TEST_F(CheckpointsTest, CostlyOnesAreRare) {
   // Goal: deriving takes at most a hundredth of the workers' time, new motions left out. Method:
   // checkpoints that compute for 0.2 s, all of it or 0.15 s of it by motions; of two workers the
-  // next one comes after 10 s or 2.5 s, though one is wanted each second.
+  // next one comes after 50 times the rest (10 s or 2.5 s, and more where it was interrupted),
+  // though one is wanted each second.
   for (const double motions_s : {0.0, 0.15}) {
+    std::atomic<double> cost_s = 0;
     Checkpoints checkpoints(
         [&](const Reached&, const std::atomic<bool>&) {
-          const double end_s = base::thread_processor_s() + 0.2;
-          while (base::thread_processor_s() < end_s) {
-          }
+          const double begin_s = base::thread_processor_s();
+          double now_s = begin_s;
+          while (now_s < begin_s + 0.2)
+            now_s = base::thread_processor_s();
+          cost_s = now_s - begin_s - motions_s;
           return Checkpoints::Made{.archive = true, .motions_s = motions_s};
         },
         clock_, 1);
@@ -129,11 +133,11 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
     offer(1);
     await([&] { return checkpoints.made() == 1; });
     offer(2);
-    offer(motions_s > 0 ? 0.2 : 7.5);
+    offer(0.9 * 50 * cost_s - 2);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     offer(0);
     EXPECT_EQ(checkpoints.made(), 1U);
-    offer(motions_s > 0 ? 0.8 : 1.5);
+    offer(0.2 * 50 * cost_s);
     await([&] { return checkpoints.made() == 2; });
   }
 }

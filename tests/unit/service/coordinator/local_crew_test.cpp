@@ -250,7 +250,13 @@ TEST(LocalCrew, DestructorDropsWhatWaits) {
   for (std::uint32_t i = 0; i < 100; ++i)
     crew->send(k_local_worker, assignment(i));
   gate.await(1);
-  std::thread destroyer([&] { crew.reset(); });
+  std::atomic<bool> begins = false;
+  std::thread destroyer([&] {
+    begins = true;
+    crew.reset();
+  });
+  while (!begins)
+    std::this_thread::yield();
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   gate.open();
   destroyer.join();

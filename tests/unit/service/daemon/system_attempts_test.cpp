@@ -90,7 +90,7 @@ class HandBackend final : public backend::Backend {
 
 class SystemAttemptsTest : public ::testing::Test {
  protected:
-  SystemAttemptsTest()
+  explicit SystemAttemptsTest(double settle_s = 0.1)
       : state_([] {
           std::string pattern = "/tmp/sleight-system-XXXXXX";
           return std::string(::mkdtemp(pattern.data()));
@@ -106,7 +106,7 @@ class SystemAttemptsTest : public ::testing::Test {
                    .daemon_id = "abcdefgh",
                    .list_every_s = 0.02,
                    .look_every_s = 0.02,
-                   .settle_s = 0.1,
+                   .settle_s = settle_s,
                    .programs = {.keeper = "/opt/sleight-keeper",
                                 .sleight = "/opt/sleight",
                                 .sleight_batch = "/opt/sleight-batch"},
@@ -150,6 +150,16 @@ class SystemAttemptsTest : public ::testing::Test {
     until([&] { return newest<Kind>() != nullptr; });
     const Kind* kind = newest<Kind>();
     return kind == nullptr ? Kind{} : *kind;
+  }
+  /// As sight(), with looks again and again, as the machine of jobs does: an answer that is under
+  /// way at a look still tells how it was before.
+  template <class Kind>
+  Kind sight_of_looks() {
+    until([&] {
+      attempts_.look({.job = k_job, .attempt = k_attempt});
+      return newest<Kind>() != nullptr;
+    });
+    return sight<Kind>();
   }
   template <class Kind>
   const Kind* newest() const {
@@ -278,7 +288,13 @@ TEST_F(SystemAttemptsTest, ThatLeaveNoEndHaveDied) {
   EXPECT_EQ(died.outside, jobs::Outside::taken);
 }
 
-TEST_F(SystemAttemptsTest, WhoseEndIsSeenLateHaveNotDied) {
+/// Allows a shared disk more time than a busy machine takes.
+class SystemAttemptsOnASlowDisk : public SystemAttemptsTest {
+ protected:
+  SystemAttemptsOnASlowDisk() : SystemAttemptsTest(k_patience_s) {}
+};
+
+TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
   // Goal: a shared disk shows files late. Method: the end comes within the time that is allowed.
   launch_and_begin();
   is_gone("COMPLETED", Cause::itself);
@@ -338,14 +354,13 @@ TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
 TEST_F(SystemAttemptsTest, OfASystemThatIsAwayAreUnknown) {
   launch_and_begin();
   backend_->says([]() -> backend::Seen { throw backend::Away("no controller"); });
-  attempts_.look({.job = k_job, .attempt = k_attempt});
-  EXPECT_THAT(sight<jobs::Unknown>().words, HasSubstr("no controller"));
+  EXPECT_THAT(sight_of_looks<jobs::Unknown>().words, HasSubstr("no controller"));
   spin(k_quiet_s);
   EXPECT_FALSE(has_heard_an_end());
   EXPECT_EQ(attempts_.running(), 1U);
+  heard_.clear();
   runs();
-  attempts_.look({.job = k_job, .attempt = k_attempt});
-  sight<jobs::Running>();
+  sight_of_looks<jobs::Running>();
 }
 
 TEST_F(SystemAttemptsTest, ThatAnAwaySystemMayHaveAreLookedForAndOthersAreNot) {

@@ -85,8 +85,11 @@ TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
 
 TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
   // Method: a process of its own launches and is killed with its process group; its terminal's
-  // hangup reaches nobody. This process adopts.
-  program_is("echo $$ > ready; sleep 0.3; echo $$ > survived");
+  // hangup reaches nobody. This process adopts. The program goes on until all that has happened, or
+  // its folder has gone.
+  program_is(
+      "echo $$ > ready; while [ ! -e go ] && [ -e ready ]; do sleep 0.01; done; echo $$ > "
+      "survived");
   const pid_t daemon = ::fork();
   if (daemon == 0) {
     ::setsid();
@@ -101,6 +104,7 @@ TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
   ::kill(-daemon, SIGKILL);
   ::waitpid(daemon, nullptr, 0);
   ::kill(adopted->identity().pid, SIGHUP);
+  std::ofstream(path("go")) << "\n";
   EXPECT_EQ(await_end().state, Look::State::ended);
   EXPECT_EQ(text_in("survived"), text_in("ready"));
 }
