@@ -229,6 +229,7 @@ void cut_streams(const Scene& scene) {
 void unread_answers(const Scene& scene) {
   auto talk = begin_opened(scene);
   if (!talk) return;
+  const bool never_reads = scene.dice.one_in(3);
   const Bounds bounds = bounds_of(scene);
   constexpr std::uint32_t k_messages = 200;
   std::uint32_t sent = 0;
@@ -237,8 +238,9 @@ void unread_answers(const Scene& scene) {
     is_taken = talk->line().send_unread(asked.frame + finish(asked.question), 20);
   }
   scene.tally.attacks += sent;
-  // One in three never reads; of the others what came is counted.
-  if (scene.dice.one_in(3)) return;
+  // Of those that read what came is counted. The first does: without one nobody knows that any was
+  // answered.
+  if (never_reads && scene.tally.reached > 0) return;
   const std::uint64_t before = talk->listener().messages();
   talk->end();
   scene.tally.reached += talk->listener().messages() - before;
