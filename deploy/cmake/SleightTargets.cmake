@@ -26,7 +26,7 @@ function(sleight_product target)
   sleight_folder_name(name)
   # The gallery's server works on thousands of JSON values, for minutes without optimisation.
   if(SLEIGHT_PLAIN_SHELLS AND NOT name MATCHES gallery_server AND
-     name MATCHES "^(clients|service)_|^common_(rpc|events|request)$|^tests_(attacks|keepers|backends)$")
+     name MATCHES "^(clients|service)_|^common_(rpc|events)$|^tests_(attacks|keepers|backends)$")
     target_link_libraries(${target} PRIVATE sleight_options_shells)
     target_precompile_headers(${target} REUSE_FROM sleight_precompiled_shells)
   else()

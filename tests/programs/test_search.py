@@ -3,7 +3,6 @@ Ctrl-C, and nobody takes what was found for draws. Method: the programs as peopl
 
 import json
 import os
-import re
 import signal
 import time
 import unittest
@@ -83,17 +82,6 @@ rounds = 5
 [output]
 thin = 1
 """
-
-ODDS = """
-[world]
-name = "spelling"
-word = "I"
-font = "5 rows"
-[stop]
-odds = 0.8
-found = 2
-"""
-
 
 class Search(ProgramTest):
     def search(self, found=4, word="HI"):
@@ -265,23 +253,6 @@ class Search(ProgramTest):
         self.assertIn("log Z", info.stdout)
         judged = sleight("diagnose", output)
         self.assertIn(judged.returncode, (0, 7), judged.stderr)  # sampled well enough, or not
-
-    def test_islands_tell_the_odds(self):
-        request = self.path("odds.toml")
-        request.write_text(ODDS)
-        output = self.path("odds.h5")
-        self.direct(request, output, "-j", "1")
-        self.direct(request, self.path("two.h5"), "-j", "2")
-        self.assertEqual(self.digest(self.path("two.h5")), self.digest(output))
-        with h5py.File(output) as archive:
-            first = archive["tempering/odds_from_island"][:]
-            self.assertTrue((first > 0).all())
-        info = sleight("archive", "info", output)
-        self.assertIn("by chance", info.stdout)
-        self.assertEqual(self.info(output)["tempering"]["from"], "islands")
-        # Every draw after the burn-in has proposals.
-        accepted = re.search(r"accepted +([\d.]+)% of proposals", info.stdout)
-        self.assertLessEqual(float(accepted[1]), 100)
 
     def test_ctrl_c_keeps_what_was_found(self):
         output = self.path("many.h5")
