@@ -11,6 +11,7 @@ import h5py
 import numpy
 import harness
 from harness import ProgramTest, kill_group, run, sleight, start
+from test_search_odds import ODDS
 
 SEARCH = """
 [world]
