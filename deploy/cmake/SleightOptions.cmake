@@ -1,5 +1,11 @@
 # Language, warnings and the flags on which bit-equality rests (docs/DETERMINISM).
-option(SLEIGHT_TESTS "Build the tests and benchmarks" ON)
+set(SLEIGHT_TESTS fast CACHE STRING
+  "Tests to build. fast: those of deploy/test; all: those of deploy/test --all; shells: all but the computing libraries' unit tests; OFF: none")
+set_property(CACHE SLEIGHT_TESTS PROPERTY STRINGS fast all shells OFF)
+if(SLEIGHT_TESTS AND NOT SLEIGHT_TESTS MATCHES "^(fast|all|shells)$")
+  message(FATAL_ERROR "SLEIGHT_TESTS is '${SLEIGHT_TESTS}'; it can be fast, all, shells or OFF")
+endif()
+option(SLEIGHT_WERROR "Treat compiler warnings as errors. CI does; other compilers warn of other things" OFF)
 option(SLEIGHT_SHELLS "Build the programs and what touches files, MPI and disks; OFF: physics, sampling, worlds and the scheduler alone, on a machine that need not have those libraries" ON)
 option(SLEIGHT_GALLERY "Build the page of `sleight gallery`, by npm's packages (deploy/install-deps); OFF: `sleight gallery` says that it isn't there" ON)
 option(SLEIGHT_FUZZ "Build the fuzz targets instead of the programs' tests (clang only)" OFF)
@@ -19,7 +25,8 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O3 -g1 -DNDEBUG")
 # Everything of ours is built with these; INTERFACE so that each target opts in by linking.
 add_library(sleight_options INTERFACE)
 target_compile_options(sleight_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Werror
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor
+  $<$<BOOL:${SLEIGHT_WERROR}>:-Werror>
   # A fused multiply-add rounds once where two instructions round twice: other bits on other CPUs.
   -ffp-contract=off
   # For all, as some libraries ask for it: a precompiled header is for one set of macros.

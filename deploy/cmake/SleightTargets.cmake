@@ -3,13 +3,17 @@
 #   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen... [DECIDES_NOTHING] [TOGETHER])   one per folder
 #   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
 #   sleight_program_parts(mains SOURCES main_run.cpp LINKS ...)       that several programs share
-#   sleight_test(SOURCES x_test.cpp LINKS common_math [LABELS slow] [TIMEOUT seconds] [COMPUTES])
+#   sleight_test(SOURCES x_test.cpp LINKS common_math [ALL_SOURCES long_test.cpp] [ALL_TESTS Long.*:Suite.Name]
+#                [LABELS slow] [TIMEOUT seconds] [COMPUTES])
 #
 # Sources of programs' parts, and of libraries and tests that say TOGETHER, are compiled a few at a time;
 # all three take APART (SleightTogether.cmake).
 #
 # A test's own objects are built with less optimisation than what they test, as compiling them takes
 # longer than running them; COMPUTES says that it is the other way round.
+#
+# ALL_SOURCES are compiled, and ALL_TESTS (a GoogleTest filter) run, by deploy/test --all but not by
+# deploy/test (SLEIGHT_TESTS).
 #
 # A library's name is its folder with '/' as '_': common/math is common_math. DECIDES_NOTHING: what it
 # does with a run's rows comes after them, so its changes make no other results version
@@ -72,8 +76,15 @@ function(sleight_program_parts name)
 endfunction()
 
 function(sleight_test)
-  cmake_parse_arguments(ARG "COMPUTES;TOGETHER" "TIMEOUT" "SOURCES;LINKS;LABELS;APART" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES;TOGETHER" "TIMEOUT;ALL_TESTS"
+    "SOURCES;ALL_SOURCES;LINKS;LABELS;APART" ${ARGN})
   sleight_folder_name(name)
+  set(filter)
+  if(NOT SLEIGHT_TESTS STREQUAL fast)
+    list(APPEND ARG_SOURCES ${ARG_ALL_SOURCES})
+  elseif(ARG_ALL_TESTS)
+    set(filter TEST_FILTER "-${ARG_ALL_TESTS}")
+  endif()
   set(kind tests)
   if(ARG_COMPUTES)
     set(kind computing_tests)
@@ -93,6 +104,6 @@ function(sleight_test)
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 ${filter}
     PROPERTIES LABELS ${ARG_LABELS} TIMEOUT ${ARG_TIMEOUT})
 endfunction()

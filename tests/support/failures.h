@@ -12,6 +12,7 @@ namespace sleight::property {
 struct Asked {
   std::optional<std::uint64_t> only_case;     ///< SLEIGHT_CASE
   std::optional<std::uint64_t> failing_case;  ///< SLEIGHT_FAIL_CASE
+  bool all = false;                           ///< SLEIGHT_ALL
   bool long_run = false;                      ///< SLEIGHT_SOAK
 };
 

@@ -63,6 +63,7 @@ std::optional<std::uint64_t> number_in(const char* variable) {
 const Asked& asked() {
   static const Asked asked{.only_case = number_in("SLEIGHT_CASE"),
                            .failing_case = number_in("SLEIGHT_FAIL_CASE"),
+                           .all = std::getenv("SLEIGHT_ALL") != nullptr,
                            .long_run = std::getenv("SLEIGHT_SOAK") != nullptr};
   return asked;
 }
@@ -87,7 +88,10 @@ bool failing_case_was_met() {
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run) {
   // A shell would take a typed or valued test's name as it is: '/' and letters only.
-  return fmt::format("{}{}{} --gtest_filter={}", long_run ? "SLEIGHT_SOAK=1 " : "",
+  return fmt::format("{}{}{} --gtest_filter={}",
+                     long_run      ? "SLEIGHT_SOAK=1 "
+                     : asked().all ? "SLEIGHT_ALL=1 "
+                                   : "",
                      number ? fmt::format("SLEIGHT_CASE={} ", *number) : "", program, test);
 }
 
@@ -132,6 +136,10 @@ bool all_cases() {
 
 bool long_run() {
   return asked().long_run;
+}
+
+std::uint64_t of_tier(std::uint64_t fast, std::uint64_t all) {
+  return asked().all || asked().long_run ? all : fast;
 }
 
 }  // namespace sleight::property

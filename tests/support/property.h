@@ -17,6 +17,7 @@
 // which repeats it too, since seeds are fixed.
 //
 // The environment says what runs:
+//   SLEIGHT_ALL=1        as many cases as deploy/test --all asks for (of_tier); the command repeats it
 //   SLEIGHT_SOAK=1       as many cases as deploy/soak asks for; the command above repeats it
 //   SLEIGHT_CASE=n       case n alone, in each loop that has it; of cases in turn all up to it
 //   SLEIGHT_FAIL_CASE=n  case n fails, whatever comes of it: shows what a failure prints
@@ -91,5 +92,8 @@ bool all_cases();
 
 /// Whether tests run at the length of deploy/soak.
 bool long_run();
+
+/// `fast` in deploy/test; `all` in deploy/test --all and deploy/soak.
+std::uint64_t of_tier(std::uint64_t fast, std::uint64_t all);
 
 }  // namespace sleight::property

@@ -6,7 +6,7 @@ import re
 
 SIDES = ("common", "worker", "service", "clients")
 _KEYWORDS = {"SOURCES", "LINKS", "LABELS", "TIMEOUT", "NO_INSTALL", "COMPUTES",
-             "DECIDES_NOTHING"}
+             "DECIDES_NOTHING", "ALL_SOURCES", "ALL_TESTS"}
 _DECLARATION = re.compile(r"\bsleight_(library|program_parts|program)\s*\(")
 
 
