@@ -182,7 +182,9 @@ TEST(Queries, ErrorsPointAtThePlace) {
   fails("any in x 0..1 ; rm", 14, "");
   fails("\"ball 1 in x", 0, "");
   fails("any in x 1e999..", 9, "");
-  fails(std::string(101, '(') + "log_prior = 0" + std::string(101, ')'), 100, "nested");
+  std::string nested(101, '(');
+  nested.append("log_prior = 0").append(101, ')');
+  fails(nested, 100, "nested");
   fails(std::string(k_query_bytes_max + 1, ' '), k_query_bytes_max, "longer than");
   // The mark is under the column.
   EXPECT_EQ(with_mark({.column = 4, .message = "what?"}, "any dye"),
