@@ -102,10 +102,6 @@ std::vector<std::string> keeper_command_of(const AttemptSpec& spec, const Progra
                                    fmt::format("{}", spec.grace_s)};
   if (spec.ranks > 0) command.emplace_back("--ranks");
   if (spec.in_batch) command.emplace_back("--batch");
-  if (spec.memory_bytes_max > 0)
-    command.insert(command.end(), {"--memory", fmt::format("{}", spec.memory_bytes_max)});
-  if (spec.file_bytes_max > 0)
-    command.insert(command.end(), {"--file-bytes", fmt::format("{}", spec.file_bytes_max)});
   command.emplace_back("--");
   const std::vector<std::string> kept = command_of(spec, programs);
   command.insert(command.end(), kept.begin(), kept.end());

@@ -34,9 +34,6 @@ struct AttemptSpec {
   bool oversubscribe = false;  ///< more ranks than the machine has cores; then they yield when idle
   std::uint64_t cache_mb = 256;  ///< of each process
   bool strict = false;           ///< a simulation that fails ends the run
-  // Limits of each process of the attempt; 0: none.
-  std::uint64_t memory_bytes_max = 0;  ///< data, not what it maps from files
-  std::uint64_t file_bytes_max = 0;    ///< of any file that it writes
   /// How long a program may linger that has told its end, and mpirun without ranks. A run waits up
   /// to 20 s for ranks that don't answer, after it has told its end.
   double grace_s = 30;

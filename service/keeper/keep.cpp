@@ -30,6 +30,7 @@
 #include "common/base/network_disk.h"
 #include "common/store/sessions.h"
 #include "service/keeper/attempt_record.h"
+#include "service/keeper/bounded_log.h"
 #include "service/keeper/command.h"
 #include "service/keeper/keeper_lock.h"
 #include "service/keeper/process_table.h"
@@ -372,8 +373,6 @@ AttemptEnd start_and_wait(const KeeperOptions& options, Signals& signals, EndPip
       start_program({.command = options.command,
                      .environment = options.in_batch ? whole_environment() : program_environment(),
                      .output = output.writer(),
-                     .memory_bytes_max = options.memory_bytes_max,
-                     .file_bytes_max = options.file_bytes_max,
                      .blocks_sigterm = options.in_batch},
                     moments);
   output.close_writer();
@@ -443,7 +442,7 @@ base::ExitCode keep(const KeeperOptions& options, Moments& moments) {
   base::PosixFileSystem files;
   if (options.with_ranks) files.make_folder(options.folder + "/" + k_mpi_folder_name);
   EndPipe pipe(options.folder + "/" + k_pipe_name);
-  BoundedLog log(options.folder, options.log_bytes_max);
+  BoundedLog log(options.folder);
   moments.reached(Moment::prepared);
 
   const auto self = identity_of(::getpid());

@@ -42,7 +42,6 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "service/keeper/bounded_log.h"
 #include "service/keeper/moments.h"
 
 namespace sleight::keeper {
@@ -53,11 +52,7 @@ struct KeeperOptions {
   std::vector<std::string> command{};
   bool with_ranks = false;  ///< the command is mpirun's
   bool in_batch = false;    ///< a batch system's job holds the keeper
-  // Of the program, as in AttemptSpec.
-  std::uint64_t memory_bytes_max = 0;
-  std::uint64_t file_bytes_max = 0;
-  double grace_s = 30;
-  std::uint64_t log_bytes_max = k_log_bytes_max;
+  double grace_s = 30;       ///< as in AttemptSpec
 };
 
 /// The grace of an mpirun without ranks, where that of the attempt is not shorter.

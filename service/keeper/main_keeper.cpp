@@ -41,12 +41,6 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
   app.add_flag("--ranks", options.with_ranks, "The program is mpirun, and is watched as such");
   app.add_flag("--batch", options.in_batch,
                "A batch system's job holds it: SIGTERM ends the program in order too");
-  app.add_option("--memory", options.memory_bytes_max, "Data of each of its processes, at most")
-      ->type_name("BYTES");
-  app.add_option("--file-bytes", options.file_bytes_max, "Each file that it writes, at most")
-      ->type_name("BYTES");
-  app.add_option("--log-bytes", options.log_bytes_max, "What it prints and is kept, at most")
-      ->type_name("BYTES");
   app.add_option("--grace", options.grace_s,
                  "How long it may linger once it has told its end (30 if not given)")
       ->check(CLI::NonNegativeNumber)

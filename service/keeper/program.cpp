@@ -22,11 +22,6 @@ namespace {
 
 constexpr int k_low_priority = 10;
 
-bool limit(int resource, std::uint64_t most) {
-  const rlimit both{.rlim_cur = most, .rlim_max = most};
-  return ::setrlimit(static_cast<__rlimit_resource>(resource), &both) == 0;
-}
-
 /// What a process has by default: nothing is ignored, and nothing else is blocked.
 void reset_signals(bool blocks_sigterm) {
   for (int number = 1; number < NSIG; ++number)
@@ -44,10 +39,9 @@ bool take_streams(const ProgramStart& start) {
          ::dup2(start.output, STDOUT_FILENO) >= 0 && ::dup2(words, STDERR_FILENO) >= 0;
 }
 
-bool take_limits(const ProgramStart& start) {
-  return limit(RLIMIT_CORE, 0) &&
-         (start.memory_bytes_max == 0 || limit(RLIMIT_DATA, start.memory_bytes_max)) &&
-         (start.file_bytes_max == 0 || limit(RLIMIT_FSIZE, start.file_bytes_max));
+bool dump_no_core() {
+  const rlimit none{.rlim_cur = 0, .rlim_max = 0};
+  return ::setrlimit(RLIMIT_CORE, &none) == 0;
 }
 
 /// In the child: becomes the program, or tells `report` the error and ends.
@@ -57,7 +51,7 @@ bool take_limits(const ProgramStart& start) {
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != starter) ::_exit(127);
   moments.reached(Moment::in_child);
   if (start.yields) ::setpriority(PRIO_PROCESS, 0, k_low_priority);
-  const bool is_ready = ::setsid() >= 0 && take_streams(start) && take_limits(start) &&
+  const bool is_ready = ::setsid() >= 0 && take_streams(start) && dump_no_core() &&
                         ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC) == 0;
   if (is_ready) {
     reset_signals(start.blocks_sigterm);

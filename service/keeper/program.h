@@ -2,7 +2,7 @@
 // a tool (tool.h).
 //
 // The child is killed by the kernel when this process ends, however that ends (PR_SET_PDEATHSIG).
-// It has a session of its own, no terminal, no descriptor but the standard ones, the limits below
+// It has a session of its own, no terminal, no descriptor but the standard ones, no core dumps
 // and the environment that it is given.
 //
 // Thread safety: call from a thread that lives as long as the child may: the kernel watches the
@@ -11,7 +11,6 @@
 
 #include <sys/types.h>
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,8 +26,6 @@ struct ProgramStart {
   int output = -1;                     ///< becomes its stdout
   int words = -1;                      ///< becomes its stderr; -1: as output
   bool yields = false;                 ///< it runs at a low priority
-  std::uint64_t memory_bytes_max = 0;  ///< RLIMIT_DATA; 0: as this process's
-  std::uint64_t file_bytes_max = 0;    ///< RLIMIT_FSIZE; likewise
   bool blocks_sigterm = false;         ///< it does not get SIGTERM, nor do those that it starts
 };
 

@@ -112,8 +112,6 @@ int main_of(int argc, char** argv) {
     command->add_option("--ranks", arguments.spec.ranks);
     command->add_flag("--oversubscribe", arguments.spec.oversubscribe);
     command->add_flag("--strict", arguments.spec.strict);
-    command->add_option("--memory", arguments.spec.memory_bytes_max);
-    command->add_option("--file-bytes", arguments.spec.file_bytes_max);
     command->add_option("--grace", arguments.spec.grace_s);
   }
   CLI11_PARSE(app, argc, argv);

@@ -37,8 +37,6 @@ TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
   AttemptSpec spec{.folder = "/jobs/1 7",
                    .ranks = 3,
                    .oversubscribe = true,
-                   .memory_bytes_max = 5,
-                   .file_bytes_max = 6,
                    .grace_s = 0.5};
   EXPECT_EQ(
       joined(command_of(spec, k_programs)),
@@ -47,8 +45,7 @@ TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
       "btl_vader_backing_directory /jobs/1 7/mpi -n 3 /b/sleight-batch request.toml -o out.h5 "
       "--cache 256 --end-report end.pipe --quiet");
   EXPECT_EQ(joined(keeper_command_of(spec, k_programs)),
-            "/b/sleight-keeper --folder /jobs/1 7 --attempt 1 --grace 0.5 --ranks --memory 5 "
-            "--file-bytes 6 -- " +
+            "/b/sleight-keeper --folder /jobs/1 7 --attempt 1 --grace 0.5 --ranks -- " +
                 joined(command_of(spec, k_programs)));
   EXPECT_EQ(obstacle_of(spec, k_programs), "");
   spec.ranks = 100'000;
