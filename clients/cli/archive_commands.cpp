@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "clients/cli/archive_odds.h"
+#include "clients/cli/dumped_json.h"
 #include "clients/cli/failure_counts.h"
-#include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/cli/sampling_method.h"
 #include "clients/cli/trace.h"
@@ -22,6 +22,7 @@
 #include "common/archive/digest/digest.h"
 #include "common/archive/digest/verify.h"
 #include "common/archive/format.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
@@ -234,59 +235,49 @@ void export_to_file(const archive::Source& source, const ExportOptions& options,
 }  // namespace
 
 int archive_info(const std::string& path, bool json) {
-  return with_archive(path, [&](const archive::Source& source) {
-    const Facts facts = facts_of(source);
-    if (json) {
-      fmt::print("{}\n", dumped(as_json(path, facts)));
-    } else {
-      print_for_people(path, facts);
-    }
-    return k_ok;
-  });
+  const Facts facts = facts_of(*archive::remote::open_remote(path));
+  if (json) {
+    fmt::print("{}\n", dumped(as_json(path, facts)));
+  } else {
+    print_for_people(path, facts);
+  }
+  return k_ok;
 }
 
 int archive_digest(const std::string& path, bool json) {
-  return with_archive(path, [&](const archive::Source& source) {
-    const std::string digest = archive::digest(source);
-    if (json) {
-      fmt::print("{}\n", dumped({{"archive", path}, {"digest", digest}}));
-    } else {
-      fmt::print("{}\n", digest);
-    }
-    return k_ok;
-  });
+  const std::string digest = archive::digest(*archive::remote::open_remote(path));
+  if (json) {
+    fmt::print("{}\n", dumped({{"archive", path}, {"digest", digest}}));
+  } else {
+    fmt::print("{}\n", digest);
+  }
+  return k_ok;
 }
 
 int archive_verify(const std::string& path, bool json) {
-  return with_archive(path, [&](const archive::Source& source) {
-    const std::vector<std::string> findings = archive::verify(source);
-    if (json) {
-      fmt::print("{}\n",
-                 dumped({{"archive", path}, {"ok", findings.empty()}, {"findings", findings}}));
-    } else {
-      for (const std::string& finding : findings)
-        fmt::print("{}: {}\n", path, finding);
-      if (findings.empty()) fmt::print("{}: ok\n", path);
-    }
-    return findings.empty() ? k_ok : k_bad_archive;
-  });
+  const std::vector<std::string> findings = archive::verify(*archive::remote::open_remote(path));
+  if (json) {
+    fmt::print("{}\n",
+               dumped({{"archive", path}, {"ok", findings.empty()}, {"findings", findings}}));
+  } else {
+    for (const std::string& finding : findings)
+      fmt::print("{}: {}\n", path, finding);
+    if (findings.empty()) fmt::print("{}: ok\n", path);
+  }
+  return findings.empty() ? k_ok : k_bad_archive;
 }
 
 int archive_export_csv(const ExportOptions& options) {
   if (options.output.empty() || options.output == "-") {
-    return with_archive(options.path, [&](const archive::Source& source) {
-      archive::export_csv(source, options.table, std::cout, options.animations);
-      return k_ok;
-    });
+    archive::export_csv(*archive::remote::open_remote(options.path), options.table, std::cout,
+                        options.animations);
+    return k_ok;
   }
   refuse_same_file(options.path, options.output);
   OutputBeside output(options.output);
-  const int code = with_archive(options.path, [&](const archive::Source& source) {
-    export_to_file(source, options, output.path());
-    return k_ok;
-  });
-  if (code == k_ok) output.put_in_place();
-  return code;
+  export_to_file(*archive::remote::open_remote(options.path), options, output.path());
+  output.put_in_place();
+  return k_ok;
 }
 
 }  // namespace sleight::cli

@@ -1,7 +1,7 @@
 // `sleight archive info|digest|verify|export`: what people and programs ask of an archive.
 //
-// Archives are untrusted: each command reads inside a guarded child process. Results go
-// to stdout, everything else to stderr. Each function returns the program's exit code.
+// Archives are untrusted: each is read by a process of its own (archive/remote). Results go to
+// stdout, everything else to stderr. Each function returns the program's exit code.
 #pragma once
 
 #include <cstdint>

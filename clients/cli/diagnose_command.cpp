@@ -5,21 +5,20 @@
 #include <nlohmann/json.hpp>
 
 #include "clients/cli/diagnosis_report.h"
-#include "clients/cli/opened_archive.h"
+#include "clients/cli/dumped_json.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {
 
 int diagnose_archive(const std::string& path, bool json, const Rules& rules) {
-  return with_archive(path, [&](const archive::Source& source) {
-    const Diagnosis diagnosis = diagnosis_of(source, rules);
-    if (json) {
-      fmt::print("{}\n", dumped(as_json(path, diagnosis)));
-    } else {
-      fmt::print("{}", for_people(path, diagnosis));
-    }
-    return static_cast<int>(diagnosis.mixed() ? base::ExitCode::ok : base::ExitCode::not_mixed);
-  });
+  const Diagnosis diagnosis = diagnosis_of(*archive::remote::open_remote(path), rules);
+  if (json) {
+    fmt::print("{}\n", dumped(as_json(path, diagnosis)));
+  } else {
+    fmt::print("{}", for_people(path, diagnosis));
+  }
+  return static_cast<int>(diagnosis.mixed() ? base::ExitCode::ok : base::ExitCode::not_mixed);
 }
 
 }  // namespace sleight::cli

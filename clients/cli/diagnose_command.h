@@ -1,6 +1,6 @@
 // `sleight diagnose`: whether an archive's chains have mixed.
 //
-// The archive is read inside a guarded child process. Results go to stdout.
+// The archive is read by a process of its own (archive/remote). Results go to stdout.
 #pragma once
 
 #include <string>

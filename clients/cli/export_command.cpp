@@ -15,13 +15,13 @@
 #include <fmt/format.h>
 
 #include "clients/cli/animation_ids.h"
+#include "clients/cli/dumped_json.h"
 #include "clients/cli/exported_animations.h"
 #include "clients/cli/exported_files.h"
 #include "clients/cli/film_export.h"
 #include "clients/cli/index_cache.h"
 #include "clients/cli/interruption.h"
 #include "clients/cli/kept_animations.h"
-#include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/export/document.h"
 #include "common/archive/kept_motions.h"

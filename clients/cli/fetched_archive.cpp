@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/cli/service_call.h"
 #include "common/archive/digest/verify.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
@@ -25,11 +25,11 @@ void check_archive(const std::string& path, const rpc::JobView& job) {
     }
     for (const std::string& finding : findings)
       complain(fmt::format("sleight: job {}: {}", job.id, shown(finding)));
-    return static_cast<int>(findings.empty() ? base::ExitCode::ok : base::ExitCode::bad_archive);
+    return findings;
   };
   std::string words;
   try {
-    if (with_archive(path, findings_of) == 0) return;
+    if (findings_of(*archive::remote::open_remote(path)).empty()) return;
   } catch (const base::Error& error) {
     if (error.exit_code() != base::ExitCode::bad_archive) throw;
     words = fmt::format(" ({})", error.what());

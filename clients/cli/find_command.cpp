@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "clients/cli/browsed_json.h"
-#include "clients/cli/opened_archive.h"
+#include "clients/cli/dumped_json.h"
 #include "clients/cli/output.h"
 #include "clients/cli/terminal.h"
 #include "clients/cli/text_table.h"

@@ -1,3 +1,4 @@
+#include "clients/cli/dumped_json.h"
 #include "clients/cli/main_direct.h"
 
 #include <fmt/format.h>
@@ -6,7 +7,6 @@
 #include <optional>
 
 #include "clients/cli/main_worlds.h"
-#include "clients/cli/opened_archive.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/version.h"

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "clients/cli/animation_figures.h"
-#include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/cli/request_numbers.h"
 #include "clients/cli/trace.h"
 #include "clients/plot/save.h"
 #include "clients/plot/terminal.h"
 #include "common/archive/format.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 
@@ -145,18 +145,16 @@ int plot_archive(const PlotOptions& options, const PlotsOfWorlds& worlds) {
   const plot::Notes notes = plot::notes_of(options.notes);
   if (options.output.empty() && !notes.empty())
     throw base::Error(base::ExitCode::usage, "--note goes with -o FILE.svg");
-  const auto draw = [&](const archive::Source& source) {
-    const Picture picture = picture_of(source, options, !options.output.empty(), worlds);
-    if (options.output.empty()) {
-      draw_on_terminal(picture.figure);
-    } else {
-      plot::save(picture.figure, options.output, {.notes = notes});
-      fmt::print("{}\n", options.output);
-    }
-    fmt::print("{}", picture.words);
-    return static_cast<int>(base::ExitCode::ok);
-  };
-  return with_archive(options.path, draw);
+  const Picture picture = picture_of(*archive::remote::open_remote(options.path), options,
+                                     !options.output.empty(), worlds);
+  if (options.output.empty()) {
+    draw_on_terminal(picture.figure);
+  } else {
+    plot::save(picture.figure, options.output, {.notes = notes});
+    fmt::print("{}\n", options.output);
+  }
+  fmt::print("{}", picture.words);
+  return static_cast<int>(base::ExitCode::ok);
 }
 
 }  // namespace sleight::cli

@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "clients/cli/dumped_json.h"
 #include "clients/cli/interruption.h"
-#include "clients/cli/opened_archive.h"
 #include "clients/cli/output.h"
 #include "clients/cli/progress_printer.h"
 #include "clients/cli/service_call.h"

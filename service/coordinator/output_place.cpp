@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-#include "common/archive/hdf5/guarded.h"
-#include "common/archive/hdf5/reader.h"
+#include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
 #include "common/store/run_store.h"
@@ -41,18 +40,14 @@ std::vector<std::string> beginnings_of(const request::DirectionRequest& request)
 void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings) {
   bool ours = false;
   try {
-    ours = archive::hdf5::guarded(output, {}, [&] {
-             const auto source = archive::hdf5::open_file(output);
-             const std::string request = archive::summary_of(*source).request_text;
-             return std::ranges::any_of(beginnings,
-                                        [&](const std::string& beginning) {
-                                          return request.starts_with(beginning);
-                                        })
-                        ? 0
-                        : 1;
-           }) == 0;
+    const auto source = archive::remote::open_remote(output);
+    const std::string request = archive::summary_of(*source).request_text;
+    ours = std::ranges::any_of(beginnings, [&](const std::string& beginning) {
+      return request.starts_with(beginning);
+    });
   } catch (const base::Error& failure) {
-    if (failure.exit_code() == base::ExitCode::interrupted) throw;
+    // It may well be one, if only it could be read.
+    if (failure.exit_code() == base::ExitCode::environment) throw;
   }
   if (ours) return;
   throw base::Error(base::ExitCode::conflict,

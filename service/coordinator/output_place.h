@@ -1,6 +1,6 @@
 // The place where an archive is to be written: whether it can be, and whose file lies there.
 //
-// Thread safety: as guarded (archive/hdf5/guarded.h), which reads what lies there in a child.
+// Thread safety: as the file system's; what lies there is read by a process of its own.
 #pragma once
 
 #include <string>
@@ -19,7 +19,8 @@ void refuse_unusable_place(const std::string& output, base::FileSystem& files);
 std::vector<std::string> beginnings_of(const request::DirectionRequest& request);
 
 /// Refuses, by base::Error(conflict), to replace a file that is no archive, or one whose request
-/// begins with none of these: somebody has put it there. REQUIRES: the file is there.
+/// begins with none of these: somebody has put it there. By base::Error(environment) where that
+/// can't be told. REQUIRES: the file is there.
 void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings);
 
 }  // namespace sleight::coordinator
