@@ -1,6 +1,7 @@
-// Systems that run attempts of jobs somewhere: this machine, Slurm, or any other through a program
+// Batch systems that run attempts of jobs: Slurm, or any other through a program
 // (program_backend.h). The interface is small, so that an engine is soon written; the conformance
-// suite (tests/programs/backend_conformance.py) says whether one is right.
+// suite (tests/programs/backend_conformance.py) says whether one is right. The daemon needs none
+// for this machine (daemon/local_attempts.h).
 //
 //   launch(order)   the system has the attempt, or had it once: nothing new begins then
 //   state(name)     waiting, running, gone, or absent: the system has never had it, or forgot it

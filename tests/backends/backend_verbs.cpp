@@ -1,6 +1,5 @@
 // Any backend as a program of the stated interface (service/backend/messages.h), for the
 // conformance suite:
-//   sleight-backend --kind local --register FOLDER VERB
 //   sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB
 //   sleight-backend --kind program --program PATH [--seconds S] VERB
 // It reads the question on stdin. Each call is a daemon of its own, which is gone when it returns.
@@ -15,7 +14,6 @@
 #include <vector>
 
 #include "common/base/clock.h"
-#include "service/backend/local_engine.h"
 #include "service/backend/messages.h"
 #include "service/backend/program_backend.h"
 #include "service/backend/slurm_backend.h"
@@ -26,7 +24,6 @@ namespace {
 struct Arguments {
   std::string kind;
   std::string verb;
-  std::string register_folder;
   std::vector<std::string> options;
   SlurmSettings slurm;
   ProgramSettings program;
@@ -37,8 +34,6 @@ std::unique_ptr<Backend> backend_of(Arguments arguments, const base::Clock& cloc
     const std::size_t sign = option.find('=');
     arguments.slurm.defaults[option.substr(0, sign)] = option.substr(sign + 1);
   }
-  if (arguments.kind == "local")
-    return std::make_unique<LocalEngine>(arguments.register_folder, keeper::programs_beside_this());
   if (arguments.kind == "slurm") return std::make_unique<SlurmBackend>(arguments.slurm, clock);
   return std::make_unique<ProgramBackend>(arguments.program);
 }
@@ -48,8 +43,7 @@ int main_of(int argc, char** argv) {
   Arguments arguments;
   app.add_option("--kind", arguments.kind)
       ->required()
-      ->check(CLI::IsMember({"local", "slurm", "program"}));
-  app.add_option("--register", arguments.register_folder);
+      ->check(CLI::IsMember({"slurm", "program"}));
   app.add_option("--script", arguments.slurm.script);
   app.add_option("--option", arguments.options);
   app.add_option("--program", arguments.program.program);

@@ -1,4 +1,4 @@
-"""Goal: the backends of this machine and of other programs do what every backend has to. Method: the cases of
+"""Goal: backends by other programs do what every backend has to. Method: the cases of
 backend_conformance.py through tests/backends, each call a process of its own; the program is the documented
 example, deploy/backends/sleight-example. What a program must not do is done by scripts. Slurm's are
 test_slurm_backend.py's."""
@@ -16,15 +16,6 @@ from service_harness import ServiceTest
 
 def engine(*arguments):
     return [pathlib.Path(harness.arguments.bin).parent / "tests/sleight-backend", *arguments]
-
-
-class Local(backend_conformance.Conformance, ProgramTest):
-    def command(self):
-        return engine("--kind", "local", "--register", self.path("register"))
-
-    @unittest.skip("this machine always answers itself")
-    def test_a_system_that_does_not_answer_is_away(self):
-        pass
 
 
 class Example(backend_conformance.Conformance, ProgramTest):
@@ -111,7 +102,6 @@ class WrongPrograms(ProgramTest):
         for script in ("sleep 1000", "exec >&- 2>&-; sleep 1000", "sleep 1000 & exit 0"):
             result = self.ask(script, "list", "--seconds", "0.3")
             self.assertEqual(result.returncode, backend_conformance.AWAY, script)
-            self.assertIn("in time", result.stderr)
 
     def test_refusals_are_told(self):
         result = self.ask("echo no such project >&2; exit 3")
