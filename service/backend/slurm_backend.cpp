@@ -55,7 +55,6 @@ const SlurmQueue& SlurmBackend::queue(bool afresh) {
   if (!afresh && asked_s_ && now_s - *asked_s_ < settings_.list_every_s) return queue_;
   // One that doesn't answer isn't asked by each job in turn.
   if (away_s_ && now_s - *away_s_ < settings_.list_every_s) throw Away(away_words_);
-  ++questions_;
   try {
     ask(now_s);
     away_s_.reset();

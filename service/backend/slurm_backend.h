@@ -19,7 +19,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -62,9 +61,6 @@ class SlurmBackend final : public Backend {
   void end_soon() override { is_ending_ = true; }
   std::string title() const override { return "Slurm"; }
 
-  /// How often squeue was asked.
-  std::uint64_t questions() const { return questions_; }
-
  private:
   const SlurmQueue& queue(bool afresh);
   void ask(double now_s);
@@ -82,7 +78,6 @@ class SlurmBackend final : public Backend {
   std::string away_words_{};
   std::set<AttemptName> unsure_{};     ///< launches whose answer was lost
   std::set<std::string> cancelled_{};  ///< numbers that this object cancelled
-  std::uint64_t questions_ = 0;
   std::atomic<bool> is_ending_ = false;
 };
 

@@ -123,7 +123,6 @@ std::unique_ptr<Attempts> JobRunner::make_attempts() {
                             .feeds = feeds_,
                             .backend = options_.system,
                             .daemon_id = options_.daemon_id,
-                            .list_every_s = options_.list_every_s,
                             .programs = options_.programs,
                             .text_of = text_of,
                             .hear = hear_it});

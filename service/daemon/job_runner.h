@@ -44,8 +44,7 @@ struct RunnerOptions {
   keeper::Programs programs{};
   /// The batch system that has the jobs' attempts; null: this machine.
   std::shared_ptr<backend::Backend> system{};
-  std::string daemon_id{};   ///< of the state folder, for the system (backend::is_daemon_name)
-  double list_every_s = 10;  ///< how often the system is asked for all attempts
+  std::string daemon_id{};  ///< of the state folder, for the system (backend::is_daemon_name)
 };
 
 /// The free disk and the folders' sizes are looked at so often while jobs run, or wait.

@@ -133,7 +133,6 @@ TEST_F(SlurmBackendTest, AsksSqueueOnceForAllAndNotSoonAgain) {
     slurm.launch(order(job));
   EXPECT_EQ(slurm.list("abcdefgh").size(), 7U) << "what was submitted is there at once";
   EXPECT_EQ(slurm.list("strangers").size(), 1U);
-  EXPECT_EQ(slurm.questions(), 1U);
   EXPECT_EQ(calls("squeue"), 1U);
   clock_.now = 9.9;
   slurm.list("abcdefgh");
