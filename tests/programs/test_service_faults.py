@@ -14,7 +14,6 @@ import time
 import unittest
 
 import harness
-from harness import sleight
 from service_harness import ServiceTest, processes_of
 
 KINDS = ["daemon", "keeper", "client", "mpirun", "rank 0", "rank"]
@@ -132,9 +131,8 @@ class Faults(ServiceTest):
     def test_a_reserve_holds_and_lets_go(self):
         self.serve("--disk-reserve", "8000TB")
         number = self.submit(self.write_request(chains=1, scans=300))
-        time.sleep(1)
+        self.until(lambda: "disk" in self.job(number)["not_yet"].lower())
         self.assertEqual(self.job(number)["starts"], 0)
-        self.assertIn("disk", self.job(number)["not_yet"].lower())
         self.kill_daemon(signal.SIGTERM)
         self.serve()
         self.wait(number)

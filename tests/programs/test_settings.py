@@ -74,15 +74,6 @@ class Config(ProgramTest):
                "SLEIGHT_STATE": "", "SLEIGHT_SOCKET": "", "SLEIGHT_ALLOW_ROOT": "", **variables}
         return path, sleight("config", *words, env=env)
 
-    def test_nothing_needs_configuring(self):
-        path, result = self.config()
-        lines = self.succeed(result).stdout.splitlines()
-        self.assertTrue(lines[0].startswith("state "), lines)
-        self.assertIn(f"{self.folder}/.local/state/sleight  ", lines[0])
-        self.assertEqual(lines[-1], f"The file is {path}, which is not there.")
-        for line in lines[:-2]:
-            self.assertIn("  default  ", line)
-
     def test_tells_where_each_setting_comes_from(self):
         path, result = self.config("--json", file="cores = 1\nslice = '1.5m'\n[limits]\njobs = 5\n",
                                    SLEIGHT_SOCKET="/tmp/s")

@@ -184,27 +184,6 @@ class Disturbed(ProgramTest):
         return self.log().count(f"=== attempt {self.attempts}: ") - \
             self.log().count(f"=== attempt {self.attempts}: ended")
 
-    def test_undisturbed(self):
-        self.launch()
-        self.check_ended()
-        self.assertEqual(self.state()["words"], "COMPLETED")
-
-    def test_ranks_on_two_nodes(self):
-        self.launch(2, more="--nodes=2")
-        self.check_ended()
-
-    def test_the_controller_killed_after_a_submit(self):
-        self.attempts += 1
-        self.assertEqual(self.question("launch", **self.order()).returncode, 0)
-        self.slurm.kill("slurmctld")
-        for verb in ("state", "launch"):
-            asked = self.order() if verb == "launch" else {"attempt": self.name()}
-            self.assertEqual(self.question(verb, **asked).returncode, backend_conformance.AWAY)
-        self.slurm.start_controller()
-        self.ask("launch", **self.order())
-        self.check_ended()
-        self.assertEqual(self.starts(), 1, self.log())
-
     def test_the_controller_killed_as_the_attempt_starts(self):
         # What it had saved may be older than the start: then it starts the job again, beside the first, or
         # knows nothing of it.
@@ -223,34 +202,6 @@ class Disturbed(ProgramTest):
             self.assertEqual(self.starts(), 0)
         self.check_ended()
 
-    def test_one_job_started_twice(self):
-        # By hand: put into the queue again, although it was submitted with --no-requeue.
-        job = self.launch()
-        self.until_it_computes()
-        self.slurm.call("scontrol", "update", f"jobid={job}", "requeue=1", check=True)
-        self.slurm.call("scontrol", "requeue", job, check=True)
-        self.until("the second start", lambda: "has begun before" in self.log(), 90)
-        seen = self.until_gone()
-        self.assertEqual(seen["cause"], "itself")
-        self.assertIn("FAILED", seen["words"])
-        self.assertEqual(self.starts(), 1, self.log())
-        self.check_stopped_in_order()
-        self.check_goes_on()
-
-    def test_a_lost_node(self):
-        self.launch(more="--nodelist=other")
-        self.until_it_computes()
-        # All that runs there goes with it.
-        keeper = self.record()["keeper"]["pid"]
-        self.slurm.kill("other")
-        self.slurm.kill_steps()
-        os.kill(keeper, signal.SIGKILL)
-        seen = self.until_gone(180)
-        self.assertEqual(seen["cause"], "taken", seen)
-        self.assertRegex(seen["words"], "NODE_FAIL|NodeDown|JobLaunchFailure")
-        self.assertIsNone(self.record()["end"])
-        self.check_goes_on(more=f"--nodelist={self.slurm.host}")
-
     def test_warned_before_its_time_is_over(self):
         self.launch(time="1", script="trap 'echo told; exit 130' USR1\nwhile true; do sleep 0.1; done")
         self.until("its end", lambda: self.record().get("end"), 120)
@@ -258,15 +209,6 @@ class Disturbed(ProgramTest):
         self.assertEqual((end["stop_asked"], end["exit_code"], end["log_tail"]), ("in_order", 130, ["told"]))
         self.assertLess(end["wall_s"], 60)
         self.until_gone()
-        self.check_goes_on()
-
-    def test_out_of_time(self):
-        # A run that heeds no warning.
-        self.launch(time="1", script="trap '' USR1 TERM\nwhile true; do sleep 0.1; done")
-        self.until("its record", lambda: self.record())
-        seen = self.until_gone(240)
-        self.assertEqual((seen["cause"], seen["words"]), ("itself", "TIMEOUT (TimeLimit)"))
-        self.assertIsNone(self.record()["end"])
         self.check_goes_on()
 
     def preempt(self, ranks=0, **options):
@@ -279,33 +221,8 @@ class Disturbed(ProgramTest):
         self.check_stopped_in_order()
         self.check_goes_on(ranks, **options)
 
-    def test_pre_empted(self):
-        self.preempt()
-
     def test_pre_empted_with_ranks_on_two_nodes(self):
         self.preempt(2, more="--nodes=2")
-
-    def test_cancelled_by_hand(self):
-        job = self.launch()
-        self.until_it_computes()
-        self.slurm.call("scancel", job, check=True)
-        self.assertEqual(self.until_gone()["cause"], "cancelled")
-        self.check_stopped_in_order()
-        self.check_goes_on()
-
-    def test_cancelled_by_hand_while_it_waits(self):
-        job = self.launch(more="--begin=now+1000")
-        self.assertEqual(self.state()["state"], "waiting")
-        self.slurm.call("scancel", job, check=True)
-        self.assertEqual(self.until_gone()["cause"], "cancelled")
-        self.assertEqual(self.record(), {})
-        self.check_goes_on()
-
-    def test_why_it_waits(self):
-        self.launch(more="--begin=now+1000")
-        self.until("a reason", lambda: self.state()["words"] == "BeginTime", 20)
-        self.assertTrue(self.ask("signal", attempt=self.name(), how="in_order")["signalled"])
-        self.until_gone()
 
     def test_refusals(self):
         self.attempts += 1
