@@ -10,7 +10,6 @@ import signal
 import sqlite3
 import tempfile
 import time
-import unittest
 
 import harness
 from harness import ProgramTest, sleight
@@ -73,14 +72,6 @@ class Derive(ProgramTest):
         self.assertEqual(self.derive(self.path("copy"), self.path("first.h5")),
                          {**copied, "archive": str(self.path("first.h5"))})
 
-    def test_a_finished_run_for_people(self):
-        output = self.path("a.h5")
-        self.direct(self.write_request(chains=2, scans=50), output)
-        said = self.succeed(sleight("archive", "derive", f"{output}.run", "-o", self.path("b.h5"))).stdout
-        self.assertEqual(said, f"{self.path('b.h5')}: 2 chains of 50 scans, 0 found, digest "
-                               f"{self.digest(output)}\n")
-        self.assertEqual(self.path("b.h5").read_bytes(), output.read_bytes())
-
     def test_its_own_output_may_be_renewed(self):
         """Of finds alone, and then of finds and draws."""
         output = self.path("hi.h5")
@@ -105,7 +96,6 @@ class Derive(ProgramTest):
         made = self.succeed(harness.run([*as_nobody, "archive", "derive", f"{output}.run", "-o",
                                          place / "b.h5"]))
         self.assertIn(self.digest(output), made.stdout)
-        self.assertIn("motions of kept animations are not remembered", made.stderr)
 
     def test_what_it_refuses(self):
         output = self.path("a.h5")

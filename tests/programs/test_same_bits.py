@@ -63,32 +63,6 @@ class SameBits(ProgramTest):
                     env={"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA"})
         self.assertEqual(self.path("with.h5").read_bytes(), self.path("without.h5").read_bytes())
 
-    def test_a_time_limited_run_is_the_run_asked_for_as_many_scans(self):
-        request = self.write_request(scans=100000000, chains=3)
-        self.direct(request, self.path("cut.h5"), "--time-limit", "1.5s")
-        cut = self.info(self.path("cut.h5"))["scans"]
-        self.assertGreater(cut, 100)
-        self.assertLess(cut, 100000000)
-        self.direct(self.write_request("whole.toml", scans=cut, chains=3), self.path("whole.h5"))
-        self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
-
-    def test_a_run_in_many_sessions(self):
-        # Seconds of work in sessions of a third of a second; longer ones on a machine so slow that
-        # it hardly starts the program in that time.
-        request = self.write_request(scans=20000, chains=3, iterations_per_scan=100)
-        limit_s = 0.3
-        for sessions in range(1, 60):
-            self.direct(request, self.path("cut.h5"), "--time-limit", f"{limit_s:.2f}s")
-            limit_s *= 1.1
-            if self.path("cut.h5").exists() and self.info(self.path("cut.h5"))["scans"] == 20000:
-                break
-        self.assertGreater(sessions, 1)
-        self.direct(request, self.path("whole.h5"))
-        self.assertEqual(self.path("cut.h5").read_bytes(), self.path("whole.h5").read_bytes())
-        self.same_events(self.path("cut.h5"), self.path("whole.h5"))
-        ends = [event for event in self.events(self.path("cut.h5")) if event["kind"] == "ended"]
-        self.assertEqual([end["end"]["epoch"] for end in ends], list(range(1, sessions + 1)))
-
     def test_what_is_asked_for_does_change_the_archive(self):
         # The comparison can fail: seed, chains and scans change the digest.
         self.direct(self.write_request(scans=200), self.path("base.h5"))
