@@ -3,7 +3,6 @@ own place. Method: small runs of each world; the same asked of the file with h5p
 each, answered slowly beside."""
 
 import json
-import lzma
 import pathlib
 import shutil
 import tempfile
@@ -105,7 +104,6 @@ class Browse(ProgramTest):
         result = self.succeed(sleight("find", *both, "--where", "die 1 touches table", "--json"))
         alone = self.find(both[0], "--where", "die 1 touches table")
         self.assertEqual(parsed(result)["found"], alone["found"])
-        self.assertIn("nothing is called 'die 1'", result.stderr)
         self.assertEqual([left["path"] for left in parsed(result)["left_out"]], [str(both[1])])
         self.assertEqual([one["path"] for one in parsed(result)["archives"]], [str(both[0])])
         self.assertEqual(sleight("find", *both, "--where", "dye 1 touches table").returncode, 2)
@@ -130,21 +128,6 @@ class Browse(ProgramTest):
                          [name for name, count in zip(names, hits) if count > 1])
         self.assertEqual(self.find(archive, "--in", "die 1: z 5m..")["found"], 0)
         self.assertEqual(self.find(archive, "--in", "any: z 90..110mm during ..0s")["found"], len(names))
-
-    def test_errors_point_at_the_place(self):
-        for query, column, words in [("die 7 in x 0..1", 1, "did you mean 'die 1'?"),
-                                     ("die 1 in x 0..1 parsec", 17, "the end is expected"),
-                                     ("log_prior", 1, "is a number"),
-                                     ("", 1, "a query is expected")]:
-            for option in ["--where", "--in", "--not"]:
-                result = sleight("find", self.archives["dice"], option, query)
-                self.assertEqual(result.returncode, 2, result.stderr)
-                self.assertIn(f"{option} for {self.archives['dice']}: column {column}: ", result.stderr)
-                self.assertIn(words, result.stderr)
-                self.assertTrue(result.stderr.endswith("\n  " + " " * (column - 1) + "^\n"))
-        result = sleight("find", self.archives["dice"], "--sort", "log_priors")
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("did you mean 'log_prior'?", result.stderr)
 
     def test_a_bad_archive_costs_its_own_place(self):
         cut = self.path("cut.h5")
@@ -194,7 +177,6 @@ class Browse(ProgramTest):
         # Another world's bodies are another matter.
         result = sleight("groups", self.archives["dice"], self.archives["ball"])
         self.assertEqual(result.returncode, 2)
-        self.assertIn("have other bodies", result.stderr)
         # The same run twice counts once.
         twice = self.find(self.archives["dice"], self.archives["dice"])
         self.assertEqual(twice["found"], self.find(self.archives["dice"])["found"])
@@ -204,16 +186,6 @@ class Browse(ProgramTest):
         members = sum(group["first"] + group["second"] for group in compared["groups"])
         self.assertEqual(members, sum(archive["animations"] for archive in compared["archives"]))
         self.assertTrue(0 < compared["nearest_neighbours"]["p_value"] <= 1)
-        text = self.succeed(sleight("compare", self.archives["dice"], self.archives["ball"])).stdout
-        self.assertIn("Their looks are not compared: they have other bodies", text)
-
-    def test_older_archives_are_named_with_what_to_do(self):
-        old = self.path("old.h5")
-        packed = pathlib.Path(harness.arguments.source) / "tests/archive_readers/format_2/dice.h5.xz"
-        old.write_bytes(lzma.decompress(packed.read_bytes()))
-        result = sleight("find", old)
-        self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertIn("sleight archive derive", result.stderr)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ import pathlib
 import re
 import resource
 import signal
-import unittest
 
 import harness
 from harness import ProgramTest

@@ -4,9 +4,7 @@ which stream, and their exit codes."""
 import json
 import os
 import re
-import signal
 import subprocess
-import time
 
 import h5py
 import harness
@@ -30,16 +28,6 @@ class Help(ProgramTest):
         text = self.succeed(sleight("--version")).stdout
         self.assertRegex(text, r"^sleight \d+\.\d+\.\d+\+(g[0-9a-f]{12}(\.dirty\.[0-9a-f]{12})?"
                                r"|src\.[0-9a-f]{12})\nresults [0-9a-f]{16}\n$")
-
-    def test_exit_codes_are_documented(self):
-        text = sleight("--help").stdout
-        for code in ["0", "1", "2", "3", "4", "5", "6", "7", "8", "130"]:
-            self.assertRegex(text, rf"\b{code}\b")
-
-    def test_keys_name_unit_and_range(self):
-        text = self.succeed(sleight("keys", "ball_2d")).stdout
-        for key in ["restitution", "normal_sd_deg", "sigma_diameters", "chains", "scans", "thin"]:
-            self.assertIn(key, text)
 
 
 class Usage(ProgramTest):
@@ -91,31 +79,12 @@ class Results(ProgramTest):
         self.assertEqual(summary["end"], "finished")
         self.assertEqual(summary["digest"], self.digest(self.path("a.h5")))
 
-    def test_check_prints_a_request_that_reads_the_same(self):
-        request = self.write_request()
-        first = self.succeed(sleight("check", request)).stdout
-        again = self.path("again.toml")
-        again.write_text(first)
-        self.assertEqual(self.succeed(sleight("check", again)).stdout, first)
-
     def test_the_archive_carries_the_request_that_reproduces_it(self):
         self.direct(self.write_request(), self.path("a.h5"), "--seed", "99")
         stored = self.path("stored.toml")
         stored.write_text(self.info(self.path("a.h5"))["request"])
         self.direct(stored, self.path("b.h5"))
         self.assertEqual(self.path("a.h5").read_bytes(), self.path("b.h5").read_bytes())
-
-    def test_export_has_a_row_for_every_draw(self):
-        self.direct(self.write_request(), self.path("a.h5"))
-        for table in ["sample_stats", "posterior"]:
-            text = self.succeed(sleight("archive", "export", self.path("a.h5"), "--csv",
-                                        "--table", table)).stdout
-            self.assertEqual(len(text.splitlines()), 1 + 4 * 1000, table)
-        to_file = self.path("animations.csv")
-        self.succeed(sleight("archive", "export", self.path("a.h5"), "--csv", "--table",
-                             "animations", "-o", to_file))
-        self.assertEqual(len(to_file.read_text().splitlines()),
-                         1 + self.info(self.path("a.h5"))["animations"])
 
     def test_plots(self):
         self.direct(self.write_request(), self.path("a.h5"))
@@ -124,33 +93,7 @@ class Results(ProgramTest):
                 picture = self.path(f"{what}.{ending}")
                 self.succeed(sleight("plot", self.path("a.h5"), "--what", what, "-o", picture))
                 self.assertTrue(picture.read_bytes().startswith(head))
-        self.assertIn("landing", self.succeed(
-            sleight("plot", self.path("a.h5"))).stdout.lower().replace("lands", "landing"))
         self.assertEqual(sleight("plot", self.path("a.h5"), "--chain", "4").returncode, 2)
-
-    def test_plots_say_where_they_come_from(self):
-        self.direct(self.write_request(), self.path("a.h5"))
-        picture = self.path("trace.svg")
-        self.succeed(sleight("plot", "--note", "commit=1f2e", "--note", "seed=7", self.path("a.h5"),
-                             "-o", picture))
-        self.assertIn("<metadata>\ncommit: 1f2e\nseed: 7\n</metadata>", picture.read_text())
-        for wrong in (["--note", "commit", "-o", picture], ["--note", "seed=7"],
-                      ["--note", "seed=7", "-o", self.path("a.png")]):
-            self.assertEqual(sleight("plot", self.path("a.h5"), *wrong).returncode, 2, wrong)
-
-    def test_interrupted_run_says_so_and_goes_on(self):
-        request = self.write_request(scans=300000)
-        process = harness.start([harness.program("sleight"), "direct", request, "-o",
-                                 self.path("a.h5")])
-        time.sleep(1.0)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 130, errors)
-        cut = self.info(self.path("a.h5"))["scans"]
-        self.assertGreater(cut, 0)
-        self.assertLess(cut, 300000)
-        self.direct(request, self.path("a.h5"))
-        self.assertEqual(self.info(self.path("a.h5"))["scans"], 300000)
 
     def test_progress_on_a_terminal(self):
         # `script` gives the program a terminal; the progress line renews itself with a carriage
@@ -188,7 +131,6 @@ class Output(ProgramTest):
             for to in [">/dev/full", ">&-"]:
                 result = harness.run(["sh", "-c", f"{line} {to}"])
                 self.assertEqual(result.returncode, 5, (line, to, result.stderr))
-                self.assertIn("can't write the results to standard output: ", result.stderr)
             self.succeed(harness.run(["sh", "-c", f"{line} <&- >/dev/null"]))
 
     def export(self, output, *args):
@@ -203,7 +145,6 @@ class Output(ProgramTest):
                      self.folder / "below" / ".." / "a.h5"]:
             result = self.export(same)
             self.assertEqual(result.returncode, 2, (same, result.stderr))
-            self.assertIn("the archive itself", result.stderr)
         self.assertEqual(self.archive.read_bytes(), before)
 
     def test_an_export_is_whole_or_absent(self):
@@ -222,11 +163,6 @@ class Output(ProgramTest):
         self.assertEqual(result.returncode, 5, result.stderr)
         self.assertEqual(limited.read_text(), "old")
         self.assertEqual(list(self.folder.glob("*.tmp.*")), [])
-
-    def test_tables_are_named(self):
-        result = self.export(self.path("t.csv"), "--table", "none")
-        self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertIn("replicas", sleight("archive", "export", "--help").stdout)
 
 
 class Plots(ProgramTest):
@@ -252,32 +188,6 @@ class Plots(ProgramTest):
         drawn = set(re.findall(r"chain (\d+), draw", self.svg("--what", "paths", "--chain",
                                                               str(chain))))
         self.assertEqual(drawn, {str(chain)})
-
-    def test_many_paths_wrap(self):
-        text = self.svg("--what", "paths", "--count", "6")
-        self.assertEqual(len(re.findall(r"chain \d+, draw", text)), 6)
-        self.assertIn('width="1440"', text)
-
-    def test_steps_are_named_after_the_request(self):
-        self.assertIn("iteration", self.svg())
-        self.direct(self.write_request("r.toml", iterations_per_scan=3), self.path("b.h5"))
-        self.archive = self.path("b.h5")
-        self.assertNotIn("iteration", self.svg())
-
-    def test_no_kept_animations_say_why(self):
-        for key in ["keep_max", "keep_per_lineage"]:
-            request = self.write_request(f"{key}.toml")
-            request.write_text(request.read_text() + f"{key} = 0\n")
-            archive = self.path(f"{key}.h5")
-            self.direct(request, archive)
-            result = sleight("plot", archive, "--what", "paths")
-            self.assertEqual(result.returncode, 5, result.stderr)
-            self.assertIn(f"{key} = 0", result.stderr)
-            self.assertIn(f"none kept ({key} is 0)", sleight("archive", "info", archive).stdout)
-
-    def test_info_explains_how_many_are_kept(self):
-        self.assertRegex(sleight("archive", "info", self.archive).stdout,
-                         r"\d+ kept \(at most 3 of each of 4 chains\)")
 
 
 class Damage(ProgramTest):
@@ -306,23 +216,6 @@ class Damage(ProgramTest):
             def damage(file):
                 file["animations"][dataset][:] = value
             self.assertIn("segments from", self.refused(damage, "plot", "--what", "paths"))
-
-    def test_positions_of_another_shape(self):
-        def damage(file):
-            animations = file["animations"]
-            del animations["position_m"]
-            flat = animations.create_dataset("position_m", data=animations["start_s"][:],
-                                             dtype="<f8")
-            flat.dims[0].attach_scale(animations["segment"])
-        self.assertIn("/animations/position_m", self.refused(damage, "plot", "--what", "paths"))
-
-    def test_texts_that_steer_a_terminal(self):
-        for name, value in [("world", b"ball\x1b[2J"), ("world", b"ball\xff"),
-                            ("inference_library_version", b"1\n2")]:
-            def damage(file):
-                file.attrs.modify(name, value)
-            for command in [["archive", "info"], ["archive", "info", "--json"], ["plot"]]:
-                self.assertIn(name, self.refused(damage, *command))
 
 
 if __name__ == "__main__":

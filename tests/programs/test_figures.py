@@ -10,7 +10,6 @@ list is compared with the documents; wrong calls.
 import pathlib
 import re
 import shutil
-import unittest
 
 import harness
 

@@ -9,7 +9,6 @@ import re
 import shutil
 import subprocess
 import sys
-import unittest
 
 import harness
 from harness import ProgramTest

@@ -110,45 +110,6 @@ class Spelling(ProgramTest):
             self.succeed(sleight("plot", archive, "-o", self.path("word.svg")))
             self.assertIn(f">all {tinted}<", self.path("word.svg").read_text())
 
-    def test_pictures_that_there_are_not(self):
-        archive = self.path("two.h5")
-        self.direct(self.request(), archive)
-        none = self.path("none.toml")
-        none.write_text(REQUEST.replace("scans = 40", "scans = 1"))
-        self.direct(none, self.path("none.h5"))
-        for of, what, code, words in [(archive, "paths", 2, "try --what animations"),
-                                      (archive, "smoke", 2, "smoke"),
-                                      (self.path("none.h5"), "animations", 5,
-                                       "no satisfying animation to draw; run more scans")]:
-            result = sleight("plot", of, "--what", what, "-o", self.path("no.svg"))
-            self.assertEqual(result.returncode, code, result.stderr)
-            self.assertIn(words, result.stderr)
-            self.assertFalse(self.path("no.svg").exists())
-
-    def test_damaged_motions_are_refused(self):
-        self.direct(self.request(), self.path("two.h5"))
-        for dataset, value, words in [("body", 20, "moves a body 21 of 2"),
-                                      ("body", -1, "has a segment 0 that no motion has"),
-                                      ("partner", 20, "that no motion has"),
-                                      ("start_s", numpy.nan, "has numbers that no motion has"),
-                                      ("position_m", numpy.inf, "has numbers that no motion has"),
-                                      ("segment_count", 1 << 62, "that are not there"),
-                                      ("segment_count", 0, "moves nothing")]:
-            damaged = self.path("damaged.h5")
-            damaged.write_bytes(self.path("two.h5").read_bytes())
-            with h5py.File(damaged, "r+") as file:
-                file["animations"][dataset][:] = value
-            result = sleight("plot", damaged, "--what", "animations", "-o", self.path("no.svg"))
-            self.assertEqual(result.returncode, 6, result.stderr)
-            self.assertIn(words, result.stderr)
-            self.assertNotIn("crashed", result.stderr)
-        # What is drawn far away is no crash.
-        damaged.write_bytes(self.path("two.h5").read_bytes())
-        with h5py.File(damaged, "r+") as file:
-            file["animations/position_m"][:] = 9e8
-        self.succeed(sleight("plot", damaged, "--what", "animations", "-o", self.path("far.svg")))
-        self.assertNotIn("nan", self.path("far.svg").read_text())
-
     def test_a_biased_kernel_is_labelled(self):
         path = self.path("thesis.toml")
         path.write_text(REQUEST.replace("[sampler]", '[sampler]\nkernel = "thesis"'))
@@ -164,13 +125,6 @@ class Spelling(ProgramTest):
         # The correct kernel says nothing of the kind.
         self.assertNotIn("biased", self.direct(self.request(), self.path("two.h5")).stderr)
         self.assertEqual(self.info(self.path("two.h5"))["warning"], "")
-
-    def test_a_wrong_bitmap_is_told(self):
-        path = self.path("bad.toml")
-        path.write_text(REQUEST.replace(".#.\n.#.", ".#.\n.#"))
-        result = sleight("check", path)
-        self.assertEqual(result.returncode, 3)
-        self.assertIn("row 2 has 2 characters, row 1 has 3", result.stderr + result.stdout)
 
 
 if __name__ == "__main__":
