@@ -2,9 +2,9 @@
 // SLEIGHT_BROWSER_DATA (of ctest's), else in one of the system's temporary ones. They are made anew when
 // the program or what is asked of it is another.
 //
-//   node support/archives.mjs      makes them
+//   node support/archives.mjs [NAME...]      makes them, or those
 import { createHash } from "node:crypto";
-import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, statSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, statSync } from "node:fs";
 import { tmpdir, userInfo } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -30,33 +30,29 @@ function folder() {
   return join(of, `${size}-${Math.round(mtimeMs)}-${asked.digest("hex").slice(0, 12)}`);
 }
 
-/** Paths by name; nobody changes these files. */
-export function archives() {
-  const place = folder();
-  const paths = Object.fromEntries(Object.keys(runs).map((name) => [name, join(place, `${name}.h5`)]));
-  if (existsSync(place)) return paths;
-  mkdirSync(join(place, ".."), { recursive: true });
-  const making = mkdtempSync(`${place}-`);
-  for (const [name, args] of Object.entries(runs))
-    run(name === "pucks" ? besides("../failing/sleight") : sleight, ["direct", ...args, "-o", join(making, `${name}.h5`), "-q"]);
-  try {
-    renameSync(making, place);
-  } catch (error) {
-    // Another test was quicker.
-    rmSync(making, { recursive: true });
-    if (!existsSync(place)) throw error;
-  }
-  return paths;
-}
-
-/** Copies of some, which a test may change, in a folder of its own. */
-export function copies(names, into) {
-  const all = archives();
+/** Paths by name of those that are asked for; nobody changes these files. */
+export function archives(names = Object.keys(runs)) {
+  const all = folder();
+  mkdirSync(all, { recursive: true });
   return Object.fromEntries(names.map((name) => {
-    const copy = join(into, `${name}.h5`);
-    cpSync(all[name], copy);
-    return [name, copy];
+    const place = join(all, name);
+    const path = join(place, `${name}.h5`);
+    if (existsSync(place)) return [name, path];
+    const making = mkdtempSync(`${place}-`);
+    run(name === "pucks" ? besides("../failing/sleight") : sleight,
+      ["direct", ...runs[name], "-o", join(making, `${name}.h5`), "-q"]);
+    try {
+      renameSync(making, place);
+    } catch (error) {
+      // Another test was quicker.
+      rmSync(making, { recursive: true });
+      if (!existsSync(place)) throw error;
+    }
+    return [name, path];
   }));
 }
 
-if (process.argv[1] === fileURLToPath(import.meta.url)) console.log(JSON.stringify(archives()));
+if (process.argv[1] === fileURLToPath(import.meta.url)) {
+  const names = process.argv.slice(2);
+  console.log(JSON.stringify(archives(names.length > 0 ? names : undefined)));
+}
