@@ -209,6 +209,10 @@ class ManPages(ProgramTest):
             page.write(".Xr sleight-dirext 1\n.Zz\n")
         self.assertIn("sleight-dirext", self.lint().stdout)
 
+    def test_the_programs_own_page_on_stdout(self):
+        page = self.succeed(sleight("man")).stdout
+        self.assertIn(".Dt SLEIGHT 1\n", page)
+
     def test_build_has_pages_and_scripts(self):
         """Where man and the shells look below a prefix."""
         for path, words in {"man/man1/sleight-batch.1": ["sleight-batch"],

@@ -40,6 +40,8 @@ class Service(ServiceTest):
         self.until(lambda: not self.folder_of(number).exists())
         gone = self.ask("status", number)
         self.assertEqual(gone.returncode, 2, gone.stderr)
+        self.succeed(self.ask("server", "stop"))
+        self.assertEqual(self.daemon.wait(timeout=30), 0)
 
     def test_cancel_resume_and_extend(self):
         self.serve()

@@ -1,0 +1,70 @@
+// Goal: what would show first if the gallery broke: the wall has a picture of all that is kept, a query finds
+// what `sleight find` finds, the player plays, and bodies are drawn where the C++ code says. Method: one visit
+// of a gallery of one archive in Chromium; ten animations' pixels. The other files have the rest.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { archives } from "./support/archives.mjs";
+import { cards, inkOf, playerShows, playerState, Visitor } from "./support/browser.mjs";
+import { Gallery } from "./support/gallery.mjs";
+import { judgeBodies } from "./support/pixels.mjs";
+import { find, namesFound } from "./support/programs.mjs";
+import { Random } from "./support/random.mjs";
+
+const { hi } = archives(["hi"]);
+const known = find(hi).animations;
+
+let gallery, visitor, page;
+before(async () => {
+  gallery = await Gallery.start([hi]);
+  visitor = await Visitor.enter(gallery, { colorScheme: "dark" });
+  page = visitor.page;
+});
+after(async () => {
+  await visitor?.close();
+  await gallery?.stop();
+});
+
+test("the wall has all that is kept, in groups with pictures", async () => {
+  await cards(page);
+  const words = await page.locator("#groups [role=gridcell]").allInnerTexts();
+  const kept = words.map((card) => Number(/(\d+) kept/.exec(card)[1]));
+  assert.equal(kept.reduce((a, b) => a + b), known.length, kept.join());
+  const { colours, other, width, height } = await inkOf(page.locator("canvas[data-thumbnail=drawn]").first());
+  assert.ok(colours > 20 && other > (width * height) / 100, `a picture has ${colours} colours`);
+  visitor.assertNoProblems();
+});
+
+test("a query keeps what `find` finds", async () => {
+  const rests = known.map(({ numbers }) => numbers.rest_s).sort((a, b) => a - b);
+  const query = `rest_s > ${rests[Math.floor(rests.length / 2)].toFixed(4)}`;
+  const found = namesFound(hi, "--where", query);
+  assert.ok(found.length > 0 && found.length < known.length, `${found.length} are found`);
+  await visitor.open("#view=list");
+  await page.locator("#query").fill(query);
+  await page.locator("#query-count", { hasText: `true of ${found.length} of ${known.length}` }).waitFor();
+  await page.locator("#query").press("Enter");
+  await page.locator("#counts", { hasText: `${found.length} of ${known.length} shown` }).waitFor();
+  await page.locator(`#list [data-index='0'][data-key='${found[0]}']`).waitFor();
+  visitor.assertNoProblems();
+});
+
+test("the player plays to the end", async () => {
+  const [{ id, numbers }] = known;
+  await visitor.open("#view=list");
+  await page.locator("#list [data-index='0'] canvas").dblclick();
+  const { labels, range } = await playerShows(page, 1);
+  assert.deepEqual([labels, Math.abs(range.to - numbers.rest_s) < 1e-3], [[id], true]);
+  await page.locator("#speed").selectOption("4");
+  await page.locator("#timeline").focus();
+  await page.keyboard.press("Home");
+  const { frames } = await playerState(page);
+  await page.locator("#play-pause").click();
+  await page.waitForFunction(([before, end]) => {
+    const { isPlaying, time, frames: drawn } = window.sleightGallery.player;
+    return !isPlaying && drawn > before + 1 && Math.abs(time - end) < 1e-3;
+  }, [frames, numbers.rest_s]);
+  visitor.assertNoProblems();
+});
+
+test("bodies are where they should be", () =>
+  judgeBodies({ visitor, world: "hi", path: hi, asked: 10, random: new Random(26) }));
