@@ -72,11 +72,11 @@ test("about an axis that stands still the turn is the angle's closed form", () =
 });
 
 test("about an axis that turns, the turn is the differential equation's", () => {
-  // Goal: 1e-6 rad. Method: an explicit fourth-order solution of q' = w q / 2 in 200,000 steps.
+  // Goal: 1e-6 rad. Method: an explicit fourth-order solution of q' = w q / 2 in 20,000 steps.
   const w = [9, -14, 6] as const;
   const a = [-40, 25, 60] as const;
   const end = 0.4;
-  const steps = 200_000;
+  const steps = 20_000;
   let q: [number, number, number, number] = [1, 0, 0, 0];
   const slope = (t: number, at: readonly number[]): number[] => {
     const [x, y, z] = [0, 1, 2].map((k) => w[k]! + t * a[k]!) as [number, number, number];

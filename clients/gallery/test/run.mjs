@@ -1,6 +1,6 @@
 // Runs the tests by Node's own runner: `npm test [-- NAME...]`, NAME.test.ts each.
 //
-// Each test is bundled on its own into a folder that goes away; esbuild is Vite's.
+// They are bundled together into a folder that goes away, and run in one process; esbuild is Vite's.
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -20,10 +20,11 @@ if (tests.length === 0) {
 }
 const folder = mkdtempSync(join(tmpdir(), "sleight-gallery-test-"));
 try {
+  const bundle = join(folder, "all.mjs");
+  const contents = tests.map((name) => `import "./${name}";`).join("\n");
   await build({
-    entryPoints: tests.map((name) => join(here, name)),
-    outdir: folder,
-    outExtension: { ".js": ".mjs" },
+    stdin: { contents, resolveDir: here },
+    outfile: bundle,
     bundle: true,
     format: "esm",
     platform: "node",
@@ -31,8 +32,7 @@ try {
     sourcemap: "inline",
     logLevel: "warning",
   });
-  const files = tests.map((name) => join(folder, name.replace(/\.ts$/, ".mjs")));
-  const options = ["--enable-source-maps", "--test", ...files];
+  const options = ["--enable-source-maps", "--test", bundle];
   const { status } = spawnSync(process.execPath, options, { stdio: "inherit" });
   process.exitCode = status ?? 1;
 } finally {

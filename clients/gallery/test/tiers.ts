@@ -1,0 +1,4 @@
+/** A count of `deploy/test`, or that of `deploy/test --all`, which sets SLEIGHT_ALL. */
+export function ofTier(fast: number, all: number): number {
+  return process.env["SLEIGHT_ALL"] === "1" ? all : fast;
+}
