@@ -284,7 +284,7 @@ bool is_usable(const Index& earlier, const Index& index) {
              return contact.body < bodies && contact.partner < index.scene.features.size();
            });
   };
-  return !index.run_id.empty() && earlier.run_id == index.run_id && earlier.world == index.world &&
+  return earlier.run_id == index.run_id && earlier.world == index.world &&
          earlier.numbers == index.numbers && std::ranges::all_of(earlier.entries, fits);
 }
 

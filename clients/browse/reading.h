@@ -44,9 +44,8 @@ struct ReadIndex {
   bool is_beginning = false;     ///< there are more animations
 };
 
-/// The animations of /animations, then those of /finds. Or why they can't be told, as a predicate:
-/// "has no scene, as archives of format 2 have none". Throws base::Error where it can't be read, or
-/// an animation is none.
+/// The animations of /animations, then those of /finds; or what is wrong with its scene. Throws
+/// base::Error where it can't be read, or an animation is none.
 base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
                                                 const ReadingOptions& options = {});
 

@@ -44,8 +44,7 @@ plot::Figure animation_figure(const std::string& title, const scene::Scene& scen
                               const std::vector<ShownAnimation>& animations, bool whole = true);
 
 /// The same of an archive's kept animations, chosen as choose_animations does. Throws
-/// base::Error(bad_archive) on what can be no scene or no motion, usage where the archive is too
-/// old to have a scene.
+/// base::Error(bad_archive) on what can be no scene or no motion.
 plot::Figure animation_figure(const archive::Source& source, const AnimationFigureOptions& options);
 
 }  // namespace sleight::cli

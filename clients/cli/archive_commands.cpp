@@ -180,8 +180,7 @@ void print_for_people(const std::string& path, const Facts& facts) {
   if (facts.odds) fmt::print("{}", in_words(*facts.odds));
   fmt::print("  written by   sleight {}, format {}\n", summary.inference_library_version,
              summary.format_version);
-  if (!summary.run_id.empty())
-    fmt::print("  run          {}, results {}\n", summary.run_id, summary.results_version);
+  fmt::print("  run          {}, results {}\n", summary.run_id, summary.results_version);
   fmt::print("  digest       {}\n\n", summary.content_digest);
   fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
 }

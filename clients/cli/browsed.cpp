@@ -75,7 +75,6 @@ std::size_t Browsed::animations() const {
 
 browse::ReadIndex read_index(const archive::Source& source, const std::string& path,
                              const IndexingOptions& options) {
-  require_group(source, archive::k_scene, "scene");
   std::optional<KeptIndex> kept = options.earlier == nullptr ? kept_index(path) : std::nullopt;
   const bool is_of_this_file = kept && options.file && kept->of == *options.file;
   auto read = browse::read_index(source, {.earlier = kept ? &kept->index : options.earlier,

@@ -21,7 +21,7 @@ struct FilmOptions {
 
 class FilmExport {
  public:
-  /// Throws base::Error(usage) where the archive has no scene, as older ones.
+  /// Throws base::Error(bad_archive) where its scene can be none.
   FilmExport(const archive::Source& source, FilmOptions options);
 
   /// At this place, whole or not at all. `progress`: frames that are done, of how many.

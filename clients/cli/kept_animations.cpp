@@ -16,9 +16,6 @@
 namespace sleight::cli {
 namespace {
 
-/// From this one on archives have a scene and a prior.
-constexpr std::int64_t k_first_complete_format = 3;
-
 /// Why there is nothing to draw, and what to do.
 [[noreturn]] void refuse_empty(const archive::Source& source, std::optional<std::uint64_t> chain) {
   const archive::Summary summary = archive::summary_of(source);
@@ -79,20 +76,6 @@ Rows segments_of(const archive::Source& source, std::size_t animation, std::uint
   return {.first = static_cast<std::uint64_t>(start), .count = static_cast<std::uint64_t>(count)};
 }
 
-void require_group(const archive::Source& source, std::string_view group, std::string_view what) {
-  if (archive::find_group(source, group) != nullptr) return;
-  const std::int64_t format = archive::summary_of(source).format_version;
-  if (format >= k_first_complete_format) {
-    throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: it has no group {}", source.name(), group));
-  }
-  throw base::Error(
-      base::ExitCode::usage,
-      fmt::format("{}: archives of its format, {}, have no {}; make a newer one of its run, by "
-                  "`sleight archive derive`, or direct its request again",
-                  source.name(), format, what));
-}
-
 void refuse_animation(const archive::Source& source, std::string_view name,
                       std::string_view reason) {
   throw base::Error(base::ExitCode::bad_archive,
@@ -105,7 +88,6 @@ void refuse_animation(const archive::Source& source, std::size_t animation,
 }
 
 scene::Scene required_scene(const archive::Source& source) {
-  require_group(source, archive::k_scene, "scene");
   auto scene = archive::scene_of(source);
   if (scene) return std::move(scene).value();
   throw base::Error(base::ExitCode::bad_archive,

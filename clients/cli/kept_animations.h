@@ -40,8 +40,7 @@ Rows segments_of(const archive::Source& source, std::size_t animation, std::uint
 [[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
                                    std::string_view reason);
 
-/// What all animations look like. Throws base::Error: usage where the archive is too old to have a
-/// scene, bad_archive where it can be none.
+/// What all animations look like. Throws base::Error(bad_archive) where it can be none.
 scene::Scene required_scene(const archive::Source& source);
 
 /// An animation as its archive keeps it.
@@ -54,10 +53,6 @@ struct KeptAnimation {
 /// it is none. REQUIRES: the archive's scene and motions, a row of these.
 KeptAnimation kept_animation(const archive::Source& source, const archive::KeptMotions& motions,
                              std::uint64_t row, const scene::Scene& scene, std::string_view name);
-
-/// Throws base::Error(usage) that says what an archive of format 1 or 2 lacks, and what to do,
-/// where there is no such group; bad_archive of a later format. `what`: what is in it, "scene".
-void require_group(const archive::Source& source, std::string_view group, std::string_view what);
 
 /// Up to `count` animations, of one chain or of all: the first of each lineage, then the others, in
 /// the archive's order. Throws base::Error that says why when there is none, usage when there is no

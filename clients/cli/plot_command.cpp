@@ -85,12 +85,10 @@ std::vector<OwnWhat> own_whats_of(const PlotsOfWorlds& worlds) {
   for (const OwnWhat& own : own_whats_of(worlds)) {
     if (own.kind.what == what) whose = own.worlds;
   }
-  // Archives without a scene have no animations to draw.
-  const bool has_scene = archive::find_group(source, archive::k_scene) != nullptr;
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("{} can be drawn of {} archives only, and {} is of the world {}{}",
-                                what, fmt::join(whose, " and "), source.name(), world,
-                                has_scene ? "; try --what animations" : ""));
+                    fmt::format("{} can be drawn of {} archives only, and {} is of the world {}; "
+                                "try --what animations",
+                                what, fmt::join(whose, " and "), source.name(), world));
 }
 
 void draw_on_terminal(const plot::Figure& figure) {

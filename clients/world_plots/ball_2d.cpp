@@ -72,19 +72,8 @@ std::vector<double> in_plane(const std::vector<double>& vectors) {
   return pairs;
 }
 
-/// Of formats 1 and 2, where hops had columns of their own.
-Segments read_old_segments(const archive::Source& source, const Rows& rows) {
-  return {.duration_s = cli::read_rows(source, archive::k_animations, "duration_s", 1, rows),
-          .position_m = cli::read_rows(source, archive::k_animations, "position_m", 2, rows),
-          .velocity_mps = cli::read_rows(source, archive::k_animations, "velocity_mps", 2, rows),
-          .normal_rad = cli::read_rows(source, archive::k_animations, "hop_normal_rad", 1, rows)};
-}
-
 Segments read_segments(const archive::Source& source, std::size_t animation) {
   const Rows rows = cli::segments_of(source, animation, k_hops_max);
-  const archive::Group* group = archive::find_group(source, archive::k_animations);
-  if (group != nullptr && archive::find_dataset(*group, "duration_s") != nullptr)
-    return read_old_segments(source, rows);
   if (rows.count == 0) cli::refuse_animation(source, animation, "has no motion");
   const std::vector<double> start_s =
       cli::read_rows(source, archive::k_animations, "start_s", 1, rows);

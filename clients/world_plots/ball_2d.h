@@ -4,7 +4,7 @@
 //         tolerance, and log p below. Of one chain, or of the first six.
 // paths   figure 2.3: paths of the ball's centre in some kept animations, chosen as
 //         choose_animations does, with an arrow along each collision's normal and the target on the
-//         table. Of archives of all formats.
+//         table.
 #pragma once
 
 #include <string>

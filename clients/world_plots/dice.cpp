@@ -236,8 +236,11 @@ std::size_t offset_bin_of(double score) {
 }
 
 DicePrior dice_prior_of(const archive::Source& source) {
-  cli::require_group(source, archive::k_prior, "prior to compare with");
-  cli::require_group(source, archive::k_sample_stats_prior, "prior to compare with");
+  for (const std::string_view group : {archive::k_prior, archive::k_sample_stats_prior}) {
+    if (archive::find_group(source, group) == nullptr)
+      throw base::Error(base::ExitCode::bad_archive,
+                        fmt::format("{}: it has no group {}", source.name(), group));
+  }
   DicePrior prior{.dice = dice_of(source)};
   std::vector<std::vector<double>> means;
   std::vector<std::vector<double>> sds;

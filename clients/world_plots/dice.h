@@ -50,8 +50,7 @@ struct DicePrior {
   bool is_table_random = true;  ///< the heights of its control points
 };
 
-/// From /prior and /sample_stats_prior. Throws base::Error: usage when the archive's format has
-/// none, bad_archive when it is damaged.
+/// From /prior and /sample_stats_prior. Throws base::Error(bad_archive) when it is damaged.
 DicePrior dice_prior_of(const archive::Source& source);
 
 /// By how much log densities lie below blind throws' mean.

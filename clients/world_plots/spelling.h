@@ -10,7 +10,7 @@
 namespace sleight::world_plots {
 
 /// How many bins to fill are filled along chains, below a line at all of them, and log p beneath;
-/// over iterations. All archives' formats have what it needs.
+/// over iterations.
 class Spelling final : public cli::WorldPlots {
  public:
   std::string world() const override;

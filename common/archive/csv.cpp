@@ -288,12 +288,6 @@ std::vector<RowRange> rows_of(const Source& source, const Group& group, const st
   return ranges;
 }
 
-/// Not of every format, or of every world.
-bool is_optional(const Table& table) {
-  return table.group == k_scene || table.group == k_prior || table.group == k_sample_stats_prior ||
-         table.index.front() == "point";
-}
-
 }  // namespace
 
 std::vector<std::string> csv_tables() {
@@ -318,7 +312,9 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
                                   source.name(), table_name));
   }
   if (group == nullptr || find_dataset(*group, table->index.front()) == nullptr) {
-    if (!is_optional(*table)) refuse(source, fmt::format("there is no group {}", table->group));
+    // Only some worlds have points.
+    if (table->index.front() != "point")
+      refuse(source, fmt::format("there is no group {}", table->group));
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: this archive has no table '{}'", source.name(), table_name));
   }

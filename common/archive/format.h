@@ -14,7 +14,7 @@
 namespace sleight::archive {
 
 inline constexpr std::string_view k_format_name = "sleight-archive";
-/// Raised when a reader of the older version would misread the newer file.
+/// Raised when a reader of the older version would misread the newer file. No other is read.
 inline constexpr std::int64_t k_format_version = 3;
 inline constexpr std::string_view k_inference_library = "sleight";
 
@@ -24,14 +24,12 @@ inline constexpr std::string_view k_sample_stats = "/sample_stats";
 inline constexpr std::string_view k_replicas = "/replicas";
 inline constexpr std::string_view k_tempering = "/tempering";  ///< only where something was learnt
 inline constexpr std::string_view k_animations = "/animations";
-/// What animations look like (common/scene); not in formats 1 and 2.
+/// What animations look like (common/scene).
 inline constexpr std::string_view k_scene = "/scene";
-/// Draws from the prior, by ArviZ's names; not in formats 1 and 2.
+/// Draws from the prior, by ArviZ's names.
 inline constexpr std::string_view k_prior = "/prior";
 inline constexpr std::string_view k_sample_stats_prior = "/sample_stats_prior";
 inline constexpr std::size_t k_prior_draws = 1000;
-/// The first format that has these, and motions of one form for all worlds.
-inline constexpr std::int64_t k_format_with_scene = 3;
 /// Only where a search found something, with the attribute `found`: how many, kept or not.
 inline constexpr std::string_view k_finds = "/finds";
 inline constexpr std::string_view k_found = "found";

@@ -170,13 +170,6 @@ constexpr std::int32_t k_index_max = 1'000'000'000;
 }  // namespace
 
 base::Result<scene::Scene, std::string> scene_of(const Source& source) {
-  if (find_group(source, k_scene) == nullptr) {
-    const Attribute* version =
-        find_attribute(find_group(source, k_root)->attributes, "format_version");
-    const auto* number = version == nullptr ? nullptr : std::get_if<std::int64_t>(&version->value);
-    return fmt::format("has no scene, as archives of format {} have none",
-                       number == nullptr ? 0 : *number);
-  }
   if (const auto findings = check_structure(source); !findings.empty()) return findings.front();
   SceneReader reader(source);
   if (std::string fault = reader.read(); !fault.empty()) return fault;

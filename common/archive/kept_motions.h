@@ -1,7 +1,6 @@
 // The scene of an archive, and its animations' motions: what is drawn, searched and exported.
 //
-// Archives of formats 1 and 2 have no scene, and motions in a form of each world's own: these
-// functions say so. What they return has been checked, whoever wrote the file.
+// What these functions return has been checked, whoever wrote the file.
 //
 // Thread safety: as the source's.
 #pragma once
@@ -25,14 +24,14 @@ inline constexpr std::uint64_t k_own_rows_max = 1'000'000;
 /// Most features, parts, vertices and triangles of a scene.
 inline constexpr std::uint64_t k_scene_rows_max = 4'000'000;
 
-/// What the archive's animations look like; or why that can't be told, as a predicate: "has no
-/// scene, as its format is 2". Throws base::Error where it can't be read.
+/// What the archive's animations look like; or why that can't be told. Throws base::Error where it
+/// can't be read.
 base::Result<scene::Scene, std::string> scene_of(const Source& source);
 
 /// The motions of /animations or /finds.
 class KeptMotions {
  public:
-  /// REQUIRES: the archive has a scene and the group (structure.h).
+  /// REQUIRES: scene_of gave its scene, and it has the group.
   KeptMotions(const Source& source, std::string_view group);
 
   std::uint64_t count() const { return count_; }

@@ -20,7 +20,7 @@ struct Expected {
   Names dims;
 };
 
-/// Of all formats. Those of a group that isn't there are passed over.
+/// Of every archive. Those of a group that isn't there are passed over.
 std::vector<Expected> expected_in_all() {
   using enum ElementType;
   const Names draws{"chain", "draw"};
@@ -167,13 +167,12 @@ bool has_dataset(const Source& source, std::string_view group, std::string_view 
   return found != nullptr && find_dataset(*found, dataset) != nullptr;
 }
 
-/// Of an archive of this version that has what this one has of the optional kinds.
-std::vector<Expected> expected_datasets(const Source& source, std::int64_t version) {
+/// Of an archive that has what this one has of the optional kinds.
+std::vector<Expected> expected_datasets(const Source& source) {
   std::vector<Expected> all = expected_in_all();
   const auto add = [&all](const std::vector<Expected>& more) {
     all.insert(all.end(), more.begin(), more.end());
   };
-  if (version < k_format_with_scene) return all;
   add(expected_scene_and_prior());
   if (has_dataset(source, k_scene, "vertex")) add(expected_meshes());
   for (const std::string_view group : {k_animations, k_finds}) {
@@ -233,32 +232,6 @@ void check_value(const Source& source, std::string_view name, const T& expected,
   }
 }
 
-/// 0 where there is none. Format 1 had no /tempering, format 2 no /scene and nothing of a prior;
-/// all that they have is in format 3.
-std::int64_t version_of(const Source& source) {
-  const Attribute* attribute =
-      find_attribute(find_group(source, k_root)->attributes, "format_version");
-  const auto* value = attribute == nullptr ? nullptr : std::get_if<std::int64_t>(&attribute->value);
-  return value == nullptr ? 0 : *value;
-}
-
-void check_version(const Source& source, std::int64_t version, Findings& findings) {
-  if (version < 1 || version > k_format_version) {
-    findings.push_back(
-        fmt::format("/: the attribute format_version is not 1 to {}", k_format_version));
-    return;
-  }
-  const auto complain_of = [&](std::string_view group) {
-    if (find_group(source, group) == nullptr) return;
-    findings.push_back(fmt::format("/: the attribute format_version is {}, which has no group {}",
-                                   version, group));
-  };
-  if (version < 2) complain_of(k_tempering);
-  if (version >= k_format_with_scene) return;
-  for (const std::string_view group : {k_scene, k_prior, k_sample_stats_prior})
-    complain_of(group);
-}
-
 /// The dimensions that a world's variable of a group may begin with.
 std::vector<Names> leading_dims(std::string_view group) {
   if (group == k_posterior || group == k_sample_stats || group == k_sample_stats_prior)
@@ -314,19 +287,15 @@ std::vector<std::string> check_structure(const Source& source) {
   Findings findings;
   if (find_group(source, k_root) == nullptr) return {"there is no root group"};
   check_value(source, "format", std::string(k_format_name), findings);
-  const std::int64_t version = version_of(source);
-  check_version(source, version, findings);
+  check_value(source, "format_version", k_format_version, findings);
   check_value(source, "inference_library", std::string(k_inference_library), findings);
   check_attribute<std::string>(source, k_root, "world", findings);
   check_attribute<std::string>(source, k_root, k_inference_library_version, findings);
   check_attribute<std::string>(source, k_root, k_content_digest, findings);
-  std::vector<std::string_view> groups{k_posterior, k_sample_stats, k_replicas, k_animations};
-  if (version >= k_format_with_scene) {
-    groups.insert(groups.end(), {k_scene, k_prior, k_sample_stats_prior});
-    check_attribute<std::string>(source, k_root, k_results_version, findings);
-    check_attribute<std::string>(source, k_root, k_run_id, findings);
-  }
-  for (const std::string_view name : groups) {
+  check_attribute<std::string>(source, k_root, k_results_version, findings);
+  check_attribute<std::string>(source, k_root, k_run_id, findings);
+  for (const std::string_view name : {k_posterior, k_sample_stats, k_replicas, k_animations,
+                                      k_scene, k_prior, k_sample_stats_prior}) {
     if (find_group(source, name) == nullptr) {
       findings.push_back(fmt::format("the group {} is missing", name));
     }
@@ -339,7 +308,7 @@ std::vector<std::string> check_structure(const Source& source) {
   check_attribute<std::int64_t>(source, k_animations, "keep_per_lineage", findings);
   check_attribute<double>(source, k_animations, "min_distance", findings);
 
-  const std::vector<Expected> all = expected_datasets(source, version);
+  const std::vector<Expected> all = expected_datasets(source);
   for (const Expected& expected : all)
     check_expected(source, expected, findings);
   for (const Group& group : source.groups()) {

@@ -28,10 +28,10 @@ T attribute_of(const Source& source, std::string_view group, std::string_view na
   return *value;
 }
 
-/// Of the root; empty where there is none.
-std::string optional_text(const Source& source, std::string_view name) {
-  if (find_attribute(group_of(source, k_root).attributes, name) == nullptr) return {};
-  return attribute_of<std::string>(source, k_root, name);
+/// Empty where there is none.
+std::string warning_of(const Source& source) {
+  if (find_attribute(group_of(source, k_root).attributes, k_warning) == nullptr) return {};
+  return attribute_of<std::string>(source, k_root, k_warning);
 }
 
 /// 0 where there is no such attribute: it is there only where something failed.
@@ -85,10 +85,10 @@ Summary summary_of(const Source& source) {
       .world = attribute_of<std::string>(source, k_root, "world"),
       .inference_library_version =
           attribute_of<std::string>(source, k_root, k_inference_library_version),
-      .results_version = optional_text(source, k_results_version),
-      .run_id = optional_text(source, k_run_id),
+      .results_version = attribute_of<std::string>(source, k_root, k_results_version),
+      .run_id = attribute_of<std::string>(source, k_root, k_run_id),
       .content_digest = attribute_of<std::string>(source, k_root, k_content_digest),
-      .warning = optional_text(source, k_warning),
+      .warning = warning_of(source),
       .request_text = request_of(source),
       .chains = size_of(source, k_sample_stats, "chain"),
       .scans = size_of(source, k_sample_stats, "draw"),

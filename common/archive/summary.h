@@ -20,11 +20,11 @@ struct Summary {
   std::int64_t format_version = 0;
   std::string world;
   std::string inference_library_version;
-  std::string results_version{};  ///< of the program that made the results; empty before format 3
-  std::string run_id{};           ///< the same for all archives of a run; likewise
-  std::string content_digest;     ///< as stored, not recomputed
-  std::string warning;            ///< what must be known of the samples; empty: nothing
-  std::string request_text;       ///< normalised TOML that reproduces the archive
+  std::string results_version;  ///< of the program that made the results
+  std::string run_id;           ///< the same for all archives of a run
+  std::string content_digest;   ///< as stored, not recomputed
+  std::string warning;          ///< what must be known of the samples; empty: nothing
+  std::string request_text;     ///< normalised TOML that reproduces the archive
   std::uint64_t chains = 0;
   std::uint64_t scans = 0;   ///< of each chain
   std::uint64_t states = 0;  ///< of each chain, in /posterior

@@ -470,12 +470,9 @@ std::vector<std::string> verify(const Source& source) {
   check_proposals(reader, findings);
   AnimationCheck(reader).run(findings);
   check_finds(reader, findings);
-  if (reader.has_group(k_scene)) {
-    // Rows that are out of place have been told of; to follow them would tell of them again.
-    const bool is_whole = findings.empty();
-    if (is_whole) check_scene(source, reader, findings);
-    check_prior(reader, findings);
-  }
+  // Rows that are out of place have been told of; to follow them would tell of them again.
+  if (findings.empty()) check_scene(source, reader, findings);
+  check_prior(reader, findings);
   check_digest(source, findings);
   return findings;
 }

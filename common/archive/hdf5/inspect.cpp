@@ -80,11 +80,12 @@ class Walk {
     const Attribute* version = find_attribute(root.attributes, "format_version");
     const auto* number = version ? std::get_if<std::int64_t>(&version->value) : nullptr;
     if (number == nullptr || *number < 1) api_.fail("", "it has no format_version");
-    if (*number > k_format_version) {
-      api_.fail("", fmt::format("format_version is {}: this program reads versions up to {}; take "
-                                "a newer one",
-                                *number, k_format_version));
-    }
+    if (*number == k_format_version) return;
+    const Attribute* writer = find_attribute(root.attributes, k_inference_library_version);
+    const auto* by = writer ? std::get_if<std::string>(&writer->value) : nullptr;
+    api_.fail("", fmt::format("sleight {} wrote it, in format {}; this program reads format {} "
+                              "alone: read it with that version, or direct its request again",
+                              by ? *by : "of an unknown version", *number, k_format_version));
   }
 
   /// In the order of creation where the file tracks it, else by name.

@@ -83,8 +83,8 @@ std::string fault_of_format(const Group& root) {
   if (name == nullptr || *name != k_format_name) return "it has no root attribute format";
   const Attribute* version = find_attribute(root.attributes, "format_version");
   const auto* number = version == nullptr ? nullptr : std::get_if<std::int64_t>(&version->value);
-  if (number == nullptr || *number < 1 || *number > k_format_version)
-    return "its format_version is none that this program reads";
+  if (number == nullptr || *number != k_format_version)
+    return "its format_version is not the one that this program reads";
   return {};
 }
 

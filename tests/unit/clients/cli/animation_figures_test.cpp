@@ -160,31 +160,6 @@ TEST(AnimationFigures, PatchesAreShadedByTheirHeights) {
   EXPECT_LT(patches[0].color.red, patches[1].color.red);
 }
 
-TEST(AnimationFigures, SayWhatTheirSignsMean) {
-  // Goal: the view from above names the signs that it has, and no others. Method: captions of
-  // scenes with rings and a known surface, with tints, with neither; of few bodies and of many.
-  const auto caption = [](const scene::Scene& scene, const ShownAnimation& animation) {
-    for (const plot::Text& text :
-         all_of<plot::Text>(animation_figure("", scene, {animation}).panels.front())) {
-      if (text.text.starts_with("from above")) return text.text;
-    }
-    return std::string("none");
-  };
-  ShownAnimation known = throw_of();
-  EXPECT_EQ(caption(dice_scene(), known), "from above; ring: wanted place of the centre");
-  known.own.points = {{.height_m = 0}, {.i = 1}, {.j = 1}, {.i = 1, .j = 1}};
-  EXPECT_EQ(caption(dice_scene(), known),
-            "from above; ring: wanted place of the centre; darker: lower");
-  scene::Scene nothing = dice_scene();
-  nothing.features.pop_back();
-  nothing.parts.pop_back();
-  EXPECT_EQ(caption(nothing, throw_of()), "from above");
-  ShownAnimation few = drops(2);
-  few.motion = throw_of().motion;  // not in a plane
-  EXPECT_EQ(caption(box_scene(2), few), "from above; tinted: places to fill");
-  EXPECT_EQ(caption(box_scene(8), drops(8)), "from above, at rest; tinted: places to fill");
-}
-
 TEST(AnimationFigures, ManyBodiesAreShownAtInstants) {
   // Goal: of many bodies each is numbered where it lies; eight frames show more of them, one after
   // the other. Method: eight balls; filled discs by frame.
@@ -267,10 +242,6 @@ TEST(AnimationFigures, AreDrawnFromAnArchiveAlone) {
   write(archive::testing::FakeReader(), still);
   EXPECT_EQ(failure_of([&] { animation_figure(still, {.count = 100}); }, "moves nothing"),
             base::ExitCode::bad_archive);
-  // Of format 1.
-  EXPECT_EQ(failure_of([&] { animation_figure(OldArchive("fake"), {}); },
-                       "small.h5: archives of its format, 1, have no scene"),
-            base::ExitCode::usage);
 }
 
 }  // namespace

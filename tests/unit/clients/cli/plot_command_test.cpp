@@ -1,6 +1,6 @@
 // Goal: a world's own plots come from the list of them: what can be asked for, the help, whose
 // trace is drawn, and what is said of a picture that an archive can't have. Method: two made-up
-// worlds and archives of them, of a third world and of an old format.
+// worlds and archives of them and of a third world.
 #include "clients/cli/plot_command.h"
 
 #include <gmock/gmock.h>
@@ -66,7 +66,7 @@ TEST(PlotCommand, WhatCanBeAskedForComesFromTheWorlds) {
 TEST(PlotCommand, AWorldDrawsWhatItHas) {
   const PlotsOfWorlds worlds = two_worlds();
   const auto title = [&](const char* world, const char* what) {
-    return picture_of(OldArchive(world), asking_for(what), true, worlds).figure.title;
+    return picture_of(BareArchive(world), asking_for(what), true, worlds).figure.title;
   };
   EXPECT_EQ(title("marbles", "trace"), "marbles's trace");
   EXPECT_EQ(title("marbles", "smoke"), "marbles's smoke");
@@ -74,22 +74,19 @@ TEST(PlotCommand, AWorldDrawsWhatItHas) {
   // A trace that is everyone's.
   EXPECT_EQ(title("rods", "trace"), "rods");
   EXPECT_EQ(title("gas", "trace"), "gas");
-  EXPECT_EQ(picture_of(OldArchive("rods"), asking_for("mirrors"), true, worlds).words, "7");
+  EXPECT_EQ(picture_of(BareArchive("rods"), asking_for("mirrors"), true, worlds).words, "7");
 }
 
 TEST(PlotCommand, WhatAnArchiveCannotHaveIsSaid) {
   const PlotsOfWorlds worlds = two_worlds();
   const auto refused = [&](const char* world, const char* what, const char* words) {
     EXPECT_EQ(
-        failure_of([&] { picture_of(OldArchive(world), asking_for(what), true, worlds); }, words),
+        failure_of([&] { picture_of(BareArchive(world), asking_for(what), true, worlds); }, words),
         base::ExitCode::usage);
   };
   refused("gas", "smoke",
           "smoke can be drawn of marbles and rods archives only, and small.h5 is of the world gas");
   refused("marbles", "mirrors", "mirrors can be drawn of rods archives only, and small.h5 is of");
-  refused("gas", "animations",
-          "small.h5: archives of its format, 1, have no scene; make a newer one of its run, by "
-          "`sleight archive derive`, or direct its request again");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 
 namespace sleight::cli {
 
-/// Of format 1: two chains of four scans each; equal animations, those of scan 3 in chains 0, 1,
+/// Two chains of four scans each; equal animations, those of scan 3 in chains 0, 1,
 /// ...
 class StoredArchive : public archive::Source {
  public:
@@ -23,9 +23,11 @@ class StoredArchive : public archive::Source {
       : request_(std::move(request)), animations_(static_cast<std::size_t>(animations)) {
     groups_ = {
         {.name = "/",
-         .attributes = {{"format_version", std::int64_t{1}},
+         .attributes = {{"format_version", archive::k_format_version},
                         {"world", std::move(world)},
                         {"inference_library_version", "0"},
+                        {"results_version", "0"},
+                        {"run_id", "0"},
                         {"content_digest", ""}},
          .datasets = {{.name = "request", .type = archive::ElementType::text}}},
         {.name = "/posterior", .attributes = {{"thin", std::int64_t{1}}}},
@@ -112,10 +114,10 @@ class StoredArchive : public archive::Source {
   std::map<std::string, std::vector<double>> values_;
 };
 
-/// Of format 1 and any world, with an animation of which nothing is known.
-class OldArchive final : public StoredArchive {
+/// Of any world, with an animation of which nothing is known.
+class BareArchive final : public StoredArchive {
  public:
-  explicit OldArchive(std::string world) : StoredArchive(std::move(world), "", 1) {
+  explicit BareArchive(std::string world) : StoredArchive(std::move(world), "", 1) {
     add_animations(1);
   }
 };

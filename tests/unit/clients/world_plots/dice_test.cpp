@@ -258,8 +258,8 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
 
 TEST(DicePlausibility, ThePriorIsTheArchives) {
   // Goal: what blind throws have is read from the archive: components that vary, in the order of
-  // dice, and whether the table does; an old archive says what it lacks and what to do. Method: a
-  // small archive with known priors, then without, then damaged.
+  // dice, and whether the table does. Method: a small archive with known priors, then without, then
+  // damaged.
   const DicePrior prior = dice_prior_of(SmallArchive({.has_prior = true}));
   EXPECT_EQ(prior.dice, 2U);
   EXPECT_TRUE(prior.is_table_random);
@@ -280,10 +280,8 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
             plausibility_words(dice_plausibility(SmallArchive(), small_prior(), {})));
   EXPECT_EQ(picture.figure.panels.size(), 3U);
 
-  EXPECT_EQ(failure_of([&] { dice_prior_of(SmallArchive()); },
-                       "archives of its format, 1, have no prior to compare with; make a newer one "
-                       "of its run, by `sleight archive derive`"),
-            base::ExitCode::usage);
+  EXPECT_EQ(failure_of([&] { dice_prior_of(SmallArchive()); }, "it has no group /prior"),
+            base::ExitCode::bad_archive);
   const auto refused = [](const Contents& contents, const char* words) {
     EXPECT_EQ(failure_of([&] { dice_prior_of(SmallArchive(contents)); }, words),
               base::ExitCode::bad_archive);

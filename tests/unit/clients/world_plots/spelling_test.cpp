@@ -17,7 +17,7 @@ using cli::all_of;
 using cli::failure_of;
 using ::testing::ElementsAre;
 
-/// Of two balls; ten iterations to a scan. Of format 1, which has all that the trace needs.
+/// Of two balls; ten iterations to a scan.
 class SmallArchive final : public cli::StoredArchive {
  public:
   explicit SmallArchive(bool has_balls = true)

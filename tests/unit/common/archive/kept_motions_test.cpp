@@ -171,13 +171,5 @@ TEST(KeptMotions, DamageIsNamed) {
               HasSubstr("/sample_stats_prior/lp"));
 }
 
-TEST(KeptMotions, OlderArchivesSayThatTheyHaveNone) {
-  MemoryArchive archive;
-  archive.set_attribute(k_root, {"format_version", std::int64_t{2}});
-  const auto scene = scene_of(archive);
-  ASSERT_FALSE(scene.ok());
-  EXPECT_THAT(scene.error(), HasSubstr("format 2"));
-}
-
 }  // namespace
 }  // namespace sleight::archive

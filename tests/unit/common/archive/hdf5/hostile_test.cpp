@@ -88,14 +88,23 @@ TEST_F(Hostile, OtherFiles) {
   expect_refused(path("other.h5"), "", "not a Sleight archive");
 }
 
-TEST_F(Hostile, NewerFormats) {
-  const std::string file = changed([](hid_t id) {
-    const hid_t attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
-    const std::int64_t version = 4;
-    H5Awrite(attribute, H5T_NATIVE_INT64, &version);
-    H5Aclose(attribute);
-  });
-  expect_refused(file, "", "format_version is 4: this program reads versions up to 3");
+TEST_F(Hostile, OtherFormats) {
+  // Goal: an archive of an older or newer format is refused by naming its format, the version that
+  // wrote it and the format that is read. Method: the attribute set to each, and to none.
+  const auto of_format = [&](std::int64_t version) {
+    return changed([version](hid_t id) {
+      const hid_t attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
+      H5Awrite(attribute, H5T_NATIVE_INT64, &version);
+      H5Aclose(attribute);
+    });
+  };
+  for (const std::int64_t format : {1, 2, 4}) {
+    expect_refused(of_format(format), "",
+                   fmt::format("sleight 0.0.0+test wrote it, in format {}; this program reads "
+                               "format 3 alone",
+                               format));
+  }
+  expect_refused(of_format(0), "", "no format_version");
 }
 
 TEST_F(Hostile, Links) {
