@@ -150,7 +150,6 @@ TEST_F(KeepTest, AProgramThatLingersIsKilled) {
   ASSERT_TRUE(end.run_end);
   EXPECT_EQ(end.run_end->end, events::End::finished);
   EXPECT_GE(end.wall_s, 0.2);
-  EXPECT_LT(end.wall_s, 10);
 }
 
 TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {

