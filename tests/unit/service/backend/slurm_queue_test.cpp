@@ -81,12 +81,5 @@ TEST(SlurmQueue, NumbersOfSbatch) {
   EXPECT_EQ(slurm_number_in(""), "");
 }
 
-TEST(SlurmQueue, WordsOfAControllerThatIsAway) {
-  EXPECT_TRUE(
-      says_away("slurm_load_jobs error: Unable to contact slurm controller (connect failure)"));
-  EXPECT_TRUE(says_away("Batch job submission failed: Socket timed out on send/recv operation"));
-  EXPECT_FALSE(says_away("Batch job submission failed: Invalid account or account/partition"));
-}
-
 }  // namespace
 }  // namespace sleight::backend

@@ -240,20 +240,6 @@ TEST_F(GuardedCallsTest, AFolderAPipeOrALinkInItsPlace) {
   }
 }
 
-TEST_F(GuardedCallsTest, LinesThatTheDiskDoesNotTakeAreCounted) {
-  std::filesystem::create_directory(folder_ / "gone");
-  AuditLog audit(folder_ / "gone", clock_);
-  std::filesystem::remove_all(folder_ / "gone");
-  audit.note({.user = 1}, {.call = "submit", .outcome = "done"});
-  audit.note({.user = 1}, {.call = "submit", .outcome = "done"});
-  std::filesystem::create_directory(folder_ / "gone");
-  audit.note({.user = 1}, {.call = "cancel", .outcome = "done"});
-  const auto read = lines("gone/audit.log");
-  ASSERT_EQ(read.size(), 2U);
-  EXPECT_EQ(read[0]["times"], 2);
-  EXPECT_EQ(read[1]["call"], "cancel");
-}
-
 // A daemon that ends drops the calls before those who still owe an answer to one.
 TEST_F(GuardedCallsTest, AReplyThatOutlivesTheCallsIsNoted) {
   inner_.keeps_fetches = true;

@@ -32,8 +32,8 @@ constexpr jobs::JobId k_job{17};
 constexpr jobs::Attempt k_attempt{3};
 /// Of a test that has failed.
 constexpr double k_patience_s = 20;
-/// In which something would be heard that is not to be.
-constexpr double k_quiet_s = 0.5;
+/// After so many lists what is not to be would have been heard.
+constexpr std::uint64_t k_lists = 20;
 
 /// Says what it is told to say.
 class HandBackend final : public backend::Backend {
@@ -56,6 +56,7 @@ class HandBackend final : public backend::Backend {
   }
   std::map<backend::AttemptName, backend::Seen> list(const std::string& daemon) override {
     const std::scoped_lock lock(mutex_);
+    ++lists_;
     const backend::Seen seen = answer_();
     if (seen.state == State::absent) return {};
     return {{{.daemon = daemon, .job = k_job.value, .epoch = k_attempt.value}, seen}};
@@ -72,6 +73,10 @@ class HandBackend final : public backend::Backend {
   void says(const backend::Seen& seen) {
     says([seen] { return seen; });
   }
+  std::uint64_t lists() {
+    const std::scoped_lock lock(mutex_);
+    return lists_;
+  }
   std::vector<backend::Order> orders() {
     const std::scoped_lock lock(mutex_);
     return orders_;
@@ -84,13 +89,14 @@ class HandBackend final : public backend::Backend {
  private:
   std::mutex mutex_;
   Answer answer_ = [] { return backend::Seen{}; };
+  std::uint64_t lists_ = 0;
   std::vector<backend::Order> orders_;
   std::vector<keeper::Stop> signals_;
 };
 
 class SystemAttemptsTest : public ::testing::Test {
  protected:
-  explicit SystemAttemptsTest(double settle_s = 0.1)
+  explicit SystemAttemptsTest(double settle_s = 0.02)
       : state_([] {
           std::string pattern = "/tmp/sleight-system-XXXXXX";
           return std::string(::mkdtemp(pattern.data()));
@@ -143,6 +149,10 @@ class SystemAttemptsTest : public ::testing::Test {
     while (!holds() && clock_.now_s() < end_s)
       spin(0.01);
     EXPECT_TRUE(holds()) << "waited in vain; " << heard_.size() << " were heard";
+  }
+  void await_lists() {
+    const std::uint64_t before = backend_->lists();
+    until([&] { return backend_->lists() >= before + k_lists; });
   }
   /// The newest sight of a kind, waited for.
   template <class Kind>
@@ -228,7 +238,7 @@ TEST_F(SystemAttemptsTest, WaitRunAndEnd) {
   waits();
   launch();
   EXPECT_EQ(sight<jobs::Pending>().words, "Slurm job 812 waits: Priority");
-  spin(0.2);
+  await_lists();
   EXPECT_EQ(heard_.size(), 1U) << "the same words once";
   ASSERT_EQ(backend_->orders().size(), 1U);
   const backend::Order order = backend_->orders().front();
@@ -263,7 +273,7 @@ TEST_F(SystemAttemptsTest, RanksAskForTheMemoryOfAll) {
 TEST_F(SystemAttemptsTest, ThatSomebodyElseStoppedEndOnceItIsKnownWho) {
   launch_and_begin();
   ends(events::End::stop_requested);
-  spin(k_quiet_s);
+  await_lists();
   EXPECT_FALSE(has_heard_an_end());
   is_gone("CANCELLED", Cause::cancelled);
   const auto ended = sight<jobs::Ended>();
@@ -298,7 +308,7 @@ TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
   // Goal: a shared disk shows files late. Method: the end comes within the time that is allowed.
   launch_and_begin();
   is_gone("COMPLETED", Cause::itself);
-  spin(0.05);
+  await_lists();
   ends(events::End::finished);
   sight<jobs::Ended>();
   EXPECT_EQ(newest<jobs::Died>(), nullptr);
@@ -347,7 +357,7 @@ TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
   look();
   sight<jobs::NeverBegan>();
   heard_.clear();
-  spin(k_quiet_s);
+  await_lists();
   EXPECT_TRUE(heard_.empty()) << "that it isn't there is told to looks alone";
 }
 
@@ -355,7 +365,7 @@ TEST_F(SystemAttemptsTest, OfASystemThatIsAwayAreUnknown) {
   launch_and_begin();
   backend_->says([]() -> backend::Seen { throw backend::Away("no controller"); });
   EXPECT_THAT(sight_of_looks<jobs::Unknown>().words, HasSubstr("no controller"));
-  spin(k_quiet_s);
+  await_lists();
   EXPECT_FALSE(has_heard_an_end());
   EXPECT_EQ(attempts_.running(), 1U);
   heard_.clear();

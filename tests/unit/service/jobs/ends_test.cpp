@@ -147,17 +147,6 @@ std::vector<double> waits_of_deaths(Job& job, int deaths, std::uint64_t commits)
   return waits;
 }
 
-// What a batch system says seldom ends as a sentence does.
-TEST(Ends, WordsOfOthersAreEnded) {
-  for (const char* words : {"the queue is on fire", "the queue is on fire."}) {
-    LaunchFailed failed;
-    failed.words = words;
-    const Verdict verdict = judge(running_job(), failed, {}, Options{});
-    EXPECT_EQ(verdict.words,
-              "It could not be started: the queue is on fire. It starts again by itself.");
-  }
-}
-
 TEST(Ends, FiveDeathsWithoutACommitAreEnough) {
   Job job = running_job();
   EXPECT_THAT(waits_of_deaths(job, 5, 0), testing::ElementsAre(1, 2, 4, 8, 0));
