@@ -46,7 +46,7 @@ TEST_F(DriveProperty, AnyCrewAndAnyStopsGiveOneResult) {
   EXPECT_GT(end, 2 * k_round_scans);
   std::uint64_t states_held = 0;
   std::uint64_t states_lost = 0;
-  for (const std::uint64_t run : property::cases(15)) {
+  for (const std::uint64_t run : property::cases(property::of_tier(5, 15))) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, run);
     const auto below = [&](std::uint64_t count) {
       return random::UniformInteger{.count = count}.draw(stream);

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -90,22 +89,6 @@ TEST_F(Drive, RunsAPlanToItsEnd) {
   EXPECT_FALSE(progress.round_trips.has_value());
 }
 
-TEST_F(Drive, NothingToDoIsFinished) {
-  // Goal: a finished run that is run again computes nothing. Method: two sessions; then one with a
-  // nearer stop, whose archive would be cut there.
-  (void)session(scans(40), {});
-  const DriveOutcome again = session(scans(40), {});
-  EXPECT_EQ(again.end, DriveEnd::finished);
-  EXPECT_EQ(again.reached.scans, 40U);
-  EXPECT_TRUE(crew_->submitted().empty());
-  EXPECT_EQ(again.progress.scans_done, 120U);
-  EXPECT_EQ(again.progress.session_scans, 0U);
-  const DriveOutcome nearer = session(scans(25), {});
-  EXPECT_EQ(nearer.reached.scans, 25U);
-  EXPECT_TRUE(crew_->submitted().empty());
-  EXPECT_EQ(nearer.progress.scans_done, 75U);
-}
-
 TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
   // Goal: after a stop request nothing more is handed out, what runs ends and is stored; the next
   // session goes on from there. Method: ask after the tenth question; compare what was submitted
@@ -129,14 +112,6 @@ TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
   EXPECT_EQ(rest.progress.scans_done, 1500U);
   for (std::uint32_t chain = 0; chain < k_chains; ++chain)
     expect_stored(folder(), *store_, chain, 500);
-}
-
-TEST_F(Drive, StopBeforeTheFirstUnit) {
-  // Goal: a stop that comes before anything leaves an empty run. Method: always asked to stop.
-  const DriveOutcome outcome = session(scans(5), {}, {.stop_requested = [] { return true; }});
-  EXPECT_EQ(outcome.end, DriveEnd::stop_requested);
-  EXPECT_EQ(outcome.reached.scans, 0U);
-  EXPECT_TRUE(crew_->submitted().empty());
 }
 
 TEST_F(Drive, AFinishedRunIsFinishedWhateverIsAsked) {
@@ -175,24 +150,6 @@ TEST_F(Drive, UnitsFollowWhatScansCost) {
     largest = std::max(largest, unit.scans);
   }
   EXPECT_EQ(largest, size.scans_max);
-}
-
-TEST_F(Drive, StrangeCostsDoNoHarm) {
-  // Goal: what a clock or another rank says about cost never breaks the loop. Method: costs that
-  // are no time, in turn; units keep their bounds and the run its results.
-  const double infinity = std::numeric_limits<double>::infinity();
-  const std::vector<double> costs{
-      std::numeric_limits<double>::quiet_NaN(), -1, infinity, 0, -infinity, 1e300, 1e-300, 0.01};
-  std::size_t next = 0;
-  FakeCrewOptions strange;
-  strange.cost_s = [&](const plan::Unit&) { return costs[next++ % costs.size()]; };
-  const DriveOutcome outcome = session(scans(300), strange);
-  EXPECT_EQ(outcome.reached.scans, 300U);
-  for (const plan::Unit& unit : crew_->submitted()) {
-    EXPECT_GE(unit.scans, 1U);
-    EXPECT_LE(unit.scans, core::BlockSizeOptions{}.scans_max);
-  }
-  expect_stored(folder(), *store_, 1, 300);
 }
 
 TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
@@ -315,28 +272,6 @@ TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
   EXPECT_EQ(outcome.handling.counts.copies, 0U);
   EXPECT_EQ(crew_->submitted().size(), outcome.handling.counts.blocks);
   EXPECT_EQ(crew_->pings(), 0U);
-}
-
-TEST_F(Drive, SendsWhatAWorkerHasLost) {
-  // Goal: a worker that says that it doesn't hold a state gets it as bytes; nothing is lost or
-  // computed twice. Method: every third held state is lost; the crew checks what comes instead.
-  std::uint64_t asked = 0;
-  std::uint64_t lost = 0;
-  FakeCrewOptions forgetful{.workers = 2, .threads = 1, .seconds_per_scan = 0.001};
-  forgetful.forgets = [&](const plan::Unit&) {
-    const bool forgets = ++asked % 3 == 0;
-    lost += forgets ? 1 : 0;
-    return forgets;
-  };
-  const DriveOutcome outcome = session(scans(300), forgetful);
-  EXPECT_EQ(outcome.end, DriveEnd::finished);
-  EXPECT_GT(lost, 10U);
-  EXPECT_EQ(outcome.handling.counts.states_missing, lost);
-  EXPECT_EQ(outcome.handling.counts.refused, 0U);
-  EXPECT_EQ(outcome.progress.session_scans, 300U * k_chains);
-  EXPECT_EQ(crew_->submitted().size(), outcome.handling.counts.blocks + lost);
-  for (std::uint32_t chain = 0; chain < k_chains; ++chain)
-    expect_stored(folder(), *store_, chain, 300);
 }
 
 TEST_F(Drive, ReportsRoundTripsOfItsPlan) {

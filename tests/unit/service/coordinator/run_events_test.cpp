@@ -16,7 +16,6 @@
 namespace sleight::coordinator {
 namespace {
 
-using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
 
 constexpr std::size_t k_all = 1'000'000;
@@ -90,20 +89,6 @@ TEST_F(RunEventsOf, OneRunHaveTheirContents) {
     round_trips += round.round_trips.value();
   }
   EXPECT_EQ(round_trips, tempered.progress.round_trips);
-}
-
-TEST_F(RunEventsOf, AnyThreadsAreTheSame) {
-  // Goal: numbered events, contents and numbers, are those of one thread. Method: ladders by one,
-  // two and four threads; all but how the session ended to the letter, which is equal too.
-  const std::string request = request_text("rounds = 4", {}, "parallel_tempering");
-  (void)session(request, {.output = path("1.h5")}, 1);
-  const auto one = lines_of(told("1.h5"));
-  EXPECT_GT(one.size(), 40U);
-  for (const std::uint32_t threads : {2U, 4U}) {
-    const std::string name = std::to_string(threads) + ".h5";
-    (void)session(request, {.output = path(name)}, threads);
-    EXPECT_EQ(lines_of(told(name)), one);
-  }
 }
 
 TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {

@@ -12,6 +12,7 @@
 #include "common/base/error.h"
 #include "common/store/sessions.h"
 #include "service/coordinator/run.h"
+#include "tests/support/property.h"
 #include "tests/unit/common/base/faulty_file_system.h"
 #include "tests/unit/service/coordinator/ball_runs.h"
 
@@ -46,17 +47,19 @@ class RunRequestFaults : public testing::BallRuns {
 };
 
 TEST_F(RunRequestFaults, AnyCallMayFail) {
-  // The disk fills up for good at each call in turn; at every third one it fails once. With
-  // sanitizers, where a session takes ten times as long, at every 15th and every 22nd.
+  // The disk fills up for good at each call in turn; at every third one it fails once. In
+  // deploy/test, and with sanitizers, where a session takes ten times as long, at every 15th and
+  // every 22nd.
 #ifdef SLEIGHT_SANITIZED
-  constexpr std::uint64_t k_for_good_every = 15, k_once_every = 22;
+  const std::uint64_t for_good_every = 15, once_every = 22;
 #else
-  constexpr std::uint64_t k_for_good_every = 1, k_once_every = 3;
+  const std::uint64_t for_good_every = property::of_tier(15, 1);
+  const std::uint64_t once_every = property::of_tier(22, 3);
 #endif
   const std::string longer = request_text("scans = 60");
   const std::string expected = session(longer, {.output = path("s.h5")}).digest;
   (void)session(request_text("scans = 30"), {.output = path("t.h5")});
-  for (const std::uint64_t step : {k_for_good_every, k_once_every}) {
+  for (const std::uint64_t step : {for_good_every, once_every}) {
     bool got_through = false;
     std::uint64_t call = 0;
     for (; !got_through; call += step) {
@@ -66,7 +69,7 @@ TEST_F(RunRequestFaults, AnyCallMayFail) {
       std::filesystem::copy(run_folder(path("t.h5")), run_folder(output()));
       const std::string said =
           failure_of({.after = call,
-                      .times = step == k_for_good_every ? Fault::k_for_ever : 1,
+                      .times = step == for_good_every ? Fault::k_for_ever : 1,
                       .reason = std::errc::no_space_on_device},
                      longer);
       got_through = files_.failures() == 0;

@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::uint64_t k_seed = 141421;
 #ifdef SLEIGHT_SANITIZED
-constexpr std::uint64_t k_runs = 2;
+const std::uint64_t k_runs = 2;
 constexpr std::uint64_t k_questions = 48;  ///< a session at most, before it is stopped
 #else
-constexpr std::uint64_t k_runs = 20;
+const std::uint64_t k_runs = property::of_tier(4, 20);
 constexpr std::uint64_t k_questions = 12;
 #endif
 

@@ -4,10 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <iterator>
-#include <thread>
 #include <vector>
 
 #include "common/archive/digest/digest.h"
@@ -56,37 +53,6 @@ TEST_F(RunRequest, FromRequestToArchive) {
   EXPECT_THAT(names(), ::testing::UnorderedElementsAre("ball.h5", "ball.h5.run"));
 }
 
-TEST_F(RunRequest, SaysWhatItTook) {
-  // Goal: a summary has its session's simulations, and what handling took: in a fresh session of
-  // threads no state travels, each is held where it is wanted, and nothing goes over a network.
-  // Method: a ball; a proposal may come back to where it is, and then needs no simulation. A second
-  // session gets each chain's state from the store, and simulates what a straight run would and
-  // these. Ladders report round trips, plain chains none.
-  const RunSummary summary = session(request_text("scans = 200"), {.output = output()}, 2);
-  EXPECT_GT(summary.progress.session_simulations, 500U);
-  EXPECT_LE(summary.progress.session_simulations, 600U);
-  const Handling& handling = summary.handling;
-  EXPECT_EQ(handling.counts.scans, 600U);
-  EXPECT_EQ(handling.counts.states_held, handling.counts.blocks - 3);
-  EXPECT_EQ(handling.counts.states_sent, 0U);
-  EXPECT_EQ(handling.cache.hits, handling.counts.states_held);
-  EXPECT_EQ(handling.cache.misses, 0U);
-  EXPECT_GT(handling.cache.bytes, 0U);
-  EXPECT_LE(handling.cache.bytes, handling.cache.bytes_max);
-  EXPECT_EQ(handling.traffic.messages, 0U);
-  EXPECT_FALSE(summary.progress.round_trips.has_value());
-
-  const RunSummary more = session(request_text("scans = 300"), {.output = output()});
-  EXPECT_EQ(more.handling.counts.states_sent, 3U);
-  EXPECT_EQ(more.handling.cache.misses, 3U);
-  const RunSummary straight = session(request_text("scans = 300"), {.output = path("s.h5")});
-  EXPECT_EQ(summary.progress.session_simulations + more.progress.session_simulations,
-            straight.progress.session_simulations + 3);
-  EXPECT_TRUE(
-      session(request_text("scans = 50", {}, "parallel_tempering"), {.output = path("ladders.h5")})
-          .progress.round_trips.has_value());
-}
-
 TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
   // Goal: a finished run that is run again gives the same bytes. Method: twice; the second session
   // computes nothing; the archive comes back when it was deleted.
@@ -98,34 +64,6 @@ TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
   EXPECT_EQ(second.progress.session_scans, 0U);
   EXPECT_EQ(second.digest, first.digest);
   EXPECT_EQ(bytes_of(output()), bytes);
-}
-
-TEST_F(RunRequest, ReadsForeignFilesBeforeAnyThreadStarts) {
-  // Goal: the fork that reads what lies in the archive's place happens in a process of one thread
-  // (under a sanitizer it would hang else). Method: count the process's threads when a second
-  // session says that it reads the store, which comes after that fork; units do start some.
-  const auto threads = [] {
-    return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
-  };
-  (void)session(request_text("scans = 50"), {.output = output()}, 3);
-  // A joined thread is counted until the kernel has taken it away.
-  while (threads() > 1)
-    std::this_thread::yield();
-  const auto before = threads();
-  auto while_reading = before - 1;
-  auto at_most = before;
-  (void)session(request_text("scans = 400"),
-                {.output = output(),
-                 .hear =
-                     [&](const events::RunEvent& event) {
-                       at_most = std::max(at_most, threads());
-                       const auto* phase = std::get_if<events::Phase>(&event.what);
-                       if (phase != nullptr && phase->words.starts_with("reading"))
-                         while_reading = threads();
-                     }},
-                3);
-  EXPECT_EQ(while_reading, before);
-  EXPECT_GT(at_most, before);
 }
 
 TEST_F(RunRequest, GoesOnWhereItStopped) {

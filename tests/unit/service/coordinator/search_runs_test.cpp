@@ -229,20 +229,5 @@ TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
   EXPECT_EQ(session(four, {.output = path("s.h5")}).digest, straight.digest);
 }
 
-TEST_F(SearchRuns, IslandsGiveTheSameBits) {
-  // By threads, and by sessions that are stopped again and again.
-  const std::string straight = session(islands("scans = 16\n"), {.output = path("s.h5")}).digest;
-  EXPECT_EQ(session(islands("scans = 16\n"), {.output = path("t.h5")}, 3).digest, straight);
-  RunSummary last{.end = DriveEnd::stop_requested};
-  int sessions = 0;
-  while (last.end != DriveEnd::finished && sessions < 50) {
-    last = session(islands("scans = 16\n"),
-                   {.output = path("p.h5"), .stop_requested = stop_before_writing(5, last)});
-    ++sessions;
-  }
-  EXPECT_GT(sessions, 2);
-  EXPECT_EQ(last.digest, straight);
-}
-
 }  // namespace
 }  // namespace sleight::coordinator
