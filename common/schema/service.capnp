@@ -18,9 +18,7 @@
 #
 # Laws
 #   1. Fields, values of enumerations and calls are only ever added. A default of a field is the
-#      meaning of an older program, which does not know it. Numbers (@n) are never used again. The
-#      first version is kept in tests/unit/common/rpc/service_v1.capnp, and its programs are tested
-#      against today's.
+#      meaning of an older program, which does not know it. Numbers (@n) are never used again.
 #   2. A call that is repeated changes nothing more; so a client may repeat one whose answer it lost.
 #   3. Every result has a refusal. Where it is there, nothing else of the result counts. An exception
 #      of Cap'n Proto is a lost connection, or a call that the other side does not know.
