@@ -151,27 +151,6 @@ TEST(ChainWorker, IsPure) {
     thread.join();
 }
 
-TEST(ChainWorker, ScanZeroIsThePriorDraw) {
-  // Goal: a chain starts from an exact draw, on record as scan 0 without proposals. Method: compare
-  // with initialize for several chains.
-  const Ball2d ball({});
-  for (std::uint32_t chain = 0; chain < 20; ++chain) {
-    const plan::UnitResult result = ball_worker(5).run(unit(chain, 0, 1), {});
-    const auto start = sampling::initialize(
-        ball, {.seed = 11, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}});
-    ASSERT_EQ(result.scans.size(), 1U);
-    const plan::ScanRecord& scan = result.scans[0];
-    EXPECT_EQ(scan.log_prior, start.log_prior);
-    EXPECT_EQ(scan.log_constraint, start.log_constraint);
-    EXPECT_EQ(scan.outcome, ball.outcome_values(start.outcome));
-    EXPECT_EQ(scan.state, ball.encode(start.state));
-    EXPECT_EQ(result.state_after, ball.encode(start.state));
-    EXPECT_EQ(scan.proposed, std::vector<std::uint32_t>{0});
-    EXPECT_EQ(scan.accepted, std::vector<std::uint32_t>{0});
-    EXPECT_EQ(scan.lineage, 0U);
-  }
-}
-
 TEST(ChainWorker, WalksByIterationsFromOne) {
   // Goal: scan s is iterations (s - 1) k + 1 .. s k of Algorithm 2.1. Method: the same steps by
   // hand; which numbers a chain draws is part of an archive's meaning.
@@ -186,64 +165,6 @@ TEST(ChainWorker, WalksByIterationsFromOne) {
       sampling::metropolis_hastings_step(ball, 1, streams, ++iteration, sample);
     ASSERT_EQ(result.scans[scan].state, ball.encode(sample.state)) << scan;
   }
-}
-
-TEST(ChainWorker, ScansAreEveryKthIteration) {
-  // Goal: iterations_per_scan changes what is recorded, not the walk. Method: scan s of k
-  // iterations is scan k s of one iteration; its counts are the sums over its iterations.
-  constexpr std::uint32_t k_scans = 60;
-  for (const std::uint32_t k : {2U, 3U, 10U}) {
-    SCOPED_TRACE(k);
-    const plan::UnitResult coarse = ball_worker(k).run(unit(1, 0, k_scans), {});
-    const plan::UnitResult fine = ball_worker(1).run(unit(1, 0, k * (k_scans - 1) + 1), {});
-    EXPECT_EQ(coarse.state_after, fine.state_after);
-    for (std::uint32_t scan = 0; scan < k_scans; ++scan) {
-      const plan::ScanRecord& a = coarse.scans[scan];
-      const plan::ScanRecord& b = fine.scans[scan * k];
-      EXPECT_EQ(a.state, b.state);
-      EXPECT_EQ(a.outcome, b.outcome);
-      EXPECT_EQ(a.log_prior, b.log_prior);
-      EXPECT_EQ(a.log_constraint, b.log_constraint);
-      EXPECT_EQ(a.satisfied, b.satisfied);
-      std::uint32_t accepted = 0;
-      for (std::uint32_t i = scan == 0 ? 0 : (scan - 1) * k + 1; i <= scan * k; ++i)
-        accepted += fine.scans[i].accepted[0];
-      EXPECT_EQ(a.proposed[0], scan == 0 ? 0 : k);
-      EXPECT_EQ(a.accepted[0], accepted);
-    }
-  }
-}
-
-TEST(ChainWorker, KeepsStatesThatAreThinnedOrSatisfied) {
-  // Goal: a state is there exactly at multiples of thin and at satisfied scans. Method: the same
-  // chain with several thins; where there is a state it is that of thin = 1.
-  const plan::UnitResult all = ball_worker(1, 1).run(unit(0, 0, 400), {});
-  std::size_t satisfied = 0;
-  for (const std::uint64_t thin : {1U, 2U, 7U, 1000U}) {
-    const plan::UnitResult thinned = ball_worker(1, thin).run(unit(0, 0, 400), {});
-    for (std::size_t scan = 0; scan < 400; ++scan) {
-      const plan::ScanRecord& record = thinned.scans[scan];
-      const bool expected = scan % thin == 0 || record.satisfied;
-      EXPECT_EQ(record.state, expected ? all.scans[scan].state : base::Bytes{}) << scan;
-      if (record.satisfied && scan % thin != 0) ++satisfied;
-    }
-    EXPECT_EQ(thinned.state_after, all.state_after);
-  }
-  EXPECT_GT(satisfied, 100U);
-}
-
-TEST(ChainWorker, ChainsReplicasAndSeedsDiffer) {
-  // Goal: no two chains walk together. Method: the first scans of neighbours in each field.
-  const auto start = [](std::uint64_t seed, std::uint32_t chain, std::uint32_t replica) {
-    plan::Unit first = unit(chain, 0, 1);
-    first.replica.replica = base::ReplicaId{replica};
-    first.seed = seed;
-    return BallWorker(Ball2d({}), {}).run(first, {}).state_after;
-  };
-  EXPECT_EQ(start(1, 0, 0), start(1, 0, 0));
-  EXPECT_NE(start(1, 0, 0), start(2, 0, 0));
-  EXPECT_NE(start(1, 0, 0), start(1, 1, 0));
-  EXPECT_NE(start(1, 0, 0), start(1, 0, 1));
 }
 
 TEST(ChainWorker, UsesTheUnitsInverseTemperature) {

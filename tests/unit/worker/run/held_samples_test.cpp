@@ -172,28 +172,6 @@ TEST(HeldSamples, GiveWhatBytesGive) {
   }
 }
 
-TEST(HeldSamples, AreOfOneReplicaAndScanAndTakenOnce) {
-  // Goal: nothing is run from a sample that isn't the one before the unit. Method: another scan,
-  // chain, replica; twice; a worker that never ran the replica; and that nothing is said to be
-  // wrong: the right one is still there after the others were asked for.
-  const ChainWorker<Ball2d> worker(Ball2d({}), {});
-  EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 10, 2)));
-  const plan::UnitResult before = worker.run(unit(key(0, 1), 0, 10), {});
-  EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 9, 2)));
-  EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 11, 2)));
-  EXPECT_FALSE(worker.run_from_held(unit(key(1, 1), 10, 2)));
-  EXPECT_FALSE(worker.run_from_held(unit(key(0, 0), 10, 2)));
-  EXPECT_FALSE(worker.holds(unit(key(0, 1), 9, 2)));
-  EXPECT_FALSE(worker.holds(unit(key(0, 0), 10, 2)));
-  EXPECT_TRUE(worker.holds(unit(key(0, 1), 10, 2)));
-  EXPECT_TRUE(worker.run_from_held(unit(key(0, 1), 10, 2)));
-  EXPECT_FALSE(worker.holds(unit(key(0, 1), 10, 2)));
-  EXPECT_FALSE(worker.run_from_held(unit(key(0, 1), 10, 2)));
-  EXPECT_EQ(worker.cache_use().hits, 1U);
-  EXPECT_EQ(worker.cache_use().misses, 6U);
-  EXPECT_GT(worker.run(unit(key(0, 1), 10, 2), before.state_after).scans.size(), 0U);
-}
-
 TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
   // Goal: a worker whose memory is full gives up what it ran longest ago, and says so. Method: room
   // for three balls; five replicas; without room for any, nothing is held.

@@ -15,7 +15,6 @@
 #include "common/random/discrete_distributions.h"
 #include "worker/run/chain_worker.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
-#include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::run {
 namespace {
@@ -27,75 +26,12 @@ plan::ReplicaKey key(std::uint32_t chain, std::uint32_t replica = 0) {
   return {base::ChainId{chain}, base::ReplicaId{replica}};
 }
 
-TEST(SampleCache, GivesWhatWasPutOnce) {
-  // Goal: a sample comes back for its replica and scan alone, and is gone then. Method: by hand.
-  SampleCache<int> cache(k_plenty);
-  EXPECT_EQ(cache.take(key(0), 1), std::nullopt);
-  cache.put(key(0), 10, 7, 100);
-  EXPECT_EQ(cache.take(key(0), 9), std::nullopt);
-  EXPECT_EQ(cache.take(key(1), 10), std::nullopt);
-  EXPECT_EQ(cache.take(key(0, 1), 10), std::nullopt);
-  EXPECT_EQ(cache.take(key(0), 10), 7);
-  EXPECT_EQ(cache.take(key(0), 10), std::nullopt);
-  cache.put(key(0), 11, 8, 100);
-  cache.put(key(0), 12, 9, 100);
-  EXPECT_EQ(cache.take(key(0), 11), std::nullopt);
-  EXPECT_EQ(cache.take(key(0), 12), 9);
-}
-
 /// What a cache counts for a sample besides its bytes.
 template <class Sample>
 std::size_t bytes_besides() {
   SampleCache<Sample> cache(k_plenty);
   cache.put(key(0), 0, Sample{}, 0);
   return cache.use().bytes;
-}
-
-TEST(SampleCache, CountsWhatItDoes) {
-  // Goal: use() counts takes that found something and those that didn't, samples given up for
-  // others' sake, and the bytes held. Method: by hand, with room for two samples of 100 bytes; a
-  // sample renewed or taken is not an eviction.
-  const std::size_t whole = 100 + bytes_besides<int>();
-  SampleCache<int> cache(2 * whole);
-  const auto expect = [&](const plan::CacheUse& expected) { EXPECT_EQ(cache.use(), expected); };
-  expect({.bytes_max = 2 * whole});
-  (void)cache.take(key(0), 1);
-  expect({.misses = 1, .bytes_max = 2 * whole});
-  cache.put(key(0), 1, 5, 100);
-  cache.put(key(0), 2, 6, 60);
-  expect({.misses = 1, .bytes = whole - 40, .bytes_max = 2 * whole});
-  (void)cache.take(key(0), 1);
-  expect({.misses = 2, .bytes = whole - 40, .bytes_max = 2 * whole});
-  cache.put(key(1), 1, 7, 100);
-  cache.put(key(2), 1, 8, 100);
-  expect({.misses = 2, .evictions = 1, .bytes = 2 * whole, .bytes_max = 2 * whole});
-  EXPECT_EQ(cache.take(key(2), 1), 8);
-  expect({.hits = 1, .misses = 2, .evictions = 1, .bytes = whole, .bytes_max = 2 * whole});
-}
-
-TEST(SampleCache, DoesNotHoldWhatIsLargerThanItself) {
-  // Goal: a sample that fits alone is held alone; one byte more, and it isn't held, nobody makes
-  // room for it, and an older sample of its replica is gone; without room nothing is ever held.
-  // Method: by hand.
-  const std::size_t besides = bytes_besides<int>();
-  SampleCache<int> cache(1000);
-  cache.put(key(0), 1, 5, 100);
-  cache.put(key(1), 1, 6, 1000 - besides + 1);
-  EXPECT_EQ(cache.take(key(1), 1), std::nullopt);
-  EXPECT_EQ(cache.use().evictions, 0U);
-  EXPECT_EQ(cache.take(key(0), 1), 5);
-  cache.put(key(0), 1, 5, 100);
-  cache.put(key(1), 1, 6, 1000 - besides);
-  EXPECT_EQ(cache.use().bytes, 1000U);
-  EXPECT_EQ(cache.use().evictions, 1U);
-  cache.put(key(1), 2, 7, 5000);
-  EXPECT_EQ(cache.use().bytes, 0U);
-  EXPECT_EQ(cache.take(key(1), 1), std::nullopt);
-  EXPECT_EQ(cache.take(key(1), 2), std::nullopt);
-  SampleCache<int> none(0);
-  none.put(key(0), 1, 5, 0);
-  EXPECT_EQ(none.take(key(0), 1), std::nullopt);
-  EXPECT_EQ(none.use().bytes, 0U);
 }
 
 /// What a cache should be: a plain list of what is held, oldest first.
@@ -268,69 +204,6 @@ TEST(SampleCache, IsSharedByThreads) {
   EXPECT_EQ(use.hits, static_cast<std::uint64_t>(taken));
   EXPECT_EQ(use.hits + use.misses, 20'000U);
   EXPECT_LE(use.bytes, use.bytes_max);
-}
-
-plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,
-                       random::Stream& stream) {
-  const auto below = [&](std::uint64_t count) {
-    return random::UniformInteger{.count = count}.draw(stream);
-  };
-  plan::Unit unit{.replica = replica,
-                  .seed = k_seed,
-                  .first_scan = base::ScanIndex{first},
-                  .scans = static_cast<std::uint32_t>(1 + below(5)),
-                  .starts = first == 0,
-                  .lineage = 0};
-  const double betas[] = {0, 0.1, 0.5, 1};
-  unit.inverse_temperatures.clear();
-  for (std::uint32_t nth = 0; nth < unit.scans; ++nth)
-    unit.inverse_temperatures.push_back(betas[below(4)]);
-  if (below(2) == 0) {
-    unit.inverse_temperatures = {1};
-    unit.excursion = {0.5, 0.1, 0};
-  }
-  return unit;
-}
-
-/// Five replicas by turns, in random units at random temperatures: with a worker that ran all units
-/// before, and with one that is new for each.
-template <class Make>
-void expect_cache_does_not_show(const Make& make_world, const ChainWorkerOptions& options) {
-  const ChainWorker held(make_world(), options);
-  random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 1);
-  struct Chain {
-    std::uint64_t next = 0;
-    std::uint64_t lineage = 0;
-    base::Bytes state;
-  };
-  std::vector<Chain> chains(5);
-  for (int turn = 0; turn < 150; ++turn) {
-    const auto id =
-        static_cast<std::uint32_t>(random::UniformInteger{.count = chains.size()}.draw(stream));
-    Chain& chain = chains[id];
-    plan::Unit unit = random_unit(key(id / 2, id % 2), chain.next, stream);
-    unit.lineage = chain.lineage;
-    const plan::UnitResult hit = held.run(unit, chain.state);
-    const plan::UnitResult miss = ChainWorker(make_world(), options).run(unit, chain.state);
-    ASSERT_EQ(hit.scans, miss.scans) << "seed " << k_seed << ", turn " << turn;
-    ASSERT_EQ(hit.state_after, miss.state_after);
-    // Now and then a unit is computed again, or its result is lost.
-    if (turn % 7 == 3) {
-      ASSERT_EQ(held.run(unit, chain.state).scans, miss.scans);
-    }
-    if (turn % 11 == 5) continue;
-    chain = {chain.next + unit.scans, hit.scans.back().lineage, hit.state_after};
-  }
-}
-
-TEST(ChainWorkerCache, DoesNotShowInResults) {
-  // Goal: results are equal with and without what a worker holds. Method: both worlds.
-  expect_cache_does_not_show([] { return worlds::ball_2d::Ball2d({}); },
-                             {.iterations_per_scan = 2});
-  worlds::spelling::Parameters spelling;
-  spelling.pattern = worlds::spelling::pattern_of_rows("##").value();
-  expect_cache_does_not_show([&] { return worlds::spelling::Spelling(spelling); },
-                             {.iterations_per_scan = 1, .thin = 3, .first_draw = 4});
 }
 
 TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
