@@ -21,32 +21,6 @@ using testing::stream_of;
 
 constexpr std::uint64_t k_seed = 2024;
 
-TEST(Motion, FlatTableSendsItStraightUp) {
-  // Goal: without tilt the ball stays above its start and each bounce keeps the restitution's share
-  // of its speed, its square of the energy. Method: flat normals, several restitutions; the time is
-  // the geometric series of hops.
-  for (const double restitution : {1.0, 0.70710678118654752, 0.3}) {
-    WorldParameters world;
-    world.restitution = restitution;
-    const Motion motion = simulate_motion(world, {});
-    const double speed = impact_speed(world);
-    ASSERT_EQ(motion.flights.size(), 6U);
-    EXPECT_EQ(motion.landing.x_m, 0);
-    double time_s = speed / world.gravity_mps2;
-    double energy = speed * speed / 2;
-    for (std::size_t i = 1; i < 6; ++i) {
-      const Flight& flight = motion.flights[i];
-      energy *= restitution * restitution;
-      EXPECT_EQ(flight.velocity_mps.x(), 0);
-      EXPECT_GT(flight.velocity_mps.y(), 0);
-      EXPECT_NEAR(flight.velocity_mps.y() * flight.velocity_mps.y() / 2, energy, 1e-14 * energy);
-      EXPECT_EQ(flight.position_m, math::Vec2(0, 0));
-      time_s += 2 * flight.velocity_mps.y() / world.gravity_mps2;
-    }
-    EXPECT_NEAR(motion.landing.time_s, time_s, 1e-14);
-  }
-}
-
 TEST(Motion, OneBounceByHand) {
   // Goal: the landing after one collision. Method: the closed form. The ball falls by h, arrives at
   // u = sqrt(2 g h) and leaves a surface of tilt t with
@@ -69,46 +43,6 @@ TEST(Motion, OneBounceByHand) {
       const double fall_s = impact_speed(world) / world.gravity_mps2;
       EXPECT_NEAR(landing.time_s, fall_s * (1 + 2 * std::max(rise, 0.0)), 1e-14) << degrees;
     }
-  }
-}
-
-TEST(Motion, BallThatDoesNotLeaveTheTableStays) {
-  // Goal: a ball that a steep normal sends down along the table makes no hop, and meets the next
-  // normal at once, in the same place. Method: a tilt of 60 degrees, then flat normals.
-  WorldParameters world;
-  world.restitution = 1;
-  world.collisions = 3;
-  NormalAngles normals{};
-  normals[0] = 60 * k_degree_rad;
-  const Motion motion = simulate_motion(world, normals);
-  EXPECT_LT(motion.flights[1].velocity_mps.y(), 0);
-  EXPECT_EQ(motion.flights[1].duration_s, 0);
-  EXPECT_EQ(motion.flights[2].position_m, motion.flights[1].position_m);
-  EXPECT_EQ(motion.flights[2].start_s, motion.flights[1].start_s);
-  // The second, flat collision turns it up: now it hops.
-  EXPECT_GT(motion.flights[2].velocity_mps.y(), 0);
-  EXPECT_GT(motion.flights[2].duration_s, 0);
-  EXPECT_GT(motion.landing.x_m, 0);
-}
-
-TEST(Reflected, ScalesTheNormalPartAndKeepsTheOther) {
-  // Goal: the collision law. Method: random velocities, normals and restitutions; parts along the
-  // normal and the tangent before and after.
-  for (const std::uint64_t index : property::cases(2000)) {
-    random::Stream stream = stream_of(k_seed, index);
-    const double angle = 7 * (stream.uniform() - 0.5);
-    const math::Vec2 normal{std::sin(angle), std::cos(angle)};
-    const math::Vec2 tangent{normal.y(), -normal.x()};
-    const math::Vec2 velocity{10 * (stream.uniform() - 0.5), 10 * (stream.uniform() - 0.5)};
-    const double restitution = stream.uniform();
-    const math::Vec2 after = reflected(velocity, normal, restitution);
-    const double approach = math::dot(velocity, normal);
-    EXPECT_NEAR(math::dot(after, tangent), math::dot(velocity, tangent), 1e-14);
-    EXPECT_NEAR(math::dot(after, normal), approach < 0 ? -restitution * approach : approach, 1e-14);
-    if (approach >= 0) {
-      EXPECT_EQ(after, velocity);
-    }
-    EXPECT_LE(math::norm(after), math::norm(velocity) + 1e-14);
   }
 }
 
@@ -151,61 +85,6 @@ TEST(Motion, LandingIsTheMotionsLanding) {
       EXPECT_EQ(end_x, last ? landing.x_m : motion.flights[i + 1].position_m.x());
     }
   }
-}
-
-TEST(Motion, ScalesWithDiameterAndGravity) {
-  // Goal: diameter scales the picture only, gravity time only (parameters.h). Method: landings in
-  // diameters and in times of fall, bit-equal for powers of four, close for other factors.
-  for (const std::uint64_t index : property::cases(300)) {
-    random::Stream stream = stream_of(k_seed, index);
-    const WorldParameters world = random_world(stream);
-    const NormalAngles normals = random_normals(world, 15 * k_degree_rad, stream);
-    const Landing landing = simulate_landing(world, normals);
-    for (const double factor : {4.0, 0.0625, 3.0, 1e3}) {
-      const bool exact = factor == 4 || factor == 0.0625;
-      WorldParameters larger = world;
-      larger.diameter_m *= factor;
-      const Landing far = simulate_landing(larger, normals);
-      WorldParameters heavier = world;
-      heavier.gravity_mps2 *= factor;
-      const Landing fast = simulate_landing(heavier, normals);
-      const double tolerance = exact ? 0 : 1e-11;
-      const double size_m = world.diameter_m * world.drop_height_diameters;
-      EXPECT_NEAR(far.x_m / factor, landing.x_m, tolerance * size_m);
-      EXPECT_NEAR(far.time_s / std::sqrt(factor), landing.time_s, tolerance * landing.time_s);
-      EXPECT_NEAR(fast.x_m, landing.x_m, tolerance * size_m);
-      EXPECT_NEAR(fast.time_s * std::sqrt(factor), landing.time_s, tolerance * landing.time_s);
-    }
-  }
-}
-
-TEST(Motion, MirroredNormalsMirrorTheLanding) {
-  // Goal: left and right are the same, bit for bit. Method: negated normals.
-  for (const std::uint64_t index : property::cases(1000)) {
-    random::Stream stream = stream_of(k_seed, index);
-    const WorldParameters world = random_world(stream);
-    const NormalAngles normals = random_normals(world, 40 * k_degree_rad, stream);
-    NormalAngles mirrored = normals;
-    for (double& angle : mirrored)
-      angle = -angle;
-    const Landing right = simulate_landing(world, normals);
-    const Landing left = simulate_landing(world, mirrored);
-    ASSERT_EQ(left.x_m, -right.x_m) << index;
-    ASSERT_EQ(left.time_s, right.time_s) << index;
-  }
-}
-
-TEST(Motion, IgnoresNormalsBeyondTheCollisions) {
-  // Goal: only the first `collisions` entries count. Method: garbage in the others.
-  WorldParameters world;
-  NormalAngles normals{};
-  normals[0] = 0.1;
-  const Landing landing = simulate_landing(world, normals);
-  normals[world.collisions] = 1;
-  normals.back() = -2;
-  EXPECT_EQ(simulate_landing(world, normals).x_m, landing.x_m);
-  world.collisions = k_collisions_max;
-  EXPECT_EQ(simulate_motion(world, normals).flights.size(), k_collisions_max + 1);
 }
 
 }  // namespace

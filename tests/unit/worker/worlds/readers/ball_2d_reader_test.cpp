@@ -114,26 +114,6 @@ TEST_F(Reader, RecordingsAreOneMotion) {
   }
 }
 
-TEST_F(Reader, LikenessIsADistance) {
-  // Goal: zero for equal states, the same both ways, the triangle inequality, in ball diameters.
-  // Method: random triples; then a ball of another size in the same shape of motion.
-  for (std::uint64_t index = 0; index < 300; ++index) {
-    const base::Bytes a = state(3 * index);
-    const base::Bytes b = state(3 * index + 1);
-    const base::Bytes c = state(3 * index + 2);
-    const double ab = worlds::testing::distance_by(*reader_, a, b);
-    EXPECT_EQ(worlds::testing::distance_by(*reader_, a, a), 0);
-    EXPECT_EQ(ab, worlds::testing::distance_by(*reader_, b, a));
-    EXPECT_GT(ab, 0);
-    EXPECT_LE(ab, worlds::testing::distance_by(*reader_, a, c) +
-                      worlds::testing::distance_by(*reader_, c, b) + 1e-12);
-  }
-  const double before = worlds::testing::distance_by(*reader_, state(0), state(1));
-  parameters_.world.diameter_m *= 4;
-  remake();
-  EXPECT_DOUBLE_EQ(worlds::testing::distance_by(*reader_, state(0), state(1)), before);
-}
-
 TEST_F(Reader, LikenessIsTheLargestDifferenceOfPlaces) {
   // Goal: the stated measure. Method: two throws by hand: a flat one stays at x = 0, so the
   // distance is the other's farthest collision.

@@ -19,7 +19,7 @@ using physics::Tick;
 using physics::ticks_after;
 
 std::uint64_t state_count() {
-  return property::long_run() ? 100'000 : 300;
+  return property::long_run() ? 100'000 : property::of_tier(100, 300);
 }
 
 /// A prior draw; of some, all balls are active.

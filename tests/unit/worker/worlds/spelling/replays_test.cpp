@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint64_t k_seed = 20261122;
 
 std::uint64_t proposal_count() {
-  return property::long_run() ? 100'000 : 1'500;
+  return property::long_run() ? 100'000 : property::of_tier(500, 1'500);
 }
 
 void expect_same(const Outcome& a, const Outcome& b) {

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "common/request/document.h"
 #include "worker/worlds/spelling/spelling.h"
 
 namespace sleight::worlds::spelling {
@@ -113,25 +112,6 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   const auto given = chosen("word = \"HI\"\n[sampler]\nchains = 2\n");
   EXPECT_EQ(given.sampler.method, request::Method::parallel_tempering);
   EXPECT_EQ(parameters.proposal.vertex_redraw, 0);
-}
-
-TEST(SpellingRequest, TooFewScansOfTheDefaultNameNoKeysThatNobodySet) {
-  // Goal: who left the sampler open is told what he can do. Method: without one and with one.
-  Parameters parameters;
-  const std::array worlds{request_binding(parameters)};
-  const auto complaint_of = [&](const std::string& sampler) {
-    const auto request = request::read_request(
-        "[world]\nname = \"spelling\"\nword = \"HI\"\n" + sampler + "[stop]\nscans = 5\n", "r.toml",
-        worlds);
-    return request.ok() ? "" : request.error().front().message;
-  };
-  EXPECT_NE(complaint_of("").find("independent_solutions in their place"), std::string::npos);
-  EXPECT_NE(complaint_of("[sampler]\nmethod = \"sequential\"\nburn_in_rounds = 5\n")
-                .find("less anneal_scans, burn_in_rounds or round_scans in"),
-            std::string::npos);
-  EXPECT_NE(complaint_of("[sampler]\nmethod = \"sequential\"\ntour_scans = 16\n")
-                .find("or for less tour_scans in [sampler]"),
-            std::string::npos);
 }
 
 TEST(SpellingRequest, IslandsHaveAStatedMemory) {
@@ -258,27 +238,6 @@ TEST(SpellingRequest, KindsThatAreNotOfTheThesisAreAskedForByName) {
   EXPECT_NE(complaint("[sampler]\nchange_all = 0\naim_ball = 0.04").find("goes with aim_ball"),
             std::string::npos);
   EXPECT_NE(complaint("[sampler]\nsolo_steps = 1001").find("1000"), std::string::npos);
-}
-
-TEST(SpellingRequest, TheThesisKernelGoesWithItsOwnMethodAlone) {
-  // Goal: no method that builds upon the distribution takes the biased kernel. Method: the binding
-  // after a key `method` that has another choice.
-  const auto complaint_of = [](const std::string& method, const std::string& kernel) {
-    const auto document = request::parse_document(
-        "[sampler]\nmethod = \"" + method + "\"\nkernel = \"" + kernel + "\"\n", "r.toml");
-    request::Diagnostics diagnostics("r.toml");
-    request::Binder world("world", nullptr, diagnostics);
-    request::Binder constraint("constraint", nullptr, diagnostics);
-    request::Binder sampler("sampler", document.value().find("sampler"), diagnostics);
-    std::string chosen = "metropolis_hastings";
-    sampler.text("method", chosen, {});
-    Parameters parameters;
-    request_binding(parameters).bind(world, constraint, sampler);
-    return diagnostics.empty() ? "" : diagnostics.sorted().front().message;
-  };
-  EXPECT_EQ(complaint_of("metropolis_hastings", "thesis"), "");
-  EXPECT_EQ(complaint_of("parallel_tempering", "correct"), "");
-  EXPECT_NE(complaint_of("parallel_tempering", "thesis").find("alone, found"), std::string::npos);
 }
 
 }  // namespace

@@ -159,30 +159,5 @@ TEST(Spelling, BallsComeToRestInBins) {
   EXPECT_GE(at_rest, 0.9 * k_animations);
 }
 
-TEST(Spelling, ADropAboveABinMostlyStaysThere) {
-  // Goal: drops that are aimed well spell more than a throw at random, which fills 3 of 10. Method:
-  // balls dropped near the middle of the designated bins.
-  const Spelling world(Parameters{});
-  const Outcome outcome = world.simulate(drops_in(world, 10));
-  std::printf("%u of 10 filled, %u elsewhere, at rest after %.2f s\n", outcome.filled,
-              outcome.elsewhere, outcome.end_s);
-  EXPECT_GE(outcome.filled, 8U);
-  EXPECT_EQ(outcome.filled + outcome.elsewhere, 10U);
-}
-
-TEST(Spelling, SimulationsAreFunctionsOfTheState) {
-  // Goal: no state outlives a simulation. Method: the same state twice, another one between.
-  const Spelling world(Parameters{});
-  const State state = drops_in(world, 5);
-  const Outcome first = world.simulate(state);
-  world.simulate(drops_in(world, 3));
-  const Outcome again = world.simulate(state);
-  EXPECT_EQ(first.filled, again.filled);
-  EXPECT_EQ(first.end_s, again.end_s);
-  const Outcome none = world.simulate(drops_in(world, 0));
-  EXPECT_EQ(none.filled, 0U);
-  EXPECT_EQ(none.end, End::settled);
-}
-
 }  // namespace
 }  // namespace sleight::worlds::spelling
