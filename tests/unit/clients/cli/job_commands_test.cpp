@@ -261,11 +261,10 @@ TEST_F(JobCommands, CtrlCLeavesTheJob) {
   // while a running job is watched, which has no news.
   serve();
   handler_.on_events = [&](const rpc::WatchPoint& point) {
-    if (point.change > 0) return base::Result<rpc::Batch, rpc::Refusal>(rpc::Batch{});
-    std::thread([] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (point.change > 0) {
       ::kill(::getpid(), SIGINT);
-    }).detach();
+      return base::Result<rpc::Batch, rpc::Refusal>(rpc::Batch{});
+    }
     return base::Result<rpc::Batch, rpc::Refusal>(
         rpc::Batch{.changes = {{.number = 1, .state = rpc::JobState::running}}});
   };

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "clients/cli/event_words.h"
+
 namespace sleight::cli {
 namespace {
 
@@ -92,22 +94,6 @@ TEST_F(JobText, TableNamesUsersWhereAsked) {
             "18  throws  ada   queued      3  waits for 4 cores; 2 are...\n");
 }
 
-TEST_F(JobText, StatusHasAllOfAJob) {
-  // Goal: `status` in words. Method: the whole text of a running job.
-  EXPECT_EQ(job_text(running_job()),
-            "job 17  hi (spelling), of group g5\n"
-            "  state         running, start 2: goes on from scan 400\n"
-            "  scans         12,400 of 40,000 (31%), 0:04 left\n"
-            "  found         5 of 5\n"
-            "  in proportion 3 of 50, 1:20:00 left\n"
-            "  rate          85,200 simulations a second\n"
-            "  failures      search_gave_up 2, work_limit 1\n"
-            "  resources     2 cores now, wants 4 cores, --strict\n"
-            "  times         submitted 2026-11-26 05:12:40, started 2026-11-26 05:12:41\n"
-            "  spent         12:30 of processor time\n"
-            "  kept          12 MB\n");
-}
-
 TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
   // Goal: reason, the log's last lines and the command that repeats it are there.
   rpc::JobView job = queued_job();
@@ -128,33 +114,6 @@ TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
             std::string::npos);
 }
 
-TEST_F(JobText, HistoryHasTimeAndReasonOfEachChange) {
-  EXPECT_EQ(history_text(running_job()),
-            "NUMBER  TIME                 STATE    START  REASON\n"
-            "     1  2026-11-26 05:12:40  queued          submitted\n"
-            "     2  2026-11-26 05:12:41  running      1  cores are free\n");
-}
-
-TEST_F(JobText, EndLineCountsApart) {
-  // Goal: `wait` prints one line with counts, and of a job that is not done, why.
-  rpc::JobView job = running_job();
-  job.state = rpc::JobState::done;
-  EXPECT_EQ(end_line(job),
-            "17 hi done: 5 of 5 found, 3 of 50 in proportion, 12,400 scans, simulations FAILED: "
-            "search_gave_up 2, work_limit 1, 12:30 of processor time");
-  job = queued_job();
-  job.state = rpc::JobState::failed;
-  job.end_words = "The search gave up.";
-  EXPECT_EQ(end_line(job), "18 throws failed. The search gave up.");
-  job.end_words = "The search gave up.\nNo start came near.\n";
-  EXPECT_EQ(end_line(job), "18 throws failed. The search gave up. No start came near.");
-  // A reason that only repeats the state is left out.
-  job.state = rpc::JobState::cancelled;
-  job.reason = "Cancelled.";
-  job.end_words = "";
-  EXPECT_EQ(end_line(job), "18 throws cancelled");
-}
-
 TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
   // Goal: names, reasons, log lines and everything else that other people or programs wrote are
   // harmless. Method: escape sequences, line ends and marks that reorder text in every field; no
@@ -173,7 +132,10 @@ TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
     const std::string text =
         job_text(job) + history_text(job) + end_line(job) +
         job_table(jobs, {.with_users = true, .user_name = [&](std::uint32_t) { return evil; }}) +
-        touched_line({.job = {1}, .state = state, .words = evil}) + completion_line(job);
+        touched_line({.job = {1}, .state = state, .words = evil}) + completion_line(job) +
+        words_of_event({1}, {.what = events::Phase{evil}}) +
+        words_of_event({1}, {.what = events::RunEnd{.words = evil}}) +
+        words_of_change(job.history.front());
     EXPECT_EQ(std::ranges::count(text, '\x1b'), 0);
     EXPECT_EQ(std::ranges::count(text, '\r'), 0);
     EXPECT_EQ(std::ranges::count(text, '\x7f'), 0);

@@ -1,5 +1,5 @@
-// Goal: an error is given only where each of the facts that it hangs on holds, and what is said
-// against it names the fact. Method: made-up tables of a ladder's two rounds, good but for one
+// Goal: an error is given only where each of the facts that it depends on holds, and each that does
+// not is named by its kind. Method: made-up tables of a ladder's two rounds, good but for one
 // thing each, on both sides of every limit.
 #include "clients/cli/odds_doubts.h"
 
@@ -12,7 +12,6 @@ namespace sleight::cli {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
@@ -47,15 +46,12 @@ TEST(OddsDoubts, EachLadderHasToMakeRoundTrips) {
   facts.round_trips = {400, 0, 400, 400};
   std::vector<Doubt> doubts = doubts_of(facts);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_round_trips));
-  EXPECT_EQ(doubts[0].reason,
-            "1 of 4 ladders made no round trip in round 7 of 7: each has to make 5");
   EXPECT_EQ(doubts[0].longer, 5);
   EXPECT_TRUE(doubts[0].at_least);
 
   facts.round_trips = {400, 4, 2, 400};
   doubts = doubts_of(facts);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_round_trips));
-  EXPECT_EQ(doubts[0].reason, "2 of 4 ladders made fewer than 5 round trips in round 7 of 7");
   EXPECT_EQ(doubts[0].longer, 2.5);
   EXPECT_FALSE(doubts[0].at_least);
 
@@ -71,8 +67,6 @@ TEST(OddsDoubts, AllTogetherHaveToMakeRoundTrips) {
   facts.round_trips = {10, 10, 10, 9};
   const std::vector<Doubt> doubts = doubts_of(facts);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_round_trips));
-  EXPECT_THAT(doubts[0].reason, HasSubstr("4 ladders made 39 round trips in round 7 of 7: "
-                                          "together they have to make 40"));
   EXPECT_NEAR(doubts[0].longer, 40.0 / 39, 1e-12);
   facts.round_trips = {10, 10, 10, 10};
   EXPECT_THAT(doubts_of(facts), IsEmpty());
@@ -107,8 +101,6 @@ TEST(OddsDoubts, RoundsHaveToAgree) {
   EXPECT_THAT(shifted(0.33), IsEmpty());
   EXPECT_THAT(shifted(-0.34), ElementsAre(DoubtOf::rounds_disagree));
   EXPECT_THAT(shifted(0.34), ElementsAre(DoubtOf::rounds_disagree));
-  EXPECT_EQ(doubts_of(facts)[0].reason,
-            "round 7 of 7 and the one before disagree by 0.34 +- 0.11: there is a drift yet");
   // What can't be compared doesn't agree.
   facts = good();
   facts.before[2] = {-k_infinity, k_nan};
@@ -126,8 +118,6 @@ TEST(OddsDoubts, OneBadLadderIsFarFromTheOthers) {
   // deviation 0.4, four times their own errors.
   facts.judged = {{-5.4, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}, {-4.6, 0.1}};
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::ladders_disagree));
-  EXPECT_EQ(doubts_of(facts)[0].reason,
-            "ladders lie 4.0 times as far apart as their own errors explain");
   for (LogEstimate& ladder : facts.judged)
     ladder.error = 0.134;
   EXPECT_THAT(doubts_of(facts), IsEmpty());
@@ -142,7 +132,6 @@ TEST(OddsDoubts, OneLadderAloneHasToKnowTheLog) {
     ladder.error = 2;
   const std::vector<Doubt> doubts = doubts_of(facts);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::wide));
-  EXPECT_EQ(doubts[0].reason, "each ladder knows the log to +- 2.0 only: it has to be 1 or less");
   EXPECT_NEAR(doubts[0].longer, 4, 1e-12);
   facts.judged[1].error = k_nan;
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::wide));
@@ -153,7 +142,6 @@ TEST(OddsDoubts, LaddersWithoutAValueAreNotLeftOut) {
   facts.judged[0] = {-k_infinity, k_nan};
   std::vector<Doubt> doubts = doubts_of(facts);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::no_value));
-  EXPECT_EQ(doubts[0].reason, "nothing satisfied in 1 of 4 ladders in round 7 of 7");
   facts.judged.assign(4, {-k_infinity, k_nan});
   EXPECT_THAT(kinds_of(facts), ElementsAre(DoubtOf::no_value));
 }
@@ -179,7 +167,6 @@ TEST(OddsDoubts, WeightedDrawsHaveToBeWorthEnough) {
   const std::vector<LogEstimate> rough{{-3, 0.23}, {-3.1, 0.23}};
   const std::vector<Doubt> doubts = doubts_of_weights(rough, 100, 100);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_draws));
-  EXPECT_THAT(doubts[0].reason, HasSubstr("worth 37.8 draws"));
   const std::vector<LogEstimate> apart{{-3, 0.02}, {-3.5, 0.02}};
   EXPECT_THAT(kinds(doubts_of_weights(apart, 1000, 100)), ElementsAre(DoubtOf::ladders_disagree));
   const std::vector<LogEstimate> none{{-3, 0.02}, {-k_infinity, k_nan}};
@@ -202,14 +189,11 @@ TEST(OddsDoubts, IslandsMustNotChooseTheirOwnNumber) {
     ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::not_sized));
     EXPECT_FALSE(doubts[0].reason.empty());
   }
-  EXPECT_THAT(doubts_of_islands(islands(1000, 0.01), IslandNumber::by_solutions)[0].reason,
-              HasSubstr("the run could end by solutions"));
 }
 
 TEST(OddsDoubts, NoIslandMayHaveMostOfTheSum) {
   const std::vector<Doubt> doubts = doubts_of_islands(islands(1000, 0.304), IslandNumber::sized);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::heavy_tail));
-  EXPECT_EQ(doubts[0].reason, "one of 1000 islands has 30.4% of the sum, and may have 10%");
   EXPECT_NEAR(doubts[0].longer, 3.04, 1e-12);
   EXPECT_TRUE(doubts[0].at_least);
   EXPECT_THAT(kinds(doubts_of_islands(islands(1000, 0.304), IslandNumber::by_solutions)),
@@ -219,7 +203,6 @@ TEST(OddsDoubts, NoIslandMayHaveMostOfTheSum) {
 TEST(OddsDoubts, IslandsHaveToBeMany) {
   const std::vector<Doubt> doubts = doubts_of_islands(islands(10, 0.1), IslandNumber::fixed);
   ASSERT_THAT(kinds(doubts), ElementsAre(DoubtOf::few_draws));
-  EXPECT_EQ(doubts[0].reason, "there are 10 islands, and it takes 100");
   EXPECT_EQ(doubts[0].longer, 10);
   // Where nothing satisfied there is nothing else to doubt; nor where there is none at all.
   const math::IslandOdds none{.islands = 1000, .log_mean = -k_infinity};
@@ -234,7 +217,6 @@ TEST(OddsDoubts, IslandsNeedParticles) {
   EXPECT_THAT(of_particles({}), IsEmpty());
   EXPECT_THAT(of_particles(16), IsEmpty());
   ASSERT_THAT(kinds(of_particles(15)), ElementsAre(DoubtOf::few_particles));
-  EXPECT_THAT(of_particles(2)[0].reason, HasSubstr("islands have 2 particles, and it takes 16"));
 }
 
 TEST(OddsDoubts, IslandsWithoutDoubtsAreKnown) {

@@ -7,7 +7,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <memory>
@@ -150,20 +149,6 @@ TEST(Submit, NamesFitTheService) {
   EXPECT_THROW((void)made({.request_path = "a.toml", .name = name}, {"x", "text"}), base::Error);
 }
 
-TEST(Submit, TellsWhatToTypeNext) {
-  EXPECT_EQ(submitted_text({.jobs = {rpc::JobId{17}}}, "hi"),
-            "job 17 (hi)\n"
-            "  sleight watch 17            how it goes\n"
-            "  sleight wait 17             until it has ended\n"
-            "  sleight fetch 17            its archive; with --so-far before its end\n"
-            "  sleight cancel 17           ends it\n");
-  const std::string group = submitted_text(
-      {.jobs = {rpc::JobId{17}, rpc::JobId{18}}, .group = rpc::GroupId{5}, .was_known = true},
-      "hi");
-  EXPECT_EQ(group.substr(0, group.find('\n')), "group g5 of 2 jobs (hi), submitted before");
-  EXPECT_NE(group.find("sleight watch g5"), std::string::npos);
-}
-
 /// A command's exit code, and what it printed.
 struct Printed {
   int code = 0;
@@ -253,8 +238,8 @@ class DyingServer {
 
 TEST(Submit, ALostAnswerSubmitsNothingTwice) {
   // Goal: a server that dies after it took a submission and before it answered is asked again with
-  // the same key. Method: the first server is killed by the submission; a second one comes a moment
-  // later at the same place.
+  // the same key. Method: the first server is killed by the submission; then a second one comes to
+  // the same place.
   const ScratchFolder scratch;
   const std::string socket = scratch / "socket";
   const DyingServer first(socket);
@@ -268,7 +253,6 @@ TEST(Submit, ALostAnswerSubmitsNothingTwice) {
   std::unique_ptr<ServingThread> second_serving;
   std::jthread restart([&] {
     first_key = first.key();
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
     second_serving = std::make_unique<ServingThread>(socket, second);
   });
   const Printed printed = submit_to(socket, {.word = "HI", .json = true});
