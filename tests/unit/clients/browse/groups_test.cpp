@@ -14,14 +14,12 @@
 #include <vector>
 
 #include "clients/browse/agreement.h"
-#include "tests/browse/rand_index.h"
 #include "tests/support/property.h"
 #include "tests/unit/clients/browse/random_index.h"
 
 namespace sleight::browse {
 namespace {
 
-using testing::adjusted_rand_index;
 using testing::below;
 using testing::entries_of;
 using testing::random_index;
@@ -95,6 +93,15 @@ TEST(Groups, NoExchangeOfOneMedoidHelps) {
   }
 }
 
+/// Whether two divisions of a set are one, whatever the labels.
+bool is_same_division(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j)
+      if ((a[i] == a[j]) != (b[i] == b[j])) return false;
+  }
+  return a.size() == b.size();
+}
+
 /// Average linkage without any cleverness.
 std::vector<std::size_t> plain_hierarchy(const std::vector<float>& matrix, std::size_t size,
                                          std::size_t k) {
@@ -138,7 +145,7 @@ TEST(Groups, HierarchyJoinsTheNearest) {
     const std::vector<float> matrix = matrix_of(size, stream);
     const std::vector<std::size_t> found = hierarchy_of(matrix, size, k);
     EXPECT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), k);
-    EXPECT_EQ(adjusted_rand_index(found, plain_hierarchy(matrix, size, k)), 1);
+    EXPECT_TRUE(is_same_division(found, plain_hierarchy(matrix, size, k)));
     // Nested: what is together in k groups is so in k - 1.
     if (k == 1) continue;
     const std::vector<std::size_t> wider = hierarchy_of(matrix, size, k - 1);
@@ -210,32 +217,8 @@ TEST(Groups, OfClumpsAreTheClumps) {
       for (const std::size_t member : groups.groups[group].members)
         label[member] = group;
     }
-    EXPECT_EQ(adjusted_rand_index(label, kind_of), 1);
+    EXPECT_TRUE(is_same_division(label, kind_of));
   }
-}
-
-TEST(Agreement, OfDivisionsIsAdjustedForChance) {
-  // By hand: L. Hubert and P. Arabie's formula on a table of 2, 1 / 0, 3.
-  const std::vector<std::size_t> a{0, 0, 0, 1, 1, 1};
-  const std::vector<std::size_t> b{0, 0, 1, 1, 1, 1};
-  // Pairs together in both 1 + 3 = 4; in a 6, in b 7, of 15: (4 - 2.8) / (6.5 - 2.8).
-  EXPECT_NEAR(adjusted_rand_index(a, b), 1.2 / 3.7, 1e-12);
-  EXPECT_EQ(adjusted_rand_index(a, a), 1);
-  const std::vector<std::size_t> renamed{5, 5, 5, 2, 2, 2};
-  EXPECT_EQ(adjusted_rand_index(a, renamed), 1);
-  random::Stream stream = testing::stream_of(k_seed, 3);
-  double sum = 0;
-  constexpr int k_times = 300;
-  for (int time = 0; time < k_times; ++time) {
-    std::vector<std::size_t> x;
-    std::vector<std::size_t> y;
-    for (int i = 0; i < 60; ++i) {
-      x.push_back(below(stream, 5));
-      y.push_back(below(stream, 3));
-    }
-    sum += adjusted_rand_index(x, y);
-  }
-  EXPECT_NEAR(sum / k_times, 0, 0.01);
 }
 
 TEST(Agreement, NeighboursTellTwoSetsFromOne) {

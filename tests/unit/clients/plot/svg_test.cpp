@@ -68,11 +68,6 @@ TEST(Svg, EscapesWhatPeopleWrite) {
   EXPECT_EQ(xml_complaint(svg), "");
 }
 
-TEST(Svg, IsTheSameEveryTime) {
-  // Goal: the same figure gives the same bytes. Method: twice.
-  EXPECT_EQ(to_svg(hostile_figure()), to_svg(hostile_figure()));
-}
-
 TEST(Svg, SaysWhereItComesFrom) {
   // Goal: notes stand in the metadata, escaped, one a line, and change nothing else. Method: a
   // hostile figure with notes and without; the document with its metadata cut out.

@@ -45,11 +45,6 @@ TEST(Text, FitsItsWidth) {
   EXPECT_GT(text_width_px("abc", 12, Weight::bold), text_width_px("abc", 12));
 }
 
-TEST(Text, IsEscapedForXml) {
-  // Goal: no text can open a tag or leave an attribute. Method: all five characters.
-  EXPECT_EQ(xml_escaped("<a b=\"c\" d='e'>&"), "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;");
-}
-
 TEST(Text, HasAnAsciiForm) {
   // Goal: labels stay readable without Unicode. Method: what axes and figures use.
   EXPECT_EQ(to_ascii("−1.5×10⁻⁹"), "-1.5e-9");
