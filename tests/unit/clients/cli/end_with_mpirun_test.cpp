@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/property.h"
+
 namespace sleight::cli {
 namespace {
 
@@ -55,7 +57,7 @@ TEST(EndWithMpirunDeathTest, TakesItsMemoryAlongAndNothingElse) {
   GTEST_FLAG_SET(death_test_style, "fast");
   const fs::path folder = fs::temp_directory_path() / ("sleight-ranks-" + std::to_string(getpid()));
   const fs::path here = fs::read_symlink("/proc/self/exe");
-  for (int again = 0; again < 200; ++again) {
+  for (std::uint64_t again = 0; again < property::of_tier(20, 200); ++again) {
     fs::create_directories(folder);
     EXPECT_EXIT(be_a_rank(folder), ::testing::ExitedWithCode(128 + SIGKILL), "");
     EXPECT_FALSE(fs::exists(folder / "vader_segment.host.0.1"));

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "clients/browse/reading.h"
-#include "clients/gallery_server/index_columns.h"
 #include "clients/gallery_server/meshes.h"
 #include "clients/gallery_server/packed.h"
 #include "clients/gallery_server/recording.h"
@@ -110,47 +108,6 @@ TEST(Columns, FeaturesAreAllCommonOrAnAnimationsOwn) {
   ASSERT_EQ(all.size(), scene.value().features.size());
   for (std::uint32_t feature = 0; feature < all.size(); ++feature)
     EXPECT_EQ(all[feature], feature);
-}
-
-TEST(Columns, HoldTheIndex) {
-  // Goal: a page that searches by columns has all that the index has. Method: each piece and
-  // contact of each entry, and the numbers.
-  const archive::MemoryArchive memory = made_up(101, 3);
-  auto read = browse::read_index(memory);
-  ASSERT_TRUE(read.ok());
-  const browse::Index index = std::move(read).value().index;
-  const std::string whole = index_columns(index, 7);
-  const Unpacked back = unpacked(whole);
-  EXPECT_EQ(back.head["generation"], 7);
-  ASSERT_EQ(back.head["names"].size(), index.entries.size());
-  const auto track_first = back.column<std::uint32_t>("track_first");
-  const auto track_count = back.column<std::uint32_t>("track_count");
-  const auto start_s = back.column<double>("piece_start_s");
-  const auto position = back.column<double>("piece_position_m");
-  const auto row = back.column<std::uint32_t>("piece_acceleration");
-  const auto accelerations = back.column<double>("accelerations_mps2");
-  const auto contact_first = back.column<std::uint32_t>("contact_first");
-  const auto contact_time_s = back.column<double>("contact_time_s");
-  const auto log_prior = back.column<double>("number.0");
-  const std::size_t bodies = index.scene.bodies();
-  for (std::size_t i = 0; i < index.entries.size(); ++i) {
-    const browse::Entry& entry = index.entries[i];
-    EXPECT_EQ(back.head["names"][i], browse::short_text(entry.name));
-    EXPECT_EQ(log_prior[i], entry.numbers[0]);
-    for (std::uint32_t body = 0; body < bodies; ++body) {
-      const auto pieces = entry.pieces_of(body);
-      ASSERT_EQ(track_count[i * bodies + body], pieces.size());
-      for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
-        const std::size_t at = track_first[i * bodies + body] + piece;
-        EXPECT_EQ(start_s[at], pieces[piece].start_s);
-        EXPECT_EQ(position[3 * at], pieces[piece].position_m.x());
-        EXPECT_EQ(accelerations[3 * row[at] + 2], pieces[piece].acceleration_mps2.z());
-      }
-    }
-    ASSERT_EQ(contact_first[i + 1] - contact_first[i], entry.contacts.size());
-    for (std::size_t contact = 0; contact < entry.contacts.size(); ++contact)
-      EXPECT_EQ(contact_time_s[contact_first[i] + contact], entry.contacts[contact].time_s);
-  }
 }
 
 }  // namespace

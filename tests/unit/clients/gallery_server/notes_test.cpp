@@ -153,23 +153,6 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   EXPECT_EQ(nowhere.of_run(run)["0.1"]["star"], true);
 }
 
-TEST_F(NotesTest, ManyGalleriesMayWriteOneFile) {
-  // Goal: who writes a note loses nobody else's. Method: two galleries of one folder, by turns.
-  Notes mine(path("notes"));
-  Notes yours(path("notes"));
-  changed(mine, run, "0.1", starred);
-  EXPECT_TRUE(yours.of_run(run).contains("0.1"));
-  changed(yours, run, "0.2", starred);
-  changed(mine, run, "0.3", starred);
-  changed(yours, run, "0.1", nothing);
-  for (Notes* notes : {&mine, &yours}) {
-    const Json kept = notes->of_run(run);
-    EXPECT_FALSE(kept.contains("0.1"));
-    EXPECT_TRUE(kept.contains("0.2"));
-    EXPECT_TRUE(kept.contains("0.3"));
-  }
-}
-
 TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
   // Goal: one file that can't be read costs its own run alone. Method: nonsense for one, a note for
   // another, which is there the next time; the trouble is still said.

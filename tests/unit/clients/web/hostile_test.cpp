@@ -277,7 +277,7 @@ TEST(HostilePeers, SendAnything) {
   const Browser browser(served.server());
   const std::string own_port = std::to_string(served.port());
   const std::size_t before = resident_bytes();
-  for (const std::uint64_t n : property::cases(1000)) {
+  for (const std::uint64_t n : property::cases(property::of_tier(200, 1000))) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, n);
     std::string bytes = testing::random_connection(stream);
     // With this server's port and cookie, so that some pass.

@@ -172,15 +172,6 @@ TEST_F(Page, NeedsAnIndex) {
   EXPECT_NE(failure(), "");
 }
 
-TEST(Names, TellTypes) {
-  EXPECT_EQ(type_of("a.woff2"), "font/woff2");
-  EXPECT_EQ(type_of("a.b.wasm"), "application/wasm");
-  EXPECT_EQ(type_of("a.svg"), "image/svg+xml");
-  EXPECT_FALSE(type_of("js"));
-  EXPECT_FALSE(type_of("a.js.bak"));
-  EXPECT_FALSE(type_of("a.JS"));
-}
-
 TEST(Names, TellHashes) {
   EXPECT_TRUE(has_hash("index-DkX3_9aQ.js"));
   EXPECT_TRUE(has_hash("index.abcdef12.css"));
