@@ -19,7 +19,7 @@ constexpr std::uint64_t k_seed = 141421;
 const std::uint64_t k_runs = 2;
 constexpr std::uint64_t k_questions = 48;  ///< a session at most, before it is stopped
 #else
-const std::uint64_t k_runs = property::of_tier(4, 20);
+const std::uint64_t k_runs = property::of_tier(2, 20);
 constexpr std::uint64_t k_questions = 12;
 #endif
 

@@ -15,7 +15,6 @@
 #include <fstream>
 #include <string>
 
-#include "service/keeper/bounded_log.h"
 #include "service/keeper/process_table.h"
 #include "tests/unit/service/keeper/job.h"
 
@@ -185,20 +184,6 @@ TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
   ASSERT_EQ(look.state, Look::State::ended);
   EXPECT_EQ(look.record->end->exit_code, 130);
   EXPECT_TRUE(std::filesystem::exists(path("taken")));
-}
-
-TEST_F(KeepTest, AProgramThatPrintsWithoutEndIsBounded) {
-  // Method: `yes` until the log has been turned over; it stays under its bound, the keeper listens,
-  // and the tail is the end.
-  program_is(
-      "yes 'all work and no play' & echo $$ > ready; until [ -s log.old ]; do sleep 0.05; done; "
-      "kill $!; wait $!; echo done");
-  const AttemptEnd end = run();
-  EXPECT_EQ(end.exit_code, 0);
-  EXPECT_EQ(end.log_tail.size(), k_tail_lines_max);
-  EXPECT_EQ(end.log_tail.back(), "done");
-  EXPECT_LE(text_in("log").size() + text_in("log.old").size(), k_log_bytes_max + 1000);
-  EXPECT_GT(text_in("log.old").size(), 0U);
 }
 
 TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
