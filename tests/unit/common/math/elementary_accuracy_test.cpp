@@ -13,14 +13,20 @@
 #include "common/math/angle.h"
 #include "common/math/elementary.h"
 #include "common/random/stream.h"
+#include "tests/support/property.h"
 #include "tests/unit/common/math/mpfr_oracle.h"
 
 namespace sleight::math {
 namespace {
 
 constexpr std::uint64_t k_seed = 20000;
-constexpr int k_arguments_per_range = 20000;
-constexpr int k_arguments_for_slow_oracle = 1000;  // MPFR takes a millisecond for erfc's tail
+constexpr std::uint64_t k_arguments_per_range = 20000;
+/// MPFR takes a millisecond for erfc's tail.
+constexpr std::uint64_t k_arguments_for_slow_oracle = 1000;
+/// In deploy/test a fifth of them.
+std::uint64_t of_tier(std::uint64_t arguments) {
+  return property::of_tier(arguments / 5, arguments);
+}
 constexpr double k_largest = std::numeric_limits<double>::max();
 
 random::Stream arguments() {
@@ -65,7 +71,7 @@ struct Case {
   double k = 1;
   std::vector<Range> ranges;
   std::vector<double> hard;
-  int arguments_per_range = k_arguments_per_range;
+  std::uint64_t arguments_per_range = k_arguments_per_range;
 };
 
 // For failure messages.
@@ -187,7 +193,7 @@ TEST_P(ElementaryAccuracy, errors_stay_within_the_documented_bound) {
     random::Stream stream = arguments();
     double worst = 0;
     double worst_argument = 0;
-    for (int i = 0; i < c.arguments_per_range; ++i) {
+    for (std::uint64_t i = 0; i < of_tier(c.arguments_per_range); ++i) {
       const double x = range.generator(stream);
       const double error = error_at(c, x);
       if (error > worst) {
@@ -211,7 +217,7 @@ TEST(ElementaryAccuracyOfTwo, atan2_in_all_quadrants_and_at_all_ratios) {
   for (const int spread : {1, 40, 1000}) {
     const Magnitudes magnitudes{-spread, spread, true};
     double worst = 0;
-    for (int i = 0; i < 2 * k_arguments_per_range; ++i) {
+    for (std::uint64_t i = 0; i < of_tier(2 * k_arguments_per_range); ++i) {
       const double y = magnitudes(stream);
       const double x = magnitudes(stream);
       Exact exact_y(y);
@@ -238,7 +244,7 @@ TEST(ElementaryAccuracyOfTwo, pow_for_any_base_and_any_size_of_result) {
     worst = std::max(worst, error);
     EXPECT_LE(error, 1) << std::hexfloat << x << ", " << y;
   };
-  for (int i = 0; i < 2 * k_arguments_per_range; ++i) {
+  for (std::uint64_t i = 0; i < of_tier(2 * k_arguments_per_range); ++i) {
     // The exponent is chosen so that the result's own exponent is uniform, denormals included.
     const double x = Magnitudes{-1074, 1024}(stream);
     judge(x, Interval{-1080, 1030}(stream) / std::log2(x));

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <set>
-#include <type_traits>
 #include <vector>
 
 #include "tests/unit/common/random/chi_square.h"
@@ -83,27 +82,6 @@ TEST(Stream, is_philox_at_its_address) {
   }
 }
 
-TEST(Stream, gives_the_same_values_at_the_same_address_whatever_else_is_drawn) {
-  Stream alone(sample_key(), 7);
-  std::vector<std::uint64_t> words(100);
-  for (auto& word : words)
-    word = alone.bits();
-
-  // The same again, between draws of other streams and from a copy taken half way.
-  Stream stream(sample_key(), 7);
-  Stream other(sample_key(), 8);
-  for (std::size_t i = 0; i < 50; ++i) {
-    other.bits();
-    ASSERT_EQ(stream.bits(), words[i]);
-    Stream(sample_key(), i).uniform();
-  }
-  Stream copy = stream;
-  for (std::size_t i = 50; i < 100; ++i)
-    ASSERT_EQ(copy.bits(), words[i]);
-  for (std::size_t i = 50; i < 100; ++i)
-    ASSERT_EQ(stream.bits(), words[i]);
-}
-
 TEST(Stream, depends_on_every_bit_of_every_field) {
   std::set<std::uint64_t> first_words = {Stream(sample_key(), 7).bits()};
   std::size_t addresses = 1;
@@ -174,11 +152,6 @@ TEST(Stream, uniform_is_the_midpoint_of_its_words_top_bits) {
     ++counts[static_cast<std::size_t>(256 * u)];
   }
   expect_plausible(chi_square_p_value(counts), "uniform");
-}
-
-TEST(Stream, is_a_small_value) {
-  static_assert(std::is_trivially_copyable_v<Stream>);
-  static_assert(sizeof(Stream) == 72);
 }
 
 TEST(StreamDeathTest, refuses_a_key_that_names_no_purpose) {

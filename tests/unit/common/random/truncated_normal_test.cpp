@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 #include <mpfr.h>
 
-#include <boost/math/distributions/normal.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <vector>
@@ -195,14 +194,6 @@ TEST(TruncatedNormal, scales_and_shifts) {
     const double x = scaled.draw(second);
     ASSERT_NEAR(x, 3 + 0.25 * z, 1e-15);
     ASSERT_NEAR(scaled.log_density(x), standard.log_density(z) + std::log(4.0), 1e-14);
-  }
-}
-
-TEST(TruncatedNormal, without_bounds_is_normal) {
-  const boost::math::normal_distribution<double> normal(2, 3);
-  const TruncatedNormal d{.mean = 2, .sd = 3};
-  for (double x = -20; x < 20; x += 0.37) {
-    EXPECT_NEAR(d.log_density(x), std::log(boost::math::pdf(normal, x)), 1e-13 * 30);
   }
 }
 

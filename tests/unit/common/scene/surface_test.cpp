@@ -66,16 +66,5 @@ TEST(Surface, HasPatchesWithAllTheirPoints) {
   }
 }
 
-TEST(Surface, WeightsAddUpToOne) {
-  for (double u = 0; u <= 1; u += 0.125) {
-    double sum = 0;
-    for (const double weight : spline_weights(u)) {
-      EXPECT_GE(weight, 0);
-      sum += weight;
-    }
-    EXPECT_NEAR(sum, 1, 1e-15);
-  }
-}
-
 }  // namespace
 }  // namespace sleight::scene
