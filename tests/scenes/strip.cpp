@@ -204,7 +204,6 @@ Strip strip_of(const physics::scenes::Setting& setting, const std::string& title
                                        camera.nearness_m(pose.position_m)});
     }
     std::ranges::stable_sort(moments.back().bodies, {}, &DrawnBody::nearness_m);
-    strip.bodies_drawn += moments.back().bodies.size();
   }
   if (seen > 0) middle_m /= static_cast<double>(seen);
   const Frame frame = frame_of(moments);

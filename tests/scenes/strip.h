@@ -14,9 +14,8 @@ inline constexpr std::size_t k_moments = 5;
 
 struct Strip {
   std::string svg;
-  std::size_t bodies_drawn = 0;  ///< of all moments together
-  std::string error;             ///< what ended the simulation early, if anything did
-  bool refused = false;          ///< that is the scene's fault
+  std::string error;     ///< what ended the simulation early, if anything did
+  bool refused = false;  ///< that is the scene's fault
 };
 
 /// The first moment is the start, the last one the setting's duration.
