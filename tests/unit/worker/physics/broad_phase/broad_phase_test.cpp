@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/broad_phase/neighbourhood.h"
 #include "tests/unit/worker/physics/broad_phase/scenes.h"
 #include "worker/physics/broad_phase/all_pairs.h"
@@ -145,7 +146,8 @@ TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInManyBodies) {
   // Goal: the same where queries use cells, not whole lists. Method: as before with 200 bodies.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     Session<TypeParam> session(scenes()[i], 200, 100 + i);
-    EXPECT_EQ(session.run(800), std::nullopt) << scenes()[i].name;
+    EXPECT_EQ(session.run(static_cast<int>(property::of_tier(200, 800))), std::nullopt)
+        << scenes()[i].name;
   }
 }
 

@@ -112,33 +112,5 @@ TEST(Periodic, EqualsFloatsOnOtherAxes) {
   EXPECT_GT(overlaps, 1000);
 }
 
-TEST(Periodic, CodedBoxesOverlapAsTheirArcsDo) {
-  // Goal: the vector code equals the plain one. Method: random arcs, many of equal or extreme
-  // numbers; the numbers that are others' to use are noise.
-  Dice dice(3);
-  const auto any = [&] {
-    const std::uint32_t number = dice.below(UINT32_MAX);
-    return dice.once_in(3) ? number : dice.once_in(2) ? number >> 29 : UINT32_MAX - (number >> 29);
-  };
-  int overlaps = 0;
-  for (int i = 0; i < 300000; ++i) {
-    CodedBox a;
-    CodedBox b;
-    for (CodedBox* box : {&a, &b}) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        box->start[k] = any();
-        box->width[k] = any();
-      }
-    }
-    bool expected = true;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      expected = expected && overlap(a.arc(axis), b.arc(axis));
-    ASSERT_EQ(overlap(a, b), expected);
-    overlaps += expected ? 1 : 0;
-  }
-  EXPECT_GT(overlaps, 1000);
-  EXPECT_LT(overlaps, 299000);
-}
-
 }  // namespace
 }  // namespace sleight::physics

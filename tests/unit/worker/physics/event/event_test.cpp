@@ -1,11 +1,9 @@
 // Goal: events are ordered as event.h says: by tick, then kind, lower id, higher id, feature.
 // Method: pairs of keys that agree up to one field and disagree, the other way round, in all later
-// ones; the kinds in the order of the list; k_no_event behind the latest others.
+// ones; k_no_event behind the latest others.
 #include "worker/physics/event/event.h"
 
 #include <gtest/gtest.h>
-
-#include <array>
 
 namespace sleight::physics {
 namespace {
@@ -25,28 +23,6 @@ TEST(EventOrder, is_decided_by_the_first_field_that_differs) {
     EXPECT_NE(base, earlier) << "field " << field;
   }
   EXPECT_EQ(base <=> base, std::strong_ordering::equal);
-}
-
-TEST(EventOrder, of_kinds_is_that_of_the_list) {
-  constexpr std::array k_kinds = {EventKind::update,    EventKind::control, EventKind::start,
-                                  EventKind::collision, EventKind::mode,    EventKind::rest,
-                                  EventKind::sample};
-  for (std::size_t i = 1; i < k_kinds.size(); ++i) {
-    const EventKey earlier{.tick = Tick{1}, .kind = k_kinds[i - 1], .lower = 9};
-    const EventKey later{.tick = Tick{1}, .kind = k_kinds[i], .lower = 0};
-    EXPECT_LT(earlier, later) << i;
-  }
-}
-
-TEST(EventOrder, of_ids_is_unsigned_and_of_ticks_signed) {
-  // Goal: no field is compared in the wrong type. Method: values on both sides of a sign bit.
-  EXPECT_LT((EventKey{.tick = Tick{0}, .lower = 0x7fffffff}),
-            (EventKey{.tick = Tick{0}, .lower = 0x80000000}));
-  EXPECT_LT((EventKey{.tick = Tick{0}, .higher = 0x7fffffff}),
-            (EventKey{.tick = Tick{0}, .higher = 0x80000000}));
-  EXPECT_LT((EventKey{.tick = Tick{0}, .feature = 0x7fffffff}),
-            (EventKey{.tick = Tick{0}, .feature = 0x80000000}));
-  EXPECT_LT((EventKey{.tick = Tick{-1}}), (EventKey{.tick = Tick{0}}));
 }
 
 TEST(EventOrder, ends_with_no_event) {

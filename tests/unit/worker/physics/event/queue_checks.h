@@ -199,16 +199,4 @@ std::string check_simulation(std::uint32_t slots, std::uint32_t mean_wait_ticks,
   return pair.difference();
 }
 
-/// The queue is emptied least by least: the order is right to the end.
-template <EventQueue Queue>
-std::string check_drain(std::uint32_t slots, Ticks ticks, Dice& dice) {
-  Pair<Queue> pair;
-  pair.reset(slots);
-  for (std::uint32_t slot = 0; slot < slots; ++slot)
-    pair.set(Slot{slot}, random_key(ticks, dice));
-  while (!pair.reference().empty() && pair.difference().empty())
-    pair.erase(pair.reference().least().slot);
-  return pair.difference();
-}
-
 }  // namespace sleight::physics
