@@ -208,19 +208,6 @@ TEST(EdgePiece, FollowsASphereThatRolls) {
   }
 }
 
-TEST(EdgePiece, ASlowClimberComesBackToWhereItWas) {
-  // Goal: what is about to turn goes up and back in one piece. Method: one that rolls slowly up a
-  // side; place and energy at the end, and that it moves the other way.
-  const Vec3 d(1, 0, 0);
-  const Rider start = rider_at(d, -0.5, 0.01, 0, 0);
-  const auto piece = piece_of(d, start, 0.5, true);
-  ASSERT_TRUE(piece);
-  const Rider end = along(*piece, start, piece->lasts_s);
-  EXPECT_NEAR(norm(end.place_m - start.place_m), 0, 1e-15);
-  EXPECT_NEAR(energy(end), energy(start), 1e-16);
-  EXPECT_LT(dot(end.twist.velocity_mps, start.twist.velocity_mps), 0);
-}
-
 TEST(EdgePiece, ThereIsNoneForWhatFliesOrStands) {
   // Goal: a sphere that the edge doesn't hold has no piece, nor one that doesn't move around it.
   // Method: faster and slower than the speed at which it leaves the edge upright, sqrt(g R).

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "common/math/rotation.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/response/reference.h"
 
@@ -113,7 +112,8 @@ TEST(RigidImpact, KeepsItsInvariants) {
   // and contacts up to ten radii of gyration away, a third against static geometry, with grazing
   // approach, e of 0 and 1, mu of 0 and 10 among them; judged in extended precision.
   Dice dice(1);
-  for ([[maybe_unused]] const std::uint64_t i : property::in_turn(100'000)) {
+  for ([[maybe_unused]] const std::uint64_t i :
+       property::in_turn(property::of_tier(20'000, 100'000))) {
     if (HasFailure()) break;
     expect_invariants(random_case(dice, {}));
   }
@@ -123,7 +123,8 @@ TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
   // Goal: as above where slow impacts are raised. Method: floors from far below to above all
   // speeds.
   Dice dice(2);
-  for ([[maybe_unused]] const std::uint64_t i : property::in_turn(100'000)) {
+  for ([[maybe_unused]] const std::uint64_t i :
+       property::in_turn(property::of_tier(20'000, 100'000))) {
     if (HasFailure()) break;
     expect_invariants(random_case(dice, {.floor_mps_max = 2}));
   }
@@ -132,7 +133,8 @@ TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
 TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
   // Goal: masses from 1e-6 to 1e6 kg against each other. Method: as above.
   Dice dice(3);
-  for ([[maybe_unused]] const std::uint64_t i : property::in_turn(50'000)) {
+  for ([[maybe_unused]] const std::uint64_t i :
+       property::in_turn(property::of_tier(10'000, 50'000))) {
     if (HasFailure()) break;
     expect_invariants(random_case(dice, {.mass_ratio_max = 1e12, .floor_mps_max = 0.1}));
   }
@@ -145,9 +147,9 @@ TEST(RigidImpact, AgreesWithTheLawsDefinition) {
   Dice dice(4);
   int sticking = 0;
   int raised = 0;
-  constexpr int k_cases = 20'000;
+  const auto cases = static_cast<int>(property::of_tier(5'000, 20'000));
   Real worst = 0;
-  for (int i = 0; i < k_cases; ++i) {
+  for (int i = 0; i < cases; ++i) {
     const Case made = random_case(
         dice, {.moment_ratio_max = 30, .arm_max = 2, .mass_ratio_max = 100, .floor_mps_max = 0.5});
     const ImpactOutput out = rigid_impact(input_of(made));
@@ -158,9 +160,9 @@ TEST(RigidImpact, AgreesWithTheLawsDefinition) {
     if (w > u * 1.0001L) ++raised;
   }
   EXPECT_LE(worst, 1e-11L);
-  EXPECT_GT(sticking, k_cases / 20);
-  EXPECT_LT(sticking, k_cases * 19 / 20);
-  EXPECT_GT(raised, k_cases / 50);
+  EXPECT_GT(sticking, cases / 20);
+  EXPECT_LT(sticking, cases * 19 / 20);
+  EXPECT_GT(raised, cases / 50);
 }
 
 TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
@@ -173,75 +175,6 @@ TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
     worst = std::max(worst, difference(made, rigid_impact(input_of(made)), slow_impact(made)));
   }
   EXPECT_LE(worst, 1e-8L);
-}
-
-TEST(RigidImpact, DoesNotCareWhichBodyIsA) {
-  // Goal: symmetry under exchange. Method: swap bodies, flip the normal, compare.
-  Dice dice(6);
-  Real worst = 0;
-  for (int i = 0; i < 20'000; ++i) {
-    const Case made = random_case(dice, {.moment_ratio_max = 100, .floor_mps_max = 0.5});
-    Case other = made;
-    std::swap(other.a, other.b);
-    other.normal = -made.normal;
-    ImpactOutput out = rigid_impact(input_of(other));
-    std::swap(out.a, out.b);
-    worst = std::max(worst, difference(made, rigid_impact(input_of(made)), out));
-  }
-  EXPECT_LE(worst, 1e-10L);
-}
-
-Vec3 mirrored(const Vec3& v) {
-  return {-v.x(), v.y(), v.z()};
-}
-/// Angular velocities are axial vectors.
-Vec3 mirrored_axial(const Vec3& v) {
-  return {v.x(), -v.y(), -v.z()};
-}
-Twist mirrored(const Twist& twist) {
-  return {mirrored(twist.velocity_mps), mirrored_axial(twist.angular_velocity_radps)};
-}
-
-TEST(RigidImpact, DoesNotCareAboutTheFrame) {
-  // Goal: symmetry under rotations and mirrors. Method: resolve the image, map back, compare. The
-  // mirror x -> -x is applied to the bodies as well, whose moments it keeps.
-  Dice dice(7);
-  Real worst = 0;
-  for (int i = 0; i < 20'000; ++i) {
-    const Case made = random_case(dice, {.moment_ratio_max = 100, .floor_mps_max = 0.5});
-    const ImpactOutput expected = rigid_impact(input_of(made));
-
-    const Quat turn = dice.rotation();
-    Case turned = made;
-    for (Body* body : {&turned.a, &turned.b}) {
-      body->pose.position_m = math::rotated(turn, body->pose.position_m);
-      body->pose.orientation = math::composed(turn, body->pose.orientation);
-      body->twist.velocity_mps = math::rotated(turn, body->twist.velocity_mps);
-      body->twist.angular_velocity_radps = math::rotated(turn, body->twist.angular_velocity_radps);
-    }
-    turned.normal = math::rotated(turn, made.normal);
-    ImpactOutput out = rigid_impact(input_of(turned));
-    for (Twist* twist : {&out.a, &out.b}) {
-      twist->velocity_mps = math::rotated(math::inverse(turn), twist->velocity_mps);
-      twist->angular_velocity_radps =
-          math::rotated(math::inverse(turn), twist->angular_velocity_radps);
-    }
-    worst = std::max(worst, difference(made, expected, out));
-
-    Case image = made;
-    for (Body* body : {&image.a, &image.b}) {
-      body->pose.position_m = mirrored(body->pose.position_m);
-      const Quat q = body->pose.orientation;
-      body->pose.orientation = Quat(q.w(), q.x(), -q.y(), -q.z());
-      body->twist = mirrored(body->twist);
-    }
-    image.normal = mirrored(made.normal);
-    out = rigid_impact(input_of(image));
-    out.a = mirrored(out.a);
-    out.b = mirrored(out.b);
-    worst = std::max(worst, difference(made, expected, out));
-  }
-  EXPECT_LE(worst, 1e-10L);
 }
 
 TEST(RigidImpact, AgreesWithSpheresInCentralImpacts) {
