@@ -178,7 +178,6 @@ void Connection::answered(Answer answer) {
 }
 
 void Connection::refuse(const Refusal& refusal) {
-  ++server_.refused;
   respond({.answer = answer_of(refusal)});
 }
 

@@ -103,7 +103,7 @@ Guard::Guard(Options options, Keys& keys)
       way_in_(std::move(options.way_in)),
       cookie_name_(fmt::format("sleight-{}", options.port)),
       keys_(keys) {
-  for (const std::string_view name : {"127.0.0.1", "localhost", "[::1]"})
+  for (const std::string_view name : {"127.0.0.1", "localhost"})
     hosts_.push_back(fmt::format("{}:{}", name, options.port));
 }
 

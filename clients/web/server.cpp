@@ -30,7 +30,6 @@ using SystemError = boost::system::error_code;
 constexpr auto k_accept_again = std::chrono::milliseconds(250);  // as after too many open files
 constexpr int k_accept_at_once = 16;      // before those that are connected have their turn
 constexpr std::size_t k_extras_max = 16;  // connections above the limit that are told so
-constexpr int k_port_tries = 16;          // for one that is free on both of 127.0.0.1 and ::1
 constexpr int k_send_buffer = 256 << 10;  // the system's, or slow readers would fill megabytes
 constexpr int k_waiting_max = 128;  // connections that the system keeps until they are accepted
 
@@ -47,40 +46,26 @@ struct Bound {
   int error = 0;
 };
 
-Bound bind_to(const sockaddr* address, socklen_t size) {
+Bound bind_loopback(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   Bound bound;
-  bound.descriptor.reset(
-      ::socket(address->sa_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  bound.descriptor.reset(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int descriptor = bound.descriptor.get();
   const int yes = 1;
   // After a restart the port is free at once; two servers still can't have it.
   const bool is_listening =
       descriptor >= 0 &&
       ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
-      (address->sa_family != AF_INET6 ||
-       ::setsockopt(descriptor, IPPROTO_IPV6, IPV6_V6ONLY, &yes, sizeof yes) == 0) &&
-      ::bind(descriptor, address, size) == 0 && ::listen(descriptor, k_waiting_max) == 0;
+      ::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      ::listen(descriptor, k_waiting_max) == 0;
   if (!is_listening) {
     bound.error = errno;
     bound.descriptor.reset();
   }
   return bound;
-}
-
-Bound bind_loopback(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return bind_to(reinterpret_cast<const sockaddr*>(&address), sizeof address);
-}
-
-Bound bind_loopback_6(std::uint16_t port) {
-  sockaddr_in6 address{};
-  address.sin6_family = AF_INET6;
-  address.sin6_port = htons(port);
-  address.sin6_addr = in6addr_loopback;
-  return bind_to(reinterpret_cast<const sockaddr*>(&address), sizeof address);
 }
 
 std::uint16_t port_of(const base::Descriptor& descriptor) {
@@ -108,9 +93,9 @@ class WithoutSignals {
 
 }  // namespace
 
-Server::Impl::Listener::Listener(Impl& owner, tcp of, base::Descriptor descriptor)
-    : acceptor(owner.loop), protocol(of), again(owner.loop) {
-  acceptor.assign(of, descriptor.release());
+Server::Impl::Listener::Listener(Impl& owner, base::Descriptor descriptor)
+    : acceptor(owner.loop), again(owner.loop) {
+  acceptor.assign(tcp::v4(), descriptor.release());
 }
 
 Server::Impl::Impl(ServerOptions wanted, Handler answering)
@@ -127,8 +112,7 @@ Server::Impl::Impl(ServerOptions wanted, Handler answering)
                                                  .way_in = options.way_in},
                                   keys);
   newest_token = keys.new_token();
-  for (const auto& listener : listeners)
-    accept_when_ready(*listener);
+  accept_when_ready(*listener);
   comment_streams();
   const WithoutSignals guarded;
   pool = std::make_unique<asio::thread_pool>(options.threads);
@@ -140,53 +124,41 @@ Server::Impl::~Impl() {
 }
 
 void Server::Impl::listen() {
-  for (int tries = 1;; ++tries) {
-    Bound bound = bind_loopback(options.port);
-    if (!bound.descriptor) {
-      if (bound.error == EADDRINUSE) {
-        throw base::Error(
-            base::ExitCode::conflict,
-            fmt::format("port {} of this host is taken; name another one, or none", options.port));
-      }
-      throw base::Error(fmt::format("can't listen on 127.0.0.1, port {}: {}", options.port,
-                                    system_words(bound.error)));
+  Bound bound = bind_loopback(options.port);
+  if (!bound.descriptor) {
+    if (bound.error == EADDRINUSE) {
+      throw base::Error(
+          base::ExitCode::conflict,
+          fmt::format("port {} of this host is taken; name another one, or none", options.port));
     }
-    port = port_of(bound.descriptor);
-    Bound bound_6;
-    if (options.with_ipv6) bound_6 = bind_loopback_6(port);
-    // Where somebody else has that port on ::1, another port may be free on both.
-    if (bound_6.error == EADDRINUSE && options.port == 0 && tries < k_port_tries) continue;
-    listeners.push_back(std::make_unique<Listener>(*this, tcp::v4(), std::move(bound.descriptor)));
-    if (bound_6.descriptor) {
-      listeners.push_back(
-          std::make_unique<Listener>(*this, tcp::v6(), std::move(bound_6.descriptor)));
-    }
-    return;
+    throw base::Error(fmt::format("can't listen on 127.0.0.1, port {}: {}", options.port,
+                                  system_words(bound.error)));
   }
+  port = port_of(bound.descriptor);
+  listener = std::make_unique<Listener>(*this, std::move(bound.descriptor));
 }
 
 // ---------------------------------------------------------------------------- connections come and
 // go
 
-void Server::Impl::accept_when_ready(Listener& listener) {
-  listener.acceptor.async_wait(tcp::acceptor::wait_read,
-                               [this, &listener](const SystemError& error) {
-                                 if (!error) accept(listener);
-                               });
+void Server::Impl::accept_when_ready(Listener& from) {
+  from.acceptor.async_wait(tcp::acceptor::wait_read, [this, &from](const SystemError& error) {
+    if (!error) accept(from);
+  });
 }
 
-void Server::Impl::accept(Listener& listener) {
+void Server::Impl::accept(Listener& from) {
   // accept4 by hand: Asio's own leaves a moment in which another thread's fork inherits the socket.
   for (int i = 0; i < k_accept_at_once; ++i) {
-    base::Descriptor descriptor(::accept4(listener.acceptor.native_handle(), nullptr, nullptr,
-                                          SOCK_NONBLOCK | SOCK_CLOEXEC));
+    base::Descriptor descriptor(
+        ::accept4(from.acceptor.native_handle(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (descriptor) {
-      listener.fails = false;
+      from.fails = false;
       ++accepted;
       ::setsockopt(descriptor.get(), SOL_SOCKET, SO_SNDBUF, &k_send_buffer, sizeof k_send_buffer);
       tcp::socket socket(loop);
       SystemError failure;
-      socket.assign(listener.protocol, descriptor.get(), failure);
+      socket.assign(tcp::v4(), descriptor.get(), failure);
       if (failure) continue;
       descriptor.release();
       socket.set_option(tcp::no_delay(true), failure);
@@ -195,16 +167,16 @@ void Server::Impl::accept(Listener& listener) {
     }
     if (errno == EINTR || errno == ECONNABORTED) continue;
     if (errno == EAGAIN || errno == EWOULDBLOCK) break;
-    if (!std::exchange(listener.fails, true))
+    if (!std::exchange(from.fails, true))
       complain(fmt::format("no connection can be accepted: {}", system_words(errno)));
     make_room();
-    listener.again.expires_after(k_accept_again);
-    listener.again.async_wait([this, &listener](const SystemError& error) {
-      if (!error) accept_when_ready(listener);
+    from.again.expires_after(k_accept_again);
+    from.again.async_wait([this, &from](const SystemError& error) {
+      if (!error) accept_when_ready(from);
     });
     return;
   }
-  accept_when_ready(listener);
+  accept_when_ready(from);
 }
 
 void Server::Impl::admit(tcp::socket socket) {
@@ -331,7 +303,7 @@ void Server::Impl::stop() {
     pool->join();
   }
   // The loop is over, so this thread may do what was its.
-  listeners.clear();
+  listener.reset();
   const auto now = connections;
   for (const auto& [number, connection] : now)
     connection->close();
@@ -349,18 +321,17 @@ std::uint16_t Server::port() const {
   return impl_->port;
 }
 
-std::string Server::link(std::string_view host) const {
+std::string Server::link() const {
   const std::lock_guard lock(impl_->link_mutex);
-  const std::string own = fmt::format("127.0.0.1:{}", impl_->port);
-  return fmt::format("http://{}/?token={}", host.empty() ? own : host, impl_->newest_token);
+  return fmt::format("http://127.0.0.1:{}/?token={}", impl_->port, impl_->newest_token);
 }
 
-std::string Server::new_link(std::string_view host) {
+std::string Server::new_link() {
   {
     const std::lock_guard lock(impl_->link_mutex);
     impl_->newest_token = impl_->keys.new_token();
   }
-  return link(host);
+  return link();
 }
 
 void Server::publish(const std::string& event, const std::string& data) {
@@ -379,10 +350,8 @@ ServerCounts Server::counts() const {
           .streams = impl_->stream_count,
           .bodies_bytes = impl_->bodies.bytes,
           .answers_bytes = impl_->answers_bytes,
-          .accepted = impl_->accepted,
           .closed = impl_->closed,
-          .asks = impl_->asks,
-          .refused = impl_->refused};
+          .asks = impl_->asks};
 }
 
 }  // namespace sleight::web

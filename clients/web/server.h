@@ -32,7 +32,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "clients/web/ask.h"
@@ -58,8 +57,6 @@ struct ServerLimits {
 
 struct ServerOptions {
   std::uint16_t port = 0;  ///< 0: one that is free
-  /// Also on ::1, where the system has it and its port is free.
-  bool with_ipv6 = false;
   /// As browsers call this server beyond 127.0.0.1:PORT and localhost:PORT: "localhost:8080" of
   /// `ssh -L 8080:localhost:PORT`.
   std::vector<std::string> hosts{};
@@ -79,16 +76,14 @@ struct ServerOptions {
   std::function<void(const std::string&)> complain{};
 };
 
-/// For tests, and for what a program says of itself.
+/// For tests.
 struct ServerCounts {
   std::size_t connections = 0;
   std::size_t streams = 0;
   std::size_t bodies_bytes = 0;   ///< of requests that come in or are being answered
   std::size_t answers_bytes = 0;  ///< of answers that are being read
-  std::uint64_t accepted = 0;     ///< of all time, as are the following
-  std::uint64_t closed = 0;       ///< connections that were closed by a limit
-  std::uint64_t asks = 0;         ///< that passed the guard
-  std::uint64_t refused = 0;      ///< that didn't
+  std::uint64_t closed = 0;       ///< connections that were closed by a limit, of all time
+  std::uint64_t asks = 0;         ///< that passed the guard, of all time
 };
 
 class Server {
@@ -104,11 +99,11 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   std::uint16_t port() const;
-  /// What a browser is to open: http://127.0.0.1:PORT/?token=..., which lets in once; `host` in
-  /// place of 127.0.0.1:PORT, where given. The newest one, whether it was used or not.
-  std::string link(std::string_view host = {}) const;
+  /// What a browser is to open: http://127.0.0.1:PORT/?token=..., which lets in once. The newest
+  /// one, whether it was used or not.
+  std::string link() const;
   /// Another one; earlier ones hold, the latest eight of them.
-  std::string new_link(std::string_view host = {});
+  std::string new_link();
 
   /// An event for all streams. REQUIRES: a name without control characters. Data may have several
   /// lines.

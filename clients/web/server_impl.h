@@ -35,15 +35,14 @@ struct Server::Impl {
 
   /// A listener's next connections, from here on.
   struct Listener {
-    Listener(Impl& owner, boost::asio::ip::tcp protocol, base::Descriptor descriptor);
+    Listener(Impl& owner, base::Descriptor descriptor);
     boost::asio::ip::tcp::acceptor acceptor;
-    boost::asio::ip::tcp protocol;
     boost::asio::steady_timer again;
     bool fails = false;  ///< said once
   };
   void listen();
-  void accept_when_ready(Listener& listener);
-  void accept(Listener& listener);
+  void accept_when_ready(Listener& from);
+  void accept(Listener& from);
   void admit(boost::asio::ip::tcp::socket socket);
   bool make_room();
   void comment_streams();
@@ -72,7 +71,6 @@ struct Server::Impl {
   std::atomic<std::uint64_t> accepted = 0;
   std::atomic<std::uint64_t> closed = 0;
   std::atomic<std::uint64_t> asks = 0;
-  std::atomic<std::uint64_t> refused = 0;
 
   mutable std::mutex link_mutex;
   std::string newest_token;
@@ -81,7 +79,7 @@ struct Server::Impl {
   std::map<std::string, std::shared_ptr<const std::string>> newest_events;
 
   boost::asio::io_context loop{1};
-  std::vector<std::unique_ptr<Listener>> listeners;
+  std::unique_ptr<Listener> listener;
   boost::asio::steady_timer comments{loop};
   /// In the order in which they came: by their numbers.
   std::map<std::uint64_t, std::shared_ptr<Connection>> connections;

@@ -250,9 +250,9 @@ TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
 
 TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
   // A number that no request has is not repeated.
-  for (const auto& [rule, advised] : {std::pair{"independent_solutions = 2\n", 0.1},
-                                      std::pair{"odds = 0.3\n", 0.3},
-                                      std::pair{"odds = 7.0\n", 0.1}}) {
+  for (const auto& [rule, advised] :
+       {std::pair{"independent_solutions = 2\n", 0.1}, std::pair{"odds = 0.3\n", 0.3},
+        std::pair{"odds = 7.0\n", 0.1}}) {
     IslandTables tables;
     tables.stop += rule;
     const nlohmann::ordered_json said = json_of(tables);
@@ -315,7 +315,8 @@ TEST(ArchiveOdds, ToursHaveToGoForOdds) {
   tables.sampler = "tour_scans = 16\nparticles = 2\n";
   tables.stop = "independent_solutions = 2\n";
   const Made made = islands_archive(tables);
-  const std::string besides = odds_of(made.source, made.summary).value().how_to_know.value().besides;
+  const std::string besides =
+      odds_of(made.source, made.summary).value().how_to_know.value().besides;
   EXPECT_THAT(besides, HasSubstr("tour_scans"));
   EXPECT_THAT(besides, HasSubstr("particles"));
 }

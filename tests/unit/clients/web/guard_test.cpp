@@ -106,14 +106,13 @@ TEST_F(Guarding, PassesWhatOurPageAsks) {
 }
 
 TEST_F(Guarding, KnowsItsHosts) {
-  for (const std::string host :
-       {"127.0.0.1:7000", "localhost:7000", "[::1]:7000", "localhost:8080"})
+  for (const std::string host : {"127.0.0.1:7000", "localhost:7000", "localhost:8080"})
     EXPECT_EQ(refused(but(good(), "Host", host)), 0U) << host;
   for (const std::string host :
-       {"", "127.0.0.1", "localhost", "127.0.0.1:7001", "127.0.0.1:70000", "evil.example:7000",
-        "127.0.0.2:7000", "127.0.0.1:7000.evil.example", "evil.example", "LOCALHOST:7000",
-        "localhost.:7000", "127.1:7000", "user@127.0.0.1:7000", "127.0.0.1:7000,127.0.0.1:7000",
-        "127.0.0.1:8080"}) {
+       {"", "127.0.0.1", "localhost", "[::1]:7000", "127.0.0.1:7001", "127.0.0.1:70000",
+        "evil.example:7000", "127.0.0.2:7000", "127.0.0.1:7000.evil.example", "evil.example",
+        "LOCALHOST:7000", "localhost.:7000", "127.1:7000", "user@127.0.0.1:7000",
+        "127.0.0.1:7000,127.0.0.1:7000", "127.0.0.1:8080"}) {
     EXPECT_EQ(refused(but(good(), "Host", host)), 421U) << host;
   }
   EXPECT_EQ(refused(without(good(), "Host")), 400U);
