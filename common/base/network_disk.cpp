@@ -21,14 +21,15 @@ constexpr std::array<std::pair<unsigned long, const char*>, 9> k_types{{{0x6969,
                                                                         {0x65735546, "FUSE"},
                                                                         {0x01021997, "9P"}}};
 
-}  // namespace
-
+/// The name that belongs to the type that statfs gives, or none.
 std::optional<std::string> network_file_system_of_type(unsigned long type) {
   for (const auto& [known, name] : k_types) {
     if (known == type) return name;
   }
   return std::nullopt;
 }
+
+}  // namespace
 
 std::optional<std::string> network_file_system(const std::string& path) {
   const char* const variable = std::getenv(k_network_disk_variable);

@@ -20,7 +20,4 @@ inline constexpr const char* k_network_disk_variable = "SLEIGHT_NETWORK_DISK";
 /// local disks, and where there is no such path.
 std::optional<std::string> network_file_system(const std::string& path);
 
-/// The name that belongs to the type that statfs gives, or none.
-std::optional<std::string> network_file_system_of_type(unsigned long type);
-
 }  // namespace sleight::base

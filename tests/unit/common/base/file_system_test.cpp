@@ -47,17 +47,6 @@ TEST_F(FileSystemOfPosix, KnowsWhatExists) {
   EXPECT_THAT(failure_of([&] { (void)files_.exists(long_name); }), HasSubstr(long_name));
 }
 
-TEST_F(FileSystemOfPosix, SyncsAndReplacesInOneStep) {
-  // Goal: the order that callers use works. Method: write beside, sync, rename over, sync folder.
-  put_bytes(path("old"), "old");
-  put_bytes(path("new"), "new");
-  files_.sync_file(path("new"));
-  files_.rename(path("new"), path("old"));
-  files_.sync_directory_of(path("old"));
-  EXPECT_EQ(bytes_of(path("old")), "new");
-  EXPECT_FALSE(files_.exists(path("new")));
-}
-
 TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
   // Goal: folders are told from files, and their names come in one order. Method: a folder, a file,
   // nothing, and a path through a file; what can't be listed is an error that names it.
@@ -105,14 +94,6 @@ TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
   if (!full) GTEST_SKIP() << "/dev/full can't be opened: " << full.error().message();
   EXPECT_EQ(full.value()->write_at(0, std::as_bytes(std::span("x"))),
             std::errc::no_space_on_device);
-}
-
-TEST_F(FileSystemOfPosix, RemovesWhatIsThere) {
-  // Goal: afterwards there is no such file, had it been there or not. Method: remove twice.
-  put_bytes(path("file"), "x");
-  files_.remove(path("file"));
-  EXPECT_FALSE(files_.exists(path("file")));
-  files_.remove(path("file"));
 }
 
 TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {

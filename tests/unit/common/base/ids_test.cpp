@@ -19,15 +19,6 @@ static_assert(!std::convertible_to<std::uint32_t, ChainId>);
 static_assert(std::same_as<ScanIndex::representation, std::uint64_t>);
 static_assert(std::is_trivially_copyable_v<ScanIndex>);
 
-TEST(Ids, AreOrderedByValue) {
-  // Goal: ids sort as their numbers do. Method: every comparison of a pair, and the default.
-  EXPECT_LT(ChainId{1}, ChainId{2});
-  EXPECT_GT(ChainId{2}, ChainId{1});
-  EXPECT_EQ(ChainId{2}, ChainId{2});
-  EXPECT_NE(ChainId{2}, ChainId{3});
-  EXPECT_EQ(ScanIndex{}.value, 0U);
-}
-
 TEST(Ids, PrintAsTheirNumber) {
   // Goal: messages show the number, with the number's format options. Method: the largest of each.
   EXPECT_EQ(fmt::format("{}", ChainId{std::numeric_limits<std::uint32_t>::max()}), "4294967295");

@@ -11,27 +11,6 @@ namespace {
 
 using Number = Result<int, std::string>;
 
-TEST(Result, HoldsAValueOrAReason) {
-  // Goal: each side reads as what was put in. Method: one of each.
-  const Number good(7);
-  EXPECT_TRUE(good.ok());
-  EXPECT_TRUE(static_cast<bool>(good));
-  EXPECT_EQ(good.value(), 7);
-  const Number bad(std::string("no number"));
-  EXPECT_FALSE(bad.ok());
-  EXPECT_FALSE(static_cast<bool>(bad));
-  EXPECT_EQ(bad.error(), "no number");
-  static_assert(!std::is_convertible_v<Number, bool>);
-}
-
-TEST(Result, GivesItsValueAway) {
-  // Goal: values that only move can be taken out. Method: a unique_ptr.
-  Result<std::unique_ptr<int>, std::string> result(std::make_unique<int>(3));
-  const std::unique_ptr<int> value = std::move(result).value();
-  ASSERT_NE(value, nullptr);
-  EXPECT_EQ(*value, 3);
-}
-
 TEST(Result, KeepsSidesApartWhenTypesAreClose) {
   // Goal: a value and a reason of related types aren't mixed up. Method: a reason that is itself
   // convertible to the value's type.

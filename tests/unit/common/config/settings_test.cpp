@@ -197,16 +197,6 @@ TEST(Settings, ABatchSystemHasOtherDefaults) {
       testing::HasSubstr("\"local\", \"slurm\" or the absolute path of a program, not \"pbs\""));
 }
 
-TEST(Settings, AKeyInAnotherSectionIsToldWhere) {
-  EXPECT_THAT(errors(k_ada, "partition = 'long'\n"), testing::HasSubstr("it belongs in [slurm]"));
-  EXPECT_THAT(errors(k_ada, "[limits]\npartition = 'long'\n"),
-              testing::HasSubstr("it belongs in [slurm]"));
-  EXPECT_THAT(errors(k_ada, "[slurm]\nlisten = 'a'\n"),
-              testing::HasSubstr("it belongs before every section"));
-  EXPECT_THAT(errors(k_ada, "[pbs]\n"),
-              testing::HasSubstr("the file has [limits] and [slurm] alone"));
-}
-
 TEST(Settings, FlagsAreSwitchedOnAnywhere) {
   const auto is_allowed = [](const Variables& variables, const std::string& file,
                              const std::vector<Given>& command_line = {}) {

@@ -65,17 +65,6 @@ keep_per_lineage = 3
 min_distance = 0.5
 )";
 
-TEST(ReadRequest, FillsInDefaults) {
-  toy::Parameters parameters;
-  const DirectionRequest request = read(k_least, parameters);
-  EXPECT_EQ(request.world, "toy");
-  EXPECT_EQ(request.sampler, SamplerParameters{});
-  EXPECT_EQ(request.stop.scans, 10U);
-  EXPECT_EQ(request.stop.rounds, std::nullopt);
-  EXPECT_EQ(request.output, OutputParameters{});
-  EXPECT_EQ(parameters, toy::Parameters{});
-}
-
 TEST(ReadRequest, SetsWhatIsGiven) {
   toy::Parameters parameters;
   const DirectionRequest request = read(
@@ -96,44 +85,12 @@ TEST(ReadRequest, SetsWhatIsGiven) {
   EXPECT_EQ(request.output, (OutputParameters{2, 0, 0, 1.0}));
 }
 
-TEST(ReadRequest, ParallelTemperingIsTheMethodOfThoseThatNameNone) {
-  // Goal: the default, in what is read, normalised and listed. Method: a request without a method,
-  // and one with another.
-  toy::Parameters parameters;
-  const DirectionRequest plain = read(k_least, parameters);
-  EXPECT_EQ(plain.sampler.method, Method::parallel_tempering);
-  EXPECT_THAT(normalised_text(plain), HasSubstr("method = \"parallel_tempering\""));
-  std::string listed;
-  for (const SectionKeys& section : request_keys(toy::binding(parameters))) {
-    for (const KeySpec& key : section.keys)
-      listed += section.name == "sampler" && key.key == "method" ? key.fallback : "";
-  }
-  EXPECT_EQ(listed, "\"parallel_tempering\"");
-  const DirectionRequest other =
-      read(std::string(k_least) + "[sampler]\nmethod = 'metropolis_hastings'", parameters);
-  EXPECT_EQ(other.sampler.method, Method::metropolis_hastings);
-}
-
 TEST(ReadRequest, DoesNotCarryValuesFromOneFileToTheNext) {
   toy::Parameters parameters;
   read("[world]\nname='toy'\nballs=9\n[stop]\nscans=1", parameters);
   EXPECT_EQ(parameters.balls, 9U);
   read(k_least, parameters);
   EXPECT_EQ(parameters.balls, 3U);
-}
-
-TEST(ReadRequest, ReportsEveryErrorInFileOrder) {
-  EXPECT_THAT(
-      toy::errors_of(
-          "[constraint]\n  lamda = 1\nword = 'HELLO'\n[stop]\nrounds = 0\n[world]\nname = "
-          "'toy'\nbals = 1\nballs = 10\n"),
-      ElementsAre(
-          "r.toml:2:3: unknown key 'lamda' in [constraint]; did you mean 'lambda'?",
-          "r.toml:3:8: 'word' in [constraint]: expected a string of at most 4 characters, found "
-          "the string \"HELLO\", which has 5 characters",
-          "r.toml:5:10: 'rounds' in [stop]: expected an integer from 1 to 40 rounds, found 0",
-          "r.toml:8:1: unknown key 'bals' in [world]; did you mean 'balls'?",
-          "r.toml:9:9: 'balls' in [world]: expected an integer from 1 to 9, found 10"));
 }
 
 TEST(ReadRequest, NamesTheWorlds) {
@@ -346,15 +303,6 @@ TEST(ReadRequest, RoundsAreNoLongerThanAnyRun) {
   EXPECT_THAT(toy::errors_of("[world]\nname='toy'\n[stop]\nrounds = 33"), IsEmpty());
 }
 
-TEST(ReadRequest, OptionsOfTheCommandLineAreNamedAsSuch) {
-  for (const std::string option : {"threads", "ranks", "cache", "simulator", "broad_phase"}) {
-    EXPECT_THAT(toy::errors_of(std::string(k_least) + option + " = 1"),
-                ElementsAre("r.toml:5:1: '" + option +
-                            "' is a command-line option, not a request key, since it may not "
-                            "change results"));
-  }
-}
-
 TEST(ReadRequest, ShowsAtMostSoManyErrors) {
   std::string text(k_least);
   for (int i = 0; i < 20000; ++i)
@@ -456,31 +404,6 @@ TEST(RequestKeys, ListEveryKeyOnce) {
       "lanes steps_per_level particles tour_scans step\n"
       "stop: scans rounds independent_solutions odds found\n"
       "output: thin keep_max keep_per_lineage min_distance\n");
-}
-
-TEST(KeyTable, ShowsTheSamplerLast) {
-  // Goal: people read what most of them need first. Method: where sections begin.
-  toy::Parameters parameters;
-  const std::string table = key_table(toy::binding(parameters));
-  const std::size_t sampler = table.find("\n[sampler]\n");
-  ASSERT_NE(sampler, std::string::npos);
-  for (const std::string section : {"world", "constraint", "stop", "output"})
-    EXPECT_LT(table.find("\n[" + section + "]\n"), sampler) << section;
-}
-
-TEST(KeyTable, IsAligned) {
-  toy::Parameters parameters;
-  const std::string table = key_table(toy::binding(parameters));
-  EXPECT_THAT(table, testing::StartsWith("toy: a world for tests\n\n[world]\n"));
-  std::size_t help_column = std::string::npos;
-  for (const std::string help : {"the world to simulate", "how many", "whether they spin",
-                                 "chains, independent", "at most so many satisfying"}) {
-    const std::size_t at = table.find(help);
-    ASSERT_NE(at, std::string::npos) << help;
-    const std::size_t column = at - table.rfind('\n', at);
-    if (help_column == std::string::npos) help_column = column;
-    EXPECT_EQ(column, help_column) << table;
-  }
 }
 
 }  // namespace

@@ -185,14 +185,5 @@ TEST(Ranges, HaveALimitThatIsNamed) {
   EXPECT_THAT(expanded({"a.b={}"}), ElementsAre("--set a.b={}: a value of the list is missing"));
 }
 
-TEST(Sets, AreFound) {
-  const auto sets = plain_sets(Texts{"sampler.seed=7", "stop.scans=4"});
-  ASSERT_TRUE(sets.ok());
-  EXPECT_EQ(find_set(sets.value(), "sampler", "seed"), &sets.value()[0]);
-  EXPECT_EQ(find_set(sets.value(), "stop"), &sets.value()[1]);
-  EXPECT_EQ(find_set(sets.value(), "stop", "rounds"), nullptr);
-  EXPECT_EQ(find_set(sets.value(), "world"), nullptr);
-}
-
 }  // namespace
 }  // namespace sleight::request

@@ -261,37 +261,5 @@ TEST(GroupCommit, DestructorCommits) {
   EXPECT_EQ(failing.calls(), 1);
 }
 
-TEST(GroupCommit, TakesFromManyThreads) {
-  // Goal: each thread's results are committed, in that thread's order. Method: four threads with
-  // chains of their own, flushing now and then while a fifth watches the count grow.
-  constexpr std::uint32_t k_threads = 4;
-  constexpr std::uint64_t k_each = 500;
-  std::vector<std::vector<std::uint64_t>> seen(k_threads);
-  GroupCommit group_commit([&](const GroupCommit::Group& group) {
-    for (const plan::UnitResult& result : group.results)
-      seen[result.unit.replica.chain.value].push_back(result.unit.first_scan.value);
-  });
-  std::vector<std::thread> threads;
-  for (std::uint32_t chain = 0; chain < k_threads; ++chain) {
-    threads.emplace_back([&, chain] {
-      for (std::uint64_t i = 0; i < k_each; ++i) {
-        group_commit.put(testing::result_of(chain, i, 1));
-        if (i % 100 == 0) group_commit.flush();
-      }
-      group_commit.flush();
-    });
-  }
-  std::uint64_t last = 0;
-  while (last < k_threads * k_each) {
-    const std::uint64_t now = group_commit.committed();
-    ASSERT_GE(now, last);
-    last = now;
-  }
-  for (std::thread& thread : threads)
-    thread.join();
-  for (const std::vector<std::uint64_t>& chain : seen)
-    EXPECT_EQ(chain, numbers_to(k_each));
-}
-
 }  // namespace
 }  // namespace sleight::store

@@ -82,49 +82,6 @@ TEST_F(RunStoreOf, ProgressIsInOrder) {
                                             std::pair{0xffffffffU, 0U}));
 }
 
-TEST_F(RunStoreOf, DoubledResultChangesNothing) {
-  // Goal: a key's first result stays (invariant 2). Method: put a result again with every field
-  // changed, in the same group, in a later one and in a later session.
-  open();
-  store_->put(result_of(0, 0, 6));
-  store_->put(forged(result_of(0, 0, 6)));
-  store_->flush();
-  expect_stored(folder(), *store_, 0, 6);
-  store_->put(forged(result_of(0, 0, 6)));
-  store_->flush();
-  expect_stored(folder(), *store_, 0, 6);
-  open();
-  store_->put(forged(result_of(0, 0, 6)));
-  store_->flush();
-  expect_stored(folder(), *store_, 0, 6);
-}
-
-TEST_F(RunStoreOf, LateResultChangesNothing) {
-  // Goal: a result from before does not take a replica back. Method: changed copies of the first,
-  // of a middle and of the last part of what is stored.
-  open();
-  store_->put(result_of(0, 0, 10));
-  store_->put(result_of(0, 10, 10));
-  for (const auto& [first, scans] : {std::pair{0U, 1U}, {0U, 10U}, {5U, 9U}, {12U, 8U}})
-    store_->put(forged(result_of(0, first, scans)));
-  store_->flush();
-  expect_stored(folder(), *store_, 0, 20);
-}
-
-TEST_F(RunStoreOf, OverlappingUnitAddsItsNewScans) {
-  // Goal: a unit that was cut elsewhere adds what is new, and repeats nothing. Method: the part
-  // that overlaps is changed; the first results and the later state count.
-  open();
-  store_->put(result_of(0, 0, 10));
-  plan::UnitResult overlapping = result_of(0, 6, 9);
-  const plan::UnitResult changed = forged(overlapping);
-  for (std::size_t i = 0; i < 4; ++i)
-    overlapping.scans[i] = changed.scans[i];
-  store_->put(overlapping);
-  store_->flush();
-  expect_stored(folder(), *store_, 0, 15);
-}
-
 TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
   // Goal: invariants 2 and 4 for any history. Method: random units that continue, repeat or
   // overlap, cut at random, with flushes and new sessions among them; the parts that are stored
@@ -176,15 +133,6 @@ TEST_F(RunStoreOf, TakesFromManyThreads) {
   EXPECT_EQ(store_->committed(), 1200U);
   for (std::uint32_t chain = 0; chain < 4; ++chain)
     expect_stored(folder(), *store_, chain, 300);
-}
-
-TEST_F(RunStoreOf, ClosingCommits) {
-  // Goal: a session that ends without a flush loses nothing. Method: put and close.
-  open();
-  for (std::uint64_t scan = 0; scan < 200; ++scan)
-    store_->put(result_of(0, scan, 1));
-  open();
-  expect_stored(folder(), *store_, 0, 200);
 }
 
 using RunStoreOfDeathTest = RunStoreOf;
