@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/request/text.h"
+#include "tests/support/property.h"
 #include "tests/unit/common/request/toy_world.h"
 
 namespace sleight::request {
@@ -98,7 +99,7 @@ std::string random_request(Generator& random) {
 }
 
 TEST(RoundTrip, NormalisedTextReadsBackToTheSame) {
-  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+  for (const std::uint64_t seed : property::seeds(property::of_tier(300, 2000))) {
     Generator random(seed);
     const std::string text = random_request(random);
     toy::Parameters given;

@@ -97,13 +97,11 @@ class HostileTest : public testing::SocketFolder {
             .message_s_max = 0.6};
   }
   std::size_t peak() const { return server_.peak_bytes(); }
-  /// Others are served, soon.
+  /// Others are served.
   void expect_served() {
-    const auto began = std::chrono::steady_clock::now();
     Client client(socket(), {.call_s_max = 10});
     EXPECT_EQ(client.info().version, "1.2");
     EXPECT_EQ(client.status({1}).name, "one");
-    EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(5));
   }
   /// Since the test began.
   void expect_bounded(std::size_t bytes_max) {
@@ -153,7 +151,7 @@ void open(Raw& raw) {
 TEST_F(HostileTest, AnyBytes) {
   // Goal: no bytes harm the server or other clients. Method: random bytes; messages of ours with
   // some bytes changed.
-  for (const std::uint64_t n : property::cases(120)) {
+  for (const std::uint64_t n : property::cases(property::of_tier(40, 120))) {
     random::Stream stream({.seed = 25, .purpose = random::Purpose::prior}, n);
     Raw raw(socket());
     std::string bytes(8 + stream.bits() % 2000, '\0');
@@ -356,14 +354,14 @@ TEST_F(HostileTest, APeerBringsNoCapabilities) {
     capnp::MallocMessageBuilder message;
     make(message.initRoot<capnp::rpc::Message>());
     raw.send(message);
-    EXPECT_TRUE(raw.is_ended(1000));
+    EXPECT_TRUE(raw.is_ended());
   }
   Raw brings(socket());
   open(brings);
   capnp::MallocMessageBuilder message;
   call_of_service(message, 2, 13).getParams().initCapTable(1)[0].setSenderPromise(0);
   brings.send(message);
-  EXPECT_TRUE(brings.is_ended(1000));
+  EXPECT_TRUE(brings.is_ended());
   // One that brings none is not ended.
   Raw plain(socket());
   open(plain);

@@ -236,7 +236,8 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
 }
 
 TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
-  // Goal: a run goes on right after kill -9 on the same machine. Method: leases of a minute.
+  // Goal: a run goes on right after kill -9 on the same machine. Method: a successor that has waited
+  // for the dead one's lease owes copies.
   const Moment taken;
   Child holder([&] {
     RunLock lock(folder());
@@ -247,10 +248,8 @@ TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
   EXPECT_THAT(conflict_of([&] { const RunLock lock(folder()); }).value_or(""),
               HasSubstr(fmt::format("({})", holder.process())));
   holder.kill();
-  const auto begin = Clock::now();
   const RunLock lock(folder());
   EXPECT_FALSE(lock.owes_copies());
-  EXPECT_LT(seconds_since(begin), 5);
 }
 
 TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
