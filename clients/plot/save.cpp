@@ -52,7 +52,7 @@ void save(const Figure& figure, const std::string& path, const SaveOptions& opti
       throw base::Error(base::ExitCode::usage,
                         fmt::format("{}: only an SVG has room for notes", path));
     }
-    write_whole(path, to_png(figure, options.png_scale));
+    write_whole(path, to_png(figure));
   } else {
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: expected a picture's name ending in .svg or .png", path));

@@ -9,8 +9,7 @@
 namespace sleight::plot {
 
 struct SaveOptions {
-  double png_scale = 2;  ///< image pixels per SVG pixel
-  Notes notes = {};      ///< REQUIRES an SVG, if there are any
+  Notes notes = {};  ///< REQUIRES an SVG, if there are any
 };
 
 /// Writes an SVG or a PNG, as the path's ending says (".svg", ".png", of any case). Written beside

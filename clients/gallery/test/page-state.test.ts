@@ -11,7 +11,7 @@ import { plausibilityWords, throwsBelow } from "../src/state/plausibility";
 import { extended, kept, nothingSelected, only, toggled } from "../src/state/selection";
 import { sortedByNumber, sortFromText, sortToText } from "../src/state/sorting";
 import { Store } from "../src/state/store";
-import { emptyHistory, redo, undo, undoStepsMax, withStep } from "../src/state/undo";
+import { type History, redo, undo, undoStepsMax, withStep } from "../src/state/undo";
 
 test("clicks choose one by one, shift a stretch", () => {
   const shown = ["a", "b", "c", "d", "e"];
@@ -28,7 +28,8 @@ test("clicks choose one by one, shift a stretch", () => {
 });
 
 test("undo and redo go to and fro; a new step forgets what was undone", () => {
-  let history = emptyHistory<number>();
+  const empty: History<number> = { done: [], undone: [] };
+  let history = empty;
   for (let i = 0; i < undoStepsMax + 5; i++)
     history = withStep(history, { words: String(i), before: i, after: i + 1 });
   assert.equal(history.done.length, undoStepsMax);
@@ -38,7 +39,7 @@ test("undo and redo go to and fro; a new step forgets what was undone", () => {
   assert.equal(back?.step.after, undoStepsMax + 5);
   const other = withStep(first?.history ?? history, { words: "other", before: 0, after: 1 });
   assert.equal(redo(other), null);
-  assert.equal(undo(emptyHistory<number>()), null);
+  assert.equal(undo(empty), null);
 });
 
 test("notes let through what the filter says", () => {

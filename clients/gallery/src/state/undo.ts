@@ -15,10 +15,6 @@ export interface History<Snapshot> {
 /** Steps behind which the oldest are forgotten. */
 export const undoStepsMax = 200;
 
-export function emptyHistory<Snapshot>(): History<Snapshot> {
-  return { done: [], undone: [] };
-}
-
 export function withStep<Snapshot>(history: History<Snapshot>, step: UndoStep<Snapshot>): History<Snapshot> {
   return { done: [...history.done, step].slice(-undoStepsMax), undone: [] };
 }
