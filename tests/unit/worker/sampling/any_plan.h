@@ -68,7 +68,6 @@ class RecordingWorker final : public plan::UnitWorker {
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override;
   std::optional<plan::UnitResult> run_from_held(const plan::Unit& unit) const override;
   bool holds(const plan::Unit& unit) const override;
-  bool has_run() const { return !made_.empty(); }
   const ScanRun& made(const Place& place) const { return made_.at(place); }
 
  private:

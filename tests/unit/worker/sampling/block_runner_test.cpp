@@ -1,11 +1,15 @@
-// Parallel tempering in blocks against the lockstep reference, bit for bit, however blocks are cut.
+// Parallel tempering, by units and in blocks, against the lockstep reference, bit for bit, however
+// blocks are cut.
 #include "worker/sampling/block_runner.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <map>
+#include <optional>
+#include <set>
 
 #include "tests/support/property.h"
 #include "tests/unit/worker/sampling/any_plan.h"
@@ -20,6 +24,10 @@ namespace {
 constexpr std::uint64_t k_seed = 424243;
 constexpr std::uint64_t k_cases = 120;
 constexpr std::uint64_t k_scans_max = 260;
+std::uint64_t cases() {
+  return property::of_tier(40, k_cases);
+}
+constexpr std::uint64_t k_longest = 2 * k_scans_max;  ///< of a run by other rules
 
 struct Case {
   ParallelTemperingOptions options;
@@ -44,6 +52,8 @@ Case random_case(Dice& dice) {
       .has_scale = dice.once_in(3) ? std::vector<bool>{} : std::vector<bool>{true, dice.once_in(2)},
       .round_scans = 1 + dice.below(40),
       .anneal_scans = dice.once_in(2) ? 0 : 1 + dice.below(40)};
+  made.options.ladder.starts_by_search = dice.once_in(3);
+  if (made.options.ladder.starts_by_search) made.options.ladder.anneal_scans = 0;
   StopRule& stop = made.options.stop;
   if (dice.once_in(2)) stop.independent_solutions = 1 + dice.below(40);
   if (dice.once_in(2)) stop.rounds = static_cast<std::uint32_t>(1 + dice.below(3));
@@ -51,31 +61,114 @@ Case random_case(Dice& dice) {
   return made;
 }
 
+std::uint64_t end_of_round(const Case& given, std::uint32_t round) {
+  const LadderOptions& ladder = given.options.ladder;
+  return ladder.anneal_scans + scans_through_round(ladder.round_scans, round);
+}
+
+/// The end of the first round whose last scan has no state that descends from a search's find; none
+/// among so many scans.
+std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<SlowLadder>& all,
+                                         std::uint64_t scans) {
+  if (!given.options.ladder.starts_by_search) return given.options.ladder.anneal_scans;
+  for (std::uint32_t round = 1; end_of_round(given, round) <= scans; ++round) {
+    const std::uint64_t end = end_of_round(given, round);
+    const auto descends = [&](const auto& run) {
+      const auto& [place, result] = run;
+      const std::uint64_t lineage = result.scans.front().lineage;
+      // The hottest replica's first state is a draw from the prior.
+      return place.second + 1 == end && lineage != plan::lineage_from(base::ReplicaId{0}, 0) &&
+             plan::scan_of_lineage(lineage) == 0;
+    };
+    if (std::ranges::none_of(all, [&](const SlowLadder& ladder) {
+          return std::ranges::any_of(ladder.results, descends);
+        }))
+      return end;
+  }
+  return std::nullopt;
+}
+
+/// Lineages that satisfied at inverse temperature 1 within these scans.
+std::uint64_t solutions_between(const SlowLadder& ladder, std::uint64_t first, std::uint64_t end) {
+  std::set<std::uint64_t> lineages;
+  for (const auto& [place, result] : ladder.results) {
+    const plan::ScanRecord& record = result.scans.front();
+    if (place.second >= first && place.second < end && record.satisfied &&
+        record.inverse_temperature == 1)
+      lineages.insert(record.lineage);
+  }
+  return lineages.size();
+}
+
+/// Where the run must stop, from all results, by the rules as they are written.
+std::uint64_t stop_of(const Case& given, const std::vector<SlowLadder>& all) {
+  const StopRule& stop = given.options.stop;
+  const auto burnt_in = burnt_in_at(given, all, k_longest);
+  for (std::uint32_t round = 1;; ++round) {
+    const std::uint64_t round_end = end_of_round(given, round);
+    if (stop.scans && *stop.scans <= round_end) return *stop.scans;
+    if (stop.rounds && *stop.rounds == round) return round_end;
+    std::uint64_t solutions = 0;
+    for (const SlowLadder& ladder : all)
+      solutions += burnt_in ? solutions_between(ladder, *burnt_in, round_end) : 0;
+    if (stop.independent_solutions && solutions >= *stop.independent_solutions) return round_end;
+  }
+}
+
 /// What all ladders of a case must come to.
 struct Expected {
   std::uint64_t end = 0;
+  std::optional<std::uint64_t> burnt_in{};
+  std::uint64_t solutions = 0;
   ScanRuns runs;
   std::vector<SlowLadder> ladders;
 };
 
 Expected expected_of(const Case& given) {
   const auto all = [&](std::uint64_t scans) {
-    Expected run{.end = scans, .runs = {}, .ladders = {}};
+    std::vector<SlowLadder> ladders;
     LadderOptions options = given.options.ladder;
     for (std::uint32_t chain = 0; chain < given.options.ladders; ++chain) {
       options.chain = base::ChainId{chain};
-      run.ladders.push_back(slow_ladder(options, given.worker, scans));
-      for (const auto& [place, result] : run.ladders.back().results) {
-        const plan::Unit unit = alone(result.unit, 0, result.unit.lineage);
-        run.runs[{unit.replica, place.second}] = {unit, result.scans.front(), result.state_after};
-      }
+      ladders.push_back(slow_ladder(options, given.worker, scans));
     }
-    return run;
+    return ladders;
   };
-  const LadderOptions& ladder = given.options.ladder;
-  const std::uint64_t longest = 2 * k_scans_max;
-  return all(scans_at_stop(given.options.stop, ladder.round_scans, ladder.anneal_scans,
-                           all(longest).runs));
+  Expected run{.end = stop_of(given, all(k_longest)), .runs = {}, .ladders = {}};
+  run.ladders = all(run.end);
+  run.burnt_in = burnt_in_at(given, run.ladders, run.end);
+  for (const SlowLadder& ladder : run.ladders) {
+    run.solutions += run.burnt_in ? solutions_between(ladder, *run.burnt_in, run.end) : 0;
+    for (const auto& [place, result] : ladder.results) {
+      const plan::Unit unit = alone(result.unit, 0, result.unit.lineage);
+      run.runs[{unit.replica, place.second}] = {unit, result.scans.front(), result.state_after};
+    }
+  }
+  return run;
+}
+
+/// The rounds that are told are those after the burn-in.
+void expect_rounds_after(const plan::Report& report, const std::vector<SlowLadder>& expected,
+                         std::uint64_t burnt_in) {
+  std::size_t rounds = 0;
+  std::vector<std::vector<double>> log_z;  // by ladder, by round
+  for (const SlowLadder& ladder : expected) {
+    std::vector<double>& of_ladder = log_z.emplace_back();
+    for (const RoundReport& round : ladder.rounds) {
+      if (round.first_scan >= burnt_in && round.statistics.scans() > 0)
+        of_ladder.push_back(round.statistics.log_z().value);
+    }
+    rounds = std::max(rounds, of_ladder.size());
+  }
+  const auto table = std::ranges::find(report.tables, "log_z", &plan::Table::name);
+  ASSERT_EQ(table != report.tables.end(), rounds > 0);
+  if (rounds == 0) return;
+  ASSERT_EQ(table->dims[1].second, rounds);
+  for (std::size_t l = 0; l < expected.size(); ++l) {
+    for (std::size_t r = 0; r < log_z[l].size(); ++r)
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(table->values[l * rounds + r]),
+                std::bit_cast<std::uint64_t>(log_z[l][r]));
+  }
 }
 
 void expect_end(const ParallelTempering& plan, const AnySession& session,
@@ -83,6 +176,9 @@ void expect_end(const ParallelTempering& plan, const AnySession& session,
   EXPECT_TRUE(plan.finished());
   EXPECT_EQ(plan.scans_common(), expected.end);
   EXPECT_EQ(plan.scans_consumed(), expected.runs.size());
+  EXPECT_EQ(plan.scans_total(), expected.runs.size());
+  EXPECT_EQ(plan.solutions_found(), expected.solutions);
+  EXPECT_EQ(plan.draws().first_scan, expected.burnt_in.value_or(expected.end));
   EXPECT_TRUE(session.runs() == expected.runs);
   for (std::size_t i = 0; i < expected.ladders.size(); ++i) {
     const LadderRun& ladder = plan.ladders()[i];
@@ -90,27 +186,60 @@ void expect_end(const ParallelTempering& plan, const AnySession& session,
     EXPECT_EQ(fingerprint(ladder.rounds(), ladder.solutions().scans()),
               fingerprint(slow.rounds, slow.solutions));
   }
+  expect_rounds_after(plan.report(), expected.ladders, expected.burnt_in.value_or(expected.end));
 }
 
+/// What ladders of a test had in them.
+struct LadderShapes {
+  std::uint64_t burn_ins = 0;
+  std::uint64_t grew = 0;
+  std::uint64_t shrank = 0;
+  std::uint64_t trips = 0;
+
+  void add(const Expected& expected, bool starts_by_search) {
+    burn_ins += starts_by_search && expected.burnt_in ? 1 : 0;
+    for (const SlowLadder& ladder : expected.ladders) {
+      for (std::size_t r = 0; r < ladder.rounds.size(); ++r) {
+        trips += ladder.rounds[r].round_trips;
+        if (r == 0) continue;
+        const std::size_t before = ladder.rounds[r - 1].counts.size();
+        grew += ladder.rounds[r].counts.size() > before ? 1 : 0;
+        shrank += ladder.rounds[r].counts.size() < before ? 1 : 0;
+      }
+    }
+  }
+};
+
 TEST(BlockRunner, EqualsTheLockstepReference) {
-  // Goal: units, records, states, rounds and the stop are those of the reference, however blocks
-  // are cut, wherever they run and in whatever order their members' results arrive. Method: random
-  // cases, several random sessions of each; what blocks had in them is counted.
+  // Goal: units, records, states, rounds, solutions and the stop are those of the reference, by
+  // units and in blocks, however these are cut, wherever they run and in whatever order their
+  // members' results arrive. Method: random cases with ladders that grow and shrink, started by a
+  // search or not, several random sessions of each; what blocks and ladders had in them is counted.
   BlockShapes shapes;
-  for (const std::uint64_t index : property::cases(k_cases)) {
+  LadderShapes ladders;
+  for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, index);
     const Case given = random_case(dice);
     const Expected expected = expected_of(given);
+    ladders.add(expected, given.options.ladder.starts_by_search);
     for (int repeat = 0; repeat < 3; ++repeat) {
       ParallelTempering plan(given.options);
       AnySession session(plan, given.worker);
-      session.run_in_blocks(dice, shapes);
+      if (repeat == 0) {
+        session.run_randomly(dice);
+      } else {
+        session.run_in_blocks(dice, shapes);
+      }
       expect_end(plan, session, expected);
       EXPECT_EQ(plan.next_block({.unit_scans_max = 1, .block_scans_max = 1}), std::nullopt);
       if (HasFailure()) return;
     }
   }
-  if (!property::all_cases()) return;
+  if (!property::all_cases() || cases() < k_cases) return;
+  EXPECT_GE(ladders.burn_ins, 5U);
+  EXPECT_GE(ladders.grew, 5U);
+  EXPECT_GE(ladders.shrank, 5U);
+  EXPECT_GT(ladders.trips, 1000U);
   EXPECT_GT(shapes.of_several, 10'000U);
   EXPECT_GT(shapes.staggered, 300U);
   EXPECT_GT(shapes.whole, 100U);
@@ -121,37 +250,6 @@ TEST(BlockRunner, EqualsTheLockstepReference) {
   EXPECT_GT(shapes.annealing, 100U);
   EXPECT_GT(shapes.held, 1000U);
   EXPECT_GT(shapes.lacking, 1000U);
-}
-
-TEST(BlockRunner, GoesOnFromAnyStoredResults) {
-  // Goal: a plan that consumes what a stopped session stored, some members of a block further than
-  // others, goes on in blocks to the reference's end. Method: stop at a random moment, with what
-  // was in flight lost or kept; replay by replicas in any order.
-  BlockShapes shapes;
-  std::uint64_t in_the_middle = 0;
-  for (const std::uint64_t index : property::cases(k_cases)) {
-    Dice dice(k_seed, k_cases + index);
-    const Case given = random_case(dice);
-    const Expected expected = expected_of(given);
-    ParallelTempering stopped_plan(given.options);
-    AnySession stopped(stopped_plan, given.worker);
-    stopped.run_in_blocks(dice, shapes, dice.below(300));
-    if (dice.once_in(3)) stopped.complete_all(dice);
-    if (!stopped_plan.finished() && !stopped.runs().empty()) ++in_the_middle;
-
-    ParallelTempering plan(given.options);
-    AnySession resumed(plan, given.worker);
-    resumed.replay(stopped.runs(), dice);
-    EXPECT_EQ(plan.finished(), stopped_plan.finished());
-    EXPECT_EQ(plan.scans_common(), stopped_plan.scans_common());
-    EXPECT_EQ(plan.scans_consumed(), stopped_plan.scans_consumed());
-    expect_equal(plan.report(), stopped_plan.report());
-    resumed.run_in_blocks(dice, shapes);
-    expect_end(plan, resumed, expected);
-    if (HasFailure()) return;
-  }
-  if (!property::all_cases()) return;
-  EXPECT_GT(in_the_middle, k_cases / 2);
 }
 
 ParallelTemperingOptions small_ladder(std::uint32_t levels) {
@@ -168,7 +266,7 @@ struct SecondScan {
   std::vector<plan::GivenState> states;
 };
 
-/// `worker` runs the first scan, and holds its states if it holds any.
+/// `worker` runs the first scan.
 SecondScan second_scan(std::uint32_t levels, std::uint32_t scans_max,
                        const plan::UnitWorker& worker) {
   ParallelTempering plan(small_ladder(levels));
@@ -186,50 +284,6 @@ SecondScan second_scan(std::uint32_t levels, std::uint32_t scans_max,
   for (const plan::Unit& member : made.block.members)
     made.states.emplace_back(states.at(member.replica));
   return made;
-}
-
-void expect_same(const std::vector<plan::UnitResult>& a, const std::vector<plan::UnitResult>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].unit, b[i].unit);
-    EXPECT_EQ(a[i].scans, b[i].scans);
-    EXPECT_EQ(a[i].state_after, b[i].state_after);
-  }
-}
-
-TEST(BlockRunner, SaysNothingWithoutAllStates) {
-  // Goal: a block runs only if each state is given or held, and else nothing of it runs. Method: a
-  // ladder of five; every set of states given, on a worker that holds all, on one that holds none,
-  // and on that one again with all given.
-  constexpr std::uint32_t k_levels = 5;
-  const ScanByScan numbers({.seed = 3, .roughness = {5}});
-  const RecordingWorker knowing(numbers);
-  const SecondScan second = second_scan(k_levels, 60, knowing);
-  ASSERT_EQ(second.block.members.size(), k_levels);
-  const base::ManualClock clock;
-  const BlockRunner on_knowing(knowing, clock);
-  const auto expected = on_knowing.run(second.block, second.states);
-  ASSERT_EQ(expected.size(), k_levels);
-  for (std::uint32_t given = 0; given < 1U << k_levels; ++given) {
-    std::vector<plan::GivenState> states = second.states;
-    for (std::uint32_t i = 0; i < k_levels; ++i) {
-      if ((given >> i & 1U) == 0) states[i].reset();
-    }
-    expect_same(on_knowing.run(second.block, states), expected);
-    const RecordingWorker fresh(numbers);
-    const BlockRunner on_fresh(fresh, clock);
-    const bool has_all = given + 1 == 1U << k_levels;
-    EXPECT_EQ(on_fresh.run(second.block, states).empty(), !has_all);
-    EXPECT_EQ(fresh.has_run(), has_all);
-    expect_same(on_fresh.run(second.block, second.states), expected);
-  }
-  // A worker that holds nothing at all, and a unit alone.
-  const BlockRunner forgetful(numbers, clock);
-  const plan::Block alone{.members = {second.block.members.front()}, .ladder = {}};
-  EXPECT_TRUE(forgetful.run(alone, std::vector<plan::GivenState>(1)).empty());
-  const auto by_itself = forgetful.run(alone, std::vector{second.states.front()});
-  ASSERT_EQ(by_itself.size(), 1U);
-  EXPECT_EQ(by_itself.front().scans.front(), expected.front().scans.front());
 }
 
 /// Each unit takes a second.

@@ -103,36 +103,6 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
                         {0, 1}, {1, 0}, {1, 0}, {0, 1}, {0, 1}, {1, 0}, {1, 0}, {0, 1}, {0, 1}}));
 }
 
-TEST(LadderTrips, OfAConveyor) {
-  // Goal: without rejections every replica makes a round trip in 2 levels scans, so that there is
-  // one every second scan (predicted_round_trip_rate). Method: 2 to 9 levels, a hundred cycles; the
-  // beginning and the end miss at most two trips a replica.
-  for (std::uint32_t levels = 2; levels < 10; ++levels) {
-    Played played(fixed(first_ladder(levels), 5000), 200ULL * levels, always_swaps);
-    const RoundReport& round = played.run().rounds().front();
-    EXPECT_LE(round.round_trips, 100U * levels);
-    EXPECT_GE(round.round_trips, 98U * levels);
-    EXPECT_EQ(predicted_round_trip_rate(round.statistics.rejections()), 0.5);
-    for (std::uint32_t replica = 0; replica < levels; ++replica) {
-      for (std::uint64_t scan = 0; scan + 2ULL * levels < 200ULL * levels; ++scan)
-        ASSERT_EQ(played.betas(replica)[scan], played.betas(replica)[scan + 2ULL * levels]);
-    }
-  }
-}
-
-TEST(LadderTrips, OfALadderThatNeverSwaps) {
-  // Goal: no trips, no restarts, one solution: the coolest replica's start. Method: the hottest
-  // alone begins lineages.
-  Played played(fixed({0, 0.2, 0.6, 1}), 50, never_swaps);
-  const RoundReport& round = played.run().rounds().front();
-  EXPECT_EQ(round.round_trips, 0U);
-  EXPECT_EQ(round.restarts, 0U);
-  EXPECT_EQ(played.run().solutions().scans(), std::vector<std::uint64_t>{0});
-  EXPECT_EQ(played.lineages(0).back(), plan::lineage_from(base::ReplicaId{0}, 49));
-  for (std::uint32_t replica = 1; replica < 4; ++replica)
-    EXPECT_EQ(played.lineages(replica).back(), plan::lineage_from(base::ReplicaId{replica}, 0));
-}
-
 TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
   // Goal: a trip counts in the round in which it ends, parity and replicas go on over round ends.
   // Method: the two levels of above in rounds of 2, 4, 8 scans: trips at scans 3 and 5, 7, ...

@@ -82,18 +82,5 @@ TEST(StageSearch, SpendsItsTriesAndGivesUp) {
   EXPECT_EQ(stuck.tries, 0U);
 }
 
-TEST(StageSearch, IsAFunctionOfItsStream) {
-  // Goal: the same stream gives the same solution, another one mostly another. Method: twice each.
-  const Lock lock{.has_dead_ends = false};
-  SearchEffort effort;
-  std::vector<std::optional<Lock::Prefix>> found;
-  for (const std::uint64_t number : {1U, 1U, 2U, 3U}) {
-    random::Stream stream = stream_of(number);
-    found.push_back(search(lock, {.turns_per_stage = 100}, stream, effort));
-  }
-  EXPECT_EQ(found[0], found[1]);
-  EXPECT_FALSE(found[1] == found[2] && found[2] == found[3]);
-}
-
 }  // namespace
 }  // namespace sleight::sampling

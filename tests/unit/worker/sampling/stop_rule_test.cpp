@@ -47,17 +47,6 @@ TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
   EXPECT_EQ(judge.end(), 77U);
 }
 
-TEST(StopJudge, FirstRuleEnds) {
-  // Goal: other rules bound the horizon of rounds. Method: 25 scans end in the second round.
-  const StopRule rule{.scans = 25, .rounds = {}, .independent_solutions = 3};
-  StopJudge judge(rule, 10, 7);
-  EXPECT_EQ(judge.horizon(), 17U);
-  judge.judge(17, none);
-  EXPECT_EQ(judge.horizon(), 25U);
-  judge.judge(25, [](std::uint64_t) -> std::uint64_t { return 99; });
-  EXPECT_EQ(judge.end(), 25U);
-}
-
 /// So many islands of this spread, of which one has this share.
 math::IslandOdds islands(std::uint64_t count, double relative_sd, double largest_share = 0.05) {
   return {.islands = count,
@@ -132,30 +121,6 @@ TEST(StopJudge, OddsAreSizedByWhatIsHalfKnownOnly) {
   EXPECT_FALSE(sizes_after_two(72));  // and then 96
   EXPECT_FALSE(sizes(islands(60, std::nan(""), std::nan(""))));
   EXPECT_FALSE(sizes({}));
-}
-
-TEST(StopJudge, OtherRulesMayEndASizedRound) {
-  // Goal: the first rule that holds ends the run, sized or not; solutions are not judged within
-  // the last round. Method: odds that size at the first end, 17, to end at 37.
-  const auto good = [](std::uint64_t, std::uint64_t) { return islands(60, 0.1); };
-  StopRule rule = k_to_a_tenth;
-  rule.scans = 30;
-  StopJudge cut(rule, 10, 7);
-  cut.judge(17, none, good);
-  EXPECT_EQ(cut.end(), 30U);
-  EXPECT_EQ(cut.sized_round()->end, 37U);
-  rule.scans = 37;
-  StopJudge whole(rule, 10, 7);
-  whole.judge(37, none, good);
-  EXPECT_EQ(whole.end(), 37U);
-  EXPECT_EQ(whole.sized_round()->end, 37U);
-  rule = k_to_a_tenth;
-  rule.independent_solutions = 1;
-  StopJudge solved(rule, 10, 7);
-  solved.judge(
-      17, [](std::uint64_t) -> std::uint64_t { return 1; }, good);
-  EXPECT_EQ(solved.end(), 17U);
-  EXPECT_FALSE(solved.sized_round());
 }
 
 TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {

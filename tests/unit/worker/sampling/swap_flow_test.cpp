@@ -113,33 +113,6 @@ TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
   EXPECT_GE(ahead_most, 4U);
 }
 
-TEST(SwapFlow, WaitsForThePartnerAlone) {
-  // Goal: who waits for whom, step by step. Method: four levels; after scan 0 the pairs (0, 1) and
-  // (2, 3), after scan 1 the pair (1, 2), ends going on alone.
-  SwapFlow flow(ladder_of(4));
-  for (std::uint32_t level = 0; level < 4; ++level)
-    flow.sit(level, 10 + level, 0);
-  EXPECT_TRUE(flow.made(1, -1).empty());
-  EXPECT_FALSE(flow.seat(1).may_run());
-  EXPECT_TRUE(flow.made(2, -1).empty()) << "level 1 has made its scan but is no partner now";
-  EXPECT_EQ(flow.made(0, -1).size(), 2U);
-  EXPECT_EQ(flow.seat(0).scan, 1U);
-  EXPECT_EQ(flow.seat(1).scan, 1U);
-  EXPECT_EQ(flow.seat(2).scan, 0U);
-  const auto alone = flow.made(0, -1);
-  ASSERT_EQ(alone.size(), 1U);
-  EXPECT_EQ(alone[0].level, 0U);
-  EXPECT_EQ(alone[0].scan, 2U);
-  EXPECT_TRUE(flow.made(1, -1).empty()) << "level 2 is a scan behind";
-  EXPECT_EQ(flow.made(3, -1).size(), 2U);
-  EXPECT_EQ(flow.made(2, -1).size(), 2U);
-  // Equal densities swap always: 10 and 11 have traded, 12 and 13, and then 10 and 13.
-  EXPECT_EQ(flow.seat(0).replica, 11U);
-  EXPECT_EQ(flow.seat(1).replica, 13U);
-  EXPECT_EQ(flow.seat(2).replica, 10U);
-  EXPECT_EQ(flow.seat(3).replica, 12U);
-}
-
 TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
   // Goal: of a part of a ladder, replicas go as in the whole one, and leave exactly where their
   // partner is outside, so that the part's sides lose a level with each scan. Method: all parts of

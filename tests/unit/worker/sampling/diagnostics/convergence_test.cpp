@@ -81,7 +81,6 @@ TEST(Complaints, name_shifted_chains) {
   EXPECT_THAT(found, ElementsAre(StartsWith("x: R-hat is "),
                                  StartsWith("x: the bulk effective sample size is "),
                                  StartsWith("x: the tail effective sample size is ")));
-  EXPECT_THAT(found[0], ::testing::EndsWith(", above 1.01: the chains disagree, or drift"));
 }
 
 TEST(Complaints, name_chains_that_never_move) {
