@@ -285,17 +285,6 @@ TEST(Refresh, IsAsNew) {
   EXPECT_LT(refused, mesh_count());
 }
 
-TEST(Refresh, AGeometryForNothingButPolyhedraIsLeftAsItIs) {
-  // Goal: a scene without bodies has no features to make anew. Method: refresh it.
-  random::Stream stream({.seed = 32, .purpose = random::Purpose::scene}, 0);
-  const Subject subject = subject_of(1, stream);
-  Scene scene = subject.scene(subject.mesh());
-  scene.bodies.clear();
-  StaticGeometry geometry(scene);
-  geometry.refresh(1);
-  EXPECT_EQ(geometry.feature_count(), 1U);
-}
-
 TEST(Refresh, AFlatSolidIsTurnedInsideOutWithinItsSlack) {
   // Goal: whether a solid is hollow is looked at again unless its slack is too small for that to
   // change. Method: stars, thick and very flat ones, whose vertices are mirrored: of the flat ones

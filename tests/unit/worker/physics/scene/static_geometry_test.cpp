@@ -1,7 +1,7 @@
-// Goal: a sphere meets static geometry exactly where it touches it, and nothing falls through.
+// Goal: a sphere meets static geometry exactly where it touches it.
 // Method: the features of meshes and polyhedra against the distance to every triangle, for random
 // centres and for those above corners, edges and diagonals; what lies near a box against all
-// features; whole simulations against the distance to every triangle along the recorded paths.
+// features. That nothing falls through whole simulations: penetration_test.cpp.
 #include "worker/physics/scene/static_geometry.h"
 
 #include <gmock/gmock.h>
@@ -277,29 +277,6 @@ TEST(StaticGeometry, AssignedIsAsNew) {
   }
 }
 
-TEST(StaticGeometry, SolidsHoldTheirInsides) {
-  // The tray holds its bottom and its rim but not its hollow; turned inside out, the rest of space.
-  const Scene scene = scenes::tray(2, 1).scene;
-  const StaticGeometry geometry(scene);
-  const auto name_at = [](const StaticGeometry& statics, const Vec3& p) {
-    const std::string* name = statics.solid_at(p);
-    return name == nullptr ? "" : *name;
-  };
-  EXPECT_EQ(name_at(geometry, {0.01, 0.02, 0.005}), "mesh 'tray'");
-  EXPECT_EQ(name_at(geometry, {0.09, 0.02, 0.025}), "mesh 'tray'");
-  EXPECT_EQ(name_at(geometry, {0.01, 0.02, 0.015}), "");
-  EXPECT_EQ(name_at(geometry, {0.2, 0.02, 0.015}), "");
-  EXPECT_EQ(name_at(geometry, {0.2, 0.02, -0.01}), "plane 'table'");
-  const TriangleMesh& mesh = *scene.meshes[0].mesh;
-  Raw raw{.vertices_m = {mesh.vertices_m().begin(), mesh.vertices_m().end()},
-          .triangles = {mesh.triangles().begin(), mesh.triangles().end()}};
-  for (TriangleCorners& corners : raw.triangles)
-    std::swap(corners[0], corners[1]);
-  const StaticGeometry turned(scene_of(mesh_of(raw, MeshClosure::closed)));
-  EXPECT_EQ(name_at(turned, {0.01, 0.02, 0.005}), "");
-  EXPECT_EQ(name_at(turned, {0.2, 0.02, 0.015}), "mesh 'it'");
-}
-
 TEST(StaticGeometry, ErrorsNameTheMesh) {
   random::Stream stream = stream_of(500);
   Raw raw = sheet(2, 0.1, 0.1, stream);
@@ -324,88 +301,6 @@ TEST(StaticGeometry, ErrorsNameTheMesh) {
   scene.gravity_mps2 = Vec3::Zero();
   scene.period_m = {10, 0, 0};
   EXPECT_EQ(message_of(scene), "a scene that repeats can have neither gravity nor static geometry");
-}
-
-// ---- whole simulations --------------------------------------------------------------------------
-
-void keep_spheres(Scene& scene) {
-  std::erase_if(scene.bodies, [](const BodyDescription& body) {
-    return std::get_if<Sphere>(&body.shape) == nullptr;
-  });
-}
-
-/// Looks at every sphere at the begin of each segment and between, against every triangle. Returns
-/// the least gap.
-double least_gap_m(const Scene& scene, const Recording& recording, random::Stream& stream) {
-  double least_m = 1e300;
-  for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) {
-    const double radius_m = std::get<Sphere>(scene.bodies[body].shape).radius_m;
-    const auto segments = recording.segments({body});
-    for (std::size_t i = 0; i < segments.size(); i += 1 + segments.size() / 200) {
-      const FreeFlight& flight = segments[i].segment.flight;
-      const Tick end =
-          i + 1 < segments.size() ? segments[i + 1].segment.flight.begin : recording.end();
-      const auto inside =
-          static_cast<TickCount>(static_cast<double>(end - flight.begin) * stream.uniform());
-      for (const Tick tick : {flight.begin, flight.begin + inside, end}) {
-        const Vec3 p = position_at(flight, tick);
-        for (const StaticMesh& mesh : scene.meshes)
-          least_m = std::min(least_m, distance_to_mesh(*mesh.mesh, p) - radius_m);
-        for (const StaticPlane& plane : scene.planes) {
-          least_m = std::min(
-              least_m, math::dot(plane.outside.normal, p) - plane.outside.offset_m - radius_m);
-        }
-      }
-    }
-  }
-  return least_m;
-}
-
-TEST(StaticGeometry, NoSphereFallsThrough) {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    for (const auto make : {&scenes::bumpy_floor, &scenes::tray}) {
-      scenes::Setting setting = make(30, seed);
-      keep_spheres(setting.scene);
-      Simulation simulation = Simulation::start(setting.scene, {}).value();
-      ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(1.0)));
-      const Counts& counts = simulation.counts();
-      // Most of the time they slide and roll, and meet a face only where another one ends.
-      EXPECT_GT(counts.static_collisions, 100U);
-      EXPECT_GT(counts.modes, 10U);
-      random::Stream stream = stream_of(600 + seed);
-      const double gap_m = least_gap_m(setting.scene, simulation.recording(), stream);
-      EXPECT_GT(gap_m, -1e-7) << "seed " << seed;
-      EXPECT_LT(gap_m, 1e-6) << "seed " << seed;
-      for (std::uint32_t body = 0; body < setting.scene.bodies.size(); ++body)
-        EXPECT_GT(simulation.pose({body}, simulation.now()).position_m.z(), 0);
-    }
-  }
-}
-
-TEST(StaticGeometry, ASphereOnACornerOfAFlatFloorBounces) {
-  // Dropped on corners and edges of flat sheets, with numbers that are not exact: each ball comes
-  // up to its height again.
-  random::Stream stream = stream_of(700);
-  const auto mesh = open_mesh(sheet(6, 0.1, 0, stream));
-  Scene scene;
-  scene.gravity_mps2 = {0, 0, -9.81};
-  scene.meshes = {{.name = "floor", .mesh = mesh}};
-  for (int i = 1; i < 6; ++i) {
-    for (int j = 2; j < 11; ++j) {
-      scene.bodies.push_back(
-          {.name = {},
-           .shape = Sphere{.radius_m = 0.01},
-           .inertia = solid_ball_inertia(1, 0.01),
-           .start = {.pose = {.position_m = {0.1 * i, 0.05 * j, 0.11}}, .twist = {}}});
-    }
-  }
-  Simulation simulation = Simulation::start(scene, {}).value();
-  // The tenth return to the top.
-  const double fall_s = std::sqrt(2 * 0.1 / 9.81);
-  ASSERT_FALSE(simulation.run_until(Tick{} + ticks_after(20 * fall_s)));
-  for (std::uint32_t body = 0; body < scene.bodies.size(); ++body)
-    EXPECT_NEAR(simulation.pose({body}, simulation.now()).position_m.z(), 0.11, 1e-5);
-  EXPECT_EQ(simulation.counts().static_collisions, 10 * scene.bodies.size());
 }
 
 TEST(StaticGeometry, AThinPlateIsMetOnItsOwnSides) {

@@ -168,23 +168,6 @@ TEST(ConvexHull, of_random_points_holds_them_and_needs_its_vertices) {
   }
 }
 
-TEST(ConvexHull, does_not_depend_on_the_order_but_for_numbers) {
-  for (const std::uint64_t i : property::cases(50)) {
-    random::Stream stream = numbers(2, i);
-    std::vector<Vec3> points;
-    for (int k = 0; k < 40; ++k)
-      points.push_back(random_vector(stream));
-    const ConvexPolyhedron first = convex_hull(points).value();
-    for (std::size_t k = points.size() - 1; k > 0; --k)
-      std::swap(points[k], points[stream.bits() % (k + 1)]);
-    const ConvexPolyhedron second = convex_hull(points).value();
-    ASSERT_EQ(first.vertices_m().size(), second.vertices_m().size());
-    ASSERT_EQ(first.edges().size(), second.edges().size());
-    ASSERT_EQ(first.faces().size(), second.faces().size());
-    ASSERT_NEAR(volume(first), volume(second), 1e-14);
-  }
-}
-
 // Grids of points on a box: many coplanar, collinear, interior and double points; turned and
 // shifted, so that they are coplanar to rounding only.
 TEST(ConvexHull, merges_coplanar_faces_and_drops_what_is_no_corner) {

@@ -1,6 +1,6 @@
 // Goal: masses, centres and inertias, principal axes and the body's frame.
-// Method: closed forms of boxes, prisms and tetrahedra; Monte Carlo integration of random hulls to
-// its own error; bodies cut into parts and turned give the same; the declared symmetry is checked.
+// Method: closed forms of boxes, prisms and tetrahedra; bodies cut into parts and turned give the
+// same; the declared symmetry is checked.
 #include "worker/physics/shape/mass_properties.h"
 
 #include <gtest/gtest.h>
@@ -10,13 +10,11 @@
 #include <cmath>
 
 #include "common/random/stream.h"
-#include "tests/support/property.h"
 #include "worker/physics/shape/shapes.h"
 
 namespace sleight::physics {
 namespace {
 
-using math::dot;
 using math::norm;
 using math::product;
 using math::rotated;
@@ -55,40 +53,6 @@ TEST(MassProperties, of_known_solids) {
   EXPECT_LT(largest(t.inertia_kgm2 - t.mass_kg * side * side / 20 * Mat3::Identity()), 1e-14);
   const MassProperties p = mass_properties(Parts{regular_prism(6, 1, 2).value()}, 1);
   EXPECT_NEAR(p.inertia_kgm2(2, 2), p.mass_kg * 5 / 12, 1e-14);
-}
-
-TEST(MassProperties, agree_with_monte_carlo) {
-  for (const std::uint64_t i : property::cases(4)) {
-    random::Stream stream = numbers(11, i);
-    std::vector<Vec3> points;
-    for (int k = 0; k < 20; ++k)
-      points.push_back(random_vector(stream));
-    const Parts parts{convex_hull(points).value()};
-    const MassProperties exact = mass_properties(parts, 1);
-    constexpr int k_draws = 200000;
-    int inside = 0;
-    Vec3 first = Vec3::Zero();
-    Mat3 second = Mat3::Zero();
-    for (int k = 0; k < k_draws; ++k) {
-      const Vec3 p = random_vector(stream);
-      const auto faces = parts[0].faces();
-      if (!std::all_of(faces.begin(), faces.end(),
-                       [&](const Face& f) { return dot(f.normal, p) <= f.offset_m; }))
-        continue;
-      ++inside;
-      first += p;
-      const Vec3 d = p - exact.centre_m;
-      second += dot(d, d) * Mat3::Identity() - d * d.transpose();
-    }
-    // Of a cube of volume 8, a share p: the standard error of the volume is 8 sqrt(p (1-p) / n);
-    // the moments' integrands are below 3.
-    const double share = static_cast<double>(inside) / k_draws;
-    const double error = 8 * std::sqrt(share * (1 - share) / k_draws);
-    EXPECT_NEAR(exact.volume_m3, 8 * share, 5 * error);
-    EXPECT_LT(norm(exact.centre_m - first / inside), 5 * 2 / std::sqrt(1.0 * inside));
-    EXPECT_LT(largest(exact.inertia_kgm2 - 8.0 / k_draws * second), 5 * 3 * error);
-    EXPECT_GT(largest(exact.inertia_kgm2), 40 * error);
-  }
 }
 
 TEST(MassProperties, of_parts_are_those_of_the_whole) {

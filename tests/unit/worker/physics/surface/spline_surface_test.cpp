@@ -1,7 +1,7 @@
 // Goal: heights, slopes and fields are those of the spline, at any place and whatever was asked
 // before, and nothing is made that nobody asked for. Method: random control points without end
-// against a sum over basis functions in long double (reference_surface.h); differences; counts of
-// the control points asked for. Bounds: surface_bounds_test.cpp.
+// against a sum over basis functions in long double (reference_surface.h); counts of the control
+// points asked for. Bounds: surface_bounds_test.cpp.
 #include "worker/physics/surface/spline_surface.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,6 @@
 #include <limits>
 #include <set>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "tests/unit/worker/physics/simulator/dice.h"
@@ -98,130 +97,6 @@ TEST(SplineSurface, HasTheFieldsOfTheDefinition) {
     ASSERT_EQ(got.height_m, 0);
     ASSERT_TRUE(got.restitution >= 0 && got.restitution <= 1 && got.friction >= 0);
   });
-}
-
-TEST(SplineSurface, SlopesAreTheDerivativesOfHeights) {
-  // Goal: a slope is the height's own, whatever a reference says. Method: central differences over
-  // a step of a thousandth of a cell, whose error the third derivative bounds (at most 8 heights
-  // per cell cubed, times a sixth of the step squared); the rest is rounding over the step.
-  constexpr double k_step = 1e-3;
-  for_each_place(3, 100, [&](const StaticSurface& surface, double x_m, double y_m) {
-    SplineSurface spline(surface);
-    const double step_m = k_step * surface.spacing_m;
-    const double from_x_m = x_m - step_m;
-    const double to_x_m = x_m + step_m;
-    const double from_y_m = y_m - step_m;
-    const double to_y_m = y_m + step_m;
-    const double room = k_height_m / surface.spacing_m * (8.0 / 6) * k_step * k_step +
-                        2 * height_error_m(surface, k_height_m, x_m, y_m) / step_m;
-    const SurfacePlace place = spline.at(x_m, y_m);
-    const double rise_x_m = spline.at(to_x_m, y_m).height_m - spline.at(from_x_m, y_m).height_m;
-    const double rise_y_m = spline.at(x_m, to_y_m).height_m - spline.at(x_m, from_y_m).height_m;
-    ASSERT_NEAR(rise_x_m / (to_x_m - from_x_m), place.slope_x, room);
-    ASSERT_NEAR(rise_y_m / (to_y_m - from_y_m), place.slope_y, room);
-  });
-}
-
-/// The last place below a line of the grid and the first that is not, as the surface counts.
-std::pair<double, double> around_line(const SplineSurface& spline, std::int32_t line) {
-  double above_m = line * spline.spacing_m();
-  // The line itself is off by a few bits at most; a surface that never crosses it ends here too.
-  constexpr int k_steps_max = 64;
-  for (int n = 0; n < k_steps_max && spline.patch_at(above_m, 0).i >= line; ++n)
-    above_m = std::nextafter(above_m, -k_infinity);
-  double below_m = above_m;
-  for (int n = 0; n < k_steps_max && spline.patch_at(above_m, 0).i < line; ++n) {
-    below_m = above_m;
-    above_m = std::nextafter(above_m, k_infinity);
-  }
-  return {below_m, above_m};
-}
-
-TEST(SplineSurface, AgreesWithItselfOnBothSidesOfALine) {
-  // Goal: whoever follows the surface over a border of patches sees no step. Method: the last place
-  // before a line against the first behind it, one bit of x apart, as heights and as slopes. Each
-  // side's rounding is some units in the last place of the control points' height.
-  Dice dice(4, 0);
-  for (const double spacing_m : k_spacings_m) {
-    const StaticSurface surface = surface_of(random_controls(4, k_height_m), spacing_m);
-    SplineSurface spline(surface);
-    for (int n = 0; n < 2000; ++n) {
-      const auto line = static_cast<std::int32_t>(dice.within(n % 2 == 0 ? 5 : 1000));
-      const auto [below_m, above_m] = around_line(spline, line);
-      ASSERT_NEAR(below_m, line * spacing_m, 8 * k_unit * (1 + std::abs(line)) * spacing_m);
-      const double other_m = dice.within(10 * spacing_m);
-      const bool along_x = dice.one_in(2);
-      const SurfacePlace before =
-          along_x ? spline.at(below_m, other_m) : spline.at(other_m, below_m);
-      const SurfacePlace behind =
-          along_x ? spline.at(above_m, other_m) : spline.at(other_m, above_m);
-      const double bits = 1 + std::abs(line);  // one bit of x, in units of a cell's last place
-      ASSERT_NEAR(before.height_m, behind.height_m, k_unit * k_height_m * (16 + 4 * bits));
-      const double slope_room = k_unit * k_height_m * (40 + 8 * bits) / spacing_m;
-      ASSERT_NEAR(before.slope_x, behind.slope_x, slope_room);
-      ASSERT_NEAR(before.slope_y, behind.slope_y, slope_room);
-    }
-  }
-}
-
-struct Side {
-  double value = 0;
-  double derivative = 0;  ///< per cell
-};
-
-/// A cubic's value and derivative at 0 from its values a fifth, two, three and four fifths of a
-/// cell away, on the side that step points to.
-Side continued(const std::array<double, 4>& f, double step) {
-  return {.value = 4 * f[0] - 6 * f[1] + 4 * f[2] - f[3],
-          .derivative = (-13.0 / 3 * f[0] + 19.0 / 2 * f[1] - 7 * f[2] + 11.0 / 6 * f[3]) / step};
-}
-
-TEST(SplineSurface, IsContinuousUpToSecondDerivatives) {
-  // Goal: height, slopes and second derivatives go over borders without a step. Method: along a
-  // line heights and slopes of a patch are cubics, so four places inside of it say, but for
-  // rounding, which value and derivative they have at the border; both sides must say the same.
-  // A slope's derivative across the border and that of the other slope are the second derivatives.
-  Dice dice(5, 0);
-  for (const double spacing_m : k_spacings_m) {
-    SplineSurface spline(surface_of(random_controls(5, k_height_m), spacing_m));
-    for (int n = 0; n < 300; ++n) {
-      const double line = std::floor(dice.within(40));
-      const double other = dice.within(40);
-      const bool along_x = dice.one_in(2);
-      const auto side = [&](double step) {
-        std::array<std::array<double, 4>, 3> values;
-        for (std::size_t k = 0; k < 4; ++k) {
-          const double here_m = (line + step * static_cast<double>(k + 1)) * spacing_m;
-          const SurfacePlace place =
-              along_x ? spline.at(here_m, other * spacing_m) : spline.at(other * spacing_m, here_m);
-          values[0][k] = place.height_m;
-          values[1][k] = place.slope_x * spacing_m;
-          values[2][k] = place.slope_y * spacing_m;
-        }
-        return std::array{continued(values[0], step), continued(values[1], step),
-                          continued(values[2], step)};
-      };
-      const std::array<Side, 3> before = side(-0.2);
-      const std::array<Side, 3> behind = side(0.2);
-      for (std::size_t k = 0; k < 3; ++k) {
-        ASSERT_NEAR(before[k].value, behind[k].value, 1e-12 * k_height_m);
-        ASSERT_NEAR(before[k].derivative, behind[k].derivative, 1e-11 * k_height_m);
-      }
-      // That the two slopes' derivatives are one matrix: the height's derivative is the slope.
-      ASSERT_NEAR(behind[0].derivative, behind[along_x ? 1 : 2].value, 1e-11 * k_height_m);
-    }
-  }
-}
-
-TEST(SplineSurface, TheCheckOfContinuitySeesAStep) {
-  // Goal: the test above can fail. Method: a kink of a millionth, which its formula must find.
-  const std::array<double, 4> before{0, 0, 0, 0};
-  std::array<double, 4> behind{};
-  for (std::size_t k = 0; k < 4; ++k)
-    behind[k] = 1e-6 * (static_cast<double>(k) + 1) * 0.2;
-  EXPECT_NEAR(continued(before, -0.2).derivative, 0, 1e-15);
-  EXPECT_NEAR(continued(behind, 0.2).derivative, 1e-6, 1e-15);
-  EXPECT_NEAR(continued(behind, 0.2).value, 0, 1e-15);
 }
 
 TEST(SplineSurface, WeightsAreTheDefinitions) {
