@@ -146,6 +146,28 @@ TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
   EXPECT_TRUE(bytes_of(path("a.h5")) == whole);
 }
 
+TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
+  write_file(path("a.h5"), files_, filler({.chains = 1}));
+  const std::string old = bytes_of(path("a.h5"));
+  for (const FileCall call : {FileCall::create, FileCall::write, FileCall::resize, FileCall::close,
+                              FileCall::sync_file, FileCall::rename, FileCall::sync_directory}) {
+    FaultyFileSystem failing;
+    failing.fail({.call = call, .reason = std::errc::io_error});
+    try {
+      write_file(path("a.h5"), failing, filler({}));
+      ADD_FAILURE() << name_of(call);
+    } catch (const base::Error& error) {
+      EXPECT_EQ(error.exit_code(), base::ExitCode::environment);
+      EXPECT_THAT(error.what(), AllOf(HasSubstr(path("")), HasSubstr("Input/output error")));
+    }
+    EXPECT_GE(failing.failures(), 1U) << name_of(call);
+    EXPECT_THAT(names(), ElementsAre("a.h5")) << name_of(call);
+    // Only the last call comes after the new file has its place.
+    EXPECT_EQ(bytes_of(path("a.h5")) == old, call != FileCall::sync_directory);
+    EXPECT_THAT(verify(*open_file(path("a.h5"))), ::testing::IsEmpty());
+  }
+}
+
 TEST_F(Writer, EachCallMayFailOnce) {
   // Goal: whichever call fails, even one in the middle of the file that is followed by good ones,
   // the old file stays whole or the new one is there. Method: the k-th call fails, once, for every
