@@ -267,7 +267,7 @@ TEST(ConvexSearch, SkipsNoCollision) {
   std::uint64_t looks = 0;
   std::uint64_t compared = 0;
   std::uint64_t collisions = 0;
-  const std::uint64_t count = property::long_run() ? 1'000'000 : 20'000;
+  const std::uint64_t count = property::long_run() ? 1'000'000 : property::of_tier(4'000, 20'000);
   for (const std::uint64_t n : property::cases(count)) {
     if (HasFailure()) break;
     Dice dice(k_seed, n);
@@ -319,7 +319,7 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
   std::uint64_t looks = 0;
   std::uint64_t collisions = 0;
   std::uint64_t missed = 0;
-  const std::uint64_t count = property::long_run() ? 500'000 : 20'000;
+  const std::uint64_t count = property::long_run() ? 500'000 : property::of_tier(4'000, 20'000);
   for (const std::uint64_t n : property::cases(count)) {
     if (HasFailure()) break;
     Dice dice(k_seed, n);

@@ -2,7 +2,7 @@
 // is as small as rounding or a step of time makes it.
 // Method: pieces pushed into one another by 1e-9 to 1e-6 of their size from a known contact, and
 // deep overlaps: shifting by the depth along the normal must part them, and no direction of many
-// may need less; closed forms for boxes.
+// may need less.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -82,25 +82,6 @@ TEST(Overlap, no_direction_needs_a_shorter_way_out) {
     pose_b.position_m += (1e-9 - result.gap_m) * result.normal;
     result = closest_cold(a, pose_a, b, pose_b);
     ASSERT_NEAR(result.gap_m, 1e-9, 1e-13) << i;
-  }
-}
-
-TEST(Overlap, of_boxes_is_the_least_of_three_lengths) {
-  const ConvexPolyhedron first = box(Vec3(2, 4, 6)).value();
-  const ConvexPolyhedron second = box(Vec3(1, 1, 1)).value();
-  for (const std::uint64_t i : property::cases(2000)) {
-    random::Stream stream = numbers(203, i);
-    const Mat3 turn = random_rotation(stream);
-    const Vec3 offset = random_vector(stream).cwiseProduct(Vec3(1.5, 2.5, 3.5));
-    const Closest result =
-        closest_cold(first.view(), {.rotation = turn, .position_m = {1, 2, 3}}, second.view(),
-                     {.rotation = turn, .position_m = Vec3(1, 2, 3) + math::product(turn, offset)});
-    const Vec3 beyond = offset.cwiseAbs() - Vec3(1.5, 2.5, 3.5);
-    ASSERT_NEAR(result.gap_m, beyond.maxCoeff(), 1e-14) << i;
-    Eigen::Index axis = 0;
-    beyond.maxCoeff(&axis);
-    const Vec3 local = transposed_product(turn, result.normal);
-    ASSERT_NEAR(local[axis], offset[axis] > 0 ? 1 : -1, 1e-14) << i;
   }
 }
 

@@ -73,7 +73,7 @@ TEST(ClosestWarm, equals_cold_along_trajectories) {
 
 // A cache from elsewhere costs time, not truth.
 TEST(ClosestWarm, survives_any_cache) {
-  for (const std::uint64_t i : property::cases(5000)) {
+  for (const std::uint64_t i : property::cases(property::of_tier(1500, 5000))) {
     random::Stream stream = numbers(402, i);
     const auto piece_a = random_piece(stream, 1);
     const auto piece_b = random_piece(stream, 1);
@@ -194,7 +194,8 @@ Placement near_placement(random::Stream& stream, const ConvexView& a, const Conv
 // search. Method: pieces 3e-10 to 1e-5 m apart, nearly parallel faces and edges among them; hints
 // of closest_warm, of closest_cold itself, and wrong ones. SLEIGHT_SOAK asks for 15 times as many.
 TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
-  const int cases = property::long_run() ? 3'000'000 : 200'000;
+  const auto cases =
+      static_cast<int>(property::long_run() ? 3'000'000 : property::of_tier(40'000, 200'000));
   constexpr std::uint64_t k_pairs_max = 1'000'000;  // more than are needed
   int quick = 0;
   int done = 0;

@@ -24,7 +24,7 @@ using testing::Dice;
 constexpr std::uint64_t k_seed = 20261121;
 
 std::uint64_t scene_count() {
-  return property::long_run() ? 20'000 : 300;
+  return property::long_run() ? 20'000 : property::of_tier(40, 300);
 }
 
 ::testing::AssertionResult same_end(const Marbles& a, const Marbles& b) {

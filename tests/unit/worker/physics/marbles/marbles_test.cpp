@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "common/random/distributions.h"
 #include "common/random/stream.h"
 #include "tests/support/property.h"
@@ -29,7 +27,7 @@ scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
 }
 
 std::uint64_t scene_count() {
-  return property::long_run() ? 20'000 : 200;
+  return property::long_run() ? 20'000 : property::of_tier(40, 200);
 }
 
 SimulationOptions places_only() {

@@ -83,13 +83,6 @@ bool same(const TouchBox& a, const TouchBox& b) {
   return a.low_m == b.low_m && a.high_m == b.high_m;
 }
 
-bool plain_holds(const TouchBox& outer, const TouchBox& inner) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (inner.low_m[i] < outer.low_m[i] || inner.high_m[i] > outer.high_m[i]) return false;
-  }
-  return true;
-}
-
 TEST(TouchBox, HasTheBitsOfThePlainComputation) {
   // Goal: all axes at once give what one at a time does. Method: the features of stars, hollows and
   // sheets, with edges of every kind; sides that make an edge's wedge unclear; and how many tell a
@@ -178,58 +171,6 @@ TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
   }
   if (!property::all_cases()) return;
   EXPECT_GT(beyond, 50);
-}
-
-TEST(TouchBox, ManyAreWrittenAtTheirIndices) {
-  // Goal: each feature that is named gets its box, one that can't be met none, and others stay as
-  // they are; those that outgrow their homes are told. Method: closed meshes, some edges of which
-  // are hollow, against one box at a time; homes that are the box itself, or end just short of one
-  // side of it, or a float beyond.
-  int absent = 0;
-  int outgrown_sides = 0;
-  for (const std::uint64_t n : property::cases(30)) {
-    random::Stream stream({.seed = 43, .purpose = random::Purpose::scene}, n);
-    Scene scene = scenes::rain(1, 1).scene;
-    scene.meshes = {
-        {.name = "it", .mesh = testing::mesh_of(testing::star(stream, 0.4), MeshClosure::closed)}};
-    const StaticGeometry geometry(scene);
-    constexpr float k_reach_m = 0.05F;
-    std::vector<TouchBox> expected(geometry.feature_count());
-    std::vector<TouchBox> homes(geometry.feature_count());
-    std::vector<FeatureId> named;
-    std::vector<FeatureId> expected_outgrown;
-    for (FeatureId f{geometry.plane_count()}; f < geometry.feature_count(); ++f) {
-      if (stream.bits() % 4 == 0) continue;
-      named.push_back(f);
-      absent += geometry.is_absent(f) ? 1 : 0;
-      const SphereFeature& feature = geometry.feature(f);
-      expected[f] = geometry.is_absent(f) ? k_unmeetable
-                                          : plain_touch_box(feature, geometry.sides(feature),
-                                                            geometry.feature_box(f), k_reach_m);
-      homes[f] = expected[f];
-      const std::size_t axis = stream.bits() % 3;
-      const float way = stream.bits() % 2 == 0 ? 10.0F : -10.0F;
-      float& side = stream.bits() % 2 == 0 ? homes[f].low_m[axis] : homes[f].high_m[axis];
-      if (stream.bits() % 2 == 0) side = std::nextafter(side, way);
-      if (plain_holds(homes[f], expected[f])) continue;
-      expected_outgrown.push_back(f);
-      outgrown_sides |= 1 << (2 * axis + (way < 0 ? 1 : 0));
-    }
-    std::vector<FeatureExtent> extents(geometry.feature_count());
-    for (const FeatureId f : named)
-      extents[f] = extent_of(geometry.feature_box(f), k_reach_m);
-    std::vector<TouchBox> boxes(geometry.feature_count());
-    std::vector<FeatureId> outgrown;
-    write_touch_boxes(geometry, named, k_reach_m,
-                      {.extents = extents, .homes = homes, .boxes = boxes}, outgrown);
-    for (std::uint32_t f = 0; f < geometry.feature_count(); ++f)
-      ASSERT_TRUE(same(boxes[f], expected[f])) << n << ", " << f;
-    std::ranges::sort(outgrown);
-    ASSERT_EQ(outgrown, expected_outgrown) << n;
-  }
-  if (!property::all_cases()) return;
-  EXPECT_GT(absent, 300);
-  EXPECT_EQ(outgrown_sides, 63);
 }
 
 }  // namespace
