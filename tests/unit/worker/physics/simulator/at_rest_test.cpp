@@ -10,6 +10,7 @@
 
 #include "common/math/rotation.h"
 #include "common/math/vector.h"
+#include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
 #include "worker/physics/scenes/random_starts.h"
@@ -231,7 +232,7 @@ TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
   // lower one's edge, in 8,000 directions; and 1 mm inside of it. In some a crossing by rounding
   // would hold it.
   random::Stream stream = scenes::stream_of_scene(2, 0);
-  for (int i = 0; i < 8000; ++i) {
+  for (std::uint64_t i = 0; i < property::of_tier(500, 8000); ++i) {
     const double yaw_rad = scenes::between(stream, 0, 2 * pi);
     for (const double beyond_m : {0.001, -0.001}) {
       Scene scene = floor_scene(0.1, 0.5);

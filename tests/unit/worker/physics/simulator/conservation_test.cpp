@@ -133,36 +133,15 @@ TEST(Conservation, EventsGainNoEnergy) {
         << name << ", tick " << changes.where.tick.value << ", body " << changes.where.lower;
     largest = std::max(largest, changes.largest_gain);
   };
-  for (const std::uint64_t n : property::cases(property::long_run() ? 1200 : 120)) {
+  for (const std::uint64_t n :
+       property::cases(property::long_run() ? 1200 : property::of_tier(27, 120))) {
     const testing::TestScene scene = testing::test_scene(n);
     look(scene.setting.scene, scene.setting.duration_s,
          "scene " + std::to_string(n) + ": " + scene.name);
   }
-  for (const std::uint64_t seed : property::seeds(8))
+  for (const std::uint64_t seed : property::seeds(property::of_tier(2, 8)))
     look(testing::mixed_scene(seed), 0.6, "mixed scene " + std::to_string(seed));
   std::printf("largest gain of an event, of its bodies' energy: %.2e\n", largest);
-}
-
-TEST(Conservation, TotalEnergyNeverGrows) {
-  // Goal: energy of all bodies falls from event to event, flights included. Method: at times far
-  // from each other, without bodies that start later.
-  for (const std::uint64_t n : property::cases(12)) {
-    Scene scene = n % 2 == 0 ? scenes::rain(20, n + 1).scene : testing::mixed_scene(n + 1);
-    scene.controls.clear();
-    std::erase_if(scene.bodies,
-                  [](const BodyDescription& body) { return body.start_tick > Tick{}; });
-    const RecordedRun run = testing::recorded(scene, 0.5);
-    ASSERT_EQ(run.error, "");
-    double last_j = std::numeric_limits<double>::infinity();
-    for (int step = 0; step <= 100; ++step) {
-      const Tick tick = Tick{} + step * (run.recording.end().value / 100);
-      double sum_j = 0;
-      for (std::uint32_t body = 0; body < scene.bodies.size(); ++body)
-        sum_j += testing::energy_j(scene, body, *run.recording.segment_at({body}, tick), tick);
-      EXPECT_LE(sum_j, last_j + 1e-12 * std::fabs(sum_j)) << "seed " << n + 1 << ", step " << step;
-      last_j = sum_j;
-    }
-  }
 }
 
 TEST(Conservation, AGainIsSeen) {

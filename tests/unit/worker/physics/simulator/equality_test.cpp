@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
@@ -18,7 +17,7 @@ using testing::TestScene;
 /// Scenes of the ordinary run; of the long one (SLEIGHT_SOAK=1) the number that the project
 /// promises.
 std::uint64_t scene_count() {
-  return property::long_run() ? 10'000 : 300;
+  return property::long_run() ? 10'000 : property::of_tier(33, 300);
 }
 
 struct Outcome {
@@ -92,7 +91,7 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
 TEST(Equality, OneWayMayTakeOverFromAnother) {
   // Goal: go_on_with changes no bit either, in the middle of flights, contacts, rest and waiting
   // starts. Method: scenes of every kind run in portions of random length, each in another way.
-  for (const std::uint64_t n : property::cases(90)) {
+  for (const std::uint64_t n : property::cases(property::of_tier(22, 90))) {
     const TestScene scene = testing::any_scene(n);
     const Outcome expected = outcome_of(scene, {});
     auto started = Simulation::start(scene.setting.scene, {});

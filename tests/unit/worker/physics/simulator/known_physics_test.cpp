@@ -1,7 +1,5 @@
-// Motions whose outcome is known: bounces, rolling, exchanges, the pressure of hard spheres.
+// Motions whose outcome is known: bounces, exchanges, the pressure of hard spheres.
 #include <gtest/gtest.h>
-
-#include <numbers>
 
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/scenes/scenes.h"
@@ -74,87 +72,6 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
   EXPECT_LT(worst_ticks, 3 * 20);
   // v^2 at the touch is off by 2 g times the depth, at most a tick's travel of 4e-9 m.
   EXPECT_LT(worst_height, 1e-6);
-}
-
-/// A sphere thrown along a floor with friction: its last segment, and when its velocity was within
-/// 1e-6 of the last one for the first time.
-struct Rolled {
-  Twist last;
-  double after_s = 0;
-};
-
-Rolled rolled(const Vec3& velocity_mps, const Vec3& spin_radps, double restitution) {
-  Scene scene = floor_scene({.restitution = restitution, .friction = 0.3});
-  scene.slow.separation_speed_mps = 0.002;
-  scene.bodies.push_back(ball({0, 0, 0.02 + 2e-7}, velocity_mps));
-  scene.bodies[0].start.twist.angular_velocity_radps = spin_radps;
-  const RecordedRun run = testing::recorded(scene, 1.5);
-  EXPECT_EQ(run.error, "");
-  const auto entries = run.recording.segments({0});
-  const Inertia& inertia = scene.bodies[0].inertia;
-  Rolled result{.last = testing::twist_in(entries.back().segment, inertia, run.recording.end())};
-  const auto level = [](const Vec3& v) -> Vec3 { return {v.x(), v.y(), 0}; };
-  for (const Recording::Entry& entry : entries) {
-    result.after_s = seconds(entry.cause.tick - Tick{});
-    const Vec3 off = level(entry.segment.flight.velocity_mps - result.last.velocity_mps);
-    if (math::norm(off) < 1e-6) break;
-  }
-  return result;
-}
-
-TEST(KnownPhysics, ASlidingBallRollsAtFiveSeventhsOfItsSpeed) {
-  // Goal: a solid ball that is thrown without spin ends sliding with 5/7 of its speed after
-  // 2 v / (7 mu g), whatever bounces and impulses lead there: its angular momentum about the floor
-  // is kept. Method: throw one that all but touches the floor, elastic and not, along x and askew.
-  constexpr double k_radius_m = 0.02;
-  for (const double restitution : {0.0, 0.5, 1.0}) {
-    for (const Vec3& v : {Vec3(1, 0, 0), Vec3(-0.7, 0.4, 0)}) {
-      const Rolled result = rolled(v, Vec3::Zero(), restitution);
-      const Vec3& end = result.last.velocity_mps;
-      EXPECT_NEAR(end.x(), 5.0 / 7 * v.x(), 1e-9);
-      EXPECT_NEAR(end.y(), 5.0 / 7 * v.y(), 1e-9);
-      // It rolls: the surface doesn't slip.
-      EXPECT_NEAR(end.x() - k_radius_m * result.last.angular_velocity_radps.y(), 0, 1e-9);
-      EXPECT_NEAR(end.y() + k_radius_m * result.last.angular_velocity_radps.x(), 0, 1e-9);
-      const double known_s = 2 * math::norm(v) / (7 * 0.3 * k_g_mps2);
-      EXPECT_NEAR(result.after_s, known_s, 0.02 * known_s);
-    }
-  }
-}
-
-TEST(KnownPhysics, ASpinningBallGainsSpeed) {
-  // Goal: a ball that spins by w about y rolls at (5 v + 2 r w)/7, backwards too.
-  for (const double w : {100.0, -300.0}) {
-    const Rolled result = rolled({0.5, 0, 0}, {0, w, 3}, 0.5);
-    EXPECT_NEAR(result.last.velocity_mps.x(), (5 * 0.5 + 2 * 0.02 * w) / 7, 1e-9);
-    EXPECT_NEAR(result.last.angular_velocity_radps.z(), 3, 1e-12);
-  }
-}
-
-TEST(KnownPhysics, TwoBallsHeadOn) {
-  // Goal: equal elastic balls exchange velocities; others follow momentum and restitution.
-  for (const double restitution : {1.0, 0.6, 0.0}) {
-    for (const double mass_kg : {0.1, 0.37}) {
-      Scene scene;
-      scene.contacts = ContactTable(1, {.restitution = restitution, .friction = 0.5});
-      scene.bodies.push_back(ball({0, 0, 0}, {1.5, 0, 0}));
-      scene.bodies.push_back(ball({0.1, 0, 0}, {-0.5, 0, 0}, 0.02, mass_kg));
-      const RecordedRun run = testing::recorded(scene, 0.2);
-      ASSERT_EQ(run.error, "");
-      ASSERT_EQ(run.counts.collisions, 1U);
-      const double a = run.recording.segments({0}).back().segment.flight.velocity_mps.x();
-      const double b = run.recording.segments({1}).back().segment.flight.velocity_mps.x();
-      EXPECT_NEAR(b - a, restitution * 2, 1e-15);
-      EXPECT_NEAR(0.1 * a + mass_kg * b, 0.1 * 1.5 - mass_kg * 0.5, 1e-16);
-      if (restitution == 1 && mass_kg == 0.1) {
-        EXPECT_NEAR(a, -0.5, 1e-15);
-        EXPECT_NEAR(b, 1.5, 1e-15);
-      }
-      // The first tick at which the gap is at most k_touch_m.
-      const double meet_s = (0.1 - 0.04 - k_touch_m) / 2;
-      EXPECT_EQ(bounces(run, 0)[0].cause.tick, Tick{} + ticks_after(meet_s));
-    }
-  }
 }
 
 TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {

@@ -83,45 +83,6 @@ TEST(Modes, AMarbleRollsDownASlope) {
   }
 }
 
-TEST(Modes, ASlideEndsInRolling) {
-  // Goal: a marble thrown along a floor slides for 2 v / (7 mu g), rolls at 5/7 of its speed, and
-  // all that is a few segments. Method: the recorded modes and times.
-  constexpr double k_friction = 0.2;
-  Scene scene = scene_with({.restitution = 0.5, .friction = k_friction});
-  scene.slow.rest_speed_mps = 0;
-  scene.planes.push_back(plane({0, 0, 1}));
-  scene.bodies.push_back(marble({0, 0, k_radius_m + k_close_m}, {1.2, -0.5, 0}));
-  const RecordedRun run = testing::recorded(scene, 2);
-  ASSERT_EQ(run.error, "");
-  const auto entries = run.recording.segments({0});
-  ASSERT_LE(entries.size(), 5U);
-  ASSERT_GE(entries.size(), 3U);
-  EXPECT_EQ(entries[entries.size() - 2].segment.mode, MotionMode::sliding);
-  EXPECT_EQ(entries.back().segment.mode, MotionMode::rolling);
-  EXPECT_EQ(entries.back().cause.kind, EventKind::mode);
-  const double known_s = 2 * 1.3 / (7 * k_friction * k_g_mps2);
-  EXPECT_NEAR(seconds(entries.back().cause.tick - Tick{}), known_s, 1e-3 * known_s);
-  const Vec3 v = entries.back().segment.flight.velocity_mps;
-  EXPECT_NEAR(v.x(), 5.0 / 7 * 1.2, 1e-9);
-  EXPECT_NEAR(v.y(), -5.0 / 7 * 0.5, 1e-9);
-}
-
-TEST(Modes, ACurvingSlideKeepsItsAngularMomentum) {
-  // Goal: a marble with spin askew to its way runs a curve, and ends as angular momentum about the
-  // floor says: (5 v + 2 r w x n) / 7. Method: one throw.
-  Scene scene = scene_with({.restitution = 0.3, .friction = 0.4});
-  scene.slow.rest_speed_mps = 0;
-  scene.planes.push_back(plane({0, 0, 1}));
-  const Vec3 velocity(0.8, 0.1, 0);
-  const Vec3 spin(90, -40, 12);
-  scene.bodies.push_back(marble({0, 0, k_radius_m + k_close_m}, velocity, spin));
-  const RecordedRun run = testing::recorded(scene, 1);
-  const Vec3 v = run.recording.segments({0}).back().segment.flight.velocity_mps;
-  EXPECT_NEAR(v.x(), (5 * velocity.x() + 2 * k_radius_m * spin.y()) / 7, 1e-9);
-  EXPECT_NEAR(v.y(), (5 * velocity.y() - 2 * k_radius_m * spin.x()) / 7, 1e-9);
-  EXPECT_EQ(last_mode(run), MotionMode::rolling);
-}
-
 TEST(Modes, RollingFrictionStopsAMarble) {
   // Goal: it stops after v^2 / (2 c g), rests, and nothing happens any more. Method: one that
   // starts rolling.

@@ -228,7 +228,7 @@ Deepest deepest_of(const RecordedRun& run, std::size_t collisions, int random_ti
 TEST(Penetration, NoSceneHasBodiesThatOverlap) {
   // Goal: bodies are kept apart. Method: scenes of every kind; clearances at
   // random ticks and some ticks before and after recorded collisions.
-  const std::uint64_t scenes = property::long_run() ? 600 : 60;
+  const std::uint64_t scenes = property::long_run() ? 600 : property::of_tier(27, 60);
   std::map<std::string, double> least_m;
   for (const std::uint64_t n : property::cases(scenes)) {
     const testing::TestScene scene = testing::test_scene(n);
@@ -252,7 +252,8 @@ TEST(Penetration, BodiesOfEveryShapeStayApart) {
   // Goal: pairs that the scenes of the list lack: spheres with polyhedra, bodies of several parts,
   // long boxes, prisms, spheres at edges of static geometry. Method: as above.
   double least_m = 1;
-  for (const std::uint64_t seed : property::seeds(property::long_run() ? 200 : 12)) {
+  for (const std::uint64_t seed :
+       property::seeds(property::long_run() ? 200 : property::of_tier(3, 12))) {
     const RecordedRun run = testing::recorded(testing::mixed_scene(seed), 0.6);
     ASSERT_EQ(run.error, "") << "mixed scene of seed " << seed;
     EXPECT_GT(run.counts.collisions, 20U) << seed;

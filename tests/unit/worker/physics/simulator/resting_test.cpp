@@ -336,17 +336,6 @@ TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
   }
 }
 
-TEST(Resting, LowGravityAndNone) {
-  // Goal: rest is not tied to the earth's gravity. Method: without gravity a ball flies on, however
-  // slow; it touched nothing.
-  Scene scene = floor_scene({.restitution = 0.5, .friction = 0.4});
-  scene.gravity_mps2 = Vec3::Zero();
-  scene.bodies.push_back(ball_at({0, 0, 0.1}));
-  scene.bodies[0].start.twist.velocity_mps = {0, 0, 1e-3};
-  const RecordedRun run = testing::recorded(scene, 2);
-  EXPECT_EQ(run.recording.segments({0}).size(), 1U);
-}
-
 // ---- can_carry ----------------------------------------------------------------------------------
 
 TouchRecord contact(const Vec3& arm_m, const Vec3& normal, double friction) {
@@ -458,11 +447,6 @@ TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
   // Most of what isn't carried falls over.
   EXPECT_GT(carried, 1'000);
   EXPECT_GT(falling, 0.9 * (20'000 - carried));
-}
-
-TEST(CanCarry, NoWeightNeedsNoContact) {
-  // Goal: in free fall everything is in balance. Method: no contacts, no weight.
-  EXPECT_TRUE(can_carry({}, Vec3::Zero(), 0.02));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ constexpr int k_steps = 20;
 
 /// Chains of proposals, each of k_steps.
 std::uint64_t chain_count() {
-  return property::long_run() ? 100'000 / k_steps : 64;
+  return property::long_run() ? 100'000 / k_steps : property::of_tier(36, 64);
 }
 
 struct Tally {
@@ -247,7 +247,7 @@ TEST(Reuse, ItGoesOnBeyondTheHistory) {
   // Goal: at every event a history has all that goes on from there. Method: scenes of every kind,
   // with kicks, most of them slow; histories that end right at an event, or somewhere; all bodies
   // go live there.
-  const std::uint64_t scenes = property::long_run() ? 2000 : 32;
+  const std::uint64_t scenes = property::long_run() ? 2000 : property::of_tier(9, 32);
   for (const std::uint64_t n : property::cases(scenes)) {
     Subject subject = testing::subject_of(n);
     SCOPED_TRACE(subject.name);

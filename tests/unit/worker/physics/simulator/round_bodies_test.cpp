@@ -1,4 +1,4 @@
-// Round bodies: how they roll, slide and topple, in closed form; energy, overlaps.
+// Round bodies: how they topple and come to rest; energy, overlaps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -36,11 +36,6 @@ BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
       .start = start};
 }
 
-/// The axis z of a body along y.
-Quat lying() {
-  return math::quaternion_of_rotation_vector({-pi / 2, 0, 0});
-}
-
 const Segment& segment_at(const RecordedRun& run, std::uint32_t body, Tick tick) {
   return *run.recording.segment_at({body}, tick);
 }
@@ -48,43 +43,6 @@ Vec3 place_after(const RecordedRun& run, double span_s) {
   const Tick tick = Tick{} + ticks_after(span_s);
   return testing::place_at(segment_at(run, 0, tick), tick);
 }
-Vec3 velocity_after(const RecordedRun& run, double span_s) {
-  const Tick tick = Tick{} + ticks_after(span_s);
-  return velocity_at(segment_at(run, 0, tick).flight, tick);
-}
-
-TEST(RoundBodies, AThrownCylinderRollsAtTwoThirdsOfItsSpeed) {
-  // Goal: a cylinder thrown across its axis without spin ends sliding when it rolls, with
-  // v / (1 + k), k = I / (m r^2), one half for a solid one. Method: closed form, to 1%.
-  const RoundSolid solid = cylinder(0.04, 0.1, 0.001, 1000).value();
-  Scene scene = floor_scene(0.08, {.restitution = 0.3, .friction = 0.3});
-  scene.bodies.push_back(
-      body_of(solid, {.pose = {.position_m = {0, 0, 0.04 + 1e-6}, .orientation = lying()},
-                      .twist = {.velocity_mps = {1.5, 0, 0}}}));
-  const RecordedRun run = testing::recorded(scene, 0.6);
-  ASSERT_EQ(run.error, "");
-  const double k = solid.inertia.principal_kgm2.z() / (solid.inertia.mass_kg * 0.04 * 0.04);
-  EXPECT_NEAR(velocity_after(run, 0.5).x() / (1.5 / (1 + k)), 1, 0.01);
-  EXPECT_NEAR(velocity_after(run, 0.5).y(), 0, 0.01);
-  // Meanwhile it has slid with mu g.
-  EXPECT_NEAR(velocity_after(run, 0.05).x(), 1.5 - 0.3 * k_g_mps2 * 0.05, 0.02);
-}
-
-TEST(RoundBodies, ACylinderRollsDownASlopeAsItsInertiaSays) {
-  // Goal: rolling acceleration g sin / (1 + k). Method: closed form, to 2%.
-  const RoundSolid solid = cylinder(0.04, 0.1, 0.001, 1000).value();
-  const double lean = 0.1;
-  Scene scene = floor_scene(0.08, {.restitution = 0.3, .friction = 0.5});
-  scene.gravity_mps2 = k_g_mps2 * Vec3(std::sin(lean), 0, -std::cos(lean));
-  scene.bodies.push_back(body_of(
-      solid, {.pose = {.position_m = {0, 0, 0.04 + 1e-6}, .orientation = lying()}, .twist = {}}));
-  const RecordedRun run = testing::recorded(scene, 1);
-  ASSERT_EQ(run.error, "");
-  const double k = solid.inertia.principal_kgm2.z() / (solid.inertia.mass_kg * 0.04 * 0.04);
-  const double expected_m = 0.5 * k_g_mps2 * std::sin(lean) / (1 + k) * 0.64;
-  EXPECT_NEAR(place_after(run, 0.8).x() / expected_m, 1, 0.02);
-}
-
 TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
   // Goal: let go at a tilt below that at which its centre of mass is above the rim's circle, a pin
   // falls back on its foot, above it falls over, to 0.1 degree. Method: tilts on both sides.
@@ -165,7 +123,8 @@ TEST(RoundBodies, NeverGainEnergy) {
   // came before. What rolls as a cone does so on a circle in pieces of a 32nd of a radian, each
   // with the right velocities at its ends and the chord between them: there a look may see the
   // square of half that angle less of its kinetic energy, and may later see it whole.
-  for (const std::uint64_t seed : property::cases(property::long_run() ? 100 : 6)) {
+  for (const std::uint64_t seed :
+       property::cases(property::long_run() ? 100 : property::of_tier(2, 6))) {
     const Scene scene = scenes::round_solids(10, seed + 1).scene;
     auto started = Simulation::start(scene, {});
     ASSERT_TRUE(started.ok());
@@ -197,7 +156,8 @@ TEST(RoundBodies, DontOverlapByMoreThanTwoMicrometres) {
   // each body and plane, is apart along some axis, by a plain computation of how far it reaches.
   double deepest_m = 0;
   int near = 0;
-  for (const std::uint64_t seed : property::cases(property::long_run() ? 100 : 4)) {
+  for (const std::uint64_t seed :
+       property::cases(property::long_run() ? 100 : property::of_tier(2, 4))) {
     scenes::Setting setting = scenes::round_solids(8, seed + 11);
     const RecordedRun run = testing::recorded(setting.scene, 0.8);
     ASSERT_EQ(run.error, "");

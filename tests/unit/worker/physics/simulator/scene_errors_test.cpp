@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <set>
 
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/scenes/random_starts.h"
@@ -15,7 +14,6 @@ namespace {
 using Kind = SceneError::Kind;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// Two balls above a floor; the second has no name.
 Scene good_scene() {
@@ -45,19 +43,11 @@ TEST(SceneErrors, EachFaultIsNamed) {
   const Wrong faults[] = {
       {Kind::bad_mass, "body 'ball': mass 0 kg; give one from 1e-12 to 1000000000000 kg",
        [](Scene& s) { s.bodies[0].inertia.mass_kg = 0; }},
-      {Kind::bad_mass, "body 1: mass -1 kg; give one from 1e-12 to 1000000000000 kg",
-       [](Scene& s) { s.bodies[1].inertia.mass_kg = -1; }},
       {Kind::bad_mass, "body 1: mass nan kg; give one from 1e-12 to 1000000000000 kg",
        [](Scene& s) { s.bodies[1].inertia.mass_kg = k_nan; }},
-      {Kind::bad_mass, "body 1: mass inf kg; give one from 1e-12 to 1000000000000 kg",
-       [](Scene& s) { s.bodies[1].inertia.mass_kg = k_infinity; }},
       {Kind::bad_mass, "body 'ball': moments of inertia 1, 0, 1 kg m^2; give some above 0",
        [](Scene& s) {
          s.bodies[0].inertia.principal_kgm2 = {1, 0, 1};
-       }},
-      {Kind::bad_mass, "body 'ball': moments of inertia 1, nan, 1 kg m^2; give some above 0",
-       [](Scene& s) {
-         s.bodies[0].inertia.principal_kgm2 = {1, k_nan, 1};
        }},
       {Kind::bad_mass,
        "body 'ball': its declared symmetry needs equal moments of inertia; got 1, 1, 2 kg m^2",
@@ -98,8 +88,6 @@ TEST(SceneErrors, EachFaultIsNamed) {
        [](Scene& s) { s.slow = {.rest_speed_mps = 0.01}; }},
       {Kind::bad_shape, "body 'ball': radius 0 m; give one from 1e-06 to 1000000 m",
        [](Scene& s) { s.bodies[0].shape = Sphere{.radius_m = 0}; }},
-      {Kind::bad_shape, "body 1: radius -1 m; give one from 1e-06 to 1000000 m",
-       [](Scene& s) { s.bodies[1].shape = Sphere{.radius_m = -1}; }},
       {Kind::bad_shape, "body 1: radius nan m; give one from 1e-06 to 1000000 m",
        [](Scene& s) { s.bodies[1].shape = Sphere{.radius_m = k_nan}; }},
       {Kind::bad_shape, "body 'ball': it has no convex parts",
@@ -117,8 +105,6 @@ TEST(SceneErrors, EachFaultIsNamed) {
        [](Scene& s) { s.bodies[1].start_tick = Tick{-1}; }},
       {Kind::bad_number, "body 'ball': starts at (0, nan, 1) m; coordinates are at most 1000000 m",
        [](Scene& s) { s.bodies[0].start.pose.position_m.y() = k_nan; }},
-      {Kind::bad_number, "body 'ball': starts at (0, 0, inf) m; coordinates are at most 1000000 m",
-       [](Scene& s) { s.bodies[0].start.pose.position_m.z() = k_infinity; }},
       {Kind::bad_number,
        "body 1: starting velocity (nan, 0, 0) m/s; components are at most 1000000 m/s",
        [](Scene& s) { s.bodies[1].start.twist.velocity_mps.x() = k_nan; }},
@@ -336,42 +322,6 @@ TEST(SceneErrors, AThousandDrawsAreEnough) {
                          : "body 1 finds no free place to start at 0.0100000007 s in 1000 "
                            "attempts; the last one overlaps body 'ball'");
     EXPECT_EQ(asked, k_start_attempts_max);
-  }
-}
-
-TEST(SceneErrors, DrawsAreDeterministic) {
-  // Goal: what a start is drawn from is its own stream: the same whenever it is run, and whatever
-  // other bodies drew. Method: a crowded box, twice; then with one body, the last to start, left
-  // out, which changes nothing for those before it.
-  const auto crowded = [](std::uint32_t bodies) {
-    Scene scene = good_scene();
-    scene.gravity_mps2 = Vec3::Zero();
-    scene.bodies.clear();
-    for (std::uint32_t i = 0; i < bodies; ++i) {
-      const auto draw = [i](std::uint32_t attempt) {
-        random::Stream stream({.seed = 5, .chain = {i}, .purpose = random::Purpose::start},
-                              attempt);
-        const Vec3 place_m = scenes::vector_between(stream, 0.1, 0.25);
-        return StartState{.pose = {.position_m = place_m, .orientation = Quat::Identity()},
-                          .twist = {}};
-      };
-      scene.bodies.push_back({.name = {},
-                              .shape = Sphere{.radius_m = 0.02},
-                              .inertia = solid_ball_inertia(0.1, 0.02),
-                              .start_tick = Tick{i},
-                              .start = draw(0),
-                              .start_again = draw});
-    }
-    return testing::recorded(scene, 0.01);
-  };
-  const auto first = crowded(30);
-  ASSERT_EQ(first.error, "");
-  EXPECT_GT(first.counts.start_draws, 30U);
-  EXPECT_EQ(crowded(30).recording.digest(), first.recording.digest());
-  const auto fewer = crowded(29);
-  for (std::uint32_t body = 0; body < 29; ++body) {
-    EXPECT_EQ(fewer.recording.segments({body})[0].segment.flight.position_m,
-              first.recording.segments({body})[0].segment.flight.position_m);
   }
 }
 

@@ -88,7 +88,8 @@ TEST(SurfaceSimulation, DiceStayOnTheTable) {
   // that meet the surface, at collisions, some ticks around them and random ticks.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double least_m = 1;
-  for (const std::uint64_t n : property::cases(property::long_run() ? 1000 : 50)) {
+  for (const std::uint64_t n :
+       property::cases(property::long_run() ? 1000 : property::of_tier(10, 50))) {
     const RecordedRun run = testing::recorded(throw_of(n), 1);
     ASSERT_EQ(run.error, "") << n;
     Dice dice(k_seed + 1, n);
@@ -159,7 +160,8 @@ TEST(SurfaceSimulation, EveryWayGivesTheSame) {
   // recording or of where surfaces were touched. Method: throws, against all pairs.
   SimulationOptions reference;
   reference.algorithm = Algorithm::all_pairs;
-  for (const std::uint64_t n : property::cases(property::long_run() ? 3000 : 60)) {
+  for (const std::uint64_t n :
+       property::cases(property::long_run() ? 3000 : property::of_tier(12, 60))) {
     const Scene scene = throw_of(n);
     const Outcome expected = outcome_of(scene, reference, 1);
     EXPECT_GT(expected.touches.size(), 2U);
@@ -209,7 +211,8 @@ TEST(SurfaceSimulation, DiceLoseEnergyAndComeToRestBalanced) {
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double gain = 0;
   double highest_m = 0;
-  for (const std::uint64_t n : property::cases(property::long_run() ? 2000 : 60)) {
+  for (const std::uint64_t n :
+       property::cases(property::long_run() ? 2000 : property::of_tier(15, 60))) {
     const RecordedRun run = testing::recorded(throw_of(n), 4);
     ASSERT_EQ(run.error, "") << n;
     SplineSurface surface(run.scene.surfaces[0]);
@@ -284,7 +287,7 @@ TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
   std::uint64_t replayed = 0;
   std::uint64_t simulated = 0;
   std::uint64_t failed = 0;
-  const std::uint64_t count = property::long_run() ? 5'000 : 110;
+  const std::uint64_t count = property::long_run() ? 5'000 : property::of_tier(15, 110);
   for (const std::uint64_t n : property::cases(count)) {
     if (HasFailure()) break;
     Dice dice(k_seed + 2, n);
