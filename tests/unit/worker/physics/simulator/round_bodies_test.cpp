@@ -43,6 +43,7 @@ Vec3 place_after(const RecordedRun& run, double span_s) {
   const Tick tick = Tick{} + ticks_after(span_s);
   return testing::place_at(segment_at(run, 0, tick), tick);
 }
+
 TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
   // Goal: let go at a tilt below that at which its centre of mass is above the rim's circle, a pin
   // falls back on its foot, above it falls over, to 0.1 degree. Method: tilts on both sides.
