@@ -15,6 +15,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "tests/support/property.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 
 namespace sleight::gallery {
@@ -86,8 +87,8 @@ TEST_F(NotesTest, NothingElseGetsIn) {
 
 TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   // Goal: all that a person does at once is in the file, or nothing of it. Method: thousands; the
-  // same with one wrong; too many; as many as may be, but not with sanitizers, where that takes
-  // half a minute.
+  // same with one wrong; too many; as many as may be, which takes seconds, and with sanitizers half
+  // a minute.
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)
@@ -105,9 +106,11 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
     more[fmt::format("1.{}", i)] = {{"hidden", true}};
   EXPECT_THROW(notes.change(run, more), base::Error);
 #ifndef SLEIGHT_SANITIZED
-  more.erase("1.0");
-  EXPECT_EQ(notes.change(run, more).size(), k_notes_max - 5000);
-  EXPECT_EQ(Notes(path("notes")).of_run(run).size(), k_notes_max);
+  if (property::of_tier(0, 1) == 1) {
+    more.erase("1.0");
+    EXPECT_EQ(notes.change(run, more).size(), k_notes_max - 5000);
+    EXPECT_EQ(Notes(path("notes")).of_run(run).size(), k_notes_max);
+  }
 #endif
   EXPECT_THROW(notes.change(run, Json::array({1})), base::Error);
 }
