@@ -48,13 +48,13 @@ class RunRequestFaults : public testing::BallRuns {
 
 TEST_F(RunRequestFaults, AnyCallMayFail) {
   // The disk fills up for good at each call in turn; at every third one it fails once. In
-  // deploy/test, and with sanitizers, where a session takes ten times as long, at every 15th and
-  // every 22nd.
+  // deploy/test at every 25th and every 40th; with sanitizers, where a session takes ten times as
+  // long, at every 15th and every 22nd.
 #ifdef SLEIGHT_SANITIZED
   const std::uint64_t for_good_every = 15, once_every = 22;
 #else
-  const std::uint64_t for_good_every = property::of_tier(15, 1);
-  const std::uint64_t once_every = property::of_tier(22, 3);
+  const std::uint64_t for_good_every = property::of_tier(25, 1);
+  const std::uint64_t once_every = property::of_tier(40, 3);
 #endif
   const std::string longer = request_text("scans = 60");
   const std::string expected = session(longer, {.output = path("s.h5")}).digest;
