@@ -78,7 +78,7 @@ TEST(DiceIslands, PoolsGiveThePrior) {
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;
   guide.log_floor = -3;
-  const std::uint32_t islands = property::long_run() ? 50'000 : 1'500;
+  const std::uint64_t islands = property::long_run() ? 50'000 : property::of_tier(400, 1'500);
   std::array<std::vector<double>, 3> z;
   for (std::uint32_t i = 0; i < islands; ++i) {
     const sampling::IslandOptions options{.particles = 1, .inverse_temperature = 0};

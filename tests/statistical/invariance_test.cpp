@@ -9,11 +9,15 @@
 #include "tests/statistical/support/ball_fixture.h"
 #include "tests/statistical/support/broken_kernels.h"
 #include "tests/statistical/support/rank_tests.h"
+#include "tests/support/property.h"
 
 namespace sleight::statistical {
 namespace {
 
 constexpr std::uint64_t k_seed = 415926;
+
+/// Draws that show each of the known bugs.
+constexpr std::size_t k_draws_that_tell = 8000;
 
 using Columns = std::array<std::vector<double>, k_ball_functions>;
 
@@ -53,7 +57,7 @@ TEST_P(Invariance, ExactDrawsStayExact) {
   // Goal: the kernel leaves its target invariant. Method: exact draws by rejection, moved, against
   // fresh ones; 8 functions, and a p-value below 1e-5 / 8 fails: once in 10^5 runs by chance.
   const auto [beta, steps] = GetParam();
-  const auto p = p_values(Bug::none, beta, steps, 30000, 0);
+  const auto p = p_values(Bug::none, beta, steps, property::of_tier(k_draws_that_tell, 30000), 0);
   for (std::size_t i = 0; i < p.size(); ++i) {
     EXPECT_GT(p[i], 1e-5 / k_ball_functions) << k_ball_function_names[i] << ", seed " << k_seed;
   }
@@ -81,9 +85,10 @@ TEST(InvarianceRepeats, PValuesAreUniform) {
 class BrokenKernel : public testing::TestWithParam<Bug> {};
 
 TEST_P(BrokenKernel, IsCaught) {
-  // Goal: the test above can fail. Method: the same test on a kernel with a known bug, at 100
-  // steps; at least one function's p-value must be below the threshold at which the test fails.
-  const auto p = p_values(GetParam(), 1.0, 100, 30000, 0);
+  // Goal: the test above can fail, with as few draws as the fast run has. Method: the same test on
+  // a kernel with a known bug, at 100 steps; at least one function's p-value must be below the
+  // threshold at which the test fails.
+  const auto p = p_values(GetParam(), 1.0, 100, k_draws_that_tell, 0);
   EXPECT_LT(*std::min_element(p.begin(), p.end()), 1e-5 / k_ball_functions) << name_of(GetParam());
 }
 

@@ -53,9 +53,11 @@ std::vector<Setting> settings() {
 
 TEST(Islands, EstimatesAreUnbiased) {
   // Goal: Z and P(satisfied) of islands are right in the mean, whatever their size, guide and
-  // resampling; and so is Z times an indicator of the drawn state. Method: 10,000 islands of each
+  // resampling; and so is Z times an indicator of the drawn state. Method: many islands of each
   // setting against enumeration, within 4 standard errors; 7 settings of three estimates, so that
   // right code fails once in 750 runs of new seeds.
+  // As few as the checks of mutants/islands have, which reject every mutant.
+  const std::uint64_t islands = property::of_tier(4'000, 10'000);
   const Toy toy;
   std::uint32_t chain = 0;
   for (const Setting& setting : settings()) {
@@ -70,7 +72,7 @@ TEST(Islands, EstimatesAreUnbiased) {
     std::vector<double> z;
     std::vector<double> satisfied_z;
     std::vector<double> rescued_z;
-    for (int island = 0; island < 10'000; ++island) {
+    for (std::uint64_t island = 0; island < islands; ++island) {
       const auto made =
           sampling::Islands(toy, setting.guide, setting.options, streams_of(chain++)).free(0);
       ASSERT_EQ(made.drawn.has_value(), made.log_z > sampling::k_log_zero);
@@ -157,9 +159,11 @@ Kept kept_by(const Step& step, double beta, std::uint32_t first_chain, std::uint
           .moved = moved / static_cast<double>(draws)};
 }
 
-/// Chains of each setting; the long run (SLEIGHT_SOAK=1) has many more.
+/// Chains of each setting: as few as the checks of mutants/islands have, which reject every mutant;
+/// the long run (SLEIGHT_SOAK=1) has many more.
 std::uint32_t draws() {
-  return property::long_run() ? 200'000 : 4'000;
+  return property::long_run() ? 200'000
+                              : static_cast<std::uint32_t>(property::of_tier(1'500, 4'000));
 }
 
 /// That a step by islands of each setting keeps exact draws exact, and moves them.
