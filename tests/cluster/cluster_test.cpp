@@ -13,7 +13,7 @@ namespace {
 
 /// Of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
 std::uint64_t seeds() {
-  return property::long_run() ? 10'000 : 150;
+  return property::long_run() ? 10'000 : property::of_tier(20, 150);
 }
 
 /// Tests of a name, each with its share of the seeds: so several processes may run them.
