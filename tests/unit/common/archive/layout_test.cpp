@@ -42,7 +42,8 @@ std::vector<std::string> dims_of(const Source& source, std::string_view group,
 
 TEST(Layout, HoldsWhatATemperedRunLearntAndEachReplicasState) {
   // Goal: /tempering holds a method's tables with their coordinates, the root its warning,
-  // /replicas each replica's newest state or NaN; verify finds it sound. Method: a run that says so.
+  // /replicas each replica's newest state or NaN; verify finds it sound. Method: a run that says
+  // so.
   const FakeRunOptions options;
   const testing::FakeTemperedRun run(options);
   MemoryArchive archive;

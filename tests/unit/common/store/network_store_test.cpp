@@ -236,8 +236,8 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
 }
 
 TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
-  // Goal: a run goes on right after kill -9 on the same machine. Method: a successor that has waited
-  // for the dead one's lease owes copies.
+  // Goal: a run goes on right after kill -9 on the same machine. Method: a successor that has
+  // waited for the dead one's lease owes copies.
   const Moment taken;
   Child holder([&] {
     RunLock lock(folder());

@@ -24,9 +24,8 @@ class Damage : public archive::testing::Scratch {
  protected:
   Damage() {
     base::PosixFileSystem files;
-    digest_ =
-        hdf5::write_file(path("whole.h5"), files,
-                         archive::testing::filler({.chains = 2, .scans = 3000, .thin = 100}));
+    digest_ = hdf5::write_file(path("whole.h5"), files,
+                               archive::testing::filler({.chains = 2, .scans = 3000, .thin = 100}));
     whole_ = bytes_of(path("whole.h5"));
   }
 
@@ -58,8 +57,7 @@ TEST_F(Damage, WholeFilesAreEqual) {
 TEST_F(Damage, TruncatedFilesAreRefused) {
   const std::size_t half = property::of_tier(10, 50);
   for (std::size_t i = 0; i < 2 * half; ++i) {
-    const std::size_t length =
-        i < half ? i * whole_.size() / half : whole_.size() - (i - half + 1);
+    const std::size_t length = i < half ? i * whole_.size() / half : whole_.size() - (i - half + 1);
     EXPECT_EQ(outcome_of(whole_.substr(0, length)), Outcome::refused) << length;
   }
 }
@@ -68,7 +66,8 @@ TEST_F(Damage, FlippedBitsNeverPassForSound) {
   int equal = 0;
   int found = 0;
   int refused = 0;
-  for (const std::uint64_t seed : property::cases(property::long_run() ? 5000 : property::of_tier(40, 300))) {
+  for (const std::uint64_t seed :
+       property::cases(property::long_run() ? 5000 : property::of_tier(40, 300))) {
     std::string bytes = whole_;
     // A third in the first 4 KiB, where the structures are dense.
     const std::uint64_t place = mixed(seed) % (seed % 3 == 0 ? 4096 : bytes.size());
@@ -90,7 +89,8 @@ TEST_F(Damage, FlippedBitsNeverPassForSound) {
 }
 
 TEST_F(Damage, OverwrittenBlocksNeverPassForSound) {
-  for (const std::uint64_t seed : property::cases(property::long_run() ? 1666 : property::of_tier(20, 200))) {
+  for (const std::uint64_t seed :
+       property::cases(property::long_run() ? 1666 : property::of_tier(20, 200))) {
     std::string bytes = whole_;
     const std::uint64_t place = mixed(seed) % (bytes.size() - 512);
     for (std::size_t i = 0; i < 1 + mixed(seed + 1) % 512; ++i) {

@@ -78,7 +78,8 @@ TEST(Messages, CutContentsAreRefused) {
 TEST(Messages, ChangedContentsAreJudgedWithoutHarm) {
   const base::Bytes whole = encode_contents(sample());
   int refused = 0;
-  for (const std::uint64_t n : property::cases(property::long_run() ? 200'000 : property::of_tier(300, 2'000))) {
+  for (const std::uint64_t n :
+       property::cases(property::long_run() ? 200'000 : property::of_tier(300, 2'000))) {
     base::Bytes bytes = whole;
     for (std::uint64_t i = 0; i < 1 + mixed(n) % 4; ++i)
       bytes[mixed(4 * n + i) % bytes.size()] = static_cast<std::byte>(mixed(n + 1000 * i));
