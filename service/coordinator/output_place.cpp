@@ -42,9 +42,8 @@ void refuse_foreign_file(const std::string& output, const std::vector<std::strin
   try {
     const auto source = archive::remote::open_remote(output);
     const std::string request = archive::summary_of(*source).request_text;
-    ours = std::ranges::any_of(beginnings, [&](const std::string& beginning) {
-      return request.starts_with(beginning);
-    });
+    ours = std::ranges::any_of(
+        beginnings, [&](const std::string& beginning) { return request.starts_with(beginning); });
   } catch (const base::Error& failure) {
     // It may well be one, if only it could be read.
     if (failure.exit_code() == base::ExitCode::environment) throw;
