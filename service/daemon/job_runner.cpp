@@ -115,17 +115,16 @@ std::unique_ptr<Attempts> JobRunner::make_attempts() {
                                                                 .text_of = text_of,
                                                                 .hear = hear_it});
   }
-  return std::make_unique<SystemAttempts>(
-      SystemAttempts::Parts{.loop = loop_,
-                            .clock = clock_,
-                            .files = files_,
-                            .folders = folders_,
-                            .feeds = feeds_,
-                            .backend = options_.system,
-                            .daemon_id = options_.daemon_id,
-                            .programs = options_.programs,
-                            .text_of = text_of,
-                            .hear = hear_it});
+  return std::make_unique<SystemAttempts>(SystemAttempts::Parts{.loop = loop_,
+                                                                .clock = clock_,
+                                                                .files = files_,
+                                                                .folders = folders_,
+                                                                .feeds = feeds_,
+                                                                .backend = options_.system,
+                                                                .daemon_id = options_.daemon_id,
+                                                                .programs = options_.programs,
+                                                                .text_of = text_of,
+                                                                .hear = hear_it});
 }
 
 JobRunner::~JobRunner() = default;

@@ -52,7 +52,7 @@ struct KeeperOptions {
   std::vector<std::string> command{};
   bool with_ranks = false;  ///< the command is mpirun's
   bool in_batch = false;    ///< a batch system's job holds the keeper
-  double grace_s = 30;       ///< as in AttemptSpec
+  double grace_s = 30;      ///< as in AttemptSpec
 };
 
 /// The grace of an mpirun without ranks, where that of the attempt is not shorter.

@@ -22,11 +22,11 @@ namespace sleight::keeper {
 struct ProgramStart {
   std::vector<std::string> command{};  ///< not empty; a name without a slash is looked for on PATH
   std::vector<std::string> environment{};
-  int input = -1;                      ///< becomes its stdin; -1: there is nothing to read
-  int output = -1;                     ///< becomes its stdout
-  int words = -1;                      ///< becomes its stderr; -1: as output
-  bool yields = false;                 ///< it runs at a low priority
-  bool blocks_sigterm = false;         ///< it does not get SIGTERM, nor do those that it starts
+  int input = -1;               ///< becomes its stdin; -1: there is nothing to read
+  int output = -1;              ///< becomes its stdout
+  int words = -1;               ///< becomes its stderr; -1: as output
+  bool yields = false;          ///< it runs at a low priority
+  bool blocks_sigterm = false;  ///< it does not get SIGTERM, nor do those that it starts
 };
 
 /// Returns once the program runs; or why it can't be started, and then there is no child.

@@ -41,9 +41,7 @@ std::unique_ptr<Backend> backend_of(Arguments arguments, const base::Clock& cloc
 int main_of(int argc, char** argv) {
   CLI::App app{"A backend as a program"};
   Arguments arguments;
-  app.add_option("--kind", arguments.kind)
-      ->required()
-      ->check(CLI::IsMember({"slurm", "program"}));
+  app.add_option("--kind", arguments.kind)->required()->check(CLI::IsMember({"slurm", "program"}));
   app.add_option("--script", arguments.slurm.script);
   app.add_option("--option", arguments.options);
   app.add_option("--program", arguments.program.program);

@@ -198,8 +198,7 @@ TEST(SpellingIslands, StepsKeepExactDrawsExact) {
   PouringGuide guide = guide_of(world, 2);
   guide.prior_share = 0.1;
   const sampling::IslandOptions options{.particles = 4, .resample_below = 0.9};
-  const int draws =
-      property::long_run() ? 30'000 : static_cast<int>(property::of_tier(800, 2'500));
+  const int draws = property::long_run() ? 30'000 : static_cast<int>(property::of_tier(800, 2'500));
   const auto exact = [&](std::uint64_t number) {
     random::Stream stream = streams_of(2'000'000).at(random::Purpose::prior, number);
     SpellingSample drawn = exact_draw(world, 1, stream);

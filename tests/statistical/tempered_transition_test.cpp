@@ -88,7 +88,8 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
     fmt::print(
         "beta {}, {} below: p {:.3g}, {:.3g}, reversible {:.3g} ({} pairs); accepted {:.3f}, "
         "crossed {}\n",
-        way.beta, way.below.size(), p_one, p_ten, p_reverse, freedom, accepted / static_cast<double>(draws), crossed);
+        way.beta, way.below.size(), p_one, p_ten, p_reverse, freedom,
+        accepted / static_cast<double>(draws), crossed);
     EXPECT_GT(p_one, 1e-6) << "seed " << k_seed;
     EXPECT_GT(p_ten, 1e-6) << "seed " << k_seed;
     EXPECT_GT(p_reverse, 1e-6) << "seed " << k_seed;

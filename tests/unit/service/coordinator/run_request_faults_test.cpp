@@ -67,11 +67,10 @@ TEST_F(RunRequestFaults, AnyCallMayFail) {
       // An earlier, shorter run is there.
       std::filesystem::copy(path("t.h5"), output());
       std::filesystem::copy(run_folder(path("t.h5")), run_folder(output()));
-      const std::string said =
-          failure_of({.after = call,
-                      .times = step == for_good_every ? Fault::k_for_ever : 1,
-                      .reason = std::errc::no_space_on_device},
-                     longer);
+      const std::string said = failure_of({.after = call,
+                                           .times = step == for_good_every ? Fault::k_for_ever : 1,
+                                           .reason = std::errc::no_space_on_device},
+                                          longer);
       got_through = files_.failures() == 0;
       if (!said.empty()) {
         EXPECT_THAT(said, AllOf(HasSubstr(path("")), HasSubstr("No space left on device")));

@@ -34,10 +34,7 @@ TEST(Command, WithoutRanksNoMpiIsStarted) {
 
 TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
   // Method: the whole line; more ranks than cores only where asked.
-  AttemptSpec spec{.folder = "/jobs/1 7",
-                   .ranks = 3,
-                   .oversubscribe = true,
-                   .grace_s = 0.5};
+  AttemptSpec spec{.folder = "/jobs/1 7", .ranks = 3, .oversubscribe = true, .grace_s = 0.5};
   EXPECT_EQ(
       joined(command_of(spec, k_programs)),
       "/usr/bin/mpirun --bind-to none --oversubscribe --mca plm isolated --mca btl self,vader "

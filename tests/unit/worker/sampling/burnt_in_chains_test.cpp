@@ -80,7 +80,8 @@ Case random_case(Dice& dice, std::uint64_t index) {
   return made;
 }
 
-/// Now and then ladders of parallel tempering start from searches, whose finds have to be forgotten.
+/// Now and then ladders of parallel tempering start from searches, whose finds have to be
+/// forgotten.
 Case from_searches(Case given, Dice& dice) {
   if (given.method != Method::parallel || !dice.once_in(2)) return given;
   given.ladder.starts_by_search = true;
