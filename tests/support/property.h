@@ -17,8 +17,9 @@
 // which repeats it too, since seeds are fixed.
 //
 // The environment says what runs:
-//   SLEIGHT_ALL=1        as many cases as deploy/test --all asks for (of_tier); the command repeats
-//   it SLEIGHT_SOAK=1       as many cases as deploy/soak asks for; the command above repeats it
+//   SLEIGHT_ALL=1        as many cases as deploy/test --all asks for (of_tier)
+//   SLEIGHT_SOAK=1       as many cases as deploy/soak asks for
+//                        (the command above repeats either)
 //   SLEIGHT_CASE=n       case n alone, in each loop that has it; of cases in turn all up to it
 //   SLEIGHT_FAIL_CASE=n  case n fails, whatever comes of it: shows what a failure prints
 //
