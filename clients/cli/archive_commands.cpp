@@ -8,7 +8,6 @@
 #include <cstring>
 #include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
@@ -25,6 +24,7 @@
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
@@ -185,29 +185,29 @@ void print_for_people(const std::string& path, const Facts& facts) {
   fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
 }
 
-nlohmann::ordered_json as_json(const std::string& path, const Facts& facts) {
+json::Value as_json(const std::string& path, const Facts& facts) {
   const archive::Summary& summary = facts.summary;
-  nlohmann::ordered_json json{{"archive", path},
-                              {"world", summary.world},
-                              {"format_version", summary.format_version},
-                              {"warning", summary.warning},
-                              {"chains", summary.chains},
-                              {"scans", summary.scans},
-                              {"states", summary.states},
-                              {"thin", summary.thin},
-                              {"satisfied_share", facts.satisfied},
-                              {"acceptance_rate", facts.acceptance},
-                              {"animations", summary.animations},
-                              {"segments", summary.segments},
-                              {"found", summary.finds.found},
-                              {"finds_kept", summary.finds.animations},
-                              {"failed_simulations", failures_json(summary.failures)},
-                              {"failed_animations", summary.failed_animations},
-                              {"version", summary.inference_library_version},
-                              {"results_version", summary.results_version},
-                              {"run_id", summary.run_id},
-                              {"digest", summary.content_digest},
-                              {"request", summary.request_text}};
+  json::Value json{{"archive", path},
+                   {"world", summary.world},
+                   {"format_version", summary.format_version},
+                   {"warning", summary.warning},
+                   {"chains", summary.chains},
+                   {"scans", summary.scans},
+                   {"states", summary.states},
+                   {"thin", summary.thin},
+                   {"satisfied_share", facts.satisfied},
+                   {"acceptance_rate", facts.acceptance},
+                   {"animations", summary.animations},
+                   {"segments", summary.segments},
+                   {"found", summary.finds.found},
+                   {"finds_kept", summary.finds.animations},
+                   {"failed_simulations", failures_json(summary.failures)},
+                   {"failed_animations", summary.failed_animations},
+                   {"version", summary.inference_library_version},
+                   {"results_version", summary.results_version},
+                   {"run_id", summary.run_id},
+                   {"digest", summary.content_digest},
+                   {"request", summary.request_text}};
   if (facts.finds) {
     const Plausibility& log_p = *facts.finds;
     json["log_prior_of_finds"] = {log_p.least, log_p.most};

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <span>
 #include <string_view>
@@ -16,6 +15,7 @@
 #include "clients/cli/request_numbers.h"
 #include "clients/cli/sampling_method.h"
 #include "clients/cli/tempering.h"
+#include "common/json/value.h"
 #include "common/request/direction_request.h"
 
 namespace sleight::cli {
@@ -380,17 +380,16 @@ const char* name_of(OddsFrom from) {
   return "ladders";
 }
 
-nlohmann::ordered_json as_json(const JudgedEstimate& estimate, double log_of_unit, OddsFrom from) {
+json::Value as_json(const JudgedEstimate& estimate, double log_of_unit, OddsFrom from) {
   const CombinedEstimate& all = estimate.all;
   const bool known = estimate.known();
-  nlohmann::ordered_json json{
-      {"value", all.log.value - log_of_unit},
-      {"error", known ? nlohmann::ordered_json(all.log.error) : nlohmann::ordered_json(nullptr)},
-      {"error_from",
-       name_of(known ? all.error_from : ErrorFrom::unknown, from == OddsFrom::weights)},
-      {from == OddsFrom::islands ? "islands" : "ladders", all.ladders}};
+  json::Value json{{"value", all.log.value - log_of_unit},
+                   {"error", known ? json::Value(all.log.error) : json::Value(nullptr)},
+                   {"error_from", name_of(known ? all.error_from : ErrorFrom::unknown,
+                                          from == OddsFrom::weights)},
+                   {from == OddsFrom::islands ? "islands" : "ladders", all.ladders}};
   if (has_rounds(from)) json["round"] = estimate.round + 1;
-  json["doubts"] = nlohmann::ordered_json::array();
+  json["doubts"] = json::Value::array();
   for (const Doubt& doubt : estimate.doubts)
     json["doubts"].push_back(doubt.reason);
   return json;
@@ -423,24 +422,24 @@ std::string in_words(const ArchiveOdds& odds) {
   return text;
 }
 
-nlohmann::ordered_json as_json(const ArchiveOdds& odds) {
+json::Value as_json(const ArchiveOdds& odds) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const ThrowOdds throws =
       log_p.known() ? odds_of(log_p.all.log, odds.log_natural_throw) : ThrowOdds{nan, nan, nan};
-  nlohmann::ordered_json json{{"from", name_of(odds.from)},
-                              {"rounds", odds.rounds},
-                              {"log_z", as_json(odds.log_z, 0, odds.from)},
-                              {"log_p_satisfied", as_json(log_p, 0, odds.from)},
-                              {"log_p_throw", as_json(log_p, odds.log_natural_throw, odds.from)},
-                              {"ladders_without_round_trip", odds.without_trips},
-                              {"log_natural_throw", odds.log_natural_throw},
-                              {"natural_throw", odds.natural_throw},
-                              {"known", log_p.known()},
-                              {"log10_throws", throws.log10_throws},
-                              {"log10_throws_low", throws.log10_low},
-                              {"log10_throws_high", throws.log10_high},
-                              {"to_know", nullptr}};
+  json::Value json{{"from", name_of(odds.from)},
+                   {"rounds", odds.rounds},
+                   {"log_z", as_json(odds.log_z, 0, odds.from)},
+                   {"log_p_satisfied", as_json(log_p, 0, odds.from)},
+                   {"log_p_throw", as_json(log_p, odds.log_natural_throw, odds.from)},
+                   {"ladders_without_round_trip", odds.without_trips},
+                   {"log_natural_throw", odds.log_natural_throw},
+                   {"natural_throw", odds.natural_throw},
+                   {"known", log_p.known()},
+                   {"log10_throws", throws.log10_throws},
+                   {"log10_throws_low", throws.log10_low},
+                   {"log10_throws_high", throws.log10_high},
+                   {"to_know", nullptr}};
   if (odds.how_to_know) {
     const HowToKnow& how = *odds.how_to_know;
     json["to_know"] = {{"longer", how.longer}, {"at_least", how.at_least}};

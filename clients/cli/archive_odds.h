@@ -11,7 +11,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "clients/cli/throw_odds.h"
 #include "common/archive/model.h"
 #include "common/archive/summary.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 
@@ -74,6 +74,6 @@ std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive:
 std::string in_words(const ArchiveOdds& odds);
 
 /// Numbers that are not known are null.
-nlohmann::ordered_json as_json(const ArchiveOdds& odds);
+json::Value as_json(const ArchiveOdds& odds);
 
 }  // namespace sleight::cli

@@ -1,12 +1,13 @@
 #include "clients/cli/browsed_json.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
+
+#include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 }  // namespace
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <thread>
@@ -24,11 +23,12 @@
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 /// Of each archive at most so many are compared pair by pair.
 constexpr std::size_t k_tested_max = browse::k_full_matrix_max / 2;

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "common/config/settings.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
@@ -24,7 +24,7 @@ std::string source_of(const config::Row& row, const std::optional<std::string>& 
   return row.given_by;
 }
 
-nlohmann::ordered_json value_of(const config::Row& row) {
+json::Value value_of(const config::Row& row) {
   if (row.is_text) return row.value;
   if (row.is_flag) return row.value == "true";
   if (!row.number) return nullptr;
@@ -34,16 +34,16 @@ nlohmann::ordered_json value_of(const config::Row& row) {
 
 void print_json(const std::vector<config::Row>& rows, const std::optional<std::string>& path,
                 bool is_there) {
-  nlohmann::ordered_json settings = nlohmann::ordered_json::object();
+  json::Value settings = json::Value::object();
   for (const config::Row& row : rows) {
     settings[row.key] = {{"value", value_of(row)},
                          {"unit", row.unit},
                          {"from", config::name_of(row.origin)},
                          {"given_by", row.given_by}};
   }
-  const nlohmann::ordered_json json{
+  const json::Value json{
       {"file", path.value_or("")}, {"file_is_there", is_there}, {"settings", settings}};
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  fmt::print("{}\n", json.dump(2));
 }
 
 }  // namespace

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "clients/cli/diagnosis_report.h"
 #include "clients/cli/dumped_json.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <vector>
+
+#include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 /// Ladders shown level by level; temperatures shown side by side; reasons shown.
 constexpr std::size_t k_ladders_shown = 2;

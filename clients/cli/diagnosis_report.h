@@ -1,10 +1,10 @@
 // A diagnosis for people, as aligned text, and for programs, as JSON.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "clients/cli/diagnosis.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 
@@ -13,6 +13,6 @@ namespace sleight::cli {
 std::string for_people(const std::string& path, const Diagnosis& diagnosis);
 
 /// Numbers that can't be given are null.
-nlohmann::ordered_json as_json(const std::string& path, const Diagnosis& diagnosis);
+json::Value as_json(const std::string& path, const Diagnosis& diagnosis);
 
 }  // namespace sleight::cli

@@ -1,11 +1,11 @@
 #include "clients/cli/dumped_json.h"
 
-#include <nlohmann/json.hpp>
+#include "common/json/value.h"
 
 namespace sleight::cli {
 
-std::string dumped(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+std::string dumped(const json::Value& json) {
+  return json.dump(2);
 }
 
 }  // namespace sleight::cli

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -28,6 +27,7 @@
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
@@ -192,7 +192,7 @@ class GlbExport {
 void tell(const ExportAnimationsOptions& options, const std::vector<WrittenFile>& all) {
   std::uint64_t bytes = 0;
   std::size_t animations = 0;
-  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  json::Value files = json::Value::array();
   for (const WrittenFile& written : all) {
     bytes += written.bytes;
     animations += written.ids.size();

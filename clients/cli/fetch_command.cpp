@@ -230,7 +230,7 @@ Json json_of(const std::vector<Brought>& all, bool is_single) {
   Json list = Json::array();
   for (const Brought& brought : all)
     list.push_back({{"id", brought.job.value}, {"files", brought.paths}});
-  return is_single && list.size() == 1 ? Json(list.front()) : list;
+  return is_single && list.size() == 1 ? list[0] : list;
 }
 
 void make_folder(const std::string& path) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "clients/cli/terminal.h"
 #include "clients/cli/text_table.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 #include "common/request/nearest.h"
 
 namespace sleight::cli {
@@ -112,7 +112,7 @@ void print_table(const FindOptions& options, const Browsed& browsed,
 }
 
 int print_names(const FindOptions& options, const Browsed& browsed) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  json::Value json = json::Value::array();
   for (const BrowsedArchive& archive : browsed.archives) {
     if (options.json) {
       json.push_back(names_json(archive));
@@ -154,10 +154,10 @@ int find_animations(const FindOptions& options) {
     if (!options.sort.empty()) sort_picked(options.sort, options.descending, found);
     if (options.limit > 0 && found.size() > options.limit) found.resize(options.limit);
     if (options.json) {
-      nlohmann::ordered_json json = archives_json(browsed);
+      json::Value json = archives_json(browsed);
       json["found"] = total;
       json["of"] = browsed.animations();
-      json["animations"] = nlohmann::ordered_json::array();
+      json["animations"] = json::Value::array();
       for (const Picked& one : found)
         json["animations"].push_back(animation_json(browsed, one));
       fmt::print("{}\n", dumped(json));

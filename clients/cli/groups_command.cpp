@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "clients/cli/text_table.h"
 #include "clients/plot/save.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
@@ -55,14 +55,14 @@ void print_groups(const Browsed& browsed, const std::vector<Picked>& picked,
   }
 }
 
-nlohmann::ordered_json groups_json(const Browsed& browsed, const std::vector<Picked>& picked,
-                                   const browse::Groups& groups) {
-  nlohmann::ordered_json json = archives_json(browsed);
+json::Value groups_json(const Browsed& browsed, const std::vector<Picked>& picked,
+                        const browse::Groups& groups) {
+  json::Value json = archives_json(browsed);
   json["animations"] = picked.size();
   json["approximate"] = groups.is_approximate;
-  json["groups"] = nlohmann::ordered_json::array();
+  json["groups"] = json::Value::array();
   for (const browse::AlikeGroup& group : groups.groups) {
-    nlohmann::ordered_json members = nlohmann::ordered_json::array();
+    json::Value members = json::Value::array();
     for (const std::size_t member : group.members)
       members.push_back(name_among(browsed, picked[member].entry->name));
     json["groups"].push_back(

@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "clients/cli/own_folder.h"
@@ -14,6 +13,7 @@
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/replaced_file.h"
+#include "common/json/value.h"
 
 namespace sleight::cli {
 namespace {
@@ -47,12 +47,12 @@ rpc::RemoteService read_known(const access::ServerAddress& address) {
         fmt::format("{}: others can read this token; revoke it, and log in with a new one", path));
   }
   try {
-    const auto json = nlohmann::json::parse(base::read_text_file(path, k_known_file_bytes_max));
+    const auto json = json::Value::parse(base::read_text_file(path, k_known_file_bytes_max));
     return {.address = address,
-            .token = json.at("token"),
-            .certificate = json.at("certificate"),
-            .own_name = json.at("own_name")};
-  } catch (const nlohmann::json::exception&) {
+            .token = json.at("token").text(),
+            .certificate = json.at("certificate").text(),
+            .own_name = json.at("own_name").text()};
+  } catch (const json::Error&) {
     throw base::Error(
         fmt::format("{}: can't be read; `sleight login {}` again", path, access::text_of(address)));
   }
@@ -74,10 +74,10 @@ std::string remember(const rpc::RemoteService& service) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed || ::chmod(folder.c_str(), S_IRWXU) != 0) fail_at(folder.string());
-  const nlohmann::ordered_json json{{"server", access::text_of(service.address)},
-                                    {"token", service.token},
-                                    {"certificate", service.certificate},
-                                    {"own_name", service.own_name}};
+  const json::Value json{{"server", access::text_of(service.address)},
+                         {"token", service.token},
+                         {"certificate", service.certificate},
+                         {"own_name", service.own_name}};
   base::PosixFileSystem files;
   base::replace_text_file(files, path, json.dump(1) + "\n", base::Readers::owner);
   return path;

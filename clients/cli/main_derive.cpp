@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "clients/cli/main_worlds.h"
@@ -12,6 +11,7 @@
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/json/value.h"
 #include "common/request/direction_request.h"
 #include "common/store/run_store.h"
 #include "common/store/sessions.h"
@@ -111,13 +111,13 @@ int derive(const DeriveArguments& arguments) {
     printer.clear();
   }
   if (arguments.json) {
-    const nlohmann::ordered_json json{{"archive", digest.empty() ? "" : arguments.output},
-                                      {"chains", request.sampler.chains},
-                                      {"scans", cut.scans},
-                                      {"found", cut.found},
-                                      {"finished", plan->finished()},
-                                      {"digest", digest}};
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    const json::Value json{{"archive", digest.empty() ? "" : arguments.output},
+                           {"chains", request.sampler.chains},
+                           {"scans", cut.scans},
+                           {"found", cut.found},
+                           {"finished", plan->finished()},
+                           {"digest", digest}};
+    fmt::print("{}\n", json.dump(2));
   } else if (digest.empty()) {
     fmt::print("{}: has no draws and no finds yet: no archive\n", folder);
   } else {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "clients/cli/main_worlds.h"
@@ -11,6 +10,7 @@
 #include "common/base/file_system.h"
 #include "common/base/version.h"
 #include "common/failure_file/failure_file.h"
+#include "common/json/value.h"
 #include "common/request/document.h"
 #include "worker/run/catalogue.h"
 
@@ -48,15 +48,15 @@ void print(const failure_file::FailureFile& file, const run::SimulationEnd& end)
 
 void print_json(const failure_file::FailureFile& file, const run::SimulationEnd& end) {
   const plan::SimulationFailure& then = file.failed.failure;
-  nlohmann::ordered_json json{{"chain", file.replica.chain.value},
-                              {"replica", file.replica.replica.value},
-                              {"scan", file.failed.scan.value},
-                              {"recorded_by", file.program_version},
-                              {"version", base::version()},
-                              {"recorded_kind", plan::name_of(then.kind)},
-                              {"recorded_message", then.message},
-                              {"fails", end.failure != nullptr},
-                              {"same", end.failure != nullptr && *end.failure == then}};
+  json::Value json{{"chain", file.replica.chain.value},
+                   {"replica", file.replica.replica.value},
+                   {"scan", file.failed.scan.value},
+                   {"recorded_by", file.program_version},
+                   {"version", base::version()},
+                   {"recorded_kind", plan::name_of(then.kind)},
+                   {"recorded_message", then.message},
+                   {"fails", end.failure != nullptr},
+                   {"same", end.failure != nullptr && *end.failure == then}};
   if (end.failure != nullptr) {
     json["kind"] = plan::name_of(end.failure->kind);
     json["message"] = end.failure->message;

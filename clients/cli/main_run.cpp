@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <exception>
-#include <nlohmann/json.hpp>
 #include <variant>
 
 #include "clients/cli/failure_counts.h"
@@ -19,6 +18,7 @@
 #include "common/config/quantities.h"
 #include "common/events/progress.h"
 #include "common/events/run_event.h"
+#include "common/json/value.h"
 #include "common/logging/log.h"
 #include "common/request/sets.h"
 #include "common/request/text.h"
@@ -55,7 +55,7 @@ const char* name_of(coordinator::DriveEnd end) {
   return "?";
 }
 
-nlohmann::ordered_json handling_json(const coordinator::Handling& handling) {
+json::Value handling_json(const coordinator::Handling& handling) {
   return {
       {"blocks", handling.counts.blocks},           {"copies", handling.counts.copies},
       {"refused", handling.counts.refused},         {"states_sent", handling.counts.states_sent},
@@ -117,28 +117,27 @@ std::string what_is_missing(const coordinator::RunSummary& summary) {
 void print_summary(const DirectArguments& arguments, const request::DirectionRequest& request,
                    const coordinator::RunSummary& summary) {
   if (arguments.json) {
-    const nlohmann::ordered_json json{
-        {"archive", summary.digest.empty() ? "" : arguments.output},
-        {"end", name_of(summary.end)},
-        {"world", request.world},
-        {"chains", request.sampler.chains},
-        {"seed", request.sampler.seed},
-        {"scans", summary.scans},
-        {"session", summary.epoch},
-        {"session_scans", summary.progress.session_scans},
-        {"session_satisfied", summary.progress.session_satisfied},
-        {"found", summary.found},
-        {"found_in_proportion", false},
-        {"independent_solutions", summary.progress.solutions},
-        {"session_seconds", summary.progress.elapsed_s},
-        {"session_simulations", summary.progress.session_simulations},
-        {"workers", summary.progress.workers},
-        {"failed_simulations", cli::failures_json(summary.progress.failures)},
-        {"handling", handling_json(summary.handling)},
-        {"version", base::version()},
-        {"results_version", results_version()},
-        {"digest", summary.digest}};
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    const json::Value json{{"archive", summary.digest.empty() ? "" : arguments.output},
+                           {"end", name_of(summary.end)},
+                           {"world", request.world},
+                           {"chains", request.sampler.chains},
+                           {"seed", request.sampler.seed},
+                           {"scans", summary.scans},
+                           {"session", summary.epoch},
+                           {"session_scans", summary.progress.session_scans},
+                           {"session_satisfied", summary.progress.session_satisfied},
+                           {"found", summary.found},
+                           {"found_in_proportion", false},
+                           {"independent_solutions", summary.progress.solutions},
+                           {"session_seconds", summary.progress.elapsed_s},
+                           {"session_simulations", summary.progress.session_simulations},
+                           {"workers", summary.progress.workers},
+                           {"failed_simulations", cli::failures_json(summary.progress.failures)},
+                           {"handling", handling_json(summary.handling)},
+                           {"version", base::version()},
+                           {"results_version", results_version()},
+                           {"digest", summary.digest}};
+    fmt::print("{}\n", json.dump(2));
     return;
   }
   if (summary.is_archive_given_up) {

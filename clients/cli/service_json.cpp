@@ -32,7 +32,7 @@ Json failures_json(std::span<const rpc::FailureCount> failures) {
 }
 
 Json list_or_one(Json list, bool is_single) {
-  return is_single && list.size() == 1 ? Json(list.front()) : list;
+  return is_single && list.size() == 1 ? Json(list[0]) : list;
 }
 
 }  // namespace
@@ -165,7 +165,7 @@ Json touched_json(std::span<const rpc::Touched> touched, bool is_single) {
 }
 
 Json event_json(rpc::JobId job, const std::string& line) {
-  const Json event = Json::parse(line, nullptr, false);
+  const Json event = Json::parse_or_null(line);
   if (!event.is_object()) return nullptr;
   Json json{{"job", job.value}};
   // `job` is ours to say, whatever a later event has under that name.
@@ -182,11 +182,11 @@ Json change_json(rpc::JobId job, const rpc::StateChange& change) {
 }
 
 std::string on_one_line(const Json& json) {
-  return json.dump(-1, ' ', true, Json::error_handler_t::replace);
+  return json.dump(-1, true);
 }
 
 std::string indented(const Json& json) {
-  return json.dump(2, ' ', true, Json::error_handler_t::replace);
+  return json.dump(2, true);
 }
 
 }  // namespace sleight::cli

@@ -5,16 +5,16 @@
 // yet, or not known. Pure; thread-safe.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 
+#include "common/json/value.h"
 #include "common/rpc/client.h"
 #include "common/rpc/service.h"
 
 namespace sleight::cli {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 Json to_json(const rpc::JobView& job, bool with_history);
 Json to_json(const rpc::StateChange& change);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
@@ -12,12 +11,13 @@
 #include "clients/export/look.h"
 #include "clients/plot/text.h"
 #include "common/base/check.h"
+#include "common/json/value.h"
 #include "common/math/elementary.h"
 
 namespace sleight::gltf {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using scene::FeatureKind;
 
 /// Without shine: what light comes back, comes back everywhere.

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <bit>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "common/base/check.h"
+#include "common/json/value.h"
 
 namespace sleight::gltf {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr std::uint16_t k_unsigned_short = 5123;
 constexpr std::uint16_t k_unsigned_int = 5125;
@@ -144,7 +144,7 @@ base::Result<Glb, std::string> GlbWriter::finish(Json document) const {
   if (!buffer_.empty()) document["buffers"] = {{{"byteLength", buffer_.size()}}};
 
   // ASCII alone: whatever shows this text, no name in it can steer it.
-  std::string json = document.dump(-1, ' ', true, Json::error_handler_t::replace);
+  std::string json = document.dump(-1, true);
   pad(json, ' ');
   std::string binary = buffer_;
   pad(binary, '\0');

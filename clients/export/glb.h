@@ -14,7 +14,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -22,6 +21,7 @@
 
 #include "clients/export/axes.h"
 #include "common/base/result.h"
+#include "common/json/value.h"
 
 namespace sleight::gltf {
 
@@ -51,7 +51,7 @@ class GlbWriter {
 
   /// The file: `document` with the accessors, buffer views and the buffer added; or why there is
   /// none. REQUIRES: all text in it is valid UTF-8.
-  base::Result<Glb, std::string> finish(nlohmann::ordered_json document) const;
+  base::Result<Glb, std::string> finish(json::Value document) const;
 
  private:
   enum class Target : std::uint16_t { keys = 0, vertices = 34962, indices = 34963 };

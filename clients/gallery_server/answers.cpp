@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -16,18 +15,19 @@
 #include "clients/gallery_server/refused.h"
 #include "clients/gallery_server/series.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr unsigned k_bad_request = 400;
 constexpr unsigned k_not_found = 404;
 constexpr unsigned k_damaged = 502;
 
 std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json.dump();
 }
 
 web::Answer json_answer(const Json& json) {
@@ -156,8 +156,8 @@ web::Answer Answers::notes_answer() const {
 }
 
 web::Answer Answers::post(const web::Ask& ask) const {
-  const nlohmann::json question = nlohmann::json::parse(ask.body, nullptr, false);
-  if (question.is_discarded())
+  const json::Value question = json::Value::parse_or_null(ask.body);
+  if (question.is_null())
     throw Refused(k_bad_request, "The question is no JSON.", "Load the page anew.");
   if (ask.path == "/api/find") return json_answer(found(gallery_, question));
   if (ask.path == "/api/groups") return json_answer(grouped(gallery_, question));

@@ -1,6 +1,5 @@
 #include "clients/gallery_server/archive_answers.h"
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,11 +10,12 @@
 #include "clients/gallery_server/recording.h"
 #include "clients/gallery_server/refused.h"
 #include "clients/gallery_server/tables.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr unsigned k_bad_request = 400;
 constexpr unsigned k_not_found = 404;

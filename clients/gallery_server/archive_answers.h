@@ -5,13 +5,13 @@
 #pragma once
 
 #include <cstddef>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "clients/cli/diagnosis.h"
 #include "clients/gallery_server/snapshot.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 
@@ -19,7 +19,7 @@ namespace sleight::gallery {
 inline constexpr std::size_t k_animations_at_once = 32;
 
 /// Features, numbers, the box to look at, blind throws, the request.
-nlohmann::ordered_json scene_json(const Snapshot& snapshot);
+json::Value scene_json(const Snapshot& snapshot);
 /// What looks the same in all animations (packed.h).
 std::string looks(const Snapshot& snapshot);
 /// Names and numbers of all animations (packed.h).
@@ -29,7 +29,7 @@ std::string one_animation(const Snapshot& snapshot, std::string_view name);
 /// Several, the columns of the n-th with "n:" before their names.
 std::string several_animations(const Snapshot& snapshot, std::span<const std::string> names);
 /// As `sleight diagnose --json` says it. `path`: what it calls the archive.
-nlohmann::ordered_json diagnosis_json(const Snapshot& snapshot, const std::string& path,
-                                      const cli::Rules& rules);
+json::Value diagnosis_json(const Snapshot& snapshot, const std::string& path,
+                           const cli::Rules& rules);
 
 }  // namespace sleight::gallery

@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <chrono>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "clients/gallery_server/summary_json.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 /// Progress of reading is told so often.
 constexpr auto k_tell_every = std::chrono::milliseconds(250);

@@ -19,7 +19,6 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <thread>
@@ -27,6 +26,7 @@
 
 #include "clients/gallery_server/listed_files.h"
 #include "clients/gallery_server/snapshot.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 
@@ -49,7 +49,7 @@ class Gallery {
   Gallery& operator=(const Gallery&) = delete;
 
   /// What /api/gallery answers, without the notes.
-  nlohmann::ordered_json state() const;
+  json::Value state() const;
 
   /// What is shown of an archive; null where nothing has been read (yet), or there is none.
   std::shared_ptr<const Snapshot> snapshot(std::size_t archive) const;

@@ -12,7 +12,6 @@
 #include <cstdlib>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -32,6 +31,7 @@
 #include "common/base/descriptor.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
@@ -120,7 +120,7 @@ std::unique_ptr<web::Server> served(const CommandOptions& options, web::ServerOp
 void say_how_to_open(const web::Server& server, const CommandOptions& options,
                      const std::string& link, bool is_opened) {
   if (options.json) {
-    const nlohmann::ordered_json json{{"link", link}, {"port", server.port()}, {"pid", ::getpid()}};
+    const json::Value json{{"link", link}, {"port", server.port()}, {"pid", ::getpid()}};
     fmt::print("{}\n", json.dump());
   } else {
     fmt::print("{}{}\n", is_opened ? "opened in the browser: " : "open ", link);

@@ -1,6 +1,5 @@
 #include "clients/gallery_server/index_columns.h"
 
-#include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
 
@@ -9,11 +8,12 @@
 #include "clients/browse/distinct_vectors.h"
 #include "clients/gallery_server/packed.h"
 #include "clients/gallery_server/tables.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 void add_paths(Packed& to, const browse::Index& index) {
   std::vector<std::uint32_t> track_first;

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "clients/export/look.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
@@ -80,11 +80,10 @@ std::vector<std::uint32_t> common_features(const scene::Scene& scene) {
   return common;
 }
 
-nlohmann::ordered_json add_meshes(Packed& to, const std::string& prefix, const scene::Scene& scene,
-                                  std::span<const std::uint32_t> features,
-                                  const scene::Variation& own,
-                                  std::span<const math::Vec3> offsets_m) {
-  nlohmann::ordered_json meshes = nlohmann::ordered_json::array();
+json::Value add_meshes(Packed& to, const std::string& prefix, const scene::Scene& scene,
+                       std::span<const std::uint32_t> features, const scene::Variation& own,
+                       std::span<const math::Vec3> offsets_m) {
+  json::Value meshes = json::Value::array();
   for (const std::uint32_t feature : features) {
     for (const gltf::Primitive& primitive : gltf::look_of(scene, feature, own, offsets_m)) {
       const std::size_t number = meshes.size();

@@ -5,12 +5,12 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "clients/gallery_server/packed.h"
+#include "common/json/value.h"
 #include "common/scene/scene.h"
 
 namespace sleight::gallery {
@@ -25,10 +25,9 @@ std::vector<std::uint32_t> common_features(const scene::Scene& scene);
 
 /// Adds the columns of these features, each name with `prefix` before it, and returns the answer's
 /// "meshes": of each its feature, colour, opacity, whether it is double-sided, and its columns.
-nlohmann::ordered_json add_meshes(Packed& to, const std::string& prefix, const scene::Scene& scene,
-                                  std::span<const std::uint32_t> features,
-                                  const scene::Variation& own,
-                                  std::span<const math::Vec3> offsets_m);
+json::Value add_meshes(Packed& to, const std::string& prefix, const scene::Scene& scene,
+                       std::span<const std::uint32_t> features, const scene::Variation& own,
+                       std::span<const math::Vec3> offsets_m);
 
 /// Radius of a ball about a body's centre that holds it.
 double radius_m(const scene::Scene& scene, std::uint32_t body);

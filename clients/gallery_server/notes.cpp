@@ -22,7 +22,7 @@ namespace sleight::gallery {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr const char* k_shared_folder = "sleight-notes";
 constexpr std::size_t k_file_bytes_max = 64U << 20U;
@@ -33,14 +33,14 @@ constexpr std::size_t k_file_bytes_max = 64U << 20U;
 
 std::string checked_text(const Json& json, const char* key, std::size_t bytes_max) {
   if (!json.is_string()) refuse(fmt::format("{} is no text", key));
-  const auto& text = json.get_ref<const std::string&>();
+  const auto& text = json.text();
   if (text.size() > bytes_max) refuse(fmt::format("{} has more than {} bytes", key, bytes_max));
   return text;
 }
 
 bool flag_of(const Json& note, const char* key) {
-  const auto found = note.find(key);
-  if (found == note.end()) return false;
+  const auto* found = note.find(key);
+  if (!found) return false;
   if (!found->is_boolean()) refuse(fmt::format("{} is neither true nor false", key));
   return found->get<bool>();
 }
@@ -53,26 +53,25 @@ Json checked(const Json& note) {
             {"tags", Json::array()},
             {"note", ""},
             {"changed", 0}};
-  if (const auto tags = note.find("tags"); tags != note.end()) {
+  if (const auto* tags = note.find("tags"); tags) {
     if (!tags->is_array() || tags->size() > k_tags_max)
       refuse(fmt::format("tags are no list, or more than {}", k_tags_max));
-    for (const Json& tag : *tags)
+    for (const Json& tag : tags->elements())
       kept["tags"].push_back(checked_text(tag, "a tag", k_tag_bytes_max));
   }
-  if (const auto text = note.find("note"); text != note.end())
+  if (const auto* text = note.find("note"); text)
     kept["note"] = checked_text(*text, "the note", k_note_bytes_max);
-  if (const auto changed = note.find("changed");
-      changed != note.end() && changed->is_number_unsigned())
+  if (const auto* changed = note.find("changed"); changed && changed->is_whole())
     kept["changed"] = *changed;
   return kept;
 }
 
 std::vector<std::string> tags_in(const Json& patch, const char* key) {
-  const auto found = patch.find(key);
-  if (found == patch.end()) return {};
+  const auto* found = patch.find(key);
+  if (!found) return {};
   if (!found->is_array()) refuse(fmt::format("{} is no list", key));
   std::vector<std::string> tags;
-  for (const Json& tag : *found)
+  for (const Json& tag : found->elements())
     tags.push_back(checked_text(tag, "a tag", k_tag_bytes_max));
   return tags;
 }
@@ -84,17 +83,17 @@ Json patched(const Json& note, const Json& patch) {
     if (patch.contains(key)) whole[key] = patch[key];
   const std::vector<std::string> off = tags_in(patch, "tags_off");
   Json tags = Json::array();
-  for (const Json& tag : note["tags"])
+  for (const Json& tag : note["tags"].elements())
     if (std::ranges::find(off, tag.get<std::string>()) == off.end()) tags.push_back(tag);
   for (const std::string& tag : tags_in(patch, "tags_on"))
-    if (std::ranges::find(tags, Json(tag)) == tags.end()) tags.push_back(tag);
+    if (std::ranges::find(tags.elements(), Json(tag)) == tags.elements().end()) tags.push_back(tag);
   whole["tags"] = std::move(tags);
   return checked(whole);
 }
 
 bool says_nothing(const Json& note) {
   return !note["star"].get<bool>() && !note["hidden"].get<bool>() && note["tags"].empty() &&
-         note["note"].get_ref<const std::string&>().empty();
+         note["note"].text().empty();
 }
 
 /// Those that are missing, for their owner alone.
@@ -166,8 +165,7 @@ void Notes::write(const std::string& run, Run& to) {
     cli::OutputBeside output(file_of(run, to));
     const Json file{{"sleight_notes", 1}, {"run", run}, {"notes", to.notes}};
     base::PosixFileSystem files;
-    base::write_text_file(files, output.path(),
-                          file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    base::write_text_file(files, output.path(), file.dump(1) + "\n");
     files.sync_file(output.path());
     output.put_in_place();
     to.read = cli::state_of_file(file_of(run, to));
@@ -196,8 +194,8 @@ Json Notes::change(const std::string& run, const Json& patches) {
   const std::lock_guard lock(mutex_);
   Run& of = loaded(run);
   std::uint64_t changed = 0;
-  for (const Json& one : of.notes)
-    changed = std::max(changed, one["changed"].get<std::uint64_t>());
+  for (const auto& [animation, note] : of.notes.items())
+    changed = std::max(changed, note["changed"].get<std::uint64_t>());
   Json now = Json::object();
   std::size_t more = 0;
   for (const auto& [animation, patch] : patches.items()) {

@@ -13,11 +13,11 @@
 #include <cstddef>
 #include <map>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "clients/cli/index_cache.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 
@@ -35,19 +35,19 @@ class Notes {
   /// A run's file is kept there; of a run of which that was said before nothing changes.
   void keep_in(const std::string& run, const std::string& folder);
   /// All of a run, by animation. A file that can't be read has none.
-  nlohmann::ordered_json of_run(const std::string& run);
+  json::Value of_run(const std::string& run);
   /// Changes those of some animations, each as its patch says: "star", "hidden" and "note" are what
   /// they are then, "tags_on" and "tags_off" are added and taken off; what it doesn't speak of
   /// stays, so that others' changes do. Returns the whole notes as they are now, each with
   /// "changed", which grows with each change of the run's notes. Throws base::Error(usage), and
   /// changes nothing, where one is no patch, or the notes become too much.
-  nlohmann::ordered_json change(const std::string& run, const nlohmann::ordered_json& patches);
+  json::Value change(const std::string& run, const json::Value& patches);
   /// Why notes aren't kept; empty: they are.
   std::string trouble() const;
 
  private:
   struct Run {
-    nlohmann::ordered_json notes = nlohmann::ordered_json::object();
+    json::Value notes = json::Value::object();
     std::optional<std::string> folder{};
     std::optional<cli::FileState> read{};  ///< the file's state when it was read or written
     bool is_unreadable = false;            ///< then the file is left as it is

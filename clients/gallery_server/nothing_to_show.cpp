@@ -1,17 +1,16 @@
 #include "clients/gallery_server/nothing_to_show.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "clients/cli/service_call.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 
-std::string nothing_to_show(const nlohmann::ordered_json& state,
-                            const std::vector<std::string>& paths) {
+std::string nothing_to_show(const json::Value& state, const std::vector<std::string>& paths) {
   const auto& archives = state["archives"];
   const auto is_of = [](const char* word) {
     return [word](const auto& archive) { return archive["state"] == word; };
@@ -29,8 +28,9 @@ std::string nothing_to_show(const nlohmann::ordered_json& state,
         fmt::join(paths, ", "), besides));
   }
   // What was read of a damaged one is shown, and a job's that isn't there yet may come.
-  if (!std::ranges::all_of(archives, is_of("damaged"))) return {};
-  if (std::ranges::any_of(archives, [](const auto& one) { return one["generation"] != 0; }))
+  if (!std::ranges::all_of(archives.elements(), is_of("damaged"))) return {};
+  if (std::ranges::any_of(archives.elements(),
+                          [](const auto& one) { return one["generation"] != 0; }))
     return {};
   const auto& first = archives[0];
   const std::string more =

@@ -2,15 +2,15 @@
 // and on an empty one nobody sees what was named wrongly.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
+
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 
 /// One line; empty where something is shown, or may be in a moment. `state`: as Gallery::state says
 /// it; `paths`: what the command line named.
-std::string nothing_to_show(const nlohmann::ordered_json& state,
-                            const std::vector<std::string>& paths);
+std::string nothing_to_show(const json::Value& state, const std::vector<std::string>& paths);
 
 }  // namespace sleight::gallery

@@ -34,9 +34,9 @@ void Packed::add(std::string_view name, std::span<const std::uint8_t> column) {
   add_bytes(name, "u8", std::as_bytes(column), column.size());
 }
 
-std::string Packed::finish(const nlohmann::ordered_json& head) const {
-  const nlohmann::ordered_json json = {{"head", head}, {"columns", columns_}};
-  std::string text = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+std::string Packed::finish(const json::Value& head) const {
+  const json::Value json = {{"head", head}, {"columns", columns_}};
+  std::string text = json.dump();
   constexpr std::size_t k_length_bytes = sizeof(std::uint32_t);
   while ((text.size() + k_length_bytes) % k_alignment != 0)
     text += ' ';

@@ -11,12 +11,12 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/json/value.h"
 #include "common/math/vector.h"
 
 namespace sleight::gallery {
@@ -35,13 +35,13 @@ class Packed {
   void add(std::string_view name, std::span<const std::uint8_t> column);
 
   /// The whole answer. Text in `head` that is not UTF-8 is replaced.
-  std::string finish(const nlohmann::ordered_json& head) const;
+  std::string finish(const json::Value& head) const;
 
  private:
   void add_bytes(std::string_view name, const char* type, std::span<const std::byte> bytes,
                  std::size_t count);
 
-  nlohmann::ordered_json columns_ = nlohmann::ordered_json::array();
+  json::Value columns_ = json::Value::array();
   std::string bytes_;
 };
 

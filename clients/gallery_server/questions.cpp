@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <thread>
@@ -14,12 +13,13 @@
 #include "clients/browse/groups.h"
 #include "clients/browse/query.h"
 #include "clients/gallery_server/refused.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Question = nlohmann::json;
+using Json = json::Value;
+using Question = json::Value;
 
 constexpr unsigned k_bad_request = 400;
 constexpr unsigned k_not_found = 404;
@@ -32,14 +32,14 @@ constexpr std::size_t k_alike_to_max = 100;
 
 const Question& field(const Question& ask, const char* name) {
   if (!ask.is_object()) refuse("The question is no JSON object.");
-  const auto found = ask.find(name);
-  if (found == ask.end()) refuse(fmt::format("The question has no \"{}\".", name));
+  const auto* found = ask.find(name);
+  if (!found) refuse(fmt::format("The question has no \"{}\".", name));
   return *found;
 }
 
 std::uint64_t whole(const Question& ask, const char* name) {
   const Question& value = field(ask, name);
-  if (!value.is_number_unsigned()) refuse(fmt::format("\"{}\" is no whole number.", name));
+  if (!value.is_whole()) refuse(fmt::format("\"{}\" is no whole number.", name));
   return value.get<std::uint64_t>();
 }
 
@@ -76,8 +76,8 @@ std::vector<std::size_t> entries_in(const Question& list, const Snapshot& snapsh
   if (!list.is_array() || list.size() > count) refuse("The animations are no list.");
   std::vector<std::size_t> entries;
   std::vector<bool> is_in(count);
-  for (const Question& one : list) {
-    if (!one.is_number_unsigned() || one.get<std::uint64_t>() >= count)
+  for (const Question& one : list.elements()) {
+    if (!one.is_whole() || one.get<std::uint64_t>() >= count)
       refuse("One of the animations is none.");
     const auto entry = one.get<std::size_t>();
     if (!is_in[entry]) entries.push_back(entry);
@@ -88,8 +88,8 @@ std::vector<std::size_t> entries_in(const Question& list, const Snapshot& snapsh
 
 /// Those that are meant: all where there is none or null.
 std::vector<std::size_t> meant(const Question& ask, const Snapshot& snapshot) {
-  const auto list = ask.find("entries");
-  if (list != ask.end() && !list->is_null()) return entries_in(*list, snapshot);
+  const auto* list = ask.find("entries");
+  if (list && !list->is_null()) return entries_in(*list, snapshot);
   std::vector<std::size_t> all(snapshot.index().entries.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   return all;
@@ -153,10 +153,10 @@ Json found(const Gallery& gallery, const Question& ask) {
   const Question& archives = field(ask, "archives");
   if (!query.is_string()) refuse("The query is no text.");
   if (!archives.is_array()) refuse("The archives are no list.");
-  const auto& text = query.get_ref<const std::string&>();
+  const auto& text = query.text();
   const bool is_all = text.find_first_not_of(" \t\r\n") == std::string::npos;
   Json answer{{"found", Json::array()}, {"errors", Json::array()}};
-  for (const Question& one : archives) {
+  for (const Question& one : archives.elements()) {
     const auto snapshot = is_all ? snapshot_of(gallery, one) : whole_of(gallery, one);
     const browse::Index& index = snapshot->index();
     Json entries = Json::array();

@@ -4,22 +4,21 @@
 // Thread safety: pure, but for what snapshots read.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "clients/gallery_server/gallery.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 
 /// {"query", "archives": [{"id", "generation"}]} -> {"found": [{"id", "entries"}], "errors":
 /// [{"id", "column", "message"}]}; columns count characters from 1.
-nlohmann::ordered_json found(const Gallery& gallery, const nlohmann::json& ask);
+json::Value found(const Gallery& gallery, const json::Value& ask);
 
 /// {"id", "generation", "entries" or null, "groups", "by"} -> {"approximate", "groups":
 /// [{"representative", "members", "mean_m", "greatest_m", "share"}], "share_words"}
-nlohmann::ordered_json grouped(const Gallery& gallery, const nlohmann::json& ask);
+json::Value grouped(const Gallery& gallery, const json::Value& ask);
 
 /// {"id", "generation", "to": [...], "entries" or null} -> {"entries", "distance_m"}, nearest
 /// first; of several the distance to the nearest counts.
-nlohmann::ordered_json alike(const Gallery& gallery, const nlohmann::json& ask);
+json::Value alike(const Gallery& gallery, const json::Value& ask);
 
 }  // namespace sleight::gallery

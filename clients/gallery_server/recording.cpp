@@ -1,9 +1,9 @@
 #include "clients/gallery_server/recording.h"
 
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "clients/gallery_server/meshes.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 
@@ -48,12 +48,11 @@ void add_motion(Packed& to, const std::string& prefix, const motion::Animation& 
   to.add(prefix + "angular_acceleration_radps2", angular_acceleration_radps2);
 }
 
-nlohmann::ordered_json add_animation(Packed& to, const std::string& prefix, const std::string& name,
-                                     const cli::KeptAnimation& animation,
-                                     const scene::Scene& scene) {
+json::Value add_animation(Packed& to, const std::string& prefix, const std::string& name,
+                          const cli::KeptAnimation& animation, const scene::Scene& scene) {
   add_motion(to, prefix, animation.motion);
-  nlohmann::ordered_json meshes = add_meshes(to, prefix, scene, own_features(scene, animation.own),
-                                             animation.own, animation.offsets_m);
+  json::Value meshes = add_meshes(to, prefix, scene, own_features(scene, animation.own),
+                                  animation.own, animation.offsets_m);
   return {{"name", name},
           {"end_s", animation.motion.end_s()},
           {"columns", prefix},

@@ -3,11 +3,11 @@
 // Pure functions.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "clients/cli/kept_animations.h"
 #include "clients/gallery_server/packed.h"
+#include "common/json/value.h"
 #include "common/motion/path.h"
 #include "common/scene/scene.h"
 
@@ -20,8 +20,7 @@ void add_motion(Packed& to, const std::string& prefix, const motion::Animation& 
 
 /// The same and its own meshes; returns its head: "name", "end_s", "meshes", "columns" (the
 /// prefix).
-nlohmann::ordered_json add_animation(Packed& to, const std::string& prefix, const std::string& name,
-                                     const cli::KeptAnimation& animation,
-                                     const scene::Scene& scene);
+json::Value add_animation(Packed& to, const std::string& prefix, const std::string& name,
+                          const cli::KeptAnimation& animation, const scene::Scene& scene);
 
 }  // namespace sleight::gallery

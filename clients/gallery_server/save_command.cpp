@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +20,7 @@
 #include "clients/gallery_server/saved_gallery.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
+#include "common/json/value.h"
 #include "common/rpc/client.h"
 
 namespace sleight::gallery {
@@ -105,7 +105,7 @@ int save_archives(const CommandOptions& options, const std::string& socket,
     printer.clear();
     constexpr double k_megabyte = 1e6;
     if (options.json) {
-      const nlohmann::ordered_json json{
+      const json::Value json{
           {"folder", options.save}, {"animations", animations}, {"bytes", bytes}};
       fmt::print("{}\n", cli::dumped(json));
     } else {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -13,12 +12,13 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr std::size_t k_manifest_bytes_max = 64U << 20U;
 constexpr std::string_view k_work = ".sleight-saving-";
@@ -43,11 +43,12 @@ std::string manifest_of(const std::set<std::string>& names) {
 std::set<std::string> named_in_manifest(const fs::path& folder) {
   const fs::path path = folder / k_manifest;
   if (!fs::is_regular_file(fs::symlink_status(path))) return {};
-  const Json json =
-      Json::parse(base::read_text_file(path.string(), k_manifest_bytes_max), nullptr, false);
+  const Json json = Json::parse_or_null(base::read_text_file(path.string(), k_manifest_bytes_max));
   if (!json.is_object() || json.value("sleight_gallery", Json()) != 1) return {};
+  const Json files = json.value("files", Json::array());
+  if (!files.is_array()) return {};
   std::set<std::string> names;
-  for (const Json& name : json.value("files", Json::array())) {
+  for (const Json& name : files.elements()) {
     if (!name.is_string() || !is_saved_name(name.get<std::string>())) return {};
     names.insert(name.get<std::string>());
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
@@ -17,18 +16,19 @@
 #include "clients/web/gzip.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 /// Plots of so many chains go along; more can't be told apart.
 constexpr std::uint64_t k_chains_saved_max = 8;
 
 std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json.dump();
 }
 
 /// A file that is to be written, made when its turn comes.
@@ -74,7 +74,7 @@ void plan_archive(Plan& plan, std::size_t number, const SavedArchive& archive,
   });
   const Json titles = series_titles(snapshot);
   plan.json(at("series"), [titles] { return titles; });
-  for (const Json& title : titles) {
+  for (const Json& title : titles.elements()) {
     const std::string name = title["name"].get<std::string>();
     if (name == "diagnosis") {
       plan.json(at("diagnosis"), [&snapshot, &archive, &rules] {

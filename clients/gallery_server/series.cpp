@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -20,11 +19,12 @@
 #include "clients/gallery_server/packed.h"
 #include "clients/gallery_server/refused.h"
 #include "common/archive/format.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr unsigned k_not_found = 404;
 constexpr std::uint64_t k_rows_at_once = 65'536;
@@ -369,9 +369,8 @@ std::uint64_t chain_of(std::string_view text, const archive::Summary& summary) {
 std::string series_in(const archive::Source& source, const archive::Summary& summary,
                       std::string_view name, std::string_view chain_text) {
   const Json titles = titles_in(source, summary);
-  const bool is_one = std::ranges::any_of(titles, [&](const Json& title) {
-    return title["name"].get_ref<const std::string&>() == name;
-  });
+  const bool is_one = std::ranges::any_of(
+      titles.elements(), [&](const Json& title) { return title["name"].text() == name; });
   if (!is_one || name == "diagnosis") refuse_unknown();
   if (name.starts_with(k_pair_prefix))
     return pair_of(source, summary, name.substr(k_pair_prefix.size()));

@@ -19,11 +19,11 @@
 // Functions throw base::Error where the archive is damaged, Refused where there is no such series.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
 #include "clients/gallery_server/snapshot.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 
@@ -33,7 +33,7 @@ inline constexpr std::size_t k_bins = 60;
 
 /// [{"name", "title", "kind", "group"}]; none where there are no draws, or more than
 /// k_counted_draws_max.
-nlohmann::ordered_json series_titles(const Snapshot& snapshot);
+json::Value series_titles(const Snapshot& snapshot);
 
 /// One of them (packed.h). `chain`: a number, as text.
 std::string series_of(const Snapshot& snapshot, std::string_view name, std::string_view chain);

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "common/events/progress.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 std::string as_of(const archive::Summary& summary) {
   std::string words;

@@ -1,17 +1,17 @@
 #include "clients/gallery_server/tables.h"
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "clients/gallery_server/meshes.h"
+#include "common/json/value.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 }  // namespace
 

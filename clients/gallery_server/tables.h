@@ -3,10 +3,9 @@
 // Pure functions.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "clients/browse/index.h"
 #include "clients/gallery_server/packed.h"
+#include "common/json/value.h"
 #include "common/math/vector.h"
 #include "common/scene/scene.h"
 
@@ -17,12 +16,12 @@ namespace sleight::gallery {
 void add_table(Packed& to, const browse::Index& index);
 
 /// [x, y, z]
-nlohmann::ordered_json place_json(const math::Vec3& v);
+json::Value place_json(const math::Vec3& v);
 
 /// [{"name", "unit"}]
-nlohmann::ordered_json numbers_json(const browse::Index& index);
+json::Value numbers_json(const browse::Index& index);
 
 /// [{"name", "kind", "twin_of", "body", "radius_m"}]
-nlohmann::ordered_json features_json(const scene::Scene& scene);
+json::Value features_json(const scene::Scene& scene);
 
 }  // namespace sleight::gallery

@@ -1,7 +1,8 @@
 #include "clients/web/ask.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+
+#include "common/json/value.h"
 
 namespace sleight::web {
 
@@ -25,11 +26,10 @@ std::string_view Content::text() const {
 
 Answer error_answer(unsigned status, std::string_view error, std::string_view what_to_do) {
   // In this order, error first, as people read it.
-  nlohmann::ordered_json json;
+  json::Value json;
   json["error"] = error;
   json["what_to_do"] = what_to_do;
-  using nlohmann::detail::error_handler_t;
-  return {.status = status, .content = json.dump(-1, ' ', false, error_handler_t::replace) + "\n"};
+  return {.status = status, .content = json.dump() + "\n"};
 }
 
 }  // namespace sleight::web

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/json/value.h"
 
 namespace sleight::events {
 namespace {
@@ -27,17 +27,17 @@ constexpr std::array k_exit_codes{base::ExitCode::ok,          base::ExitCode::b
 constexpr std::string_view k_left_out = " [...] ";
 
 std::string line_of(const RunEnd& end) {
-  const nlohmann::ordered_json json{{"epoch", end.epoch},
-                                    {"end", name_of(end.end)},
-                                    {"exit_code", static_cast<int>(end.exit_code)},
-                                    {"scans", end.scans},
-                                    {"found", end.found},
-                                    {"solutions", end.solutions},
-                                    {"digest", end.digest},
-                                    {"words", end.words},
-                                    {"place", end.place}};
+  const json::Value json{{"epoch", end.epoch},
+                         {"end", name_of(end.end)},
+                         {"exit_code", static_cast<int>(end.exit_code)},
+                         {"scans", end.scans},
+                         {"found", end.found},
+                         {"solutions", end.solutions},
+                         {"digest", end.digest},
+                         {"words", end.words},
+                         {"place", end.place}};
   // Bytes that are no UTF-8 (a file's name) become U+FFFD.
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json.dump() + "\n";
 }
 
 /// The first and the last `half` bytes.
@@ -76,16 +76,16 @@ std::string to_line(const RunEnd& end) {
 }
 
 std::optional<RunEnd> run_end_of(std::string_view line) {
-  const auto json = nlohmann::json::parse(line, nullptr, false);
+  const auto json = json::Value::parse_or_null(line);
   if (!json.is_object() || json.size() != 9) return std::nullopt;
   const auto number = [&](const char* key) -> std::optional<std::uint64_t> {
-    const auto found = json.find(key);
-    if (found == json.end() || !found->is_number_unsigned()) return std::nullopt;
+    const auto* found = json.find(key);
+    if (!found || !found->is_whole()) return std::nullopt;
     return found->get<std::uint64_t>();
   };
   const auto text = [&](const char* key) -> std::optional<std::string> {
-    const auto found = json.find(key);
-    if (found == json.end() || !found->is_string()) return std::nullopt;
+    const auto* found = json.find(key);
+    if (!found || !found->is_string()) return std::nullopt;
     return found->get<std::string>();
   };
   const auto epoch = number("epoch");

@@ -1,14 +1,15 @@
 #include "common/events/run_event.h"
 
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <type_traits>
 #include <utility>
+
+#include "common/json/value.h"
 
 namespace sleight::events {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 /// Reads fields of an object; what is missing or of another type makes the whole no event.
 class Fields {
@@ -18,8 +19,8 @@ class Fields {
 
   template <class T>
   void read(const char* key, T& value) {
-    const auto found = object_.find(key);
-    if (found == object_.end()) {
+    const auto* found = object_.find(key);
+    if (!found) {
       are_sound_ = false;
       return;
     }
@@ -30,15 +31,15 @@ class Fields {
     } else if constexpr (std::is_floating_point_v<T>) {
       if (accept(found->is_number())) value = found->get<T>();
     } else {
-      if (!accept(found->is_number_unsigned())) return;
+      if (!accept(found->is_whole())) return;
       const auto number = found->get<std::uint64_t>();
       if (accept(number <= std::numeric_limits<T>::max())) value = static_cast<T>(number);
     }
   }
   template <class T>
   void read(const char* key, std::optional<T>& value) {
-    const auto found = object_.find(key);
-    if (found != object_.end() && found->is_null()) {
+    const auto* found = object_.find(key);
+    if (found && found->is_null()) {
       value.reset();
       return;
     }
@@ -151,8 +152,8 @@ bool read_kind(std::string_view kind, const Json& object, std::optional<RunEvent
   Fields fields(object);
   fields.read("number", read.number);
   if constexpr (std::is_same_v<T, RunEnd>) {
-    const auto end = object.find("end");
-    if (end == object.end()) return true;
+    const auto* end = object.find("end");
+    if (!end) return true;
     auto run_end = run_end_of(end->dump());
     if (run_end && fields.are_sound()) {
       read.what = *std::move(run_end);
@@ -194,14 +195,14 @@ std::string to_line(const RunEvent& event) {
         }
       },
       event.what);
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return object.dump() + "\n";
 }
 
 std::optional<RunEvent> run_event_of(std::string_view line) {
-  const Json object = Json::parse(line, nullptr, false);
+  const Json object = Json::parse_or_null(line);
   if (!object.is_object()) return std::nullopt;
-  const auto kind = object.find("kind");
-  if (kind == object.end() || !kind->is_string()) return std::nullopt;
+  const auto* kind = object.find("kind");
+  if (!kind || !kind->is_string()) return std::nullopt;
   std::optional<RunEvent> event;
   read_any(static_cast<decltype(RunEvent::what)*>(nullptr), kind->get<std::string>(), object,
            event);

@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
+
+#include "common/json/value.h"
 
 namespace sleight::backend {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 [[noreturn]] void refuse_message(const std::string& words) {
   throw base::Error(base::ExitCode::usage, words);
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 std::string text_of(const Json& json) {
   // Bytes that are no UTF-8 become U+FFFD.
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump() + "\n";
 }
 
 Json message() {
@@ -26,10 +27,10 @@ Json message() {
 }
 
 Json parsed(std::string_view text) {
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = Json::parse_or_null(text);
   if (!json.is_object()) refuse_message("the message is no JSON object");
-  const auto version = json.find("version");
-  if (version == json.end() || *version != k_message_version)
+  const auto* version = json.find("version");
+  if (!version || *version != k_message_version)
     refuse_message(fmt::format("the message's version is not {}", k_message_version));
   return json;
 }
@@ -37,15 +38,15 @@ Json parsed(std::string_view text) {
 /// The value of a key, or what it is where it is left out. Throws where it is of another type.
 template <class T>
 T value_of(const Json& json, const char* key, T otherwise) {
-  const auto found = json.find(key);
-  if (found == json.end() || found->is_null()) return otherwise;
+  const auto* found = json.find(key);
+  if (!found || found->is_null()) return otherwise;
   bool fits = false;
   if constexpr (std::is_same_v<T, std::string>) {
     fits = found->is_string();
   } else if constexpr (std::is_same_v<T, bool>) {
     fits = found->is_boolean();
   } else {
-    fits = found->is_number_unsigned();
+    fits = found->is_whole();
   }
   if (!fits) refuse_message(fmt::format("the message's '{}' is of another type", key));
   return found->template get<T>();
@@ -56,8 +57,8 @@ Json json_of(const AttemptName& name) {
 }
 
 AttemptName name_in(const Json& json) {
-  const auto found = json.find("attempt");
-  if (found == json.end() || !found->is_object()) refuse_message("the message has no 'attempt'");
+  const auto* found = json.find("attempt");
+  if (!found || !found->is_object()) refuse_message("the message has no 'attempt'");
   AttemptName name{.daemon = value_of<std::string>(*found, "daemon", ""),
                    .job = value_of<std::uint64_t>(*found, "job", 0),
                    .epoch = value_of<std::uint64_t>(*found, "epoch", 0)};
@@ -93,7 +94,7 @@ Order order_in(const Json& json) {
               .memory_bytes = value_of<std::uint64_t>(json, "memory_bytes", 0)};
   const Json command = json.value("command", Json::array());
   if (!command.is_array()) refuse_message("the message's 'command' is no array");
-  for (const Json& word : command) {
+  for (const Json& word : command.elements()) {
     if (!word.is_string()) refuse_message("the message's 'command' is no array of texts");
     order.command.push_back(word.get<std::string>());
   }
@@ -192,11 +193,10 @@ std::string text_of_list(const std::map<AttemptName, Seen>& listed) {
 
 std::map<AttemptName, Seen> list_of(const std::string& daemon, std::string_view text) {
   const Json json = parsed(text);
-  const auto attempts = json.find("attempts");
-  if (attempts == json.end() || !attempts->is_array())
-    refuse_message("the message has no 'attempts'");
+  const auto* attempts = json.find("attempts");
+  if (!attempts || !attempts->is_array()) refuse_message("the message has no 'attempts'");
   std::map<AttemptName, Seen> listed;
-  for (const Json& entry : *attempts) {
+  for (const Json& entry : attempts->elements()) {
     if (!entry.is_object()) refuse_message("an entry of the message's 'attempts' is no object");
     const AttemptName name = name_in(entry);
     if (name.daemon == daemon) listed.insert_or_assign(name, seen_in(entry));

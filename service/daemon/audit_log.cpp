@@ -10,10 +10,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <ctime>
-#include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 
+#include "common/json/value.h"
 #include "common/logging/log.h"
 
 namespace sleight::daemon {
@@ -29,8 +29,8 @@ std::string time_now() {
 }
 
 /// In the order in which they are written.
-std::string text_of(const nlohmann::ordered_json& line) {
-  return line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+std::string text_of(const json::Value& line) {
+  return line.dump() + "\n";
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ void AuditLog::note(const rpc::Caller& caller, const AuditLine& line) {
     return;
   }
   share.lines -= 1;
-  nlohmann::ordered_json json{{"time", time_now()}, {"call", line.call}, {"user", caller.user}};
+  json::Value json{{"time", time_now()}, {"call", line.call}, {"user", caller.user}};
   json["from"] = caller.address.empty() ? fmt::format("process {}", caller.pid) : caller.address;
   if (!caller.token_id.empty()) json["token"] = caller.token_id;
   if (!line.of.empty()) json["of"] = line.of;
@@ -80,7 +80,7 @@ void AuditLog::flush() {
 void AuditLog::tell_strangers(double now_s) {
   if (strangers_ == 0 || now_s - strangers_told_s_ < k_strangers_every_s) return;
   strangers_told_s_ = now_s;
-  nlohmann::ordered_json json{
+  json::Value json{
       {"time", time_now()}, {"call", "login"}, {"from", last_stranger_}, {"outcome", "refused"}};
   const std::uint64_t times = std::exchange(strangers_, 0);
   if (times > 1) json["times"] = times;

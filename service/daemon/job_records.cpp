@@ -1,15 +1,16 @@
 #include "service/daemon/job_records.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
 
+#include "common/json/value.h"
+
 namespace sleight::daemon {
 namespace {
 
-using Json = nlohmann::json;
+using Json = json::Value;
 
 /// A record that was not written here.
 struct NotOurs : std::runtime_error {
@@ -54,10 +55,10 @@ class Reader {
   }
   template <class T>
   void operator()(const char* name, T& value) {
-    const auto at = json_.find(name);
-    if (at == json_.end()) return;
+    const auto* at = json_.find(name);
+    if (!at) return;
     if constexpr (std::is_unsigned_v<T> && !std::is_same_v<T, bool>) {
-      if (!at->is_number_unsigned()) throw NotOurs();
+      if (!at->is_whole()) throw NotOurs();
       const auto number = at->template get<std::uint64_t>();
       value = static_cast<T>(number);
       if (value != number) throw NotOurs();
@@ -76,16 +77,16 @@ class Reader {
   }
   template <class Enum, class Named>
   void choice(const char* name, Enum& value, const Named& value_of) {
-    const auto at = json_.find(name);
-    if (at == json_.end()) return;
+    const auto* at = json_.find(name);
+    if (!at) return;
     const auto found = value_of(at->template get<std::string>());
     if (!found) throw NotOurs();
     value = *found;
   }
   template <class Struct, class Fields>
   void part(const char* name, Struct& value, const Fields& fields) {
-    const auto at = json_.find(name);
-    if (at == json_.end()) return;
+    const auto* at = json_.find(name);
+    if (!at) return;
     Reader inner(*at);
     fields(inner, value);
   }
@@ -188,7 +189,7 @@ std::string line_of(const Value& value, const Fields& fields) {
   Writer writer(json);
   fields(writer, value);
   // Words of programs may hold any bytes.
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json.dump();
 }
 
 template <class Value, class Fields>
@@ -199,7 +200,7 @@ std::optional<Value> value_of(std::string_view line, const Fields& fields) {
     Reader reader(json);
     fields(reader, value);
     return value;
-  } catch (const nlohmann::json::exception&) {
+  } catch (const json::Error&) {
     return std::nullopt;
   } catch (const NotOurs&) {
     return std::nullopt;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 #include "common/store/checksum.h"
 #include "service/daemon/job_records.h"
 
@@ -65,25 +65,26 @@ std::int64_t signed_of(std::uint64_t value) {
 }
 
 std::string asked_line(const StoredRequest& request) {
-  nlohmann::json json{{"world", request.world},
-                      {"strict", request.strict},
-                      {"found_wanted", request.found_wanted},
-                      {"in_proportion_wanted", request.in_proportion_wanted}};
-  if (!request.token_id.empty()) json["token"] = request.token_id;
+  json::Value json{{"found_wanted", request.found_wanted},
+                   {"in_proportion_wanted", request.in_proportion_wanted}};
   if (!request.options.empty()) json["options"] = request.options;
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  json["strict"] = request.strict;
+  if (!request.token_id.empty()) json["token"] = request.token_id;
+  json["world"] = request.world;
+  return json.dump();
 }
 
 std::optional<StoredRequest> asked_of(std::string_view line) {
   try {
-    const auto json = nlohmann::json::parse(line);
-    return StoredRequest{.world = json.at("world"),
-                         .strict = json.at("strict"),
-                         .found_wanted = json.at("found_wanted"),
-                         .in_proportion_wanted = json.at("in_proportion_wanted"),
-                         .token_id = json.value("token", ""),
-                         .options = json.value("options", std::map<std::string, std::string>())};
-  } catch (const nlohmann::json::exception&) {
+    const auto json = json::Value::parse(line);
+    return StoredRequest{
+        .world = json.at("world").text(),
+        .strict = json.at("strict").get<bool>(),
+        .found_wanted = json.at("found_wanted").get<std::uint64_t>(),
+        .in_proportion_wanted = json.at("in_proportion_wanted").get<std::uint64_t>(),
+        .token_id = json.value("token", ""),
+        .options = json.value("options", std::map<std::string, std::string>())};
+  } catch (const json::Error&) {
     return std::nullopt;
   }
 }

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/access/token_text.h"
 #include "common/base/error.h"
 #include "common/base/replaced_file.h"
+#include "common/json/value.h"
 #include "common/logging/log.h"
 
 namespace sleight::daemon {
@@ -24,53 +24,53 @@ rpc::Refusal wrong_token() {
           .what_to_do = "Whoever runs the service can give out another: `sleight token create`."};
 }
 
-nlohmann::json json_of(const rpc::TokenView& view, const std::string& hash) {
+json::Value json_of(const rpc::TokenView& view, const std::string& hash) {
   std::vector<std::string> scopes;
   for (const rpc::Scope scope : rpc::k_scopes)
     if (view.scopes.has(scope)) scopes.emplace_back(rpc::name_of(scope));
-  return {{"id", view.id},
-          {"hash", hash},
-          {"name", view.name},
-          {"user", view.user},
-          {"scopes", scopes},
+  return {{"cores_max", view.cores_max},
           {"created", view.created_s},
           {"expires", view.expires_s},
           {"has_expired", view.has_expired},
-          {"revoked", view.revoked_s},
-          {"last_used", view.last_used_s},
-          {"last_from", view.last_from},
+          {"hash", hash},
+          {"id", view.id},
           {"jobs_max", view.jobs_max},
-          {"cores_max", view.cores_max}};
+          {"last_from", view.last_from},
+          {"last_used", view.last_used_s},
+          {"name", view.name},
+          {"revoked", view.revoked_s},
+          {"scopes", scopes},
+          {"user", view.user}};
 }
 
 /// A value that was not written here.
 struct Unsound {};
 
 template <class T>
-T number_in(const nlohmann::json& json, const char* key, double most) {
+T number_in(const json::Value& json, const char* key, double most) {
   const auto& value = json.at(key);
-  const bool fits = std::is_integral_v<T> ? value.is_number_unsigned() : value.is_number();
+  const bool fits = std::is_integral_v<T> ? value.is_whole() : value.is_number();
   if (!fits || !(value.get<double>() >= 0) || value.get<double>() > most) throw Unsound();
   return value.get<T>();
 }
 
-KeptToken kept_of(const nlohmann::json& json) {
+KeptToken kept_of(const json::Value& json) {
   constexpr double k_time_most = 1e12;
   constexpr double k_count_most = UINT32_MAX;
-  KeptToken kept{.view = {.id = json.at("id"),
-                          .name = json.at("name"),
+  KeptToken kept{.view = {.id = json.at("id").text(),
+                          .name = json.at("name").text(),
                           .user = number_in<std::uint32_t>(json, "user", rpc::k_no_user - 1.0),
                           .created_s = number_in<double>(json, "created", k_time_most),
                           .expires_s = number_in<double>(json, "expires", k_time_most),
-                          .has_expired = json.at("has_expired"),
+                          .has_expired = json.at("has_expired").get<bool>(),
                           .revoked_s = number_in<double>(json, "revoked", k_time_most),
                           .last_used_s = number_in<double>(json, "last_used", k_time_most),
-                          .last_from = json.at("last_from"),
+                          .last_from = json.at("last_from").text(),
                           .jobs_max = number_in<std::uint32_t>(json, "jobs_max", k_count_most),
                           .cores_max = number_in<std::uint32_t>(json, "cores_max", k_count_most)},
-                 .hash = json.at("hash")};
-  for (const std::string name : json.at("scopes")) {
-    const auto scope = rpc::scope_of(name);
+                 .hash = json.at("hash").text()};
+  for (const json::Value& name : json.at("scopes").elements()) {
+    const auto scope = rpc::scope_of(name.text());
     if (!scope) throw Unsound();
     kept.view.scopes.add(*scope);
   }
@@ -95,7 +95,7 @@ Tokens::Tokens(base::FileSystem& files, std::string path, std::function<double()
 
 void Tokens::read() {
   try {
-    const auto json = nlohmann::json::parse(base::read_text_file(path_, k_file_bytes_max));
+    const auto json = json::Value::parse(base::read_text_file(path_, k_file_bytes_max));
     if (json.at("format") != k_format) {
       throw base::Error(base::ExitCode::conflict,
                         fmt::format("{}: written by another version of this program; it is left as "
@@ -103,14 +103,14 @@ void Tokens::read() {
                                     "is valid)",
                                     path_));
     }
-    for (const auto& one : json.at("tokens").get_ref<const nlohmann::json::array_t&>()) {
+    for (const auto& one : json.at("tokens").elements()) {
       KeptToken kept = kept_of(one);
       const std::string id = kept.view.id;
       if (!tokens_.emplace(id, std::move(kept)).second) throw Unsound();
     }
   } catch (const Unsound&) {
     refuse_file(path_);
-  } catch (const nlohmann::json::exception&) {
+  } catch (const json::Error&) {
     refuse_file(path_);
   }
 }
@@ -118,13 +118,11 @@ void Tokens::read() {
 /// Durable when it returns, in one step.
 void Tokens::write() {
   is_saved_ = false;
-  nlohmann::json list = nlohmann::json::array();
+  json::Value list = json::Value::array();
   for (const auto& [id, kept] : tokens_)
     list.push_back(json_of(kept.view, kept.hash));
-  const nlohmann::json whole{{"format", k_format}, {"tokens", std::move(list)}};
-  base::replace_text_file(
-      files_, path_, whole.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n",
-      base::Readers::owner);
+  const json::Value whole{{"format", k_format}, {"tokens", std::move(list)}};
+  base::replace_text_file(files_, path_, whole.dump(1) + "\n", base::Readers::owner);
   is_saved_ = true;
   has_new_uses_ = false;
 }

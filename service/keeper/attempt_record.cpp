@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -12,11 +11,12 @@
 #include "common/base/bytes.h"
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 
 namespace sleight::keeper {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr int k_format = 1;
 constexpr const char* k_begin_beside = "attempt.json.new";
@@ -77,7 +77,7 @@ std::string text_of(const AttemptRecord& record) {
   json["epoch_before"] = record.epoch_before;
   json["end"] = record.end ? json_of(*record.end) : Json();
   // Bytes that are no UTF-8 become U+FFFD.
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump() + "\n";
 }
 
 void shorten(std::string& word) {
@@ -163,7 +163,7 @@ std::optional<AttemptRecord> record_of(std::string_view text) {
     const Json json = Json::parse(text);
     if (field<int>(json, "format") != k_format) return std::nullopt;
     return record_of_json(json);
-  } catch (const Json::exception&) {
+  } catch (const json::Error&) {
     return std::nullopt;
   } catch (const std::bad_optional_access&) {
     return std::nullopt;

@@ -14,7 +14,6 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -29,12 +28,13 @@
 #include "clients/gallery_server/index_columns.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 #include "tests/browse/slow_query.h"
 
 namespace {
 
 using namespace sleight;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using Entries = std::vector<std::size_t>;
 
 constexpr int k_depth = 3;

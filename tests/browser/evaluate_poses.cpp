@@ -15,7 +15,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -26,6 +25,7 @@
 #include "clients/gallery_server/snapshot.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 #include "common/math/rotation.h"
 #include "common/motion/segment.h"
 #include "common/random/stream.h"
@@ -33,7 +33,7 @@
 namespace {
 
 using namespace sleight;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using math::Vec3;
 
 Json answer(const gallery::Snapshot& snapshot, const std::string& name, double time_s) {

@@ -10,16 +10,16 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/base/error.h"
+#include "common/json/value.h"
 #include "service/keeper/backend.h"
 
 namespace sleight::keeper {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Arguments {
   std::string bin;

@@ -29,6 +29,7 @@ LIBRARIES = (
      r"CapnProto::.*|capnp.*|kj.*|sleight_(schema|service)_generated",
      ("common/schema/wire", "common/rpc"), False),
     ("OpenSSL", r"openssl/.*", r"OpenSSL::.*|crypto|ssl", ("common/hash", "common/access"), False),
+    ("the JSON library", r"nlohmann/.*", r"nlohmann_json.*", ("common/json",), False),
     ("spdlog", r"spdlog/.*", r"spdlog.*", ("common/logging",), False),
     ("librsvg", r"librsvg/.*|cairo.*|gdk-pixbuf/.*", r"PkgConfig::RSVG|rsvg.*", ("clients/plot",),
      False),

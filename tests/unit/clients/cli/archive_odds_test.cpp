@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,6 +16,7 @@
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 #include "common/request/direction_request.h"
 
 namespace sleight::cli {
@@ -84,13 +84,13 @@ Made archive_of(const Tables& tables) {
   return made;
 }
 
-nlohmann::ordered_json json(const Tables& tables) {
+json::Value json(const Tables& tables) {
   const Made made = archive_of(tables);
   return as_json(odds_of(made.source, made.summary).value());
 }
 
 TEST(ArchiveOdds, GoodLaddersHaveAnInterval) {
-  const nlohmann::ordered_json said = json({});
+  const json::Value said = json({});
   EXPECT_EQ(said["known"], true);
   EXPECT_NEAR(said["log10_throws_low"].get<double>(), 4.75 / std::log(10), 1e-9);
   EXPECT_NEAR(said["log_p_satisfied"]["error"].get<double>(), 0.05, 1e-12);
@@ -101,7 +101,7 @@ TEST(ArchiveOdds, GoodLaddersHaveAnInterval) {
 TEST(ArchiveOdds, WithoutRoundTripsTheyAreUnknown) {
   Tables tables;
   tables.round_trips = 0;
-  const nlohmann::ordered_json said = json(tables);
+  const json::Value said = json(tables);
   EXPECT_EQ(said["known"], false);
   EXPECT_EQ(said["ladders_without_round_trip"], 4);
   EXPECT_EQ(said["log_p_satisfied"]["value"], -4.8);
@@ -152,7 +152,7 @@ TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
   tables.world = "spelling";
   tables.log_natural_throw = 3 * std::log(0.5);
   tables.log_p = {-6.88, -6.88, -6.88};
-  const nlohmann::ordered_json said = json(tables);
+  const json::Value said = json(tables);
   EXPECT_NEAR(said["log_p_satisfied"]["value"].get<double>(), -6.88, 1e-12);
   EXPECT_NEAR(said["log_p_throw"]["value"].get<double>(), -4.80, 1e-3);
   EXPECT_NE(said["natural_throw"], "");
@@ -161,7 +161,7 @@ TEST(ArchiveOdds, ThrowsThatAreNoDrawsAreNamed) {
 TEST(ArchiveOdds, WhatNeverSatisfiedIsUnknown) {
   Tables tables;
   tables.log_p = {-4.8, -4.8, -k_infinity};
-  nlohmann::ordered_json said = json(tables);
+  json::Value said = json(tables);
   EXPECT_EQ(said["known"], false);
   EXPECT_EQ(said["log_p_satisfied"]["round"], 2);
   EXPECT_NEAR(said["log_p_satisfied"]["value"].get<double>(), -4.8, 1e-12);
@@ -210,7 +210,7 @@ Made islands_archive(const IslandTables& tables) {
   return made;
 }
 
-nlohmann::ordered_json json_of(const IslandTables& tables) {
+json::Value json_of(const IslandTables& tables) {
   const Made made = islands_archive(tables);
   return as_json(odds_of(made.source, made.summary).value());
 }
@@ -219,7 +219,7 @@ TEST(ArchiveOdds, IslandsOfAFixedNumberAllCount) {
   // Of each three one is 1 and two are 1/4: mean 1/2, relative variance 1/2 (times 240 / 239).
   const double log_p = -4.8 + std::log(0.5);
   const double error = std::sqrt(0.5 / 239);
-  const nlohmann::ordered_json said = json_of(IslandTables{});
+  const json::Value said = json_of(IslandTables{});
   EXPECT_EQ(said["from"], "islands");
   EXPECT_EQ(said["known"], true);
   EXPECT_EQ(said["log_p_satisfied"]["islands"], 240);
@@ -241,7 +241,7 @@ TEST(ArchiveOdds, OfASizedRoundTheLastIslandsCount) {
     tables.values.push_back((i % tables.islands < 20 ? 9 : 0) + (i % 3 == 0 ? -4.8 : -5.8));
   tables.odds_from.assign(4, 20);
   tables.stop = "scans = 20\nodds = 0.1\n";
-  const nlohmann::ordered_json said = json_of(tables);
+  const json::Value said = json_of(tables);
   EXPECT_EQ(said["known"], true);
   EXPECT_EQ(said["odds_from_island"], 20);
   EXPECT_EQ(said["log_p_satisfied"]["islands"], 160);
@@ -255,7 +255,7 @@ TEST(ArchiveOdds, IslandsThatChoseTheirNumberAreUnknown) {
         std::pair{"odds = 7.0\n", 0.1}}) {
     IslandTables tables;
     tables.stop += rule;
-    const nlohmann::ordered_json said = json_of(tables);
+    const json::Value said = json_of(tables);
     EXPECT_EQ(said["known"], false) << rule;
     EXPECT_EQ(said["to_know"]["odds"], advised) << rule;
   }
@@ -271,7 +271,7 @@ TEST(ArchiveOdds, OneLargeIslandMakesThemUnknown) {
   tables.values[100] = -210 + std::log(160);
   tables.odds_from.assign(4, 0);
   tables.stop = "scans = 20\nodds = 0.1\n";
-  const nlohmann::ordered_json said = json_of(tables);
+  const json::Value said = json_of(tables);
   EXPECT_EQ(said["known"], false);
   EXPECT_NEAR(said["to_know"]["odds"].get<double>(), 0.049, 5e-4);
 }
@@ -303,7 +303,7 @@ TEST(ArchiveOdds, WhatIsAdvisedCanBeAskedFor) {
   EXPECT_EQ(json_of(tables)["to_know"]["odds"], request::k_odds_min);
   for (std::size_t i = 0; i < tables.values.size(); ++i)
     if (i % 60 < 20) tables.values[i] = -k_infinity;
-  const double advised = json_of(tables)["to_know"]["odds"];
+  const auto advised = json_of(tables)["to_know"]["odds"].get<double>();
   EXPECT_GT(advised, request::k_odds_min);
   EXPECT_LT(advised, 0.3);
 }
@@ -365,7 +365,7 @@ TEST(ArchiveOdds, ARequestThatCannotBeReadIsNoMatter) {
   tables.round_trips = 0;
   Made made = archive_of(tables);
   made.summary.request_text = "= no request";
-  const nlohmann::ordered_json said = as_json(odds_of(made.source, made.summary).value());
+  const json::Value said = as_json(odds_of(made.source, made.summary).value());
   EXPECT_EQ(said["to_know"]["longer"], 40);
   EXPECT_EQ(said["to_know"]["at_least"], true);
 }

@@ -9,13 +9,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "clients/cli/diagnosis_report.h"
 #include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
 #include "common/archive/memory_archive.h"
+#include "common/json/value.h"
 #include "tests/unit/clients/cli/failures.h"
 #include "tests/unit/common/archive/fake_world.h"
 
@@ -282,11 +282,11 @@ TEST_F(DiagnosisTest, NumbersThatCantBeAreRefused) {
 
 TEST_F(DiagnosisTest, JsonHasEveryReasonAndNullForWhatIsNotKnown) {
   archive_tempered(options(210), {0, 30, 90});
-  const nlohmann::ordered_json json = as_json("a.h5", diagnose());
+  const json::Value json = as_json("a.h5", diagnose());
   EXPECT_FALSE(json.at("mixed").get<bool>());
   EXPECT_EQ(json.at("judged").at("what"), "round");
   EXPECT_EQ(json.at("tempering").at("ladders").size(), k_chains);
-  EXPECT_EQ(nlohmann::json::parse(json.dump()).at("simulations"), nullptr);
+  EXPECT_EQ(json::Value::parse(json.dump()).at("simulations"), nullptr);
 }
 
 }  // namespace

@@ -13,13 +13,13 @@
 #include "clients/cli/server_commands.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
-#include "nlohmann/json.hpp"
+#include "common/json/value.h"
 #include "scripted_service.h"
 
 namespace sleight::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 /// A service with jobs 17 (done) and 18 (running) of group g5, and 19 (failed), cancelled 20.
 class JobCommands : public testing::Test {

@@ -14,7 +14,7 @@
 #include "clients/cli/known_servers.h"
 #include "common/access/token_text.h"
 #include "common/base/error.h"
-#include "nlohmann/json.hpp"
+#include "common/json/value.h"
 #include "scripted_service.h"
 
 namespace sleight::cli {
@@ -120,7 +120,7 @@ TEST_F(TokenCommands, TheListIsOfValidOnes) {
   EXPECT_NE(text.find("0123456789"), std::string::npos);
   EXPECT_EQ(text.find('\x1b'), std::string::npos);
   EXPECT_EQ(text.find("1123456789"), std::string::npos);
-  const auto json = nlohmann::json::parse(out([&] { return list_tokens(socket(), true, true); }));
+  const auto json = json::Value::parse(out([&] { return list_tokens(socket(), true, true); }));
   ASSERT_EQ(json.size(), 3U);
   EXPECT_EQ(json[0]["state"], "valid");
   EXPECT_TRUE(json[0]["expires"].is_null());

@@ -10,16 +10,16 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "common/json/value.h"
 #include "common/math/rotation.h"
 
 namespace sleight::gltf::testing {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct File {
   Json json{};
@@ -55,12 +55,12 @@ inline File read_glb(const std::string& bytes) {
 }
 
 /// Of one accessor: its vectors, as doubles.
-inline std::vector<std::vector<double>> vectors_of(const File& file, std::size_t accessor) {
-  const Json& what = file.json["accessors"].at(accessor);
+inline std::vector<std::vector<double>> vectors_of(const File& file, const Json& accessor) {
+  const Json& what = file.json["accessors"].at(accessor.get<std::size_t>());
   const Json& view = file.json["bufferViews"].at(what["bufferView"].get<std::size_t>());
-  const std::string type = what["type"];
+  const std::string type = what["type"].text();
   const std::size_t width = type == "SCALAR" ? 1 : static_cast<std::size_t>(type.back() - '0');
-  const int component = what["componentType"];
+  const int component = what["componentType"].get<int>();
   const std::size_t size = component == 5123 ? 2 : 4;
   EXPECT_EQ(view["byteOffset"].get<std::size_t>() % 4, 0U);
   EXPECT_EQ(view["byteLength"].get<std::size_t>(), what["count"].get<std::size_t>() * width * size);
@@ -85,10 +85,13 @@ inline std::vector<std::vector<double>> vectors_of(const File& file, std::size_t
 
 /// Nothing unused, bounds that are those of the numbers, finite numbers, times that ascend.
 inline void expect_sound(const File& file) {
-  std::vector<int> uses(file.json.value("accessors", Json::array()).size());
+  const auto listed = [&](const char* name) {
+    return file.json.value(name, Json::array()).elements();
+  };
+  std::vector<int> uses(listed("accessors").size());
   const auto use = [&](const Json& accessor) { ++uses.at(accessor.get<std::size_t>()); };
-  for (const Json& mesh : file.json.value("meshes", Json::array())) {
-    for (const Json& primitive : mesh["primitives"]) {
+  for (const Json& mesh : listed("meshes")) {
+    for (const Json& primitive : mesh["primitives"].elements()) {
       use(primitive["attributes"]["POSITION"]);
       use(primitive["attributes"]["NORMAL"]);
       use(primitive["indices"]);
@@ -102,9 +105,9 @@ inline void expect_sound(const File& file) {
       EXPECT_LT(primitive["material"].get<std::size_t>(), file.json["materials"].size());
     }
   }
-  for (const Json& animation : file.json.value("animations", Json::array())) {
+  for (const Json& animation : listed("animations")) {
     EXPECT_FALSE(animation["channels"].empty());
-    for (const Json& sampler : animation["samplers"]) {
+    for (const Json& sampler : animation["samplers"].elements()) {
       use(sampler["input"]);
       use(sampler["output"]);
       const auto times = vectors_of(file, sampler["input"]);
@@ -136,7 +139,7 @@ inline void expect_sound(const File& file) {
 }
 
 inline std::size_t node_named(const File& file, const std::string& name) {
-  const Json& nodes = file.json["nodes"];
+  const Json::Array& nodes = file.json["nodes"].elements();
   const auto found =
       std::ranges::find_if(nodes, [&](const Json& node) { return node["name"] == name; });
   EXPECT_NE(found, nodes.end()) << name;
@@ -144,7 +147,7 @@ inline std::size_t node_named(const File& file, const std::string& name) {
 }
 
 inline bool has_node(const File& file, const std::string& name) {
-  return std::ranges::any_of(file.json["nodes"],
+  return std::ranges::any_of(file.json["nodes"].elements(),
                              [&](const Json& node) { return node["name"] == name; });
 }
 
@@ -159,11 +162,11 @@ struct Track {
 inline Track track_of(const File& file, std::size_t clip, std::size_t node,
                       const std::string& path) {
   const Json& animation = file.json["animations"].at(clip);
-  for (const Json& channel : animation["channels"]) {
+  for (const Json& channel : animation["channels"].elements()) {
     if (channel["target"]["node"] != node || channel["target"]["path"] != path) continue;
     const Json& sampler = animation["samplers"].at(channel["sampler"].get<std::size_t>());
     Track track{.values = vectors_of(file, sampler["output"]),
-                .interpolation = sampler["interpolation"]};
+                .interpolation = sampler["interpolation"].text()};
     for (const auto& time : vectors_of(file, sampler["input"]))
       track.times_s.push_back(time[0]);
     return track;

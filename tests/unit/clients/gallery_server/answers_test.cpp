@@ -9,12 +9,12 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
 #include "clients/browse/query.h"
 #include "common/archive/format.h"
+#include "common/json/value.h"
 #include "tests/unit/clients/gallery_server/shown_files.h"
 #include "tests/unit/clients/gallery_server/unpack.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
@@ -25,7 +25,7 @@ namespace {
 using testing::made_up;
 using testing::Unpacked;
 using testing::unpacked;
-using Json = nlohmann::json;
+using Json = json::Value;
 
 class AnswersTest : public archive::testing::Scratch {
  protected:
@@ -119,7 +119,7 @@ TEST_F(AnswersTest, FindGroupAndCompareAsTheCommandsDo) {
   const Json grouped = posted("/api/groups", question);
   ASSERT_EQ(grouped["groups"].size(), 4U);
   std::size_t members = 0;
-  for (const Json& group : grouped["groups"])
+  for (const Json& group : grouped["groups"].elements())
     members += group["members"].size();
   EXPECT_EQ(members, index.entries.size());
   question = at();
@@ -305,7 +305,8 @@ TEST_F(AnswersTest, AnArchiveThatLacksSomethingIsRefusedInWords) {
         ++answered;
         const web::Answer list = all({.path = "/api/archives/0/series"});
         ASSERT_EQ(list.status, 200U) << words;
-        for (const Json& title : Json::parse(list.content.text())) {
+        const Json titles = Json::parse(list.content.text());
+        for (const Json& title : titles.elements()) {
           const std::string name = title["name"].get<std::string>();
           EXPECT_NE(name, fmt::format("pair.{}", dataset)) << words;
           if (name == "diagnosis") continue;

@@ -83,7 +83,7 @@ TEST(Columns, HoldEachSegment) {
         }
       }
       // Its own looks: the surface and the goal upon it, with as many normals as places.
-      for (const auto& mesh : back.head["meshes"]) {
+      for (const json::Value& mesh : back.head["meshes"].elements()) {
         const auto places = back.column<float>(mesh["places"].get<std::string>());
         EXPECT_EQ(places.size(), back.column<float>(mesh["normals"].get<std::string>()).size());
         for (const std::uint32_t corner :

@@ -12,11 +12,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "common/json/value.h"
 #include "tests/unit/clients/gallery_server/shown_files.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 
@@ -38,9 +38,8 @@ class GalleryTest : public archive::testing::Scratch {
             .open = files.opener()};
   }
   /// The archive's state, once it says this of itself.
-  static nlohmann::ordered_json waited(
-      const Gallery& gallery, std::size_t archive,
-      const std::function<bool(const nlohmann::ordered_json&)>& is) {
+  static json::Value waited(const Gallery& gallery, std::size_t archive,
+                            const std::function<bool(const json::Value&)>& is) {
     for (int i = 0; i < 2000; ++i) {
       const auto state = gallery.state();
       if (state["archives"].size() > archive && is(state["archives"][archive]))
@@ -51,7 +50,7 @@ class GalleryTest : public archive::testing::Scratch {
     return gallery.state()["archives"][archive];
   }
   static auto is(const char* state) {
-    return [state](const nlohmann::ordered_json& json) { return json["state"] == state; };
+    return [state](const json::Value& json) { return json["state"] == state; };
   }
 
   testing::ShownFiles files;
@@ -69,9 +68,13 @@ TEST_F(GalleryTest, AGrowingArchiveIsReadAnew) {
   EXPECT_EQ(before["name"], "a.h5");
   EXPECT_EQ(before["as_of"], "scan 50");
   files.put(archive, made_up(101, 4));
-  const auto after = waited(
-      gallery, 0, [&](const auto& json) { return json["generation"] > before["generation"]; });
-  EXPECT_GT(after["kept"], before["kept"]);
+  const auto count = [](const json::Value& json, const char* key) {
+    return json[key].get<std::size_t>();
+  };
+  const auto after = waited(gallery, 0, [&](const auto& json) {
+    return count(json, "generation") > count(before, "generation");
+  });
+  EXPECT_GT(count(after, "kept"), count(before, "kept"));
   EXPECT_EQ(after["finds"], 4);
   EXPECT_EQ(after["as_of"], "scan 101; 4 found by search");
   EXPECT_EQ(old->index().entries.size(), before["kept"]);
@@ -85,7 +88,7 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
   // under a higher generation. With its index kept all are there at once. Method: what is said at
   // each change.
   const std::string archive = path("a.h5");
-  std::vector<nlohmann::ordered_json> said;
+  std::vector<json::Value> said;
   std::atomic<Gallery*> telling = nullptr;
   const auto start = [&] {
     said.clear();
@@ -94,7 +97,7 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
     asked.changed = [&] {
       if (telling == nullptr) return;  // nothing can have been opened
       const auto state = telling.load()->state();
-      for (const auto& shown : state["archives"])
+      for (const auto& shown : state["archives"].elements())
         if (shown["state"] == "ready") said.push_back(shown);
     };
     asked.open = [&, open = asked.open](const std::string& file) {
@@ -109,7 +112,7 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
     waited(gallery, 0, [&](const auto& json) { return json["finds"] == finds; });
     return gallery.snapshot(0);
   };
-  const auto entries_of = [](const nlohmann::ordered_json& json) {
+  const auto entries_of = [](const json::Value& json) {
     return json["kept"].get<std::size_t>() + json["finds"].get<std::size_t>();
   };
   for (const int finds : {900, 300}) {
@@ -123,7 +126,8 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
     EXPECT_EQ(entries_of(said.front()) == 500, is_large);
     EXPECT_EQ(said.back()["is_beginning"], false);
     EXPECT_EQ(said.back()["finds"], finds);
-    EXPECT_EQ(said.back()["generation"] > said.front()["generation"], is_large);
+    EXPECT_EQ(said.back()["generation"].get<int>() > said.front()["generation"].get<int>(),
+              is_large);
     EXPECT_EQ(whole->index().entries.size(), entries_of(said.back()));
     EXPECT_FALSE(whole->is_beginning());
   }
@@ -134,14 +138,14 @@ TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
   // its own.
   const std::string archive = path("a.h5");
   files.put(archive, made_up(50));
-  std::vector<nlohmann::ordered_json> said;
+  std::vector<json::Value> said;
   for (int i = 0; i < 2; ++i) {
     const Gallery gallery(options({archive}));
     said.push_back(waited(gallery, 0, is("ready")));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   EXPECT_EQ(said[0]["run"], said[1]["run"]);
-  EXPECT_GT(said[1]["generation"], said[0]["generation"]);
+  EXPECT_GT(said[1]["generation"].get<int>(), said[0]["generation"].get<int>());
 }
 
 TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {

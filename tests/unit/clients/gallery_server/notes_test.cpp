@@ -22,7 +22,7 @@ namespace sleight::gallery {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using ::testing::HasSubstr;
 
 /// One animation's note is changed; returns it as it is then.
@@ -96,8 +96,8 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   EXPECT_EQ(notes.change(run, stars).size(), 5000U);
   EXPECT_EQ(Notes(path("notes")).of_run(run).size(), 5000U);
   Json off = stars;
-  for (Json& patch : off)
-    patch["star"] = false;
+  for (const auto& [name, patch] : stars.items())
+    off[name]["star"] = false;
   off["0.4999"] = {{"star", "no"}};
   EXPECT_THROW(notes.change(run, off), base::Error);
   EXPECT_EQ(notes.of_run(run)["0.0"]["star"], true);

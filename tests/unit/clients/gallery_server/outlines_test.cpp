@@ -10,20 +10,20 @@
 #include <filesystem>
 #include <future>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
 #include "clients/gallery_server/answers.h"
 #include "clients/gallery_server/gallery.h"
 #include "common/base/version.h"
+#include "common/json/value.h"
 #include "tests/unit/clients/gallery_server/shown_files.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 
 namespace sleight::gallery {
 namespace {
 
-using Json = nlohmann::json;
+using Json = json::Value;
 using testing::made_up;
 
 template <class Holds>

@@ -15,7 +15,6 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <string>
@@ -29,6 +28,7 @@
 #include "clients/gallery_server/nothing_to_show.h"
 #include "common/base/descriptor.h"
 #include "common/base/error.h"
+#include "common/json/value.h"
 #include "tests/unit/clients/gallery_server/shown_files.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 
@@ -36,7 +36,7 @@ namespace sleight::gallery {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using Json = json::Value;
 
 TEST(Base64, IsThatOfTheStandard) {
   // Goal: the text is what browsers take apart. Method: the test vectors of RFC 4648, section 10,
@@ -361,7 +361,7 @@ TEST(NamedArchives, AbandonedFoldersAreRemoved) {
 TEST(NothingToShow, IsSaidWhereNothingIsOrMayCome) {
   // Goal: a line where nothing is shown, none where something is or may come. Method: states as a
   // gallery says them.
-  using Ordered = nlohmann::ordered_json;
+  using Ordered = json::Value;
   const auto is_said = [](const std::string& archives) {
     return !nothing_to_show(Ordered::parse(R"({"left_out": [], "archives": [)" + archives + "]}"),
                             {"results"})

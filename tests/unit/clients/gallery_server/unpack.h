@@ -5,21 +5,22 @@
 
 #include <cstdint>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/json/value.h"
+
 namespace sleight::gallery::testing {
 
 struct Unpacked {
-  nlohmann::json head{};
-  nlohmann::json columns{};
+  json::Value head{};
+  json::Value columns{};
   std::string_view bytes{};
 
   template <class Element>
   std::vector<Element> column(const std::string& name) const {
-    for (const auto& one : columns) {
+    for (const json::Value& one : columns.elements()) {
       if (one["name"] != name) continue;
       std::vector<Element> elements(one["count"].get<std::size_t>());
       const auto offset = one["offset"].get<std::size_t>();
@@ -39,7 +40,7 @@ inline Unpacked unpacked(std::string_view whole) {
   EXPECT_GE(whole.size(), sizeof length);
   std::memcpy(&length, whole.data(), sizeof length);
   EXPECT_EQ((length + sizeof length) % 8, 0U);
-  const auto json = nlohmann::json::parse(whole.substr(sizeof length, length));
+  const auto json = json::Value::parse(whole.substr(sizeof length, length));
   return {.head = json["head"],
           .columns = json["columns"],
           .bytes = whole.substr(sizeof length + length)};

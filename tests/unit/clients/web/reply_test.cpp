@@ -1,10 +1,10 @@
 // Goal: answers carry what guards the page, and nothing that a handler or a request could slip in.
 // Method: heads are compared with their texts; values with line ends in them are tried.
 #include "clients/web/reply.h"
+#include "common/json/value.h"
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 namespace sleight::web {
@@ -61,12 +61,12 @@ TEST(Replies, OfHandlersAreLookedAt) {
 TEST(Replies, ErrorsAreTwoSentences) {
   const Answer answer = error_answer(404, "no \"such\" \n\xff", "look");
   EXPECT_EQ(answer.status, 404U);
-  const auto json = nlohmann::json::parse(answer.content.text());
+  const auto json = json::Value::parse(answer.content.text());
   EXPECT_EQ(json["error"], "no \"such\" \n\xef\xbf\xbd");
   EXPECT_EQ(json["what_to_do"], "look");
 
   const Refusal refusal{405, "a", "b", true};
-  EXPECT_EQ(nlohmann::json::parse(answer_of(refusal).content.text())["error"], "a");
+  EXPECT_EQ(json::Value::parse(answer_of(refusal).content.text())["error"], "a");
   EXPECT_EQ(answer_of(refusal).fields.at(0).name, "Allow");
   const Answer plain = answer_of(Refusal{403, "a", "b"});
   EXPECT_EQ(plain.content.text(), "a\nb\n");

@@ -2,6 +2,7 @@
 // log says who did what, whole, bounded, and whatever strangers try. Method: each call by each
 // single scope, with a handler that notes what reaches it; the log's lines are read back.
 #include "service/daemon/guarded_calls.h"
+#include "common/json/value.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +13,6 @@
 #include <fstream>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "common/access/token_text.h"
@@ -37,11 +37,11 @@ class GuardedCallsTest : public ::testing::Test {
   }
   ~GuardedCallsTest() override { std::filesystem::remove_all(folder_); }
 
-  std::vector<nlohmann::json> lines(const char* name = "audit.log") const {
-    std::vector<nlohmann::json> read;
+  std::vector<json::Value> lines(const char* name = "audit.log") const {
+    std::vector<json::Value> read;
     std::ifstream file(folder_ / name);
     for (std::string line; std::getline(file, line);)
-      read.push_back(nlohmann::json::parse(line));
+      read.push_back(json::Value::parse(line));
     return read;
   }
   static rpc::Caller with(Scope scope) {

@@ -2,10 +2,9 @@
 // kinds are read back; the number of fields that are written is compared with a job's, so that a
 // new field can't be forgotten; texts that are no records are refused.
 #include "service/daemon/job_records.h"
+#include "common/json/value.h"
 
 #include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
 
 #include "tests/unit/service/daemon/example_jobs.h"
 
@@ -33,7 +32,7 @@ TEST(JobRecords, ReadBackWhatWasWritten) {
 // of another number does not compile.
 TEST(JobRecords, HaveEveryField) {
   const jobs::Job job = testing::full_job(1);
-  const auto written = nlohmann::json::parse(to_line(job)).size();
+  const auto written = json::Value::parse(to_line(job)).size();
   [[maybe_unused]] const auto& [f01, f02, f03, f04, f05, f06, f07, f08, f09, f10, f11, f12, f13,
                                 f14, f15, f16, f17, f18, f19, f20, f21, f22, f23, f24, f25, f26,
                                 f27, f28, f29, f30, f31, f32, f33, f34, f35, f36, f37, f38, f39,
