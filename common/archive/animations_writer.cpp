@@ -12,10 +12,7 @@ namespace sleight::archive {
 namespace {
 
 using Integers = Column<std::int64_t>;
-using Numbers = Column<double>;
-
-const Dimension k_axis{"axis_xyz", 3};
-const Dimension k_quaternion{"quaternion_wxyz", 4};
+using NumberColumn = Column<double>;
 
 Dims with(const Dims& leading, const Dimension& last) {
   Dims dims = leading;
@@ -23,12 +20,7 @@ Dims with(const Dims& leading, const Dimension& last) {
   return dims;
 }
 
-void push_vector(Numbers& column, const math::Vec3& v) {
-  for (const double value : {v.x(), v.y(), v.z()})
-    column.push(value);
-}
-
-void push_quaternion(Numbers& column, const math::Quat& q) {
+void push_quaternion(NumberColumn& column, const math::Quat& q) {
   for (const double value : {q.w(), q.x(), q.y(), q.z()})
     column.push(value);
 }
@@ -44,8 +36,8 @@ struct Maker {
   Column<std::int32_t> small(const char* name, const Dims& dims, const char* long_name) const {
     return {sink, group, spec_of(name, ElementType::i32, dims, long_name)};
   }
-  Numbers numbers(const char* name, const Dims& dims, const char* long_name,
-                  const char* unit) const {
+  NumberColumn numbers(const char* name, const Dims& dims, const char* long_name,
+                       const char* unit) const {
     return {sink, group, spec_of(name, ElementType::f64, dims, long_name, unit)};
   }
 };
@@ -135,9 +127,9 @@ class Segments {
   inline static const Dims k_segment{{"segment", k_growing}};
   Rows rows_;
   Column<std::int32_t> body_;
-  Numbers start_s_;
+  NumberColumn start_s_;
   Column<std::int32_t> mode_, cause_, partner_;
-  Numbers position_, velocity_, acceleration_, orientation_, spin_, spin_up_;
+  NumberColumn position_, velocity_, acceleration_, orientation_, spin_, spin_up_;
 };
 
 /// Parts of the scene that are an animation's own.
@@ -175,7 +167,7 @@ class OwnParts {
   inline static const Dims k_part{{"part", k_growing}};
   Rows rows_;
   Column<std::int32_t> feature_, shape_;
-  Numbers size_, position_, orientation_;
+  NumberColumn size_, position_, orientation_;
 };
 
 /// Control points of a surface.
@@ -211,7 +203,7 @@ class OwnPoints {
   inline static const Dims k_point{{"point", k_growing}};
   Rows rows_;
   Column<std::int32_t> i_, j_;
-  Numbers height_, restitution_, friction_;
+  NumberColumn height_, restitution_, friction_;
 };
 
 /// Coordinates of places and turns, which other datasets of the group hang on.

@@ -14,6 +14,7 @@
 #include "common/archive/format.h"
 #include "common/archive/model.h"
 #include "common/base/check.h"
+#include "common/math/vector.h"
 
 namespace sleight::archive {
 
@@ -47,6 +48,15 @@ class Column {
   Sink::DatasetHandle dataset_;
   std::vector<Element> waiting_;
 };
+
+inline const Dimension k_axis{"axis_xyz", 3};
+inline const Dimension k_quaternion{"quaternion_wxyz", 4};
+
+/// Three elements along k_axis.
+inline void push_vector(Column<double>& column, const math::Vec3& v) {
+  for (const double value : {v.x(), v.y(), v.z()})
+    column.push(value);
+}
 
 /// A list of a world's variables, each over some leading dimensions: one dataset each.
 class VariableColumns {

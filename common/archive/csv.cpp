@@ -42,10 +42,6 @@ const std::array<Table, 13>& tables() {
 /// Most columns of a table: a hostile archive must not make us build a header of gigabytes.
 constexpr std::uint64_t k_columns_max = 1'000'000;
 
-[[noreturn]] void refuse(const Source& source, const std::string& reason) {
-  throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", source.name(), reason));
-}
-
 std::string quoted(const std::string& field) {
   if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
   std::string text = "\"";
@@ -73,7 +69,7 @@ void print_element(const Values& values, std::size_t i, std::string& line) {
 const DatasetSpec& coordinate_of(const Source& source, const Group& group, const std::string& dim) {
   const DatasetSpec* coordinate = find_dataset(group, dim);
   if (coordinate == nullptr || coordinate->dims.size() != 1 || coordinate->dims[0].name != dim) {
-    refuse(source, fmt::format("{}: the dimension {} has no coordinate", group.name, dim));
+    refuse_archive(source, fmt::format("{}: the dimension {} has no coordinate", group.name, dim));
   }
   return *coordinate;
 }
@@ -100,7 +96,8 @@ std::vector<std::string> column_names(const Source& source, const Group& group,
   std::vector<std::string> suffixes{""};
   for (std::size_t d = index_dims; d < spec.dims.size(); ++d) {
     if (spec.dims[d].size * suffixes.size() > k_columns_max) {
-      refuse(source, fmt::format("{}: too many columns for CSV", path_of(group.name, spec.name)));
+      refuse_archive(source,
+                     fmt::format("{}: too many columns for CSV", path_of(group.name, spec.name)));
     }
     std::vector<std::string> longer;
     for (const std::string& suffix : suffixes) {
@@ -142,7 +139,7 @@ class Exporter {
     for (const std::string& dim : index) {
       const DatasetSpec& coordinate = coordinate_of(source, group, dim);
       if (coordinate.dims[0].size > k_index_max) {
-        refuse(source, fmt::format("{}: too long for CSV", path_of(group.name, dim)));
+        refuse_archive(source, fmt::format("{}: too long for CSV", path_of(group.name, dim)));
       }
       coordinates_.push_back(whole(source, group, coordinate));
       sizes_.push_back(coordinate.dims[0].size);
@@ -182,12 +179,13 @@ class Exporter {
       if (d >= index_dims) {
         column.width *= spec.dims[d].size;
       } else if (spec.dims[d].size != sizes_[d]) {
-        refuse(source_, fmt::format("{}: its dimension {} has another size than the coordinate",
-                                    path_of(group_.name, spec.name), spec.dims[d].name));
+        refuse_archive(source_,
+                       fmt::format("{}: its dimension {} has another size than the coordinate",
+                                   path_of(group_.name, spec.name), spec.dims[d].name));
       }
       if (column.width > k_columns_max) {
-        refuse(source_,
-               fmt::format("{}: too many columns for CSV", path_of(group_.name, spec.name)));
+        refuse_archive(
+            source_, fmt::format("{}: too many columns for CSV", path_of(group_.name, spec.name)));
       }
     }
     for (const std::string& name : column_names(source_, group_, spec, index_dims)) {
@@ -244,10 +242,11 @@ std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
                                      std::string_view name) {
   const DatasetSpec* spec = find_dataset(group, name);
   if (spec == nullptr || spec->dims.size() != 1)
-    refuse(source, fmt::format("{}: there is no {}", group.name, name));
+    refuse_archive(source, fmt::format("{}: there is no {}", group.name, name));
   const Values values = whole(source, group, *spec);
   const auto* numbers = std::get_if<std::vector<std::int64_t>>(&values);
-  if (numbers == nullptr) refuse(source, fmt::format("{}: no numbers", path_of(group.name, name)));
+  if (numbers == nullptr)
+    refuse_archive(source, fmt::format("{}: no numbers", path_of(group.name, name)));
   return *numbers;
 }
 
@@ -281,8 +280,8 @@ std::vector<RowRange> rows_of(const Source& source, const Group& group, const st
     const auto first = static_cast<std::uint64_t>(starts[animation]);
     const auto count = static_cast<std::uint64_t>(counts[animation]);
     if (first > rows || count > rows - first)
-      refuse(source, fmt::format("{}: rows of animation {} along {} are not there", group.name,
-                                 animation, dim));
+      refuse_archive(source, fmt::format("{}: rows of animation {} along {} are not there",
+                                         group.name, animation, dim));
     ranges.push_back({.first = first, .count = count});
   }
   return ranges;
@@ -314,7 +313,7 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
   if (group == nullptr || find_dataset(*group, table->index.front()) == nullptr) {
     // Only some worlds have points.
     if (table->index.front() != "point")
-      refuse(source, fmt::format("there is no group {}", table->group));
+      refuse_archive(source, fmt::format("there is no group {}", table->group));
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: this archive has no table '{}'", source.name(), table_name));
   }

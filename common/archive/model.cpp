@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "common/archive/format.h"
 #include "common/base/check.h"
+#include "common/base/error.h"
 
 namespace sleight::archive {
 
@@ -75,6 +78,10 @@ const DatasetSpec* find_dataset(const Group& group, std::string_view name) {
 const Group* find_group(const Source& source, std::string_view name) {
   const auto found = std::ranges::find(source.groups(), name, &Group::name);
   return found == source.groups().end() ? nullptr : &*found;
+}
+
+void refuse_archive(const Source& source, const std::string& reason) {
+  throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", source.name(), reason));
 }
 
 }  // namespace sleight::archive

@@ -119,4 +119,7 @@ class Source {
 
 const Group* find_group(const Source& source, std::string_view name);
 
+/// Throws base::Error with ExitCode::bad_archive: the source's name and the reason.
+[[noreturn]] void refuse_archive(const Source& source, const std::string& reason);
+
 }  // namespace sleight::archive

@@ -11,20 +11,12 @@
 namespace sleight::archive {
 namespace {
 
-const Dimension k_axis{"axis_xyz", 3};
-const Dimension k_quaternion{"quaternion_wxyz", 4};
-
 Column<std::int32_t> small(Sink& sink, const char* name, const Dims& dims, const char* long_name) {
   return {sink, k_scene, spec_of(name, ElementType::i32, dims, long_name)};
 }
 
 Column<double> metres(Sink& sink, const char* name, const Dims& dims, const char* long_name) {
   return {sink, k_scene, spec_of(name, ElementType::f64, dims, long_name, "m")};
-}
-
-void push_vector(Column<double>& column, const math::Vec3& v) {
-  for (const double value : {v.x(), v.y(), v.z()})
-    column.push(value);
 }
 
 /// The coordinate of a dimension that counts words.

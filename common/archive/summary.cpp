@@ -8,13 +8,9 @@
 namespace sleight::archive {
 namespace {
 
-[[noreturn]] void refuse(const Source& source, const std::string& reason) {
-  throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: {}", source.name(), reason));
-}
-
 const Group& group_of(const Source& source, std::string_view name) {
   const Group* group = find_group(source, name);
-  if (group == nullptr) refuse(source, fmt::format("there is no group {}", name));
+  if (group == nullptr) refuse_archive(source, fmt::format("there is no group {}", name));
   return *group;
 }
 
@@ -23,7 +19,8 @@ T attribute_of(const Source& source, std::string_view group, std::string_view na
   const Attribute* attribute = find_attribute(group_of(source, group).attributes, name);
   const T* value = attribute == nullptr ? nullptr : std::get_if<T>(&attribute->value);
   if (value == nullptr) {
-    refuse(source, fmt::format("{}: the attribute {} is missing or of another type", group, name));
+    refuse_archive(source,
+                   fmt::format("{}: the attribute {} is missing or of another type", group, name));
   }
   return *value;
 }
@@ -39,7 +36,8 @@ std::uint64_t count_of_failures(const Source& source, std::string_view group,
                                 std::string_view name) {
   if (find_attribute(group_of(source, group).attributes, name) == nullptr) return 0;
   const auto count = attribute_of<std::int64_t>(source, group, name);
-  if (count < 1) refuse(source, fmt::format("{}: expected at least 1, found {}", name, count));
+  if (count < 1)
+    refuse_archive(source, fmt::format("{}: expected at least 1, found {}", name, count));
   return static_cast<std::uint64_t>(count);
 }
 
@@ -55,7 +53,7 @@ plan::FailureCounts failures_of(const Source& source) {
 std::uint64_t size_of(const Source& source, std::string_view group, std::string_view dim) {
   const DatasetSpec* coordinate = find_dataset(group_of(source, group), dim);
   if (coordinate == nullptr || coordinate->dims.size() != 1) {
-    refuse(source, fmt::format("{}: there is no coordinate {}", group, dim));
+    refuse_archive(source, fmt::format("{}: there is no coordinate {}", group, dim));
   }
   return coordinate->dims[0].size;
 }
@@ -63,7 +61,8 @@ std::uint64_t size_of(const Source& source, std::string_view group, std::string_
 FindsSummary finds_of(const Source& source) {
   if (find_group(source, k_finds) == nullptr) return {};
   const auto found = attribute_of<std::int64_t>(source, k_finds, k_found);
-  if (found < 1) refuse(source, fmt::format("/finds: found is {}: expected at least 1", found));
+  if (found < 1)
+    refuse_archive(source, fmt::format("/finds: found is {}: expected at least 1", found));
   return {.found = static_cast<std::uint64_t>(found),
           .animations = size_of(source, k_finds, "animation"),
           .segments = size_of(source, k_finds, "segment")};
@@ -72,7 +71,7 @@ FindsSummary finds_of(const Source& source) {
 std::string request_of(const Source& source) {
   const DatasetSpec* request = find_dataset(group_of(source, k_root), k_request);
   if (request == nullptr || request->type != ElementType::text || !request->dims.empty()) {
-    refuse(source, "/request is missing or no scalar text");
+    refuse_archive(source, "/request is missing or no scalar text");
   }
   return std::get<std::vector<std::string>>(source.read(k_root, k_request, 0, 1)).at(0);
 }

@@ -1,22 +1,20 @@
 #include "common/random/angular_distributions.h"
 
 #include <cmath>
-#include <limits>
 
 #include "common/base/check.h"
 #include "common/math/angle.h"
 #include "common/math/elementary.h"
+#include "common/random/constants.h"
 #include "common/random/linear_distributions.h"
 
 namespace sleight::random {
 
 namespace {
 
-constexpr double k_outside = -std::numeric_limits<double>::infinity();
 constexpr double k_log_two_pi = 0x1.d67f1c864beb5p+0;          // 1.8378770664093454
 constexpr double k_log_four_pi = 0x1.43f89a3f0edd6p+1;         // 2.5310242469692907
 constexpr double k_log_two_pi_squared = 0x1.7dc6108a63039p+1;  // log(2 pi^2) = 2.9826069522587457
-constexpr double k_sqrt_two_pi = 0x1.40d931ff62706p+1;         // 2.5066282746310002
 constexpr double k_uniform_sd_min = 9;
 
 void check(const WrappedNormal& d) {

@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/base/check.h"
 #include "common/math/angle.h"
 #include "common/math/elementary.h"
+#include "common/random/constants.h"
 
 namespace sleight::random {
 
 namespace {
-
-constexpr double k_outside = -std::numeric_limits<double>::infinity();
-constexpr double k_half_log_two_pi = 0x1.d67f1c864beb5p-1;  // 0.91893853320467274
 
 void check(const Uniform& d) {
   CHECK_LT(d.low, d.high);

@@ -7,6 +7,7 @@
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
+#include "common/random/constants.h"
 #include "common/random/linear_distributions.h"
 
 namespace sleight::random {
@@ -14,9 +15,7 @@ namespace sleight::random {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
-constexpr double k_half_log_two_pi = 0x1.d67f1c864beb5p-1;  // 0.91893853320467274
-constexpr double k_sqrt_two_pi = 0x1.40d931ff62706p+1;      // 2.5066282746310002
-constexpr double k_sqrt_half = 0x1.6a09e667f3bcdp-1;        // 0.70710678118654752
+constexpr double k_sqrt_half = 0x1.6a09e667f3bcdp-1;  // 0.70710678118654752
 // With 4 in 10 accepted, this many rejections in a row have probability 1e-222: a bug, not luck.
 constexpr int k_proposals_max = 1000;
 

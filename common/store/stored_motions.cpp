@@ -15,7 +15,7 @@ namespace sleight::store {
 namespace {
 
 // The key is the whole state: two states never share a motion.
-constexpr const char* k_schema = R"(
+constexpr const char* k_motions_schema = R"(
   CREATE TABLE IF NOT EXISTS motion(
     state BLOB PRIMARY KEY, ends INTEGER NOT NULL, columns INTEGER NOT NULL, numbers BLOB NOT NULL,
     checksum INTEGER NOT NULL);
@@ -59,7 +59,7 @@ struct StoredMotions::File {
     // What a loss of power takes is simulated again, and others are not waited for.
     database.execute("PRAGMA synchronous=OFF");
     database.execute("PRAGMA busy_timeout=200");
-    database.execute(k_schema);
+    database.execute(k_motions_schema);
     find.emplace(
         database.prepare("SELECT ends, columns, numbers, checksum FROM motion WHERE state=?1"));
     insert.emplace(database.prepare("INSERT OR REPLACE INTO motion VALUES(?1,?2,?3,?4,?5)"));

@@ -29,7 +29,7 @@ constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
 /// Between two looks at its files the writer may have turned the log over.
 constexpr int k_looks_max = 100;
 /// Of a file so much is read at once; far more than a line has.
-constexpr std::uint64_t k_piece_bytes = 256U << 10U;
+constexpr std::uint64_t k_told_piece_bytes = 256U << 10U;
 
 /// The store's connection, once it has a run's tables; they come into being all at once. Null
 /// before.
@@ -87,7 +87,7 @@ class ToldEvents::LogFile {
   std::string piece_from(std::uint64_t offset) const {
     std::string text;
     if (!is_there() || offset >= bytes_) return text;
-    text.resize(std::min(bytes_ - offset, k_piece_bytes));
+    text.resize(std::min(bytes_ - offset, k_told_piece_bytes));
     std::size_t have = 0;
     while (have < text.size()) {
       const ssize_t size = ::pread(descriptor_, text.data() + have, text.size() - have,
@@ -180,7 +180,7 @@ bool ToldEvents::take(const LogFile& file, Answer& answer) {
     const std::string text = file.piece_from(begin);
     if (!take_lines(text, answer)) return false;
     // A piece without a whole line is one that is being written.
-    if (text.size() < k_piece_bytes || place_.offset == begin) return true;
+    if (text.size() < k_told_piece_bytes || place_.offset == begin) return true;
   }
 }
 

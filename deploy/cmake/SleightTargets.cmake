@@ -1,13 +1,13 @@
 # How a folder declares what it holds.
 #
-#   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen... [DECIDES_NOTHING] [TOGETHER])   one per folder
+#   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen... [DECIDES_NOTHING])   one per folder
 #   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
 #   sleight_program_parts(mains SOURCES main_run.cpp LINKS ...)       that several programs share
 #   sleight_test(SOURCES x_test.cpp LINKS common_math [ALL_SOURCES long_test.cpp] [ALL_TESTS Long.*:Suite.Name]
 #                [LABELS slow] [TIMEOUT seconds] [COMPUTES])
 #
-# Sources of programs' parts, and of libraries and tests that say TOGETHER, are compiled a few at a time;
-# all three take APART (SleightTogether.cmake).
+# Sources of libraries, programs' parts and tests are compiled a few at a time; all three take APART
+# (SleightTogether.cmake).
 #
 # A test's own objects are built with less optimisation than what they test, as compiling them takes
 # longer than running them; COMPUTES says that it is the other way round.
@@ -39,15 +39,13 @@ function(sleight_product target)
 endfunction()
 
 function(sleight_library)
-  cmake_parse_arguments(ARG "DECIDES_NOTHING;TOGETHER" "" "SOURCES;LINKS;APART" ${ARGN})
+  cmake_parse_arguments(ARG "DECIDES_NOTHING" "" "SOURCES;LINKS;APART" ${ARGN})
   sleight_folder_name(name)
   if(ARG_SOURCES)
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PUBLIC sleight_options ${ARG_LINKS})
     sleight_product(${name})
-    if(ARG_TOGETHER)
-      sleight_compile_together(${name} APART ${ARG_APART})
-    endif()
+    sleight_compile_together(${name} APART ${ARG_APART})
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE sleight_options ${ARG_LINKS})
@@ -76,7 +74,7 @@ function(sleight_program_parts name)
 endfunction()
 
 function(sleight_test)
-  cmake_parse_arguments(ARG "COMPUTES;TOGETHER" "TIMEOUT;ALL_TESTS"
+  cmake_parse_arguments(ARG "COMPUTES" "TIMEOUT;ALL_TESTS"
     "SOURCES;ALL_SOURCES;LINKS;LABELS;APART" ${ARGN})
   sleight_folder_name(name)
   set(filter)
@@ -93,9 +91,7 @@ function(sleight_test)
   target_link_libraries(${name} PRIVATE sleight_options sleight_options_${kind} ${ARG_LINKS}
     tests_support)
   target_precompile_headers(${name} REUSE_FROM sleight_precompiled_${kind})
-  if(ARG_TOGETHER)
-    sleight_compile_together(${name} APART ${ARG_APART})
-  endif()
+  sleight_compile_together(${name} APART ${ARG_APART})
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(NOT ARG_TIMEOUT)

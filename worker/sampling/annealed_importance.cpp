@@ -10,12 +10,6 @@
 #include "worker/sampling/temperature_steps.h"
 
 namespace sleight::sampling {
-namespace {
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 WeightSummary summary_of(std::span<const double> log_weights) {
   LogSum first;
   LogSum second;
@@ -24,7 +18,8 @@ WeightSummary summary_of(std::span<const double> log_weights) {
     second.add(2 * w);
   }
   const auto n = static_cast<double>(log_weights.size());
-  WeightSummary summary{.log_mean = {first.log_mean(), k_nan}, .effective_size = 0};
+  WeightSummary summary{.log_mean = {first.log_mean(), std::numeric_limits<double>::quiet_NaN()},
+                        .effective_size = 0};
   if (first.log_sum() == k_log_zero) return summary;
   // (sum w)^2 / sum w^2, and the relative variance of the mean, n / (n-1) (1/size - 1/n).
   summary.effective_size = math::exp(2 * first.log_sum() - second.log_sum());

@@ -11,12 +11,6 @@
 #include "worker/sampling/temperature_steps.h"
 
 namespace sleight::sampling {
-namespace {
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 RoundStatistics::RoundStatistics(std::vector<double> ladder, std::uint64_t scans)
     : ladder_(std::move(ladder)), scans_wanted_(scans), rejected_(ladder_.size() - 1, 0.0) {
   for (Batch& batch : batches_)
@@ -61,7 +55,7 @@ Estimate RoundStatistics::jackknife(const Value& value) const {
     if (batches_[left_out].inverse.count() > 0) without.push_back(value(left_out));
   }
   const auto count = static_cast<double>(without.size());
-  if (count < 2 || !std::isfinite(all)) return {all, k_nan};
+  if (count < 2 || !std::isfinite(all)) return {all, std::numeric_limits<double>::quiet_NaN()};
   double mean = 0;
   for (const double x : without)
     mean += x / count;

@@ -23,7 +23,7 @@ constexpr double k_on_line = 1e-6;
 /// An axis that rises by less than this along the line is level: what lies there is a cylinder.
 constexpr double k_level = 1e-3;
 /// Of the load: a pull that is only rounding.
-constexpr double k_nothing = 1e-9;
+constexpr double k_negligible = 1e-9;
 /// A piece of the circle of what rolls as a cone. It takes longer than it would by a 12th of its
 /// square, 8e-5; so the axis keeps up with the line about which it rolls, and its inclination, to
 /// 1e-9 rad in a piece (64 times as much in one of twice the angle).
@@ -55,7 +55,7 @@ PlaneMotion cylinder_motion(const BodyOnPlane& body, const ContactLine& line, co
   const Vec3 friction_mps2 =
       motion.acceleration_mps2 - (pull_mps2 + load_mps2 * body.normal) - along_mps2 * line.along;
   const bool holds = motion.rolls && norm(friction_mps2) <= line.friction * load_mps2;
-  if (!holds && std::fabs(along_mps2) > k_nothing * load_mps2) return {};
+  if (!holds && std::fabs(along_mps2) > k_negligible * load_mps2) return {};
   PlaneMotion result{
       .carried = true,
       .brakes = !motion.rolls && line.friction > 0,
@@ -69,7 +69,7 @@ PlaneMotion cylinder_motion(const BodyOnPlane& body, const ContactLine& line, co
           dot(motion.angular_acceleration_radps2, line.along) * body.axis,
       .lasts_s = motion.lasts_s};
   if (motion.rolls && norm(result.start.velocity_mps) <= body.stick_mps &&
-      norm(result.acceleration_mps2) <= k_nothing * load_mps2) {
+      norm(result.acceleration_mps2) <= k_negligible * load_mps2) {
     result.stands = true;
     result.start = {};
     result.acceleration_mps2 = result.angular_acceleration_radps2 = Vec3::Zero();
@@ -83,7 +83,8 @@ PlaneMotion cone_motion(const BodyOnPlane& body, const ContactLine& line, const 
                         const Vec3& gravity_mps2) {
   const Vec3& n = body.normal;
   const double load_mps2 = -dot(gravity_mps2, n);
-  if (norm(gravity_mps2 + load_mps2 * n) > k_nothing * load_mps2 || line.friction == 0) return {};
+  if (norm(gravity_mps2 + load_mps2 * n) > k_negligible * load_mps2 || line.friction == 0)
+    return {};
   // Rolling at a rate w, the centre moves with -w depth across.
   const Vec3 momentum_of_turn = math::product(body.inertia_kgm2, line.along);
   const double moment = dot(line.along, momentum_of_turn);

@@ -16,7 +16,7 @@ using math::dot;
 using math::norm;
 
 /// Relative rounding error that a sum of products may have.
-constexpr double k_rounding = 1e-12;
+constexpr double k_friction_rounding = 1e-12;
 /// How long a contact that begins to slip does so in a direction that is not quite its own.
 constexpr double k_begin_s = 1e-4;
 /// Rounds in which that direction is sought, and how well it is found.
@@ -112,7 +112,8 @@ class Valley {
     // Both contacts take the same share of the friction: else the spin would leave the rolling one.
     const double friction = 0.5 * (a - pull);
     for (std::size_t i = 0; i < 2; ++i) {
-      if (std::fabs(friction) <= contacts_[i].friction * loads[i] * (1 + k_rounding)) continue;
+      if (std::fabs(friction) <= contacts_[i].friction * loads[i] * (1 + k_friction_rounding))
+        continue;
       slips_[i] = true;
       direction_[i] = -std::copysign(1.0, friction) * line_;
       begins_[i] = true;

@@ -1,7 +1,8 @@
 #include "worker/physics/reuse/history.h"
 
-#include <cstring>
 #include <utility>
+
+#include "worker/physics/reuse/same_bits.h"
 
 namespace sleight::physics {
 namespace {
@@ -23,13 +24,6 @@ void append_all(std::vector<T>& list, std::span<const T> more) {
 template <class T>
 std::size_t bytes_of(const std::vector<T>& list) {
   return list.capacity() * sizeof(T);
-}
-
-bool same(double a, double b) {
-  return std::memcmp(&a, &b, sizeof(a)) == 0;
-}
-bool same(const Vec3& a, const Vec3& b) {
-  return same(a.x(), b.x()) && same(a.y(), b.y()) && same(a.z(), b.z());
 }
 
 }  // namespace

@@ -1,27 +1,19 @@
 #include "worker/physics/reuse/scene_changes.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <optional>
 #include <span>
 
 #include "worker/physics/contact/resting.h"
+#include "worker/physics/reuse/same_bits.h"
 #include "worker/physics/scene/static_regions.h"
 
 namespace sleight::physics {
 namespace {
 
-bool same(double a, double b) {
-  return std::memcmp(&a, &b, sizeof(a)) == 0;
-}
-bool same(const Vec3& a, const Vec3& b) {
-  return same(a.x(), b.x()) && same(a.y(), b.y()) && same(a.z(), b.z());
-}
-bool same(const Quat& a, const Quat& b) {
-  return same(a.w(), b.w()) && same(a.x(), b.x()) && same(a.y(), b.y()) && same(a.z(), b.z());
-}
+using physics::same;  // numbers bit by bit; values by their numbers
 bool same(const HalfSpace& a, const HalfSpace& b) {
   return same(a.normal, b.normal) && same(a.offset_m, b.offset_m);
 }

@@ -11,7 +11,7 @@
 namespace sleight::physics::scenes {
 namespace {
 
-constexpr double k_half_width_m = 0.1;
+constexpr double k_tray_half_width_m = 0.1;
 constexpr double k_cube_m = 0.01;
 
 std::shared_ptr<const TriangleMesh> mesh_of(std::span<const Vec3> vertices_m,
@@ -117,7 +117,7 @@ Setting bumpy_floor(std::uint32_t bodies, std::uint64_t seed) {
       Vec3 normal = Vec3::Zero();
       normal[axis] = -side;
       scene.planes.push_back({.name = std::string(side < 0 ? "low " : "high ") + "xyz"[axis],
-                              .outside = {.normal = normal, .offset_m = -k_half_width_m}});
+                              .outside = {.normal = normal, .offset_m = -k_tray_half_width_m}});
     }
   }
   // One cell further than the walls on each side.
@@ -131,7 +131,8 @@ Setting tray(std::uint32_t bodies, std::uint64_t seed) {
   Setting setting{.scene = gravity_scene(), .duration_s = 3};
   Scene& scene = setting.scene;
   scene.planes.push_back({.name = "table", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
-  scene.meshes.push_back({.name = "tray", .mesh = tray_mesh(k_half_width_m, 0.02, 0.01, 0.03)});
+  scene.meshes.push_back(
+      {.name = "tray", .mesh = tray_mesh(k_tray_half_width_m, 0.02, 0.01, 0.03)});
   add_bodies(scene, bodies, 0.05, 0.8, stream);
   return setting;
 }

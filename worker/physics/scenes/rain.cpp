@@ -6,11 +6,13 @@
 namespace sleight::physics::scenes {
 namespace {
 
-constexpr double k_half_width_m = 0.1;
+constexpr double k_funnel_half_width_m = 0.1;
 
 StartState above_the_box(random::Stream& stream) {
-  return {.pose = {.position_m = {between(stream, -0.7 * k_half_width_m, 0.7 * k_half_width_m),
-                                  between(stream, -0.7 * k_half_width_m, 0.7 * k_half_width_m),
+  return {.pose = {.position_m = {between(stream, -0.7 * k_funnel_half_width_m,
+                                          0.7 * k_funnel_half_width_m),
+                                  between(stream, -0.7 * k_funnel_half_width_m,
+                                          0.7 * k_funnel_half_width_m),
                                   between(stream, 0.1, 0.3)},
                    .orientation = random::UniformRotation{}.draw(stream)},
           .twist = {.velocity_mps = vector_between(stream, -0.5, 0.5),
@@ -44,9 +46,10 @@ Setting rain(std::uint32_t bodies, std::uint64_t seed) {
     const double sign = side % 2 == 0 ? 1 : -1;
     const Vec3 outwards = side < 2 ? Vec3(sign, 0, 0) : Vec3(0, sign, 0);
     const Vec3 normal = (Vec3(0, 0, lean) - outwards) / length;
-    scene.planes.push_back({.name = "wall",
-                            .outside = {.normal = normal, .offset_m = -k_half_width_m / length},
-                            .material = {static_cast<std::uint8_t>(side % 3)}});
+    scene.planes.push_back(
+        {.name = "wall",
+         .outside = {.normal = normal, .offset_m = -k_funnel_half_width_m / length},
+         .material = {static_cast<std::uint8_t>(side % 3)}});
   }
 
   for (std::uint32_t i = 0; i < bodies; ++i) {

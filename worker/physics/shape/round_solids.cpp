@@ -11,17 +11,11 @@
 namespace sleight::physics {
 namespace {
 
-ShapeError not_positive(std::size_t index, double value) {
-  return {.kind = ShapeError::Kind::dimension_not_positive, .index = index, .measured = value};
-}
-bool positive(double x) {
-  return x > 0 && std::isfinite(x);
-}
 /// The first of some sizes that is none.
 std::optional<ShapeError> bad_size(std::initializer_list<double> sizes) {
   std::size_t index = 0;
   for (const double size : sizes) {
-    if (!positive(size)) return not_positive(index, size);
+    if (!is_positive(size)) return not_positive(index, size);
     ++index;
   }
   return std::nullopt;
@@ -235,7 +229,7 @@ std::vector<RoundRing> pin_rings(std::initializer_list<double> heights_in) {
 RoundResult solid_of_revolution(std::span<const std::vector<RoundRing>> pieces,
                                 double density_kgpm3) {
   if (pieces.empty()) return ShapeError{.kind = ShapeError::Kind::no_parts};
-  if (!positive(density_kgpm3)) return not_positive(0, density_kgpm3);
+  if (!is_positive(density_kgpm3)) return not_positive(0, density_kgpm3);
   const auto given = pieces_of(pieces, 0);
   if (!given) return given.error();
   const Revolution all = revolution_of(given.value());
@@ -328,7 +322,7 @@ RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3
 }
 
 RoundResult bowling_pin(double mass_kg) {
-  if (!positive(mass_kg)) return not_positive(0, mass_kg);
+  if (!is_positive(mass_kg)) return not_positive(0, mass_kg);
   // The rim: its outermost points lie a little inside of the profile, as the line from there to the
   // next ring lies outside.
   constexpr double k_inside_in = 0.008;

@@ -4,6 +4,7 @@
 // value instead of a shape. Thread safety: values.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -30,6 +31,14 @@ struct ShapeError {
   double measured = 0;
   friend bool operator==(const ShapeError&, const ShapeError&) = default;
 };
+
+/// Whether a size, radius or density is one.
+inline bool is_positive(double size) {
+  return size > 0 && std::isfinite(size);
+}
+inline ShapeError not_positive(std::size_t index, double size) {
+  return {.kind = ShapeError::Kind::dimension_not_positive, .index = index, .measured = size};
+}
 
 /// A sentence for people, without a full stop.
 std::string describe(const ShapeError& error);

@@ -11,14 +11,6 @@
 namespace sleight::physics {
 namespace {
 
-ShapeError not_positive(std::size_t index, double value) {
-  return {.kind = ShapeError::Kind::dimension_not_positive, .index = index, .measured = value};
-}
-
-bool positive(double length_m) {
-  return length_m > 0 && std::isfinite(length_m);
-}
-
 using Corners = std::array<std::size_t, 3>;
 
 struct Globe {
@@ -124,7 +116,7 @@ std::optional<Vec3> axis_of_revolution(const Compound& compound) {
 ShapeResult box(const Vec3& sides_m) {
   std::vector<Vec3> corners;
   for (int axis = 0; axis < 3; ++axis) {
-    if (!positive(sides_m[axis]))
+    if (!is_positive(sides_m[axis]))
       return not_positive(static_cast<std::size_t>(axis), sides_m[axis]);
   }
   for (const double x : {-0.5, 0.5}) {
@@ -141,14 +133,14 @@ ShapeResult cube(double side_m) {
 }
 
 ShapeResult tetrahedron(double circumradius_m) {
-  if (!positive(circumradius_m)) return not_positive(0, circumradius_m);
+  if (!is_positive(circumradius_m)) return not_positive(0, circumradius_m);
   const double c = circumradius_m / std::sqrt(3.0);
   return convex_hull(
       std::array<Vec3, 4>{Vec3(c, c, c), Vec3(c, -c, -c), Vec3(-c, c, -c), Vec3(-c, -c, c)});
 }
 
 ShapeResult icosphere(double radius_m, int subdivisions) {
-  if (!positive(radius_m)) return not_positive(0, radius_m);
+  if (!is_positive(radius_m)) return not_positive(0, radius_m);
   if (subdivisions < 0) return not_positive(1, subdivisions);
   if (subdivisions > 3) return ShapeError{.kind = ShapeError::Kind::too_many_points, .index = 2562};
   Globe globe = icosahedron();
@@ -161,8 +153,8 @@ ShapeResult icosphere(double radius_m, int subdivisions) {
 
 ShapeResult regular_prism(int corners, double radius_m, double height_m) {
   if (corners < 3) return not_positive(0, corners);
-  if (!positive(radius_m)) return not_positive(1, radius_m);
-  if (!positive(height_m)) return not_positive(2, height_m);
+  if (!is_positive(radius_m)) return not_positive(1, radius_m);
+  if (!is_positive(height_m)) return not_positive(2, height_m);
   if (2 * static_cast<std::size_t>(corners) > k_hull_points_max)
     return ShapeError{.kind = ShapeError::Kind::too_many_points,
                       .index = 2 * static_cast<std::size_t>(corners)};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "common/base/check.h"
 #include "common/math/elementary.h"
@@ -11,8 +10,6 @@
 
 namespace sleight::worlds::dice {
 namespace {
-
-constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
 double normal(double sd, random::Stream& stream) {
   return random::Normal{.mean = 0, .sd = sd}.draw(stream);

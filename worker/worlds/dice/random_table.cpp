@@ -1,7 +1,6 @@
 #include "worker/worlds/dice/random_table.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "common/base/check.h"
@@ -9,8 +8,6 @@
 
 namespace sleight::worlds::dice {
 namespace {
-
-constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
 bool same(const Range& a, const Range& b) {
   return a.low == b.low && a.high == b.high;

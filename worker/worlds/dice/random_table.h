@@ -18,6 +18,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -26,6 +27,9 @@
 #include "worker/worlds/dice/parameters.h"
 
 namespace sleight::worlds::dice {
+
+/// The log density where there is none.
+inline constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
 using physics::GridIndex;
 using physics::SurfaceControl;

@@ -1,15 +1,12 @@
 #include "worker/worlds/dice/state.h"
 
 #include <array>
-#include <limits>
 
 #include "common/base/check.h"
 #include "common/random/distributions.h"
 
 namespace sleight::worlds::dice {
 namespace {
-
-constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
 Vec3 draw_normal(const Vec3& mean, const Vec3& sd, random::Stream& stream) {
   Vec3 drawn = mean;
