@@ -81,7 +81,7 @@ class Simulation {
   /// earlier than now(). Nothing if all went well.
   std::optional<SceneError> run_until(Tick end);
 
-  /// Goes on with another algorithm or engine, and other sampling events, which come at multiples
+  /// Continues with another algorithm or engine, and other sampling events, which come at multiples
   /// of their interval. What is recorded or kept stays as it is: `record`, `segments_reserved`,
   /// `keep_history` and `history_bytes_max` have no effect. A simulation that has failed stays so.
   void go_on_with(const SimulationOptions& options);
