@@ -1,7 +1,7 @@
 // What an archive consists of, free of any file format: groups that hold attributes and datasets.
 //
 // A Sink takes an archive in one pass, a Source gives one back. The HDF5 files (archive/hdf5) and
-// the in-memory twin (memory_archive.h) stand behind the same two interfaces, so the layout, the
+// an archive in memory (tests/archive) stand behind the same two interfaces, so the layout, the
 // digest, the checks and the CSV export are written and tested without files.
 //
 // Invariants of a finished archive, which DigestingSink checks while one is written:

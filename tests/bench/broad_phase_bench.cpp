@@ -8,9 +8,9 @@
 
 #include "common/random/stream.h"
 #include "tests/bench/harness.h"
-#include "worker/physics/broad_phase/all_pairs.h"
+#include "tests/engines/all_pairs.h"
+#include "tests/engines/sweep_and_prune.h"
 #include "worker/physics/broad_phase/hierarchical_grid.h"
-#include "worker/physics/broad_phase/sweep_and_prune.h"
 
 namespace sleight::bench {
 namespace {

@@ -13,8 +13,8 @@
 
 #include "common/random/distributions.h"
 #include "tests/bench/harness.h"
-#include "worker/physics/event/calendar_queue.h"
-#include "worker/physics/event/heap_queue.h"
+#include "tests/engines/calendar_queue.h"
+#include "tests/engines/heap_queue.h"
 #include "worker/physics/event/tournament_queue.h"
 
 namespace sleight::bench {

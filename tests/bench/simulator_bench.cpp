@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "tests/bench/harness.h"
+#include "tests/engines/engines.h"
 #include "worker/physics/scenes/scenes.h"
 #include "worker/physics/simulator/simulation.h"
 
@@ -28,6 +29,7 @@ namespace {
 using physics::Algorithm;
 using physics::BroadPhaseKind;
 using physics::Counts;
+using physics::QueueKind;
 using physics::Simulation;
 using physics::SimulationOptions;
 using physics::Tick;
@@ -41,7 +43,9 @@ SimulationOptions options_of(Way way, bool record) {
   SimulationOptions options;
   options.record = record;
   if (way != Way::async) options.algorithm = Algorithm::synchronous;
-  if (way == Way::sync) options.broad_phase = BroadPhaseKind::sweep_and_prune;
+  if (way == Way::sync)
+    options.make_engine =
+        physics::engine_with(BroadPhaseKind::sweep_and_prune, QueueKind::tournament);
   return options;
 }
 

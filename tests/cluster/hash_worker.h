@@ -13,7 +13,7 @@
 
 #include "common/base/clock.h"
 #include "tests/cluster/mistakes.h"
-#include "tests/unit/worker/sampling/slow_ladder.h"
+#include "tests/tempering/slow_ladder.h"
 #include "worker/run/sample_cache.h"
 
 namespace sleight::cluster {

@@ -1,5 +1,5 @@
-// One ladder of parallel tempering as it runs: what it computes is in tempering_loop.h, in a few
-// lines; here replicas run ahead of one another, on any number of workers.
+// One ladder of parallel tempering as it runs: tests/tempering/tempering_loop.cpp computes the same
+// in a few lines; here replicas run ahead of one another, on any number of workers.
 //
 // Idea. Replicas keep their states and trade temperatures. A swap (swap.h) needs its two replicas
 // only, so within a round there is no barrier (swap_flow.h); a round's end waits for all, and there

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "tests/engines/engines.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::thesis {
@@ -15,6 +16,7 @@ namespace {
 using physics::Algorithm;
 using physics::BroadPhaseKind;
 using physics::Counts;
+using physics::QueueKind;
 using physics::Simulation;
 using physics::SimulationOptions;
 using physics::Tick;
@@ -44,7 +46,9 @@ Measured run(const scenes::Setting& setting, Algorithm algorithm) {
   SimulationOptions options;
   options.algorithm = algorithm;
   options.record = false;
-  if (algorithm == Algorithm::synchronous) options.broad_phase = BroadPhaseKind::sweep_and_prune;
+  if (algorithm == Algorithm::synchronous)
+    options.make_engine =
+        physics::engine_with(BroadPhaseKind::sweep_and_prune, QueueKind::tournament);
   const std::clock_t begin = std::clock();
   auto started = Simulation::start(setting.scene, options);
   if (!started) throw base::Error(base::ExitCode::bug, started.error().message);

@@ -12,7 +12,7 @@ from .tree import Finding, includes, is_cpp, is_in
 # Algorithms: no outside library, no clock, no file.
 PURE = ("worker/physics", "worker/sampling", "worker/worlds", "service/core", "common/plan",
         "common/math", "common/random")
-PURE_TESTS = tuple("tests/unit/" + folder for folder in PURE)
+PURE_TESTS = (*("tests/unit/" + folder for folder in PURE), "tests/engines", "tests/tempering")
 # What SLEIGHT_SHELLS=OFF builds, and what it leaves out of that.
 BARE = PURE + ("worker/run", "common/base", "common/request", "common/archive", "common/schema")
 SHELLS = ("worker/run/mpi", "common/archive/digest", "common/archive/hdf5",

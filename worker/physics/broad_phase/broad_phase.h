@@ -5,9 +5,8 @@
 // which end. The simulator keeps the lists of neighbours, which it needs anyway, and lends them to
 // structures that don't remember their pairs.
 //
-//   SweepAndPrune      the thesis's sorted lists of extents (3.2.3); slows down as bodies cluster
-//   HierarchicalGrid   a hash of cells for each size of box; the one to use
-//   AllPairs           compares with everybody; the reference, and best below some fifty bodies
+// The simulator uses HierarchicalGrid, a hash of cells for each size of box. Tests compare it with
+// others (tests/engines).
 //
 // Invariants
 //   1. At every moment the pairs that have begun and not ended are those of present bodies whose
@@ -37,7 +36,8 @@ struct BroadPhaseOptions {
   double size_m = 1;
 };
 
-/// Pairs of a body and an end of its box fit 29 bits in sorted lists (extent_ring.h).
+/// Pairs of a body and an end of its box fit 29 bits, which sorted lists of ends need
+/// (tests/engines/extent_ring.h).
 inline constexpr std::uint32_t k_bodies_max = std::uint32_t{1} << 28;
 
 /// What a change of one body's box is told to. `neighbours()` are those whose boxes overlap the

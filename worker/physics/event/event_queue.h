@@ -13,11 +13,8 @@
 //   4. Any key may be set at any time. That a simulation sets no key before the tick of the event
 //      that it processes may make a design fast, never right.
 //
-// The designs, each in its own header; `sleight-bench event_queue` compares them.
-//   TournamentQueue   the one to take: the fastest at every size measured, 64 to 100,000 slots
-//   HeapQueue         a heap with four children per node
-//   CalendarQueue     buckets of time, as the literature on event-driven dynamics recommends; here
-//                     its lists cost more than the few levels of the others that a change passes
+// The simulator uses TournamentQueue: the fastest at every size measured, 64 to 100,000 slots.
+// Tests compare it with others (tests/engines), `sleight-bench event_queue` their speed.
 // Thread safety: none is shared while one thread writes; const functions may run at once.
 #pragma once
 

@@ -31,35 +31,24 @@
 
 #include "worker/physics/broad_phase/broad_phase.h"
 #include "worker/physics/event/event_queue.h"
+#include "worker/physics/simulator/any_engine.h"
 #include "worker/physics/simulator/engine_options.h"
 #include "worker/physics/simulator/replaying.h"
 #include "worker/physics/simulator/world.h"
 
 namespace sleight::physics {
 
-/// Where another engine stopped: everything up to and at `now` has happened.
-struct Takeover {
-  Tick now{};
-  Counts counts{};
-  std::optional<SceneError> failure{};
-};
-
 template <BroadPhase Boxes, EventQueue Queue>
-class Engine {
+class Engine final : public AnyEngine {
  public:
-  /// Borrows the world and what is replayed in it. It begins before everything in one without
-  /// bodies, or takes over.
+  /// As EngineMaker says.
   Engine(World& world, Replaying& replaying, EngineOptions options,
          const std::optional<Takeover>& from);
 
-  /// Processes every event up to and at `end`. Nothing if all went well; after an error the engine
-  /// stays where it is.
-  std::optional<SceneError> run_until(Tick end);
-
-  Tick now() const { return now_; }
-  const Counts& counts() const { return counts_; }
-  /// What another one takes over.
-  Takeover state() const { return {now_, counts_, failure_}; }
+  std::optional<SceneError> run_until(Tick end) override;
+  Tick now() const override { return now_; }
+  const Counts& counts() const override { return counts_; }
+  Takeover state() const override { return {now_, counts_, failure_}; }
 
  private:
   static constexpr BodyId k_nobody{UINT32_MAX};

@@ -1,5 +1,5 @@
-// Bodies of the templates in engine.h. The engines that programs use are compiled once, in
-// simulation.cpp, which alone includes this.
+// Bodies of the templates in engine.h. The product's engine is compiled in simulation.cpp, those of
+// tests in tests/engines; nothing else includes this.
 #pragma once
 
 #include <fmt/format.h>

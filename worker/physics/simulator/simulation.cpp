@@ -3,64 +3,22 @@
 #include <utility>
 
 #include "worker/physics/broad_phase/hierarchical_grid.h"
-#include "worker/physics/broad_phase/sweep_and_prune.h"
-#include "worker/physics/event/calendar_queue.h"
-#include "worker/physics/event/heap_queue.h"
 #include "worker/physics/event/tournament_queue.h"
 #include "worker/physics/simulator/engine_impl.h"
 
 namespace sleight::physics {
 namespace {
 
-/// An engine of any kind.
-class AnyEngine {
- public:
-  virtual ~AnyEngine() = default;
-  virtual std::optional<SceneError> run_until(Tick end) = 0;
-  virtual Tick now() const = 0;
-  virtual const Counts& counts() const = 0;
-  virtual Takeover state() const = 0;
-};
-
-template <class Boxes, class Queue>
-class EngineOf final : public AnyEngine {
- public:
-  EngineOf(World& world, Replaying& replaying, const EngineOptions& options,
-           const std::optional<Takeover>& from)
-      : engine_(world, replaying, options, from) {}
-  std::optional<SceneError> run_until(Tick end) override { return engine_.run_until(end); }
-  Tick now() const override { return engine_.now(); }
-  const Counts& counts() const override { return engine_.counts(); }
-  Takeover state() const override { return engine_.state(); }
-
- private:
-  Engine<Boxes, Queue> engine_;
-};
-
-template <class Boxes>
-std::unique_ptr<AnyEngine> engine_with(World& world, Replaying& replaying, QueueKind queue,
-                                       const EngineOptions& options,
-                                       const std::optional<Takeover>& from) {
-  switch (queue) {
-    case QueueKind::tournament:
-      return std::make_unique<EngineOf<Boxes, TournamentQueue>>(world, replaying, options, from);
-    case QueueKind::heap:
-      return std::make_unique<EngineOf<Boxes, HeapQueue>>(world, replaying, options, from);
-    case QueueKind::calendar:
-      break;
-  }
-  return std::make_unique<EngineOf<Boxes, CalendarQueue>>(world, replaying, options, from);
-}
-
 std::unique_ptr<AnyEngine> engine_of(World& world, Replaying& replaying,
                                      const SimulationOptions& options,
                                      const std::optional<Takeover>& from) {
-  const EngineOptions chosen{.algorithm = options.algorithm,
-                             .sample_every = options.sample_every,
-                             .on_sample = options.on_sample};
-  return options.broad_phase == BroadPhaseKind::sweep_and_prune
-             ? engine_with<SweepAndPrune>(world, replaying, options.queue, chosen, from)
-             : engine_with<HierarchicalGrid>(world, replaying, options.queue, chosen, from);
+  EngineOptions chosen{.algorithm = options.algorithm,
+                       .sample_every = options.sample_every,
+                       .on_sample = options.on_sample};
+  if (options.make_engine != nullptr)
+    return options.make_engine(world, replaying, std::move(chosen), from);
+  return std::make_unique<Engine<HierarchicalGrid, TournamentQueue>>(world, replaying,
+                                                                     std::move(chosen), from);
 }
 
 }  // namespace

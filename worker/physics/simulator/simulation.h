@@ -21,8 +21,8 @@
 // the bodies that it concerns. Nothing is stepped.
 //
 // Invariants
-//   1. The recording is a function of the scene alone: algorithm, broad phase and queue change how
-//      long it takes, and not a bit of it.
+//   1. The recording is a function of the scene alone: algorithm and engine change how long it
+//      takes, and not a bit of it.
 //   2. A collision is the first tick at which a pair touches (gap <= k_touch_m) and approaches
 //      (rate < -k_approach_mps); tolerances.h has the sizes.
 //   3. A scene whose ticks are all shifted gives the same recording, shifted.
@@ -38,17 +38,14 @@
 #include "worker/physics/reuse/history.h"
 #include "worker/physics/reuse/recording.h"
 #include "worker/physics/scene/scene.h"
+#include "worker/physics/simulator/any_engine.h"
 #include "worker/physics/simulator/engine_options.h"
 
 namespace sleight::physics {
 
-enum class BroadPhaseKind : std::uint8_t { hierarchical_grid, sweep_and_prune };
-enum class QueueKind : std::uint8_t { tournament, heap, calendar };
-
 struct SimulationOptions {
   Algorithm algorithm = Algorithm::asynchronous;
-  BroadPhaseKind broad_phase = BroadPhaseKind::hierarchical_grid;
-  QueueKind queue = QueueKind::tournament;
+  EngineMaker make_engine = nullptr;   ///< null: the product's
   bool record = true;                  ///< keep the segments; the last of each body is always kept
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
   bool keep_history = false;  ///< keep what history() gives, from which recording() is made
@@ -84,10 +81,9 @@ class Simulation {
   /// earlier than now(). Nothing if all went well.
   std::optional<SceneError> run_until(Tick end);
 
-  /// Goes on with another algorithm, broad phase or queue, and other sampling events, which come at
-  /// multiples of their interval. What is recorded or kept stays as it is: `record`,
-  /// `segments_reserved`, `keep_history` and `history_bytes_max` have no effect. A simulation that
-  /// has failed stays so.
+  /// Continues with another algorithm or engine, and other sampling events, which come at multiples
+  /// of their interval. What is recorded or kept stays as it is: `record`, `segments_reserved`,
+  /// `keep_history` and `history_bytes_max` have no effect. A simulation that has failed stays so.
   void go_on_with(const SimulationOptions& options);
 
   Tick now() const;

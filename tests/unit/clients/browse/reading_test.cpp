@@ -14,9 +14,9 @@
 #include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
-#include "common/archive/memory_archive.h"
 #include "common/base/error.h"
 #include "common/motion/path.h"
+#include "tests/archive/memory_archive.h"
 #include "tests/unit/clients/browse/random_index.h"
 #include "tests/unit/common/archive/fake_world.h"
 

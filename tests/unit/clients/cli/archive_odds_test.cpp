@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "common/archive/format.h"
-#include "common/archive/memory_archive.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 #include "common/request/direction_request.h"
+#include "tests/archive/memory_archive.h"
 
 namespace sleight::cli {
 namespace {

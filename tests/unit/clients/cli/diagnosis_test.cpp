@@ -14,8 +14,8 @@
 #include "clients/cli/diagnosis_report.h"
 #include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
-#include "common/archive/memory_archive.h"
 #include "common/json/value.h"
+#include "tests/archive/memory_archive.h"
 #include "tests/unit/clients/cli/failures.h"
 #include "tests/unit/common/archive/fake_world.h"
 

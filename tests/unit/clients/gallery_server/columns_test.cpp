@@ -12,7 +12,7 @@
 #include "clients/gallery_server/recording.h"
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
-#include "common/archive/memory_archive.h"
+#include "tests/archive/memory_archive.h"
 #include "tests/unit/clients/gallery_server/made_up.h"
 #include "tests/unit/clients/gallery_server/unpack.h"
 

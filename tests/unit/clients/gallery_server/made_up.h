@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "common/archive/digest/digest.h"
-#include "common/archive/memory_archive.h"
+#include "tests/archive/memory_archive.h"
 #include "tests/unit/common/archive/fake_world.h"
 
 namespace sleight::gallery::testing {

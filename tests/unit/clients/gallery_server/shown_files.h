@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "clients/gallery_server/snapshot.h"
-#include "common/archive/memory_archive.h"
 #include "common/base/error.h"
+#include "tests/archive/memory_archive.h"
 #include "tests/unit/clients/gallery_server/made_up.h"
 
 namespace sleight::gallery::testing {

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "common/archive/format.h"
-#include "common/archive/memory_archive.h"
 #include "common/base/error.h"
 #include "common/random/stream.h"
+#include "tests/archive/memory_archive.h"
 #include "tests/unit/common/archive/fake_world.h"
 
 namespace sleight::archive {

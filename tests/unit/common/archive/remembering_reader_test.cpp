@@ -9,7 +9,7 @@
 #include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
 #include "common/archive/layout.h"
-#include "common/archive/memory_archive.h"
+#include "tests/archive/memory_archive.h"
 #include "tests/unit/common/archive/fake_world.h"
 
 namespace sleight::archive {

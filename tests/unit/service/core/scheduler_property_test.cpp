@@ -11,8 +11,8 @@
 
 #include "service/core/scheduler.h"
 #include "tests/support/property.h"
+#include "tests/tempering/slow_ladder.h"
 #include "tests/unit/worker/sampling/any_plan.h"
-#include "tests/unit/worker/sampling/slow_ladder.h"
 #include "worker/sampling/independent_chains.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"

@@ -16,7 +16,7 @@
 #include "common/base/clock.h"
 #include "common/plan/plan.h"
 #include "common/random/stream.h"
-#include "tests/unit/worker/sampling/slow_ladder.h"
+#include "tests/tempering/slow_ladder.h"
 #include "worker/sampling/block_runner.h"
 #include "worker/sampling/stop_rule.h"
 

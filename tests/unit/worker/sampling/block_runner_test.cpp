@@ -12,9 +12,9 @@
 #include <set>
 
 #include "tests/support/property.h"
+#include "tests/tempering/slow_ladder.h"
 #include "tests/unit/worker/sampling/any_plan.h"
 #include "tests/unit/worker/sampling/replaced_formulas.h"
-#include "tests/unit/worker/sampling/slow_ladder.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 

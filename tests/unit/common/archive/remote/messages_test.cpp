@@ -16,8 +16,8 @@
 #include "common/archive/digest/digest.h"
 #include "common/archive/format.h"
 #include "common/archive/limits.h"
-#include "common/archive/memory_archive.h"
 #include "common/archive/remote/contents_check.h"
+#include "tests/archive/memory_archive.h"
 #include "tests/support/property.h"
 #include "tests/unit/common/archive/fake_world.h"
 

@@ -3,12 +3,12 @@
 
 #include <optional>
 
+#include "tests/engines/all_pairs.h"
+#include "tests/engines/sweep_and_prune.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/broad_phase/neighbourhood.h"
 #include "tests/unit/worker/physics/broad_phase/scenes.h"
-#include "worker/physics/broad_phase/all_pairs.h"
 #include "worker/physics/broad_phase/hierarchical_grid.h"
-#include "worker/physics/broad_phase/sweep_and_prune.h"
 
 namespace sleight::physics {
 namespace {

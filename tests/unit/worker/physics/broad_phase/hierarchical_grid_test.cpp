@@ -2,9 +2,9 @@
 // shrinks.
 #include <gtest/gtest.h>
 
+#include "tests/engines/all_pairs.h"
 #include "tests/unit/worker/physics/broad_phase/neighbourhood.h"
 #include "tests/unit/worker/physics/broad_phase/scenes.h"
-#include "worker/physics/broad_phase/all_pairs.h"
 #include "worker/physics/broad_phase/hierarchical_grid.h"
 
 namespace sleight::physics {

@@ -8,11 +8,11 @@
 
 #include <algorithm>
 
+#include "tests/engines/calendar_queue.h"
+#include "tests/engines/heap_queue.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/event/queue_checks.h"
 #include "tests/unit/worker/physics/event/slow_queue.h"
-#include "worker/physics/event/calendar_queue.h"
-#include "worker/physics/event/heap_queue.h"
 #include "worker/physics/event/tournament_queue.h"
 
 namespace sleight::physics {

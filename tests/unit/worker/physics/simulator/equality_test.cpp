@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "tests/engines/engines.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
 #include "worker/physics/scenes/random_starts.h"
@@ -46,8 +47,7 @@ struct Way {
 SimulationOptions way(Algorithm algorithm, BroadPhaseKind broad_phase, QueueKind queue) {
   SimulationOptions options;
   options.algorithm = algorithm;
-  options.broad_phase = broad_phase;
-  options.queue = queue;
+  options.make_engine = engine_with(broad_phase, queue);
   return options;
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "tests/engines/engines.h"
 #include "tests/unit/worker/physics/simulator/proposals.h"
 #include "worker/physics/simulator/simulation.h"
 
@@ -30,10 +31,12 @@ inline SimulationOptions random_way(Dice& dice) {
     default:
       break;
   }
-  if (dice.one_in(6)) options.broad_phase = BroadPhaseKind::sweep_and_prune;
+  const BroadPhaseKind boxes =
+      dice.one_in(6) ? BroadPhaseKind::sweep_and_prune : BroadPhaseKind::hierarchical_grid;
   const auto queue = dice.below(6);
-  if (queue == 0) options.queue = QueueKind::heap;
-  if (queue == 1) options.queue = QueueKind::calendar;
+  options.make_engine = engine_with(boxes, queue == 0   ? QueueKind::heap
+                                           : queue == 1 ? QueueKind::calendar
+                                                        : QueueKind::tournament);
   return options;
 }
 

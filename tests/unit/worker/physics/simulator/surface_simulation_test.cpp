@@ -171,8 +171,7 @@ TEST(SurfaceSimulation, EveryWayGivesTheSame) {
            {BroadPhaseKind::hierarchical_grid, BroadPhaseKind::sweep_and_prune}) {
         SimulationOptions options;
         options.algorithm = algorithm;
-        options.broad_phase = boxes;
-        options.queue = static_cast<QueueKind>(way % 3);
+        options.make_engine = engine_with(boxes, static_cast<QueueKind>(way % 3));
         ++way;
         const Outcome outcome = outcome_of(scene, options, way % 2 == 0 ? 37 : 1);
         ASSERT_EQ(outcome.digest, expected.digest) << "throw " << n << ", way " << way;

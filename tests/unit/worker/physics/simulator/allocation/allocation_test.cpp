@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "tests/engines/engines.h"
 #include "tests/unit/worker/physics/collision/surface_tables.h"
 #include "tests/unit/worker/physics/counted_allocations.h"
 #include "worker/physics/scenes/scenes.h"
@@ -51,8 +52,7 @@ TEST(Allocation, TheEventLoopAllocatesNothing) {
       for (const QueueKind queue : {QueueKind::tournament, QueueKind::heap, QueueKind::calendar}) {
         SimulationOptions options;
         options.record = false;
-        options.broad_phase = boxes;
-        options.queue = queue;
+        options.make_engine = engine_with(boxes, queue);
         EXPECT_EQ(allocations_after_warm_up(one.setting.scene, one.duration_s, options), 0U)
             << one.name << ", broad phase " << static_cast<int>(boxes) << ", queue "
             << static_cast<int>(queue);

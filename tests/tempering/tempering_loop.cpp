@@ -1,4 +1,4 @@
-#include "worker/sampling/tempering_loop.h"
+#include "tests/tempering/tempering_loop.h"
 
 #include <utility>
 

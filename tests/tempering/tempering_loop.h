@@ -1,9 +1,9 @@
 // Parallel tempering as one loop: what the method means, on one screen (tempering_loop.cpp).
 //
-// Nothing but tests runs it. Runs go through LadderRun (ladder_run.h), where replicas run ahead of
-// one another and are handed out in blocks to any number of workers (block_runner.h); tests hold
-// these to this loop's results, bit for bit. It has none of their bookkeeping, and the swap stands
-// here in full, not taken from swap.h.
+// Runs go through LadderRun (worker/sampling/ladder_run.h), where replicas run ahead of one another
+// and are handed out in blocks to any number of workers (block_runner.h there); tests hold these to
+// this loop's results, bit for bit. It has none of their bookkeeping, and the swap stands here in
+// full, not taken from swap.h.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "worker/physics/event/calendar_queue.h"
+#include "tests/engines/calendar_queue.h"
 
 #include <algorithm>
 #include <array>

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "tests/engines/slot_heap.h"
 #include "worker/physics/event/event_queue.h"
-#include "worker/physics/event/slot_heap.h"
 
 namespace sleight::physics {
 

@@ -1,4 +1,4 @@
-// Parallel tempering as its loop says it (worker/sampling/tempering_loop.h), run with a worker, so
+// Parallel tempering as its loop says it (tests/tempering/tempering_loop.h), run with a worker, so
 // that LadderRun and block runners can be held against it: what was asked for and what came of it
 // is kept by place. Round trips and solutions are counted here, from whole ways. What is learnt at
 // a round's end is the one thing that both share; ladder_round_test.cpp works it out by hand.

@@ -1,11 +1,11 @@
-#include "tests/unit/worker/sampling/slow_ladder.h"
+#include "tests/tempering/slow_ladder.h"
 
 #include <algorithm>
 #include <bit>
 #include <limits>
 #include <set>
 
-#include "worker/sampling/tempering_loop.h"
+#include "tests/tempering/tempering_loop.h"
 
 namespace sleight::sampling {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/physics/broad_phase/extent_ring.h"
+#include "tests/engines/extent_ring.h"
 
 namespace sleight::physics {
 

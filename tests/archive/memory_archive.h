@@ -1,4 +1,4 @@
-// The archive's in-memory twin: a Sink that can be read back as a Source, for tests.
+// The archive's in-memory twin: a Sink that can be read back as a Source.
 //
 // Holds every value, so it is for small archives. Not thread-safe.
 #pragma once

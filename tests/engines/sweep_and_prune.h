@@ -17,8 +17,8 @@
 
 #include <algorithm>
 
+#include "tests/engines/extent_ring.h"
 #include "worker/physics/broad_phase/body_boxes.h"
-#include "worker/physics/broad_phase/extent_ring.h"
 #include "worker/physics/broad_phase/flat_table.h"
 
 namespace sleight::physics {

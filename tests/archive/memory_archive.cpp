@@ -1,4 +1,4 @@
-#include "common/archive/memory_archive.h"
+#include "tests/archive/memory_archive.h"
 
 #include <algorithm>
 
