@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
+
+#include "tests/support/numbers.h"
 
 namespace sleight::browse::testing {
 namespace {
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 /// Rounding of a place: its coordinates are some metres at most.
 constexpr double k_rounding_m = 1e-9;
 

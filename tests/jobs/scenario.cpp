@@ -62,12 +62,6 @@ JobPlan job_of(Dice& dice, std::uint32_t users, const Room& room, double span_s)
   return job;
 }
 
-bool lasts(Fault::Kind kind) {
-  return kind != Fault::Kind::server_dies && kind != Fault::Kind::server_dies_at_save &&
-         kind != Fault::Kind::keeper_dies && kind != Fault::Kind::wall_jumps &&
-         kind != Fault::Kind::place_taken && kind != Fault::Kind::cancelled_by_hand;
-}
-
 std::vector<Fault> faults_of(std::uint64_t seed, double span_s,
                              const std::vector<Fault::Kind>& wants) {
   Dice dice(seed, Dice::Part::faults);
@@ -90,6 +84,12 @@ std::vector<Fault> faults_of(std::uint64_t seed, double span_s,
 }
 
 }  // namespace
+
+bool lasts(Fault::Kind kind) {
+  return kind != Fault::Kind::server_dies && kind != Fault::Kind::server_dies_at_save &&
+         kind != Fault::Kind::keeper_dies && kind != Fault::Kind::wall_jumps &&
+         kind != Fault::Kind::place_taken && kind != Fault::Kind::cancelled_by_hand;
+}
 
 bool Scenario::has(Fault::Kind kind) const {
   return std::ranges::any_of(faults, [kind](const Fault& fault) { return fault.kind == kind; });

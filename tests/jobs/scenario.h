@@ -76,6 +76,9 @@ struct Fault {
   std::uint64_t which = 0;  ///< keeper, place in a save, days
 };
 
+/// Whether it takes a time.
+bool lasts(Fault::Kind kind);
+
 inline constexpr std::uint64_t k_faults_max = 60;
 
 struct Scenario {

@@ -20,12 +20,6 @@ constexpr double k_submit_again_s = 20;
 constexpr double k_look_around_s = 5;
 constexpr double k_day_s = 86400;
 
-bool lasts(Kind kind) {
-  return kind != Kind::server_dies && kind != Kind::server_dies_at_save &&
-         kind != Kind::keeper_dies && kind != Kind::wall_jumps && kind != Kind::place_taken &&
-         kind != Kind::cancelled_by_hand;
-}
-
 }  // namespace
 
 Service::Service(const Scenario& scenario)

@@ -4,10 +4,10 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "common/math/elementary.h"
 #include "common/random/linear_distributions.h"
+#include "tests/support/numbers.h"
 
 namespace sleight::posterior {
 namespace {
@@ -16,8 +16,6 @@ using random::standard_normal;
 using random::Stream;
 using sampling::OwnedChains;
 
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_pi = 3.14159265358979323846;
 
 /// Fills an array of a given shape; every chain and draw from the one stream, in order.

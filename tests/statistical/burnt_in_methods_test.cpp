@@ -21,8 +21,7 @@
 #include "worker/sampling/parallel_tempering.h"
 #include "worker/sampling/simulated_tempering.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::burnt_in_methods_test {
 
 constexpr std::uint64_t k_seed = 891058;
 constexpr std::size_t k_places = RuggedRing::k_places;
@@ -391,5 +390,4 @@ TEST(AnnealedStarts, LeaveTheTargetRight) {
   EXPECT_GT(p, k_p_least) << "seed " << k_seed;
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::burnt_in_methods_test

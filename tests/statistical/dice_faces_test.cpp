@@ -15,8 +15,7 @@
 #include "tests/support/property.h"
 #include "worker/worlds/dice/dice.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::dice_faces_test {
 
 using worlds::dice::Dice;
 using worlds::dice::DieView;
@@ -57,5 +56,4 @@ TEST(DiceFaces, ComeUpOnceInSixThrows) {
   EXPECT_GT(p, k_significance);
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::dice_faces_test

@@ -16,8 +16,7 @@
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/worlds/dice/dice.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::dice_invariance_test {
 
 using worlds::dice::ContactShares;
 using worlds::dice::Dice;
@@ -275,5 +274,4 @@ TEST(DiceInvarianceOfThrows, Holds) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::dice_invariance_test

@@ -14,8 +14,7 @@
 #include "worker/sampling/particle_steps.h"
 #include "worker/worlds/dice/throw_stages.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::dice_islands_test {
 
 using worlds::dice::Goal;
 using worlds::dice::Parameters;
@@ -149,5 +148,4 @@ TEST(DiceIslands, StepsKeepExactDrawsExact) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::dice_islands_test

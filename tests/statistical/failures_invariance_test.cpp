@@ -8,8 +8,7 @@
 #include "tests/statistical/support/toy_worlds.h"
 #include "worker/sampling/tempered_transition.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::failures_invariance_test {
 
 constexpr std::uint64_t k_seed = 271828;
 constexpr std::size_t k_draws = 50'000;
@@ -127,5 +126,4 @@ TEST(FailuresInvariance, ACandidateThatFailsIsRefusedFromAnywhere) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::failures_invariance_test

@@ -11,8 +11,7 @@
 #include "tests/statistical/support/broken_kernels.h"
 #include "tests/statistical/support/rank_tests.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::geweke_test {
 
 constexpr std::uint64_t k_seed = 979323;
 constexpr std::size_t k_functions = 8;
@@ -98,5 +97,4 @@ TEST(Geweke, ABrokenKernelDisagrees) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::geweke_test

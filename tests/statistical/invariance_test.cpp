@@ -11,8 +11,7 @@
 #include "tests/statistical/support/rank_tests.h"
 #include "tests/support/property.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::invariance_test {
 
 constexpr std::uint64_t k_seed = 415926;
 
@@ -98,5 +97,4 @@ INSTANTIATE_TEST_SUITE_P(Bugs, BrokenKernel, testing::ValuesIn(k_bugs), [](const
   return name;
 });
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::invariance_test

@@ -15,8 +15,7 @@
 #include "worker/sampling/independent_chains.h"
 #include "worker/sampling/island_estimate.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::island_odds_test {
 
 constexpr std::uint64_t k_seed = 137035;
 constexpr int k_runs = 1000;
@@ -156,5 +155,4 @@ TEST(IslandOdds, ARunThatStopsByItsOwnEstimateSaysTooLittle) {
   EXPECT_LT(stopped.bias(), -4 * stopped.bias_error()) << "seed " << k_seed;
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::island_odds_test

@@ -11,8 +11,7 @@
 #include "tests/support/property.h"
 #include "worker/sampling/particle_steps.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::islands_test {
 
 using Toy = StagedToy;
 using Guide = StagedToy::Guide;
@@ -257,5 +256,4 @@ TEST(ParticleSteps, MistakesWithStaleIslandsAreCaught) {
   EXPECT_LT(takes_the_draw.after_ten, 1e-5);
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::islands_test

@@ -13,8 +13,7 @@
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::ladder_invariance_test {
 
 constexpr std::uint64_t k_seed = 602214;
 const std::vector<double> k_ladder{0, 0.1, 0.3, 0.6, 1};
@@ -166,5 +165,4 @@ TEST(LadderInvariance, LearningLaddersFindTheDistribution) {
   EXPECT_LE(levels_max, 8U);
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::ladder_invariance_test

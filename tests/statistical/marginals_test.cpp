@@ -12,8 +12,7 @@
 #include "tests/statistical/support/broken_kernels.h"
 #include "tests/statistical/support/rank_tests.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::marginals_test {
 
 constexpr std::uint64_t k_seed = 535897;
 constexpr std::uint32_t k_chains = 400;
@@ -111,5 +110,4 @@ TEST(Marginals, AgreeWithRejectionSamplingAndABrokenChainDoesNot) {
   EXPECT_GT(largest_z(ball, Bug::wrong_temperature, exact), 10);
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::marginals_test

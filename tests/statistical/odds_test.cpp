@@ -19,8 +19,7 @@
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::odds_test {
 
 constexpr std::uint64_t k_seed = 602214;
 
@@ -245,5 +244,4 @@ TEST(Odds, LaddersThatNeverComeDownHaveNone) {
   EXPECT_LT(all.doubted.share_within_three(), 0.9) << "seed " << k_seed;
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::odds_test

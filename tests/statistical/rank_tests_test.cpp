@@ -8,8 +8,7 @@
 #include "common/random/distributions.h"
 #include "tests/statistical/support/ball_fixture.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::rank_tests_test {
 
 constexpr std::uint64_t k_seed = 20261120;
 
@@ -61,5 +60,4 @@ TEST(EffectiveSampleSize, IsThatOfAnAutoregression) {
   EXPECT_NEAR(static_cast<double>(series.size()) / effective_sample_size(series), 19, 2);
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::rank_tests_test

@@ -16,8 +16,7 @@
 #include "worker/sampling/metropolis_hastings.h"
 #include "worker/sampling/surrogate_transition.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::spelling_invariance_test {
 
 using worlds::spelling::Kernel;
 
@@ -198,5 +197,4 @@ TEST(SpellingInvarianceOfThePrintedKernel, IsRefuted) {
   EXPECT_LT(least_p(world_with(Kernel::thesis), 1.0, 10), 1e-9);
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::spelling_invariance_test

@@ -16,8 +16,7 @@
 #include "worker/sampling/particle_steps.h"
 #include "worker/worlds/spelling/pouring_stages.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::spelling_islands_test {
 
 using worlds::spelling::LandingMap;
 using worlds::spelling::PouringGuide;
@@ -201,7 +200,7 @@ TEST(SpellingIslands, StepsKeepExactDrawsExact) {
   const int draws = property::long_run() ? 30'000 : static_cast<int>(property::of_tier(800, 2'500));
   const auto exact = [&](std::uint64_t number) {
     random::Stream stream = streams_of(2'000'000).at(random::Purpose::prior, number);
-    SpellingSample drawn = exact_draw(world, 1, stream);
+    SpellingSample drawn = exact_draw(static_cast<const Spelling&>(world), 1, stream);
     return sampling::Sample<StagedSpelling>{std::move(drawn.state), std::move(drawn.outcome),
                                             drawn.log_prior, drawn.log_constraint};
   };
@@ -241,5 +240,4 @@ TEST(SpellingIslands, StepsKeepExactDrawsExact) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::spelling_islands_test

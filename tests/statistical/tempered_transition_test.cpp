@@ -9,8 +9,7 @@
 #include "tests/statistical/support/toy_worlds.h"
 #include "tests/support/property.h"
 
-namespace sleight::statistical {
-namespace {
+namespace sleight::statistical::tempered_transition_test {
 
 constexpr std::uint64_t k_seed = 667430;
 constexpr std::size_t k_places = RuggedRing::k_places;
@@ -137,5 +136,4 @@ TEST(TemperedTransition, CrossesBetweenModes) {
   EXPECT_GT(crossed, 500);
 }
 
-}  // namespace
-}  // namespace sleight::statistical
+}  // namespace sleight::statistical::tempered_transition_test

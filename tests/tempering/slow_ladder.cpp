@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <set>
 
+#include "tests/support/numbers.h"
 #include "tests/tempering/tempering_loop.h"
 
 namespace sleight::sampling {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// Sebastiano Vigna's splitmix64.
 std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {

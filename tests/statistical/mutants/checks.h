@@ -11,6 +11,8 @@
 
 namespace sleight::statistical {
 
+inline constexpr std::size_t k_places = RuggedRing::k_places;
+
 struct Check {
   CheckId id;
   const char* name;

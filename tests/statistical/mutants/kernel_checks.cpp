@@ -10,8 +10,6 @@
 namespace sleight::statistical {
 namespace {
 
-constexpr std::size_t k_places = RuggedRing::k_places;
-
 sampling::ChainStreams streams_of(std::uint64_t seed, std::uint32_t chain) {
   return {.seed = seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }

@@ -13,8 +13,6 @@
 namespace sleight::statistical {
 namespace {
 
-constexpr std::size_t k_places = RuggedRing::k_places;
-
 /// One ladder that stays as it is.
 sampling::ParallelTemperingOptions fixed(std::uint64_t seed, std::uint64_t round_scans,
                                          std::uint64_t scans) {

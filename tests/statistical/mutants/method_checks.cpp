@@ -14,8 +14,6 @@
 namespace sleight::statistical {
 namespace {
 
-constexpr std::size_t k_places = RuggedRing::k_places;
-
 /// The sum of p_w p_c^beta.
 double z_of(double beta) {
   double sum = 0;

@@ -11,7 +11,6 @@ namespace {
 using Proposal = sampling::Proposal<std::uint32_t>;
 using Sample = sampling::Sample<Ring>;
 using Streams = sampling::ChainStreams;
-using enum CheckId;
 
 /// Takes the acceptance's number from the proposal's own stream, at its beginning.
 void reuse_the_number(const Ring& ring, double beta, const Streams& streams,
@@ -63,6 +62,7 @@ void mistake_the_temperature(const Ring& ring, double beta, const Streams& strea
 }  // namespace
 
 std::vector<Mutant> wrong_kernels() {
+  using enum CheckId;
   return {
       {.name = "ratio dropped",
        .what = "no proposal's ratio q(x|y) / q(y|x) is counted",

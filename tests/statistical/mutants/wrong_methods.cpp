@@ -6,9 +6,8 @@
 
 namespace sleight::statistical {
 
-using enum CheckId;
-
 std::vector<Mutant> wrong_methods() {
+  using enum CheckId;
   return {
       {.name = "swaps always",
        .what = "neighbours swap whatever their densities are",

@@ -9,7 +9,6 @@
 namespace sleight::statistical {
 namespace {
 
-using enum CheckId;
 using plan::Unit;
 using plan::UnitResult;
 using plan::UnitWorker;
@@ -150,6 +149,7 @@ OnTheWay every_scan_a_solution() {
 }  // namespace
 
 std::vector<Mutant> wrong_workers() {
+  using enum CheckId;
   return {
       {.name = "level off by one",
        .what = "scans are made at the inverse temperature of the next hotter level",

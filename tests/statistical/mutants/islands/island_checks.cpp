@@ -14,7 +14,6 @@
 namespace sleight::statistical {
 namespace {
 
-constexpr StagedToy k_toy{};
 constexpr double k_always = 2;  ///< of resample_below
 constexpr int k_islands = 4'000;
 
@@ -23,10 +22,6 @@ struct Chains {
   std::uint32_t count = 1'500;
   std::uint64_t steps = 5;
 };
-
-sampling::ChainStreams streams_of(std::uint64_t seed, std::uint32_t chain) {
-  return {.seed = seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
-}
 
 double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);

@@ -13,6 +13,10 @@
 
 namespace sleight::statistical {
 
+inline sampling::ChainStreams streams_of(std::uint64_t seed, std::uint32_t chain) {
+  return {.seed = seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
+}
+
 template <class M>
 struct IslandCheck {
   const char* name;

@@ -36,10 +36,6 @@ std::vector<IslandSetting> all_settings() {
   return all;
 }
 
-sampling::ChainStreams streams_of(std::uint64_t seed, std::uint32_t chain) {
-  return {.seed = seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
-}
-
 /// A state that may be given: its p_c is above 0.
 StagedToy::State state_of(const sampling::ChainStreams& streams) {
   const StagedToy toy;

@@ -12,8 +12,6 @@ namespace {
 
 using sampling::k_log_zero;
 
-constexpr StagedToy k_toy{};
-
 /// Weights over their sum.
 std::vector<double> shares_of(const std::vector<double>& log_weights) {
   const double greatest = *std::ranges::max_element(log_weights);

@@ -18,6 +18,8 @@
 
 namespace sleight::statistical {
 
+inline constexpr StagedToy k_toy{};
+
 /// One thing that the reference does wrong. Why a check sees it: island_mistakes.cpp.
 enum class Mistake {
   none,

@@ -17,8 +17,7 @@
 #include "tests/support/property.h"
 #include "tests/unit/clients/browse/random_index.h"
 
-namespace sleight::browse {
-namespace {
+namespace sleight::browse::groups_test {
 
 using testing::below;
 using testing::entries_of;
@@ -281,5 +280,4 @@ TEST(AlikeSets, AreGroupedAgainAsTheFirstTime) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::browse
+}  // namespace sleight::browse::groups_test

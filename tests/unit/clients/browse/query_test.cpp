@@ -13,8 +13,7 @@
 #include "tests/support/property.h"
 #include "tests/unit/clients/browse/random_index.h"
 
-namespace sleight::browse {
-namespace {
+namespace sleight::browse::query_test {
 
 using testing::below;
 using testing::random_index;
@@ -219,5 +218,4 @@ TEST(Queries, AnyBytesAreAnErrorOrAQuery) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::browse
+}  // namespace sleight::browse::query_test

@@ -18,13 +18,12 @@
 #include "common/json/value.h"
 #include "common/request/direction_request.h"
 #include "tests/archive/memory_archive.h"
+#include "tests/support/numbers.h"
 
 namespace sleight::cli {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// Ladders that all say the same, round by round.
 struct Tables {

@@ -16,11 +16,11 @@
 #include "common/archive/format.h"
 #include "common/json/value.h"
 #include "tests/archive/memory_archive.h"
+#include "tests/support/numbers.h"
 #include "tests/unit/clients/cli/failures.h"
 #include "tests/unit/common/archive/fake_world.h"
 
-namespace sleight::cli {
-namespace {
+namespace sleight::cli::diagnosis_test {
 
 using archive::MemoryArchive;
 using archive::testing::FakeReader;
@@ -31,7 +31,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint32_t k_chains = 3;
 
 /// A fake run with two ladder levels and the rounds that begin at the given scans.
@@ -289,5 +288,4 @@ TEST_F(DiagnosisTest, JsonHasEveryReasonAndNullForWhatIsNotKnown) {
   EXPECT_EQ(json::Value::parse(json.dump()).at("simulations"), nullptr);
 }
 
-}  // namespace
-}  // namespace sleight::cli
+}  // namespace sleight::cli::diagnosis_test

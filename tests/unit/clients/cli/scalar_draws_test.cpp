@@ -7,17 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/archive/format.h"
 #include "common/base/error.h"
+#include "tests/support/numbers.h"
 #include "tests/unit/clients/cli/failures.h"
 
-namespace sleight::cli {
-namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+namespace sleight::cli::scalar_draws_test {
 
 struct Shape {
   std::uint64_t chains = 2;
@@ -146,5 +142,4 @@ TEST(StandIn, ManyCasesStayApart) {
   EXPECT_EQ(finite, (std::vector<double>{1, 2}));
 }
 
-}  // namespace
-}  // namespace sleight::cli
+}  // namespace sleight::cli::scalar_draws_test

@@ -5,13 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
+
+#include "tests/support/numbers.h"
 
 namespace sleight::cli {
 namespace {
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 CombinedEstimate combined_of(const std::vector<LogEstimate>& ladders) {
   return combined(ladders);

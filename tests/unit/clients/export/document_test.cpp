@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/clients/export/read_glb.h"
 
 namespace sleight::gltf {
@@ -25,8 +26,6 @@ using testing::File;
 using ::testing::HasSubstr;
 using namespace std::string_literals;
 using testing::Json;
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Two dice of one look, a ball, a table of the animation's own height, a goal.
 scene::Scene table_scene() {

@@ -3,16 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <set>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/clients/plot/examples.h"
 
 namespace sleight::plot {
 namespace {
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_inf = std::numeric_limits<double>::infinity();
 
 TEST(Ticks, AreOneTwoFiveMultiples) {
   // Goal: the values and words that a person expects. Method: known ranges.
@@ -59,7 +56,8 @@ TEST(Ticks, StayInsideDifferAndAreFew) {
 TEST(Ranges, FollowTheFinitePoints) {
   // Goal: gaps and infinities do not move an axis, shapes get a margin, a trace fills the width.
   // Method: one panel whose extent is known.
-  Panel panel{.series = {Line{.points = {{0, 1}, {5, k_nan}, {10, k_inf}, {8, 3}, {k_nan, 99}}}}};
+  Panel panel{
+      .series = {Line{.points = {{0, 1}, {5, k_nan}, {10, k_infinity}, {8, 3}, {k_nan, 99}}}}};
   PanelRanges ranges = ranges_of(panel);
   EXPECT_EQ(ranges.x, (Range{0, 10}));
   EXPECT_DOUBLE_EQ(ranges.y.low, 0.9);
@@ -76,7 +74,7 @@ TEST(Ranges, OfNothingOneAndConstantCanBeDrawn) {
   // Goal: low < high, wide enough for ticks that differ, whatever the points. Method: empty, one
   // point, constants of all magnitudes, all NaN, neighbouring doubles.
   for (const double value : {0.0, 1.0, -7e8, 1e-300, -1e149, 3e-9}) {
-    for (const double other : {value, std::nextafter(value, k_inf)}) {
+    for (const double other : {value, std::nextafter(value, k_infinity)}) {
       const PanelRanges ranges =
           ranges_of(Panel{.series = {Line{.points = {{value, value}, {other, other}}}}});
       for (const Range range : {ranges.x, ranges.y}) {

@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/clients/plot/examples.h"
 
 namespace sleight::plot {
 namespace {
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Decimation, KeepsTheExtremesOfEachColumn) {
   // Goal: thinning is not seen: per column the lowest, highest, first and last values stay, in

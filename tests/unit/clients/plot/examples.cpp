@@ -1,8 +1,9 @@
 #include "tests/unit/clients/plot/examples.h"
 
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "tests/support/numbers.h"
 
 namespace sleight::plot {
 
@@ -103,19 +104,18 @@ Figure paths_figure() {
 }
 
 Figure hostile_figure() {
-  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double k_inf = std::numeric_limits<double>::infinity();
-  Panel gaps{.title = "gaps & <infinities> \"quoted\" \xFF\x01",
-             .x_label =
-                 "a very long axis label that has no chance at all to fit below so small a "
-                 "panel and must be cut",
-             .y_label = "y",
-             .series = {Line{.points = {{0, 1}, {1, k_nan}, {2, 3}, {3, -k_inf}, {4, 2}, {5, 2.5}},
-                             .label = "line"},
-                        Markers{.points = {{0.5, k_inf}, {k_inf, 2}, {k_nan, k_nan}, {2, 2}},
-                                .color = palette::k_orange,
-                                .label = "markers"},
-                        Text{.at = {4, 2}, .text = "here & <now>", .anchor = Anchor::end}}};
+  Panel gaps{
+      .title = "gaps & <infinities> \"quoted\" \xFF\x01",
+      .x_label =
+          "a very long axis label that has no chance at all to fit below so small a "
+          "panel and must be cut",
+      .y_label = "y",
+      .series = {Line{.points = {{0, 1}, {1, k_nan}, {2, 3}, {3, -k_infinity}, {4, 2}, {5, 2.5}},
+                      .label = "line"},
+                 Markers{.points = {{0.5, k_infinity}, {k_infinity, 2}, {k_nan, k_nan}, {2, 2}},
+                         .color = palette::k_orange,
+                         .label = "markers"},
+                 Text{.at = {4, 2}, .text = "here & <now>", .anchor = Anchor::end}}};
   Panel constant{.title = "constant", .series = {Line{.points = {{1, 7e8}, {2, 7e8}, {3, 7e8}}}}};
   Panel one{.title = "one point", .series = {Steps{.points = {{1000, -1e-7}}}}};
   Panel empty{.title = "empty", .series = {Line{}, Steps{}, Markers{}}};

@@ -4,16 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "common/base/error.h"
+#include "tests/support/numbers.h"
 #include "tests/unit/clients/plot/examples.h"
 
 namespace sleight::plot {
 namespace {
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_inf = std::numeric_limits<double>::infinity();
 
 // Empty where the text is well-formed, otherwise GLib's complaint.
 std::string xml_complaint(const std::string& text) {
@@ -119,7 +116,8 @@ TEST(Svg, LeavesGapsAndMarksInfinities) {
                         "<polyline"),
             3U);
   EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}}}), "<circle"), 1U);
-  EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, -k_inf}, {2, 0}}}), "<polygon"), 1U);
+  EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, -k_infinity}, {2, 0}}}), "<polygon"),
+            1U);
   EXPECT_EQ(occurrences(svg_of(Line{.points = {{0, 0}, {1, 1}}}), "<polygon"), 0U);
 }
 
@@ -139,9 +137,10 @@ TEST(Svg, DrawsEachKindOfSeries) {
   EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}}), "<rect"), 3U);
   EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, 1}, .filled = false}), "fill=\"none\""),
             1U + occurrences(svg_of(Rectangle{.high = {1, 1}}), "fill=\"none\""));
-  EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, k_inf}}), "<rect"), 2U);
+  EXPECT_EQ(occurrences(svg_of(Rectangle{.high = {1, k_infinity}}), "<rect"), 2U);
   EXPECT_EQ(occurrences(svg_of(Polygon{.corners = {{0, 0}, {1, 0}, {0, 1}}}), "<polygon"), 1U);
-  EXPECT_EQ(occurrences(svg_of(Polygon{.corners = {{0, 0}, {1, 0}, {0, k_inf}}}), "<polygon"), 0U);
+  EXPECT_EQ(occurrences(svg_of(Polygon{.corners = {{0, 0}, {1, 0}, {0, k_infinity}}}), "<polygon"),
+            0U);
   EXPECT_EQ(occurrences(svg_of(Text{.text = "words"}), ">words<"), 1U);
   EXPECT_EQ(occurrences(svg_of(Text{.text = "words"}), "paint-order"), 1U);
   EXPECT_EQ(occurrences(svg_of(Text{.text = "words", .inside = true}), "paint-order"), 0U);

@@ -13,20 +13,18 @@
 #include "clients/plot/svg.h"
 #include "common/base/error.h"
 #include "common/random/distributions.h"
+#include "tests/support/numbers.h"
 #include "tests/unit/clients/cli/failures.h"
 #include "tests/unit/clients/cli/panel_series.h"
 #include "tests/unit/clients/cli/small_archive.h"
 #include "worker/worlds/dice/dice.h"
 
-namespace sleight::world_plots {
-namespace {
+namespace sleight::world_plots::dice_test {
 
 using cli::all_of;
 using cli::failure_of;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Counts by bin: of the outermost below, of those at -1 and 0 standard deviations, and of the
 /// outermost above.
@@ -314,5 +312,4 @@ TEST(DicePlausibility, BinsAreThoseOfTheWorld) {
     EXPECT_EQ(offset_bin_of(eighth / 8.0), worlds::dice::offset_bin_of(eighth / 8.0)) << eighth;
 }
 
-}  // namespace
-}  // namespace sleight::world_plots
+}  // namespace sleight::world_plots::dice_test

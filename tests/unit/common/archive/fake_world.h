@@ -19,6 +19,7 @@
 #include "common/archive/run_view.h"
 #include "common/archive/world_layout.h"
 #include "common/base/check.h"
+#include "tests/support/numbers.h"
 
 namespace sleight::archive::testing {
 
@@ -239,7 +240,6 @@ class FakeTemperedRun final : public FakeRun {
     if (chain.value > 0) visit({1}, {2 * thin}, record(chain, 2 * thin));
   }
   plan::Report report() const override {
-    constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
     return {.tables = {{.name = "barrier",
                         .meaning = "a number for each round",
                         .dims = {{"chain", 3}, {"round", 2}},

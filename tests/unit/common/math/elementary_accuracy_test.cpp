@@ -16,8 +16,7 @@
 #include "tests/support/property.h"
 #include "tests/unit/common/math/mpfr_oracle.h"
 
-namespace sleight::math {
-namespace {
+namespace sleight::math::elementary_accuracy_test {
 
 constexpr std::uint64_t k_seed = 20000;
 constexpr std::uint64_t k_arguments_per_range = 20000;
@@ -278,5 +277,4 @@ TEST(ErrorInBounds, notices_wrong_results) {
   EXPECT_GT(error_in_bounds(-INFINITY, beyond, 1), 1);
 }
 
-}  // namespace
-}  // namespace sleight::math
+}  // namespace sleight::math::elementary_accuracy_test

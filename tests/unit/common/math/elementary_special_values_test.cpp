@@ -10,12 +10,11 @@
 #include <vector>
 
 #include "common/math/elementary.h"
+#include "tests/support/numbers.h"
 
 namespace sleight::math {
 namespace {
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_largest = std::numeric_limits<double>::max();
 constexpr double k_half_pi = 0x1.921fb54442d18p+0;
 constexpr double k_pi_double = 0x1.921fb54442d18p+1;

@@ -4,16 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "common/random/linear_distributions.h"
 #include "common/random/stream.h"
+#include "tests/support/numbers.h"
 
 namespace sleight::math {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 std::vector<double> logs_of(const std::vector<double>& estimates, double shift = 0) {
   std::vector<double> logs;

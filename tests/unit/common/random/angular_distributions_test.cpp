@@ -9,21 +9,17 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "common/math/angle.h"
 #include "common/random/linear_distributions.h"
+#include "tests/support/numbers.h"
 #include "tests/unit/common/random/chi_square.h"
 
-namespace sleight::random {
-namespace {
+namespace sleight::random::angular_distributions_test {
 
 using math::k_pi;
 using math::k_two_pi;
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 const std::vector<WrappedNormal> k_wrapped_normals = {
     {0, 1e-3}, {3.1, 0.2}, {-3.1, 1},      {0.5, 1.5}, {1, 2.5},  {1, 2.6},
@@ -218,5 +214,4 @@ TEST(AngularDistributionsDeathTest, refuse_what_is_no_distribution) {
   EXPECT_DEATH((UniformDirection3{}.log_density({k_nan, 0, 0})), "check failed");
 }
 
-}  // namespace
-}  // namespace sleight::random
+}  // namespace sleight::random::angular_distributions_test

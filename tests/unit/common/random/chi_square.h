@@ -18,11 +18,11 @@
 #include <boost/math/special_functions/gamma.hpp>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "common/random/stream.h"
+#include "tests/support/numbers.h"
 
 namespace sleight::random {
 
@@ -89,7 +89,6 @@ inline double p_value_of_draws(const std::function<double(Stream&)>& draw,
   }
 
   std::vector<double> probabilities;
-  constexpr double k_infinity = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i <= edges.size(); ++i) {
     probabilities.push_back(
         mass(i == 0 ? -k_infinity : edges[i - 1], i == edges.size() ? k_infinity : edges[i]));

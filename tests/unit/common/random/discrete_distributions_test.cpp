@@ -8,12 +8,11 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/common/random/chi_square.h"
 
 namespace sleight::random {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 TEST(Bernoulli, is_true_with_its_probability) {
   for (const double p : {0.5, 0.3, 0.001, 0.9999}) {

@@ -12,13 +12,12 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/common/random/chi_square.h"
 
 namespace sleight::random {
 namespace {
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_largest = std::numeric_limits<double>::max();
 
 // The oracle's probability of an interval, by the smaller of the two tails.

@@ -12,13 +12,11 @@
 #include <cmath>
 #include <vector>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/common/random/chi_square.h"
 
 namespace sleight::random {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A resource: one MPFR number. Does not copy.
 class Number {

@@ -9,8 +9,7 @@
 
 #include "tests/unit/common/request/toy_world.h"
 
-namespace sleight::request {
-namespace {
+namespace sleight::request::direction_request_test {
 
 using testing::Contains;
 using testing::ElementsAre;
@@ -406,5 +405,4 @@ TEST(RequestKeys, ListEveryKeyOnce) {
       "output: thin keep_max keep_per_lineage min_distance\n");
 }
 
-}  // namespace
-}  // namespace sleight::request
+}  // namespace sleight::request::direction_request_test

@@ -9,8 +9,7 @@
 
 #include "tests/unit/common/request/toy_world.h"
 
-namespace sleight::request {
-namespace {
+namespace sleight::request::extension_test {
 
 using testing::HasSubstr;
 
@@ -72,5 +71,4 @@ TEST(Extension, LeavesValuesToTheReader) {
   EXPECT_FALSE(read_request(text.value(), "r.toml", worlds).ok());
 }
 
-}  // namespace
-}  // namespace sleight::request
+}  // namespace sleight::request::extension_test

@@ -5,16 +5,14 @@
 #include <algorithm>
 #include <bit>
 #include <filesystem>
-#include <limits>
 #include <utility>
 
 #include "common/random/stream.h"
 #include "common/store/stored_run.h"
+#include "tests/support/numbers.h"
 
 namespace sleight::store::testing {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 bool same(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);

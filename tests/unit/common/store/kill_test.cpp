@@ -12,8 +12,7 @@
 #include "tests/support/property.h"
 #include "tests/unit/common/store/examples.h"
 
-namespace sleight::store {
-namespace {
+namespace sleight::store::kill_test {
 
 constexpr std::uint64_t k_seed = 90125;
 constexpr std::uint32_t k_chains = 3;
@@ -99,5 +98,4 @@ TEST_F(KilledStore, KeepsWhatItReported) {
   EXPECT_GT(reported_in_all, 20 * kills);
 }
 
-}  // namespace
-}  // namespace sleight::store
+}  // namespace sleight::store::kill_test

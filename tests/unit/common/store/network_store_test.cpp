@@ -23,8 +23,7 @@
 #include "tests/unit/common/store/examples.h"
 #include "tests/unit/common/store/unshared_disk.h"
 
-namespace sleight::store {
-namespace {
+namespace sleight::store::network_store_test {
 
 using ::testing::AllOf;
 using testing::example_identity;
@@ -401,5 +400,4 @@ TEST_F(NetworkStore, TurnsComeInOrder) {
   greedy.join();
 }
 
-}  // namespace
-}  // namespace sleight::store
+}  // namespace sleight::store::network_store_test

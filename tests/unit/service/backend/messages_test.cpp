@@ -7,8 +7,7 @@
 
 #include <string>
 
-namespace sleight::backend {
-namespace {
+namespace sleight::backend::messages_test {
 
 using ::testing::HasSubstr;
 
@@ -96,5 +95,4 @@ TEST(Messages, WhatIsWrongIsRefused) {
   EXPECT_THROW(list_of("abcdefgh", R"({"version":1,"attempts":[1]})"), base::Error);
 }
 
-}  // namespace
-}  // namespace sleight::backend
+}  // namespace sleight::backend::messages_test

@@ -11,8 +11,7 @@
 #include "tests/unit/service/coordinator/fakes.h"
 #include "worker/sampling/independent_chains.h"
 
-namespace sleight::coordinator {
-namespace {
+namespace sleight::coordinator::drive_property_test {
 
 constexpr std::uint64_t k_seed = 1618;
 constexpr std::uint32_t k_chains = 4;
@@ -99,5 +98,4 @@ TEST_F(DriveProperty, AnyCrewAndAnyStopsGiveOneResult) {
   EXPECT_GT(states_lost, 10U);
 }
 
-}  // namespace
-}  // namespace sleight::coordinator
+}  // namespace sleight::coordinator::drive_property_test

@@ -16,8 +16,7 @@
 #include "worker/sampling/independent_chains.h"
 #include "worker/sampling/search_first.h"
 
-namespace sleight::coordinator {
-namespace {
+namespace sleight::coordinator::event_sequence_test {
 
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -307,5 +306,4 @@ TEST(EventSequence, TellsSoManyFailuresAndNoMore) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::coordinator
+}  // namespace sleight::coordinator::event_sequence_test

@@ -10,8 +10,7 @@
 #include "common/random/stream.h"
 #include "tests/support/property.h"
 
-namespace sleight::core {
-namespace {
+namespace sleight::core::block_size_test {
 
 constexpr std::uint64_t k_seed = 662607;
 constexpr std::uint64_t k_any = 1'000'000;  ///< more scans than any block has
@@ -223,5 +222,4 @@ TEST(BlockSize, StrangeCostsDoNoHarm) {
   EXPECT_NEAR(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 20, 1);
 }
 
-}  // namespace
-}  // namespace sleight::core
+}  // namespace sleight::core::block_size_test

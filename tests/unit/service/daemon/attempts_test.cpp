@@ -19,8 +19,7 @@
 #include "service/keeper/moments.h"
 #include "tests/unit/service/keeper/job.h"
 
-namespace sleight::daemon {
-namespace {
+namespace sleight::daemon::attempts_test {
 
 using ::testing::HasSubstr;
 
@@ -114,5 +113,4 @@ TEST_F(AttemptsTest, ToldToStopBeforeItListensItStoppedInOrder) {
   EXPECT_EQ(sights.ended(k_job, record, {}).kind, jobs::EndKind::none);
 }
 
-}  // namespace
-}  // namespace sleight::daemon
+}  // namespace sleight::daemon::attempts_test

@@ -18,8 +18,7 @@
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/spelling/spelling.h"
 
-namespace sleight::run {
-namespace {
+namespace sleight::run::held_samples_test {
 
 using worlds::ball_2d::Ball2d;
 using worlds::spelling::Spelling;
@@ -259,5 +258,4 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
   EXPECT_EQ(Ball2d({}).owned_bytes({}, {}), 0U);
 }
 
-}  // namespace
-}  // namespace sleight::run
+}  // namespace sleight::run::held_samples_test

@@ -1,14 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "tests/support/numbers.h"
 #include "worker/sampling/metropolis_hastings.h"
 
 namespace sleight::sampling {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// Whether a ratio accepts for every, or no, uniform number in (0, 1).
 bool always(double log_ratio) {

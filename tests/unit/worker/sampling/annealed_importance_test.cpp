@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "tests/support/numbers.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/sampling/any_plan.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::annealed_importance_test {
 
 constexpr std::uint64_t k_seed = 138064;
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 BurnIn burn_in() {
   return {.seed = k_seed,
@@ -176,5 +174,4 @@ TEST(WeightSummary, OfNothingOfOneOfZerosAndOfEqualWeights) {
   EXPECT_NEAR(single.effective_size, 1, 1e-12);
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::annealed_importance_test

@@ -18,8 +18,7 @@
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::block_runner_test {
 
 constexpr std::uint64_t k_seed = 424243;
 constexpr std::uint64_t k_cases = 120;
@@ -400,5 +399,4 @@ TEST(BlockRunner, WrongSwapsAreNoticed) {
   EXPECT_DEATH(drive({.swap_number = other_seed}), noticed);
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::block_runner_test

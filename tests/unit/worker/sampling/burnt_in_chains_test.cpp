@@ -21,8 +21,7 @@
 #include "worker/sampling/parallel_tempering.h"
 #include "worker/sampling/simulated_tempering.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::burnt_in_chains_test {
 
 constexpr std::uint64_t k_seed = 208109;
 constexpr std::uint64_t k_cases = 80;
@@ -415,5 +414,4 @@ TEST(Annealing, GoesFromThePriorInEqualSteps) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::burnt_in_chains_test

@@ -10,8 +10,7 @@
 #include "common/random/stream.h"
 #include "tests/support/property.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::furthest_behind_test {
 
 constexpr std::uint64_t k_seed = 20261121;
 
@@ -117,5 +116,4 @@ TEST(FurthestBehind, RefusesWhatCannotBe) {
   EXPECT_DEATH(order.moved(1, 4), "check failed");
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::furthest_behind_test

@@ -16,8 +16,7 @@
 #include "worker/sampling/independent_chains.h"
 #include "worker/sampling/island_estimate.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::independent_chains_property_test {
 
 constexpr std::uint64_t k_seed = 271828;
 constexpr std::uint64_t k_cases = 400;
@@ -297,5 +296,4 @@ TEST(IndependentChainsProperty, ACutTellsOddsFromTheSameIsland) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::independent_chains_property_test

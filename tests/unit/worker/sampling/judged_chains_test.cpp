@@ -15,8 +15,7 @@
 #include "tests/support/property.h"
 #include "tests/unit/worker/sampling/any_plan.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::judged_chains_test {
 
 /// Chains whose two values start at 0 and forget it: "helped" counts up to some mean, "log_p" is
 /// normal about 0. Scans are pure functions of (seed, chain, tour's begin, scan).
@@ -232,5 +231,4 @@ TEST(JudgeValue, SeesDriftsAndChainsThatDisagree) {
   EXPECT_FALSE(judged(bit).passes);
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::judged_chains_test

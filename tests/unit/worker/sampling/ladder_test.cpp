@@ -6,16 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/random/discrete_distributions.h"
+#include "tests/support/numbers.h"
 #include "tests/support/property.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::ladder_test {
 
 constexpr std::uint64_t k_seed = 161803;
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// Rejection rates of a barrier that is known: differences of a smooth curve.
 std::vector<double> differences(const std::vector<double>& ladder, double (*barrier)(double)) {
@@ -175,5 +173,4 @@ TEST(Interpolated, IsStraightBetweenLevels) {
   EXPECT_EQ(interpolated(ladder, values, 1), 5);
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::ladder_test

@@ -10,8 +10,7 @@
 #include "common/random/stream.h"
 #include "tests/support/property.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::log_sum_test {
 
 constexpr std::uint64_t k_seed = 577215;
 
@@ -80,5 +79,4 @@ TEST(LogSum, AddsSums) {
   EXPECT_NEAR(sum.log_sum(), whole.log_sum(), 1e-12);
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::log_sum_test

@@ -8,8 +8,7 @@
 
 #include "worker/sampling/island_weights.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::resampling_test {
 
 using Ancestors = std::vector<std::uint32_t>;
 
@@ -104,5 +103,4 @@ TEST(IslandWeights, MeansGoIntoZ) {
   EXPECT_EQ(weights.log_z(), k_log_zero);
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::resampling_test

@@ -6,15 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/random/linear_distributions.h"
+#include "tests/support/numbers.h"
 
 namespace sleight::sampling {
 namespace {
 
 constexpr std::uint64_t k_seed = 662607;
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 const std::vector<double> k_ladder{0, 0.15, 0.4, 1};
 using Scans = std::vector<std::vector<LevelScan>>;
 

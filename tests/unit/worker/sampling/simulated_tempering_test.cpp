@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/math/elementary.h"
+#include "tests/support/numbers.h"
 #include "tests/unit/worker/sampling/any_plan.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::simulated_tempering_test {
 
 constexpr std::uint64_t k_seed = 662607;
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 BurnIn burn_in_of(std::vector<double> log_z_steps) {
   return {.seed = k_seed,
@@ -144,5 +142,4 @@ TEST(SimulatedTempering, WalksOnWhereAStepOfLogZIsNotKnown) {
     EXPECT_GT(visits[level], 100);
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::simulated_tempering_test

@@ -4,14 +4,12 @@
 #include <array>
 #include <cmath>
 #include <concepts>
-#include <limits>
 
+#include "tests/support/numbers.h"
 #include "worker/sampling/metropolis_hastings.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::spared_simulations_test {
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t k_places = 8;
 constexpr std::uint64_t k_steps = 4000;
 constexpr std::uint64_t k_seed = 20'260'512;
@@ -205,5 +203,4 @@ TEST(SparedSimulations, ACandidateThatTheBoundRejectsIsNotSimulated) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::spared_simulations_test

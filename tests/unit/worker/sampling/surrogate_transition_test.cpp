@@ -8,18 +8,16 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <vector>
 
+#include "tests/support/numbers.h"
 #include "tests/support/property.h"
 #include "tests/unit/common/random/chi_square.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::surrogate_transition_test {
 
 constexpr std::size_t k_states = 6;
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 using Row = std::array<double, k_states>;
 
 constexpr Row k_prior{0.1, 0.25, 0.2, 0.15, 0.2, 0.1};
@@ -307,5 +305,4 @@ TEST(Iteration, ReportsEachStepAndTransition) {
   EXPECT_NEAR(static_cast<double>(walks), 4000 * k_walk_share, 6 * std::sqrt(4000 * 0.1875));
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::surrogate_transition_test

@@ -14,8 +14,7 @@
 #include "common/random/stream.h"
 #include "worker/sampling/swap.h"
 
-namespace sleight::sampling {
-namespace {
+namespace sleight::sampling::swap_flow_test {
 
 constexpr std::uint64_t k_seed = 667430;
 constexpr std::uint64_t k_scans = 40;
@@ -171,5 +170,4 @@ TEST(SwapFlowDeathTest, MisuseIsABug) {
   EXPECT_DEATH(SwapFlow{beyond}, "check failed");
 }
 
-}  // namespace
-}  // namespace sleight::sampling
+}  // namespace sleight::sampling::swap_flow_test

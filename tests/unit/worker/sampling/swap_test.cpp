@@ -2,14 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <set>
 #include <utility>
 
+#include "tests/support/numbers.h"
+
 namespace sleight::sampling {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 double ratio(double beta, double cooler_beta, double l, double cooler_l) {
   return log_swap_ratio({.hotter = beta,

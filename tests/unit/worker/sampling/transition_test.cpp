@@ -4,9 +4,9 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/common/random/chi_square.h"
 #include "worker/sampling/metropolis_hastings.h"
 
@@ -14,7 +14,6 @@ namespace sleight::sampling {
 namespace {
 
 constexpr std::size_t k_states = 5;
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 using Row = std::array<double, k_states>;
 using Matrix = std::array<Row, k_states>;
 

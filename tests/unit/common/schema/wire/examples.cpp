@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "tests/support/numbers.h"
+
 namespace sleight::schema::wire::testing {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 bool same(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);

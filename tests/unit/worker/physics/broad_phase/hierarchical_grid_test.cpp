@@ -7,8 +7,7 @@
 #include "tests/unit/worker/physics/broad_phase/scenes.h"
 #include "worker/physics/broad_phase/hierarchical_grid.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::hierarchical_grid_test {
 
 /// The grid and the reference, told the same.
 class Twins {
@@ -125,5 +124,4 @@ TEST(HierarchicalGrid, ReachGrowsAndShrinks) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::hierarchical_grid_test

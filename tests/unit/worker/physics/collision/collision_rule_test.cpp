@@ -11,8 +11,7 @@
 #include "tests/unit/worker/physics/scene/random_meshes.h"
 #include "worker/physics/collision/sphere_search.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::collision_rule_test {
 
 using testing::vector_between;
 
@@ -194,5 +193,4 @@ TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
   EXPECT_GT(same, hits * 99 / 100);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::collision_rule_test

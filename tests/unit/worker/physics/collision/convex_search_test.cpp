@@ -16,8 +16,7 @@
 #include "worker/physics/shape/shapes.h"
 #include "worker/physics/shape/small_pieces.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::convex_search_test {
 
 using testing::Dice;
 using testing::Flyer;
@@ -396,5 +395,4 @@ TEST(ConvexSearch, VerticesThatFallAlmostAlikeAreLookedAt) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::convex_search_test

@@ -20,8 +20,7 @@
 #include "worker/physics/shape/shapes.h"
 #include "worker/physics/shape/small_pieces.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::round_search_test {
 
 using testing::Dice;
 
@@ -212,5 +211,4 @@ TEST(RoundSearch, SkipsNoCollision) {
   EXPECT_LT(looks, 30 * count);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::round_search_test

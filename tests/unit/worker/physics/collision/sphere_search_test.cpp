@@ -14,8 +14,7 @@
 #include "worker/physics/scene/static_geometry.h"
 #include "worker/physics/scenes/scenes.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::sphere_search_test {
 
 using testing::vector_between;
 
@@ -201,5 +200,4 @@ TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
   EXPECT_GT(verdicts[0].clear, verdicts[0].free * 95 / 100);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::sphere_search_test

@@ -9,12 +9,11 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/worker/physics/event/queue_checks.h"
 
 namespace sleight::physics {
 namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 TEST(Ticks, of_spans_between_two) {
   EXPECT_EQ(ticks_before(0.5 * k_seconds_per_tick), 0);

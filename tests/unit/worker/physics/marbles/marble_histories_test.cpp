@@ -16,8 +16,7 @@
 #include "worker/physics/marbles/marbles.h"
 #include "worker/physics/scenes/scenes.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::marble_histories_test {
 
 using testing::Dice;
 
@@ -427,5 +426,4 @@ TEST(MarbleHistories, ACheckpointDoesntSayWhatFollowedAtItsTick) {
   EXPECT_FALSE(is_gap);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::marble_histories_test

@@ -13,8 +13,7 @@
 #include "worker/physics/motion/free_flight.h"
 #include "worker/physics/scene/static_geometry.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::path_bounds_test {
 
 using testing::vector_between;
 
@@ -153,5 +152,4 @@ TEST(BallBoxes, FindWhatOverlaps) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::path_bounds_test

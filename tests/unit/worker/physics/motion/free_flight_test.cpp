@@ -9,8 +9,7 @@
 #include "tests/unit/worker/physics/motion/support.h"
 #include "worker/physics/motion/invariants.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::free_flight_test {
 
 static_assert(sizeof(FreeFlight) == 144);
 
@@ -72,5 +71,4 @@ TEST(Invariants, energy_and_momentum_of_a_body_turned_by_hand) {
   EXPECT_NEAR(kinetic_energy_j(inertia, Quat::Identity(), twist), 9 + 40, 1e-13);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::free_flight_test

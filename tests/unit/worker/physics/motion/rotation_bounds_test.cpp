@@ -16,9 +16,6 @@
 namespace sleight::physics {
 namespace {
 
-constexpr InertiaSymmetry k_symmetries[] = {InertiaSymmetry::spherical, InertiaSymmetry::axial,
-                                            InertiaSymmetry::general};
-
 // |dw/dt| by Euler's equations.
 double acceleration_of(const Inertia& inertia, const Vec3& w) {
   const Vec3& m = inertia.principal_kgm2;

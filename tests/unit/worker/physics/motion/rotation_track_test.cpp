@@ -13,9 +13,6 @@
 namespace sleight::physics {
 namespace {
 
-constexpr InertiaSymmetry k_symmetries[] = {InertiaSymmetry::spherical, InertiaSymmetry::axial,
-                                            InertiaSymmetry::general};
-
 struct Answer {
   std::array<std::uint64_t, 4> orientation;
   std::array<std::uint64_t, 3> velocity;

@@ -12,6 +12,9 @@
 
 namespace sleight::physics {
 
+inline constexpr InertiaSymmetry k_symmetries[] = {
+    InertiaSymmetry::spherical, InertiaSymmetry::axial, InertiaSymmetry::general};
+
 inline random::Stream stream_of(std::uint64_t test, std::uint64_t iteration) {
   return random::Stream({.seed = test, .purpose = random::Purpose::prior}, iteration);
 }

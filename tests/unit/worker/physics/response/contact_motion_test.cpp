@@ -12,8 +12,7 @@
 #include "tests/unit/worker/physics/response/reference.h"
 #include "tests/unit/worker/physics/response/stepped_ball.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::contact_motion_test {
 
 using math::cross;
 using math::dot;
@@ -475,5 +474,4 @@ TEST(ContactMotionAgainstSteps, SpinInCorners) {
   EXPECT_LT(slowest, 2);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::contact_motion_test

@@ -9,8 +9,7 @@
 #include "common/math/vector.h"
 #include "common/random/stream.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::edge_motion_test {
 
 using math::cross;
 using math::dot;
@@ -232,5 +231,4 @@ TEST(EdgePiece, FrictionMustSufficeForRolling) {
   EXPECT_FALSE(slips->rolls);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::edge_motion_test

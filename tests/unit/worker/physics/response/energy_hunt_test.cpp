@@ -16,8 +16,7 @@
 #include "common/math/rotation.h"
 #include "tests/unit/worker/physics/response/reference.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::energy_hunt_test {
 
 using namespace response_reference;
 
@@ -193,5 +192,4 @@ TEST(EnergyHunt, GuardHardlyTouchesBodiesThatExist) {
   EXPECT_LT(touched, 500);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::energy_hunt_test

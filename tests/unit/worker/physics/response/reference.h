@@ -4,6 +4,8 @@
 // shares nothing with the code under test. Thread safety: pure functions, but Dice.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -17,6 +19,13 @@ namespace sleight::physics::response_reference {
 
 using Real = long double;
 using Real3 = std::array<Real, 3>;
+
+inline constexpr Real k_epsilon = 0x1p-53L;
+
+/// EXPECT_NEAR in extended precision.
+inline void expect_near(Real value, Real expected, Real tolerance) {
+  EXPECT_LE(std::fabs(value - expected), tolerance) << value << " " << expected;
+}
 
 Real3 real(const Vec3& v);
 Real3 operator+(const Real3& a, const Real3& b);

@@ -11,17 +11,9 @@
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/response/reference.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::rigid_impact_test {
 
 using namespace response_reference;
-
-constexpr Real k_epsilon = 0x1p-53L;
-
-/// EXPECT_NEAR in extended precision.
-void expect_near(Real value, Real expected, Real tolerance) {
-  EXPECT_LE(std::fabs(value - expected), tolerance) << value << " " << expected;
-}
 
 /// Where twists and impulses of two outputs differ most, in the units of energy: the root of the
 /// kinetic energy of the difference over the energy.
@@ -270,5 +262,4 @@ TEST(RigidImpact, LeavesSeparatingBodiesAlone) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::rigid_impact_test

@@ -9,17 +9,9 @@
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/response/reference.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::sphere_impact_test {
 
 using namespace response_reference;
-
-constexpr Real k_epsilon = 0x1p-53L;
-
-/// EXPECT_NEAR in extended precision.
-void expect_near(Real value, Real expected, Real tolerance) {
-  EXPECT_LE(std::fabs(value - expected), tolerance) << value << " " << expected;
-}
 
 struct Spheres {
   SphereImpactInput input;
@@ -144,5 +136,4 @@ TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
   expect_near(relative_gain(made, sphere_impact(input)), 0, 1e-15L);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::sphere_impact_test

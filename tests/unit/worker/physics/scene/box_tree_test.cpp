@@ -10,8 +10,7 @@
 
 #include "common/random/stream.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::box_tree_test {
 
 random::Stream stream_of(std::uint64_t part) {
   return random::Stream({.seed = 11, .purpose = random::Purpose::scene}, part);
@@ -89,5 +88,4 @@ TEST(BoxTree, TakesClustersAndEqualBoxes) {
   EXPECT_GE(expect_same(equal, stream, 0.1, 0.01), 370U);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::box_tree_test

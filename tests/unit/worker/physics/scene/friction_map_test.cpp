@@ -10,8 +10,7 @@
 #include "common/random/stream.h"
 #include "tests/unit/worker/physics/scene/random_friction.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::friction_map_test {
 
 using ::testing::HasSubstr;
 using testing::random_rectangles;
@@ -113,5 +112,4 @@ TEST(FrictionMap, RefusesWhatIsNone) {
   EXPECT_THAT(error_of({.origin_m = {1e7, 0, 0}}, {good}), HasSubstr("origin"));
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::friction_map_test

@@ -16,8 +16,7 @@
 #include "worker/physics/shape/convex_polyhedron.h"
 #include "worker/physics/shape/shapes.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::convex_hull_test {
 
 using math::cross;
 using math::dot;
@@ -286,5 +285,4 @@ TEST(Moved, keeps_the_numbers_and_turns_the_planes) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::convex_hull_test

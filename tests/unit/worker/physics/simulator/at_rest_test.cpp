@@ -18,8 +18,7 @@
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/round_solids.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::at_rest_test {
 
 using std::numbers::pi;
 using testing::RecordedRun;
@@ -279,5 +278,4 @@ TEST(AtRest, ReplaysAreTheSame) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::at_rest_test

@@ -14,8 +14,7 @@
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/shape/round_solids.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::coulomb_stop_test {
 
 using testing::RecordedRun;
 
@@ -87,5 +86,4 @@ TEST(CoulombStop, WhatIsThrownFlatSlidesAsFarAsCoulombSays) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::coulomb_stop_test

@@ -4,8 +4,7 @@
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/scenes/scenes.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::known_physics_test {
 
 using testing::RecordedRun;
 
@@ -179,5 +178,4 @@ TEST(KnownPhysics, HardSpheresHaveTheirPressure) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::known_physics_test

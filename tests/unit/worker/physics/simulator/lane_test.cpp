@@ -11,8 +11,7 @@
 #include "tests/unit/worker/physics/scene/random_friction.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::lane_test {
 
 using testing::RecordedRun;
 
@@ -237,5 +236,4 @@ TEST(Lane, AnUphillBorderTakesABoundedNumberOfEvents) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::lane_test

@@ -13,8 +13,7 @@
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/round_solids.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::lying_bodies_test {
 
 using std::numbers::pi;
 using testing::floor_scene;
@@ -188,5 +187,4 @@ TEST(LyingBodies, ACylinderRollsWithoutBounces) {
   EXPECT_NEAR(last_segment(run).flight.velocity_mps.x(), 1, 1e-3);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::lying_bodies_test

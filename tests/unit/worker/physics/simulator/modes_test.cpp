@@ -8,8 +8,7 @@
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/scenes/scenes.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::modes_test {
 
 using testing::RecordedRun;
 
@@ -323,5 +322,4 @@ TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
   EXPECT_GT(lowest_m, -1e-9);
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::modes_test

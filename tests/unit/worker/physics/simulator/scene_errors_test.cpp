@@ -1,8 +1,7 @@
 // Bad scenes are refused with an error of the right kind that names the body.
 #include <gtest/gtest.h>
 
-#include <limits>
-
+#include "tests/support/numbers.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/scenes/random_starts.h"
 #include "worker/physics/shape/mass_properties.h"
@@ -12,8 +11,6 @@ namespace sleight::physics {
 namespace {
 
 using Kind = SceneError::Kind;
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Two balls above a floor; the second has no name.
 Scene good_scene() {

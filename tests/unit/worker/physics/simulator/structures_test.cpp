@@ -9,8 +9,7 @@
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/shape/mass_properties.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::structures_test {
 
 using testing::floor_scene;
 using testing::RecordedRun;
@@ -112,5 +111,4 @@ TEST(Structures, AWallTakesTheMomentumOfABall) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::structures_test

@@ -12,8 +12,7 @@
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
 #include "tests/unit/worker/physics/surface/reference_surface.h"
 
-namespace sleight::physics {
-namespace {
+namespace sleight::physics::surface_simulation_test {
 
 using testing::Dice;
 using testing::RecordedRun;
@@ -438,5 +437,4 @@ TEST(SurfaceSimulation, WrongScenesAreRefused) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::physics
+}  // namespace sleight::physics::surface_simulation_test

@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/worker/physics/simulator/dice.h"
 #include "tests/unit/worker/physics/surface/reference_surface.h"
 
@@ -35,7 +36,6 @@ using testing::surface_of;
 constexpr double k_height_m = 0.02;
 constexpr double k_spacings_m[] = {1e-3, 0.0037, 0.01, 0.125, 1};
 constexpr double k_reaches[] = {3, 300, 1e6};  ///< cells from the origin
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 bool same(const SurfacePlace& a, const SurfacePlace& b) {
   return a.height_m == b.height_m && a.slope_x == b.slope_x && a.slope_y == b.slope_y;

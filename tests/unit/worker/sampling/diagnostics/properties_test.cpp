@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "tests/support/numbers.h"
 #include "tests/unit/worker/sampling/diagnostics/made_chains.h"
 #include "worker/sampling/diagnostics/effective_sample_size.h"
 #include "worker/sampling/diagnostics/r_hat.h"
@@ -14,9 +14,6 @@ namespace {
 
 using testing::changed;
 using testing::made;
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 TEST(Nan, is_the_answer_where_there_is_none) {
   // Goal: each documented reason for NaN. Method: one array for each.

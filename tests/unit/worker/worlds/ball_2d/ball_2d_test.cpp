@@ -13,8 +13,7 @@
 #include "tests/unit/worker/worlds/ball_2d/support.h"
 #include "worker/worlds/ball_2d/request.h"
 
-namespace sleight::worlds::ball_2d {
-namespace {
+namespace sleight::worlds::ball_2d::ball_2d_test {
 
 using testing::k_degree_rad;
 using testing::random_normals;
@@ -177,5 +176,4 @@ TEST(Ball2d, RefusesWhatIsNoState) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::worlds::ball_2d
+}  // namespace sleight::worlds::ball_2d::ball_2d_test

@@ -12,8 +12,7 @@
 #include "tests/support/property.h"
 #include "tests/unit/worker/worlds/dice/support.h"
 
-namespace sleight::worlds::dice {
-namespace {
+namespace sleight::worlds::dice::dice_test {
 
 constexpr std::uint64_t k_seed = 20261122;
 
@@ -220,5 +219,4 @@ TEST(Dice, ReplaysMakeNoDifference) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::worlds::dice
+}  // namespace sleight::worlds::dice::dice_test

@@ -11,8 +11,7 @@
 #include "tests/support/property.h"
 #include "worker/worlds/spelling/spelling.h"
 
-namespace sleight::worlds::spelling {
-namespace {
+namespace sleight::worlds::spelling::aimed_drops_test {
 
 constexpr AimParameters k_aims{.aim = 0.3, .scatter = 0.2};
 
@@ -224,5 +223,4 @@ TEST(AimedDrops, KnowWhatEachBallFills) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::worlds::spelling
+}  // namespace sleight::worlds::spelling::aimed_drops_test

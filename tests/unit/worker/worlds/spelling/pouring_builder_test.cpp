@@ -10,8 +10,7 @@
 
 #include "worker/worlds/spelling/landing_map.h"
 
-namespace sleight::worlds::spelling {
-namespace {
+namespace sleight::worlds::spelling::pouring_builder_test {
 
 constexpr std::uint64_t k_seed = 31;
 
@@ -155,5 +154,4 @@ TEST(PouringBuilder, PrefixesAreWhatTheyCameTo) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::worlds::spelling
+}  // namespace sleight::worlds::spelling::pouring_builder_test

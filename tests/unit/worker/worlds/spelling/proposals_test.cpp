@@ -12,8 +12,7 @@
 #include "common/math/elementary.h"
 #include "tests/support/property.h"
 
-namespace sleight::worlds::spelling {
-namespace {
+namespace sleight::worlds::spelling::proposals_test {
 
 random::Stream stream_of(std::uint64_t seed, std::uint64_t iteration) {
   return random::Stream({.seed = seed, .purpose = random::Purpose::proposal}, iteration);
@@ -299,5 +298,4 @@ TEST(Proposals, ABallMovesOnARing) {
   EXPECT_EQ(moved[2], 0);
 }
 
-}  // namespace
-}  // namespace sleight::worlds::spelling
+}  // namespace sleight::worlds::spelling::proposals_test

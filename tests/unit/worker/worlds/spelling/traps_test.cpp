@@ -15,8 +15,7 @@
 #include "worker/physics/event/tolerances.h"
 #include "worker/worlds/spelling/spelling.h"
 
-namespace sleight::worlds::spelling {
-namespace {
+namespace sleight::worlds::spelling::traps_test {
 
 constexpr std::uint64_t k_seed = 20'260'511;
 constexpr double k_radius_m = 0.008;
@@ -380,5 +379,4 @@ TEST(Traps, ThreadsSimulateAsOneDoes) {
   }
 }
 
-}  // namespace
-}  // namespace sleight::worlds::spelling
+}  // namespace sleight::worlds::spelling::traps_test

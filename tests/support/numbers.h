@@ -1,0 +1,11 @@
+// What is no number, and what no number reaches, for all folders' tests.
+#pragma once
+
+#include <limits>
+
+namespace sleight {
+
+inline constexpr double k_infinity = std::numeric_limits<double>::infinity();
+inline constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace sleight
