@@ -23,10 +23,7 @@ namespace {
 constexpr double k_figure_width_px = 1280;
 constexpr double k_panel_width_px_min = 560;
 constexpr double k_above_height_px_max = 620;
-constexpr double k_px_per_mm_max = 4.5;
-constexpr double k_caption_px = 18;  ///< above a view
-constexpr double k_caption_size_px = 11.5;
-constexpr double k_between_px = 12;
+constexpr double k_figure_px_per_mm_max = 4.5;
 constexpr double k_beside_px = 24;  ///< between the view from above and the instants
 constexpr double k_title_room_px = 9;
 constexpr std::size_t k_instants = 8;
@@ -111,7 +108,7 @@ WaysSizes ways_sizes(const SceneExtent& extent, std::size_t panels, bool flat) {
                           (columns - 1) * plot::style::k_between_panels) /
                          columns;
   const double depth_mm = flat ? 0 : extent.depth_mm();
-  sizes.px_per_mm = std::min(room_px / extent.width_mm(), k_px_per_mm_max);
+  sizes.px_per_mm = std::min(room_px / extent.width_mm(), k_figure_px_per_mm_max);
   if (depth_mm > 0) sizes.px_per_mm = std::min(sizes.px_per_mm, k_above_height_px_max / depth_mm);
   sizes.px_per_mm = std::min(sizes.px_per_mm, k_above_height_px_max / extent.height_mm());
   sizes.width_px =

@@ -29,12 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double k_caption_px = 18;  ///< above a view
-constexpr double k_caption_size_px = 11.5;
-constexpr double k_between_px = 12;
 constexpr double k_title_px = plot::style::k_panel_title + 9;  ///< what layout gives a title
 constexpr double k_width_px_min = 320;                         ///< for the captions
-constexpr double k_px_per_mm_max = 8;
+constexpr double k_frame_px_per_mm_max = 8;
 constexpr double k_side_px_min = 100;
 
 double up_to_even(double side) {
@@ -67,7 +64,7 @@ FrameSizes sizes_in(const SceneExtent& extent, const std::vector<Seen>& views, b
   const double captions_px = rows * k_caption_px + (rows - 1) * k_between_px;
   FrameSizes sizes{.views = views, .beside = beside};
   sizes.px_per_mm = std::min({(room_width_px - between_x_px) / (columns * extent.width_mm()),
-                              (room_height_px - captions_px) / high_mm, k_px_per_mm_max});
+                              (room_height_px - captions_px) / high_mm, k_frame_px_per_mm_max});
   sizes.width_px = columns * extent.width_mm() * sizes.px_per_mm + between_x_px;
   sizes.height_px = high_mm * sizes.px_per_mm + captions_px;
   return sizes;

@@ -29,11 +29,7 @@
 namespace sleight::cli {
 namespace {
 
-constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
 constexpr int k_bad_archive = static_cast<int>(base::ExitCode::bad_archive);
-
-/// Scans read at a time for statistics over the whole run.
-constexpr std::uint64_t k_batch = 65536;
 
 struct Sum {
   double value = 0;

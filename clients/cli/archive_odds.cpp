@@ -291,7 +291,8 @@ std::optional<ArchiveOdds> ladders_say(const archive::Source& source,
 }
 
 /// "-4.54 +- 0.02 (2 ladders, jackknife within ladders), round 7 of 7"; weights are chains'.
-std::string shown(const JudgedEstimate& estimate, double log_of_unit, const ArchiveOdds& odds) {
+std::string estimate_text(const JudgedEstimate& estimate, double log_of_unit,
+                          const ArchiveOdds& odds) {
   const CombinedEstimate& all = estimate.all;
   if (all.ladders == 0) return "unknown";
   const double value = all.log.value - log_of_unit;
@@ -333,7 +334,7 @@ std::string in_words(const HowToKnow& how, const ArchiveOdds& odds) {
 }
 
 /// Where something satisfies, for people.
-const char* place_of(OddsFrom from) {
+const char* place_word(OddsFrom from) {
   if (from == OddsFrom::weights) return "draw";
   return from == OddsFrom::islands ? "island" : "round";
 }
@@ -354,14 +355,14 @@ std::string unknown_in_words(const ArchiveOdds& odds) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   std::string text = "  by chance    unknown";
   if (log_p.all.ladders == 0)
-    text += fmt::format(": nothing satisfied in any {}", place_of(odds.from));
+    text += fmt::format(": nothing satisfied in any {}", place_word(odds.from));
   text += "\n";
   text += lines_of(log_p.doubts);
   if (odds.how_to_know) text += in_words(*odds.how_to_know, odds);
   if (log_p.all.ladders == 0) return text;
-  text +=
-      fmt::format("{}so far log P {}{}{}\n", k_indent, shown(log_p, odds.log_natural_throw, odds),
-                  odds.natural_throw.empty() ? "" : ", where ", odds.natural_throw);
+  text += fmt::format("{}so far log P {}{}{}\n", k_indent,
+                      estimate_text(log_p, odds.log_natural_throw, odds),
+                      odds.natural_throw.empty() ? "" : ", where ", odds.natural_throw);
   text += fmt::format("{}{}\n", k_indent, caution_of(odds));
   return text;
 }
@@ -410,7 +411,7 @@ std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive:
 }
 
 std::string in_words(const ArchiveOdds& odds) {
-  std::string text = fmt::format("  log Z        {}\n", shown(odds.log_z, 0, odds));
+  std::string text = fmt::format("  log Z        {}\n", estimate_text(odds.log_z, 0, odds));
   if (!odds.log_p_satisfied.known()) return text + unknown_in_words(odds);
   // Where log P is not known, the lines below it say why of both.
   text += lines_of(odds.log_z.doubts);
@@ -418,7 +419,7 @@ std::string in_words(const ArchiveOdds& odds) {
                       in_words(odds_of(odds.log_p_satisfied.all.log, odds.log_natural_throw)),
                       odds.natural_throw.empty() ? "" : ", where ", odds.natural_throw);
   text += fmt::format("{}log P {}\n", k_indent,
-                      shown(odds.log_p_satisfied, odds.log_natural_throw, odds));
+                      estimate_text(odds.log_p_satisfied, odds.log_natural_throw, odds));
   return text;
 }
 

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t k_name_letters = 32;
 
-std::optional<fs::path> place_of(const std::string& archive, std::string_view ending) {
+std::optional<fs::path> cache_place(const std::string& archive, std::string_view ending) {
   const auto folder = own_folder("XDG_CACHE_HOME", ".cache", "browse");
   std::error_code failure;
   const fs::path real = fs::canonical(archive, failure);
@@ -107,7 +107,7 @@ std::optional<FileState> state_of_file(const std::string& path) {
 }
 
 std::optional<CachedBytes> cached(const std::string& archive, std::string_view ending) {
-  const auto place = place_of(archive, ending);
+  const auto place = cache_place(archive, ending);
   if (!place) return std::nullopt;
   std::error_code failure;
   if (!fs::is_regular_file(*place, failure)) return std::nullopt;  // a pipe would be waited for
@@ -128,7 +128,7 @@ std::optional<CachedBytes> cached(const std::string& archive, std::string_view e
 
 void keep_cached(const std::string& archive, std::string_view ending, const FileState& of,
                  base::BytesView content) {
-  const auto place = place_of(archive, ending);
+  const auto place = cache_place(archive, ending);
   if (!place || content.size() > k_cache_bytes_max) return;
   std::error_code failure;
   fs::create_directories(place->parent_path(), failure);

@@ -11,8 +11,6 @@ namespace {
 
 using math::Vec3;
 
-/// A face's outward normal has at least this part towards the viewer.
-constexpr double k_facing_min = 0.02;
 constexpr double k_pip_radius = 0.19;  ///< in halves of a side
 constexpr double k_pip_off = 0.5;      ///< of a pip beside the middle, likewise
 
@@ -50,11 +48,11 @@ std::vector<Off> pips_of(std::uint32_t face) {
   return pips;
 }
 
+}  // namespace
+
 double towards_viewer(const Vec3& direction, Seen seen) {
   return seen == Seen::from_above ? direction.z() : -direction.y();
 }
-
-}  // namespace
 
 plot::Point projected(const Vec3& place_mm, Seen seen) {
   return {place_mm.x(), seen == Seen::from_above ? place_mm.y() : place_mm.z()};

@@ -28,6 +28,11 @@ enum class Seen {
   from_front   ///< from low y: z goes up
 };
 
+/// A face that is seen has an outward normal with at least this part towards the viewer.
+inline constexpr double k_facing_min = 0.02;
+
+double towards_viewer(const math::Vec3& direction, Seen seen);
+
 plot::Point projected(const math::Vec3& place_mm, Seen seen);
 
 struct SeenFace {

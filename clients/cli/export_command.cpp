@@ -34,12 +34,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
-
-[[noreturn]] void refuse_usage(const std::string& reason) {
-  throw base::Error(base::ExitCode::usage, reason);
-}
-
 bool is_file_of(const std::string& output, const std::string& format) {
   return output.ends_with("." + format);
 }

@@ -10,6 +10,7 @@
 #include "clients/cli/dumped_json.h"
 #include "clients/cli/output.h"
 #include "clients/cli/picked_figure.h"
+#include "clients/cli/scene_view.h"
 #include "clients/cli/terminal.h"
 #include "clients/cli/text_table.h"
 #include "clients/plot/save.h"
@@ -18,8 +19,6 @@
 
 namespace sleight::cli {
 namespace {
-
-constexpr double k_mm_per_m = 1000;
 
 void print_groups(const Browsed& browsed, const std::vector<Picked>& picked,
                   const browse::Groups& groups) {

@@ -12,6 +12,7 @@
 #include "clients/cli/job_text.h"
 #include "clients/cli/job_watch.h"
 #include "clients/cli/known_servers.h"
+#include "clients/cli/output.h"
 #include "clients/cli/selected_jobs.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
@@ -22,18 +23,13 @@
 namespace sleight::cli {
 namespace {
 
-constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
 /// Of the jobs in a question.
 constexpr std::size_t k_asked_about_max = 10;
-
-[[noreturn]] void usage(const std::string& words) {
-  throw base::Error(base::ExitCode::usage, words);
-}
 
 rpc::JobState state_of(const std::string& text) {
   const auto state = rpc::job_state_of(text);
   if (state && *state != rpc::JobState::unknown) return *state;
-  usage(
+  refuse_usage(
       fmt::format("--state: '{}' is no state; there are queued, starting, running, yielding, "
                   "held, done, failed and cancelled",
                   shown(text)));
@@ -169,14 +165,15 @@ rpc::ListAsk list_ask_of(const ListOptions& options) {
     ask.states.push_back(state_of(state));
   if (options.mine) ask.user = ::getuid();
   if (!options.user.empty()) {
-    if (options.mine) usage("--mine and --user: give one of them");
+    if (options.mine) refuse_usage("--mine and --user: give one of them");
     ask.user = user_of(options.user);
-    if (!ask.user) usage(fmt::format("--user: there is no user '{}'", shown(options.user)));
+    if (!ask.user) refuse_usage(fmt::format("--user: there is no user '{}'", shown(options.user)));
   }
   if (!options.group.empty()) {
     const std::vector<JobName> names = read_job_names(std::span(&options.group, 1));
     const auto* group = std::get_if<rpc::GroupId>(&names.front());
-    if (group == nullptr) usage(fmt::format("--group: '{}' is no group; say g5", options.group));
+    if (group == nullptr)
+      refuse_usage(fmt::format("--group: '{}' is no group; say g5", options.group));
     ask.group = *group;
   }
   return ask;
@@ -252,7 +249,7 @@ rpc::Extension extension_of(const ExtendOptions& options) {
   add(rpc::ExtendBy::rounds, options.rounds);
   add(rpc::ExtendBy::solutions, options.solutions);
   add(rpc::ExtendBy::odds, options.odds);
-  if (given.size() != 1) usage("give one of --scans, --rounds, --solutions and --odds");
+  if (given.size() != 1) refuse_usage("give one of --scans, --rounds, --solutions and --odds");
   return given.front();
 }
 

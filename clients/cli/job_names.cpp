@@ -10,8 +10,6 @@
 namespace sleight::cli {
 namespace {
 
-constexpr std::size_t k_shown_characters_max = 40;
-
 /// Of an id: from 1.
 std::optional<std::uint64_t> number_of(std::string_view text) {
   std::uint64_t number = 0;
@@ -40,6 +38,7 @@ std::optional<JobName> job_name_of(std::string_view text) {
 }  // namespace
 
 base::Result<std::vector<JobName>, std::string> job_names_of(std::span<const std::string> texts) {
+  constexpr std::size_t k_shown_characters_max = 40;
   std::vector<JobName> names;
   for (const std::string& text : texts) {
     const auto name = job_name_of(text);

@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "clients/cli/known_servers.h"
+#include "clients/cli/output.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
 #include "common/access/certificates.h"
@@ -23,14 +24,10 @@ constexpr double k_login_s_max = 20;
 constexpr std::size_t k_pem_bytes_max = std::size_t{1} << 20U;
 constexpr std::size_t k_token_file_bytes_max = 4096;
 
-[[noreturn]] void usage_error(const std::string& words) {
-  throw base::Error(base::ExitCode::usage, words);
-}
-
 access::ServerAddress address_of(const std::string& text) {
   const auto address = access::server_address_of(text);
   if (!address || address->port == 0) {
-    usage_error(
+    refuse_usage(
         fmt::format("{}: is no address as render.example.org:{}", shown(text), access::k_port));
   }
   return *address;
@@ -80,7 +77,7 @@ std::string token_given(const LoginOptions& options) {
   std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
   if (!access::token_of(text)) {
     // Nothing of it is shown: it may be nearly right.
-    usage_error(
+    refuse_usage(
         "this is no token: one begins with sleight_ and has its check at the end; was all "
         "of it copied?");
   }
@@ -103,7 +100,7 @@ std::string digits_of_fingerprint(const std::string& text) {
   std::erase(digits, ':');
   if (digits.size() == 64 && digits.find_first_not_of("0123456789abcdef") == std::string::npos)
     return digits;
-  usage_error(
+  refuse_usage(
       "--fingerprint: it is SHA256: and 64 hexadecimal digits, as `sleight server status` on "
       "the service's machine shows it");
 }
@@ -113,7 +110,7 @@ void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (!options.ca_file.empty()) {
     service.certificate = base::read_text_file(options.ca_file, k_pem_bytes_max);
     if (access::certificates_in(service.certificate).empty())
-      usage_error(fmt::format("{}: has no certificate in PEM", shown(options.ca_file)));
+      refuse_usage(fmt::format("{}: has no certificate in PEM", shown(options.ca_file)));
     return;
   }
   if (options.fingerprint.empty()) return;
@@ -129,7 +126,7 @@ void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   }
   const auto own_name = access::self_signed_name(pem);
   if (!own_name) {
-    usage_error(
+    refuse_usage(
         fmt::format("the certificate of {} is an authority's, which is not known by its "
                     "fingerprint: give --ca FILE with the authority's own, or neither where "
                     "the system trusts it",

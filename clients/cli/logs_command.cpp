@@ -18,7 +18,7 @@ namespace sleight::cli {
 namespace {
 
 /// Between two looks at a log that grows.
-constexpr std::chrono::milliseconds k_look_again{500};
+constexpr std::chrono::milliseconds k_log_look_again{500};
 /// A server that stays away for so many looks is given up.
 constexpr int k_looks_in_vain_max = 1200;
 
@@ -61,7 +61,7 @@ int follow(rpc::Client& client, rpc::LogAsk ask, rpc::LogPiece piece, const Logs
   while (!Interrupts::requested()) {
     const std::uint64_t next = piece.first + piece.text.size();
     if (piece.is_over && next >= piece.end) return static_cast<int>(base::ExitCode::ok);
-    if (next >= piece.end) std::this_thread::sleep_for(k_look_again);
+    if (next >= piece.end) std::this_thread::sleep_for(k_log_look_again);
     if (Interrupts::requested()) break;
     ask.from = next;
     auto more = next_piece(client, ask, looks_in_vain);

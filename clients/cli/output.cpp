@@ -13,8 +13,6 @@
 #include <iostream>
 #include <system_error>
 
-#include "common/base/error.h"
-
 namespace sleight::cli {
 namespace {
 
@@ -28,6 +26,10 @@ namespace {
 }
 
 }  // namespace
+
+void refuse_usage(const std::string& words) {
+  throw base::Error(base::ExitCode::usage, words);
+}
 
 void flush_stdout() {
   std::cout.flush();

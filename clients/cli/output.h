@@ -5,7 +5,14 @@
 #include <functional>
 #include <string>
 
+#include "common/base/error.h"
+
 namespace sleight::cli {
+
+inline constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
+
+/// Throws base::Error(usage).
+[[noreturn]] void refuse_usage(const std::string& words);
 
 /// Writes out what waits for stdout. Throws base::Error(environment) when that, or any earlier
 /// print, failed.

@@ -12,9 +12,6 @@
 namespace sleight::cli {
 namespace {
 
-/// Scans read at a time.
-constexpr std::uint64_t k_batch = 65536;
-
 /// Refuses a dataset of /sample_stats whose type or dimensions are others.
 void check_shape(const archive::Source& source, std::string_view name, archive::ElementType type,
                  const std::vector<std::uint64_t>& sizes) {

@@ -25,7 +25,6 @@ constexpr std::size_t k_outline_every = 3;   ///< of these
 constexpr double k_faintest = 0.10;
 constexpr double k_strongest = 0.55;
 constexpr std::size_t k_points_per_way = 60;
-constexpr double k_caption_size_px = 11.5;
 constexpr double k_number_px_min = 7;  ///< smaller numbers can't be read
 constexpr double k_grid_px_min = 5;    ///< closer lines are none
 constexpr double k_margin_mm = 4;

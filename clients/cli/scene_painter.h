@@ -11,6 +11,10 @@
 
 namespace sleight::cli {
 
+inline constexpr double k_caption_px = 18;  ///< above a view
+inline constexpr double k_caption_size_px = 11.5;
+inline constexpr double k_between_px = 12;  ///< views
+
 /// What is to be seen, in millimetres.
 struct SceneExtent {
   math::Vec3 low_mm{1e300, 1e300, 1e300};

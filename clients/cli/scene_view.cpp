@@ -11,13 +11,7 @@ namespace {
 using math::Quat;
 using math::Vec3;
 
-/// A piece has at least this part of its normal towards the viewer.
-constexpr double k_facing_min = 0.02;
 constexpr std::size_t k_disc_corners = 36;
-
-double towards_viewer(const Vec3& direction, Seen seen) {
-  return seen == Seen::from_above ? direction.z() : -direction.y();
-}
 
 /// From a part's frame to the scene's.
 struct Frame {

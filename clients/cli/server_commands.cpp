@@ -15,6 +15,7 @@
 
 #include "clients/cli/job_text.h"
 #include "clients/cli/known_servers.h"
+#include "clients/cli/output.h"
 #include "clients/cli/server_process.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
@@ -27,10 +28,9 @@
 namespace sleight::cli {
 namespace {
 
-constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
 constexpr double k_start_s_max = 30;
 constexpr double k_stop_s_max = 30;
-constexpr std::chrono::milliseconds k_look_again{20};
+constexpr std::chrono::milliseconds k_server_look_again{20};
 /// Of the log of a daemon that did not start.
 constexpr std::size_t k_told_log_lines = 20;
 
@@ -81,7 +81,7 @@ int wait_for_server(ServerProcess& process, const std::string& socket,
       fail_start(process, fmt::format("sleightd (pid {}) does not answer after {} s", process.pid(),
                                       k_start_s_max));
     }
-    std::this_thread::sleep_for(k_look_again);
+    std::this_thread::sleep_for(k_server_look_again);
   }
 }
 
@@ -124,7 +124,7 @@ void wait_until_gone(std::int64_t pid, const std::string& socket) {
       throw base::Error(
           fmt::format("the server (pid {}) has not ended after {} s", pid, k_stop_s_max));
     }
-    std::this_thread::sleep_for(k_look_again);
+    std::this_thread::sleep_for(k_server_look_again);
   }
 }
 

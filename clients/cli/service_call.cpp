@@ -18,9 +18,6 @@
 namespace sleight::cli {
 namespace {
 
-/// Of a sentence of the service; longer ones are cut.
-constexpr std::size_t k_shown_characters_max = 1000;
-
 // A handler has no arguments of ours, so what it needs stands here.
 std::atomic<rpc::Client*> interrupted_client = nullptr;
 volatile std::sig_atomic_t was_interrupted = 0;
@@ -83,7 +80,8 @@ std::string shown_on_one_line(std::string text) {
 }
 
 std::string shown(std::string_view text) {
-  return request::printable(text, k_shown_characters_max);
+  constexpr std::size_t k_characters_max = 1000;  // longer sentences of the service are cut
+  return request::printable(text, k_characters_max);
 }
 
 void complain(const std::string& line) {

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "clients/cli/throw_odds.h"
 #include "common/archive/format.h"
 #include "common/base/error.h"
 
 namespace sleight::cli {
 namespace {
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void refuse(const archive::Source& source, std::string_view name,
                          std::string_view reason) {

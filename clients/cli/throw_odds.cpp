@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
 namespace sleight::cli {
 namespace {
 
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_ln_10 = 2.302585092994045684;
 
 /// A count in words, and the unit apart, so that a range says it once.

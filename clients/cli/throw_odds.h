@@ -18,12 +18,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 
 #include "common/math/island_odds.h"
 
 namespace sleight::cli {
+
+inline constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A log and its standard error, NaN where it is not known.
 struct LogEstimate {

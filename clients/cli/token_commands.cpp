@@ -13,6 +13,7 @@
 #include <ctime>
 #include <system_error>
 
+#include "clients/cli/output.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
 #include "clients/cli/terminal.h"
@@ -25,12 +26,7 @@
 namespace sleight::cli {
 namespace {
 
-constexpr int k_done = static_cast<int>(base::ExitCode::ok);
 constexpr double k_day_s = 86400;
-
-[[noreturn]] void refuse_usage(const std::string& words) {
-  throw base::Error(base::ExitCode::usage, words);
-}
 
 std::vector<std::string> names_of(const rpc::Scopes& scopes) {
   std::vector<std::string> names;
@@ -140,7 +136,7 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
         Json json = json_of(token);
         if (!file) json["token"] = ask.token;
         fmt::print("{}\n", indented(json));
-        return k_done;
+        return k_ok;
       }
       complain(fmt::format(
           "token {} of {}, {}; may {}. It is shown this once.", token.id, name_of_user(token.user),
@@ -148,7 +144,7 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
                               : std::string("valid until it is revoked"),
           fmt::join(names_of(token.scopes), ", ")));
       if (!file) fmt::print("{}\n", ask.token);
-      return k_done;
+      return k_ok;
     });
   } catch (...) {
     if (file) file->remove();
@@ -168,11 +164,11 @@ int list_tokens(const std::string& called, bool all, bool json) {
       for (const rpc::TokenView& token : tokens)
         list.push_back(json_of(token));
       fmt::print("{}\n", indented(list));
-      return k_done;
+      return k_ok;
     }
     if (tokens.empty()) {
       fmt::print("no tokens\n");
-      return k_done;
+      return k_ok;
     }
     TextTable table{.columns = {{.head = "ID"},
                                 {.head = "USER", .rank = 3},
@@ -190,7 +186,7 @@ int list_tokens(const std::string& called, bool all, bool json) {
                             shown(token.last_from), shown(token.name)});
     }
     fmt::print("{}", to_text(table, width_of(stdout)));
-    return k_done;
+    return k_ok;
   });
 }
 

@@ -16,9 +16,6 @@
 namespace sleight::cli {
 namespace {
 
-/// Draws read at a time.
-constexpr std::uint64_t k_batch = 65536;
-
 /// More lines in one panel can't be told apart: the palette has so many colours.
 constexpr std::uint64_t k_chains_drawn_max = 6;
 

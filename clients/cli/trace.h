@@ -12,6 +12,8 @@
 
 namespace sleight::cli {
 
+/// Draws read at a time.
+inline constexpr std::uint64_t k_batch = 65536;
 /// Most points of one series in a picture; longer ones are thinned while they are read.
 inline constexpr std::size_t k_trace_points_max = 20'000;
 

@@ -9,7 +9,7 @@ namespace sleight::command_tree {
 namespace {
 
 /// NAME and FUNCTION stand for the program's.
-constexpr const char* k_walk = R"bash(
+constexpr const char* k_bash_walk = R"bash(
 # Folders and, of the files whose names begin so, those with the suffixes given; all without any.
 _FUNCTION_files() {
   local file suffix value=$1
@@ -174,7 +174,8 @@ std::string bash_completion(const Command& program) {
     }
   }
   const std::string function = identifier(program.name);
-  const std::string walk = replaced(replaced(k_walk, "FUNCTION", function), "NAME", program.name);
+  const std::string walk =
+      replaced(replaced(k_bash_walk, "FUNCTION", function), "NAME", program.name);
   return fmt::format(
       "# Completion of {0} for bash, made by {0} itself.\n\n"
       "# What a command has.\n_{1}_has() {{\n  case $1 in\n{2}  esac\n}}\n\n"

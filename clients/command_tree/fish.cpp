@@ -10,7 +10,7 @@ namespace {
 
 /// NAME and FUNCTION stand for the program's, VALUED for the options that take a value, COMMANDS
 /// for all commands.
-constexpr const char* k_walk = R"fish(
+constexpr const char* k_fish_walk = R"fish(
 # The command that the words before the cursor lead to, and the number of the next positional.
 function __fish_FUNCTION_place
     set -l path NAME
@@ -141,7 +141,7 @@ std::string fish_completion(const Command& program) {
         lines += start(fmt::format("{}{}", i + 1, positional.repeats ? "+" : "")) + value + "\n";
     }
   }
-  std::string walk = replaced(k_walk, "FUNCTION", function);
+  std::string walk = replaced(k_fish_walk, "FUNCTION", function);
   walk = replaced(replaced(walk, "VALUED", patterns(valued)), "COMMANDS", patterns(commands));
   return fmt::format("# Completion of {0} for fish, made by {0} itself.\n", program.name) +
          replaced(walk, "NAME", program.name) + lines;

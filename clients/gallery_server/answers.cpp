@@ -22,16 +22,8 @@ namespace {
 
 using Json = json::Value;
 
-constexpr unsigned k_bad_request = 400;
-constexpr unsigned k_not_found = 404;
-constexpr unsigned k_damaged = 502;
-
-std::string text_of(const Json& json) {
-  return json.dump();
-}
-
 web::Answer json_answer(const Json& json) {
-  return {.content = web::Content(text_of(json))};
+  return {.content = web::Content(json.dump())};
 }
 
 web::Answer packed_answer(std::string bytes) {
@@ -76,7 +68,7 @@ std::string Answers::gallery_text() const {
   json.update(gallery_.state());
   const std::string trouble = notes_.trouble();
   json["notes"] = {{"writable", trouble.empty()}, {"words", trouble}};
-  return text_of(json);
+  return json.dump();
 }
 
 web::Answer Answers::operator()(const web::Ask& ask) const {

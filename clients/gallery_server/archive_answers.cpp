@@ -17,9 +17,6 @@ namespace {
 
 using Json = json::Value;
 
-constexpr unsigned k_bad_request = 400;
-constexpr unsigned k_not_found = 404;
-
 std::size_t required_entry(const Snapshot& snapshot, std::string_view name) {
   const auto entry = snapshot.entry_of(name);
   if (!entry) throw Refused(k_not_found, "There is no such animation.", "Load the page anew.");

@@ -12,6 +12,9 @@
 
 namespace sleight::gallery {
 
+/// Draws read at a time.
+inline constexpr std::uint64_t k_rows_at_once = 65'536;
+
 /// Whether there is such a dataset, of numbers or flags, with so many elements.
 bool has_numbers(const archive::Source& source, std::string_view group, std::string_view dataset,
                  std::uint64_t elements);

@@ -27,27 +27,24 @@ using Json = json::Value;
 constexpr const char* k_shared_folder = "sleight-notes";
 constexpr std::size_t k_file_bytes_max = 64U << 20U;
 
-[[noreturn]] void refuse(const std::string& words) {
-  throw base::Error(base::ExitCode::usage, words);
-}
-
 std::string checked_text(const Json& json, const char* key, std::size_t bytes_max) {
-  if (!json.is_string()) refuse(fmt::format("{} is no text", key));
+  if (!json.is_string()) cli::refuse_usage(fmt::format("{} is no text", key));
   const auto& text = json.text();
-  if (text.size() > bytes_max) refuse(fmt::format("{} has more than {} bytes", key, bytes_max));
+  if (text.size() > bytes_max)
+    cli::refuse_usage(fmt::format("{} has more than {} bytes", key, bytes_max));
   return text;
 }
 
 bool flag_of(const Json& note, const char* key) {
   const auto* found = note.find(key);
   if (!found) return false;
-  if (!found->is_boolean()) refuse(fmt::format("{} is neither true nor false", key));
+  if (!found->is_boolean()) cli::refuse_usage(fmt::format("{} is neither true nor false", key));
   return found->get<bool>();
 }
 
 /// As it is kept.
 Json checked(const Json& note) {
-  if (!note.is_object()) refuse("the note is no object");
+  if (!note.is_object()) cli::refuse_usage("the note is no object");
   Json kept{{"star", flag_of(note, "star")},
             {"hidden", flag_of(note, "hidden")},
             {"tags", Json::array()},
@@ -55,7 +52,7 @@ Json checked(const Json& note) {
             {"changed", 0}};
   if (const auto* tags = note.find("tags"); tags) {
     if (!tags->is_array() || tags->size() > k_tags_max)
-      refuse(fmt::format("tags are no list, or more than {}", k_tags_max));
+      cli::refuse_usage(fmt::format("tags are no list, or more than {}", k_tags_max));
     for (const Json& tag : tags->elements())
       kept["tags"].push_back(checked_text(tag, "a tag", k_tag_bytes_max));
   }
@@ -69,7 +66,7 @@ Json checked(const Json& note) {
 std::vector<std::string> tags_in(const Json& patch, const char* key) {
   const auto* found = patch.find(key);
   if (!found) return {};
-  if (!found->is_array()) refuse(fmt::format("{} is no list", key));
+  if (!found->is_array()) cli::refuse_usage(fmt::format("{} is no list", key));
   std::vector<std::string> tags;
   for (const Json& tag : found->elements())
     tags.push_back(checked_text(tag, "a tag", k_tag_bytes_max));
@@ -77,7 +74,7 @@ std::vector<std::string> tags_in(const Json& patch, const char* key) {
 }
 
 Json patched(const Json& note, const Json& patch) {
-  if (!patch.is_object()) refuse("the change is no object");
+  if (!patch.is_object()) cli::refuse_usage("the change is no object");
   Json whole = note;
   for (const char* key : {"star", "hidden", "note"})
     if (patch.contains(key)) whole[key] = patch[key];
@@ -189,8 +186,8 @@ void Notes::keep_in(const std::string& run, const std::string& folder) {
 }
 
 Json Notes::change(const std::string& run, const Json& patches) {
-  if (!is_run_word(run)) refuse("there is no such run");
-  if (!patches.is_object()) refuse("the changes are no object");
+  if (!is_run_word(run)) cli::refuse_usage("there is no such run");
+  if (!patches.is_object()) cli::refuse_usage("the changes are no object");
   const std::lock_guard lock(mutex_);
   Run& of = loaded(run);
   std::uint64_t changed = 0;
@@ -199,14 +196,14 @@ Json Notes::change(const std::string& run, const Json& patches) {
   Json now = Json::object();
   std::size_t more = 0;
   for (const auto& [animation, patch] : patches.items()) {
-    if (!browse::parse_name(animation)) refuse("there is no such animation");
+    if (!browse::parse_name(animation)) cli::refuse_usage("there is no such animation");
     Json& kept = now[animation];
     kept = patched(of.notes.value(animation, checked(Json::object())), patch);
     kept["changed"] = changed + 1;
     if (!says_nothing(kept) && !of.notes.contains(animation)) ++more;
   }
   if (more > 0 && of.notes.size() + more > k_notes_max)
-    refuse(fmt::format("a run has at most {} notes", k_notes_max));
+    cli::refuse_usage(fmt::format("a run has at most {} notes", k_notes_max));
   for (const auto& [animation, kept] : now.items()) {
     if (says_nothing(kept)) {
       of.notes.erase(animation);

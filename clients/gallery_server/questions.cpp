@@ -21,8 +21,6 @@ namespace {
 using Json = json::Value;
 using Question = json::Value;
 
-constexpr unsigned k_bad_request = 400;
-constexpr unsigned k_not_found = 404;
 constexpr unsigned k_other_generation = 409;
 constexpr std::size_t k_alike_to_max = 100;
 

@@ -5,7 +5,6 @@
 namespace sleight::gallery {
 
 void refuse_unread(const Gallery& gallery, std::size_t archive) {
-  constexpr unsigned k_damaged = 502;
   constexpr unsigned k_still_reading = 503;
   const std::string why = gallery.why_unreadable(archive);
   if (!why.empty()) throw Refused(k_damaged, why, "");

@@ -8,6 +8,10 @@
 
 namespace sleight::gallery {
 
+inline constexpr unsigned k_bad_request = 400;
+inline constexpr unsigned k_not_found = 404;
+inline constexpr unsigned k_damaged = 502;
+
 class Refused : public std::runtime_error {
  public:
   Refused(unsigned status, const std::string& error, std::string what_to_do)

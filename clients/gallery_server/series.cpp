@@ -26,15 +26,13 @@ namespace {
 
 using Json = json::Value;
 
-constexpr unsigned k_not_found = 404;
-constexpr std::uint64_t k_rows_at_once = 65'536;
 /// Numbers of the posterior that a histogram is made of, at most; of more every n-th is taken.
 constexpr std::uint64_t k_histogram_draws_max = 1'000'000;
 constexpr std::string_view k_trace_prefix = "trace.";
 constexpr std::string_view k_pair_prefix = "pair.";
 constexpr const char* k_index_title = "index process: at which level each replica is";
 
-[[noreturn]] void refuse_unknown() {
+[[noreturn]] void refuse_plot() {
   throw Refused(k_not_found, "There is no such plot.", "Load the page anew.");
 }
 
@@ -371,7 +369,7 @@ std::string series_in(const archive::Source& source, const archive::Summary& sum
   const Json titles = titles_in(source, summary);
   const bool is_one = std::ranges::any_of(
       titles.elements(), [&](const Json& title) { return title["name"].text() == name; });
-  if (!is_one || name == "diagnosis") refuse_unknown();
+  if (!is_one || name == "diagnosis") refuse_plot();
   if (name.starts_with(k_pair_prefix))
     return pair_of(source, summary, name.substr(k_pair_prefix.size()));
   const std::uint64_t chain = chain_of(chain_text, summary);

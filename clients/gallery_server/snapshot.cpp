@@ -19,8 +19,6 @@
 namespace sleight::gallery {
 namespace {
 
-constexpr std::uint64_t k_rows_at_once = 65'536;
-
 /// A lineage's number; 0 of what is none in a file of other types.
 std::int64_t whole(double number) {
   constexpr double k_most = 9e15;  // below which doubles have all whole numbers

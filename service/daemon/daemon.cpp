@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -57,11 +56,6 @@ std::string daemon_id_of(const std::string& state) {
   if (backend::is_daemon_name(id)) return id;
   throw base::Error(fmt::format(
       "{}: is not as it was written; jobs that a batch system has are known by it", path));
-}
-
-double wall_s() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(now).count();
 }
 
 }  // namespace

@@ -22,11 +22,6 @@ std::string store_path(const std::string& state) {
   return state + "/jobs.sqlite";
 }
 
-double wall_s() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(now).count();
-}
-
 /// The step's save, if there is one, and what comes after it.
 std::optional<jobs::Save> take_save(std::vector<jobs::Effect>& effects) {
   if (effects.empty()) return std::nullopt;
@@ -58,6 +53,11 @@ void append(std::vector<jobs::Effect>& first, std::vector<jobs::Effect> second) 
 }
 
 }  // namespace
+
+double wall_s() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
 
 JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const store::RunLock* lock)
     : loop_(loop),

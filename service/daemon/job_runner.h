@@ -35,6 +35,9 @@
 
 namespace sleight::daemon {
 
+/// The time since 1970.
+double wall_s();
+
 struct RunnerOptions {
   std::string state{};  ///< the daemon's folder, an absolute path; it is there
   jobs::Options jobs{};
