@@ -182,7 +182,7 @@ Keypair make_self_signed() {
            ::X509_set_issuer_name(certificate.get(), name) == 1,
        what);
   add_extension(certificate.get(), NID_subject_alt_name,
-                (std::string("DNS:") + k_self_name).c_str());
+                fmt::format("DNS:{}", k_self_name).c_str());
   add_extension(certificate.get(), NID_basic_constraints, "critical,CA:TRUE,pathlen:0");
   add_extension(certificate.get(), NID_key_usage, "critical,digitalSignature,keyCertSign");
   add_extension(certificate.get(), NID_ext_key_usage, "serverAuth");

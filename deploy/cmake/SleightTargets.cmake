@@ -25,12 +25,16 @@ function(sleight_folder_name out)
   set(${out} ${name} PARENT_SCOPE)
 endfunction()
 
+# Folders whose time goes by in waiting; all others compute.
+set(SLEIGHT_SHELL_FOLDERS
+  "^(clients|service)_|_readers$|^tests_(attacks|keepers|backends)$"
+  "^common_(access|config|events|failure_file|json|logging|request|rpc|archive_reader_program)$")
+string(REPLACE ";" "|" SLEIGHT_SHELL_FOLDERS "${SLEIGHT_SHELL_FOLDERS}")
+
 # The flags and the precompiled header of a folder's products.
 function(sleight_product target)
   sleight_folder_name(name)
-  # The gallery's server works on thousands of JSON values, for minutes without optimisation.
-  if(SLEIGHT_PLAIN_SHELLS AND NOT name MATCHES gallery_server AND
-     name MATCHES "^(clients|service)_|^common_(rpc|events)$|^tests_(attacks|keepers|backends)$")
+  if(name MATCHES "${SLEIGHT_SHELL_FOLDERS}" AND NOT name MATCHES "^(clients_browse|service_core)$")
     target_link_libraries(${target} PRIVATE sleight_options_shells)
     target_precompile_headers(${target} REUSE_FROM sleight_precompiled_shells)
   else()

@@ -4,11 +4,12 @@
     deploy/version --results BUILD [--source FOLDER] [--list] [--cpp FILE]
 
 BUILD is a preset's build folder, in which CMake has put `results_version.json`: the libraries that
-decide, the folders left out, the compiler, and what else is linked. Hashed are, for all objects of these libraries: each file that the compiler opened for them, by its
-place in the source tree (others by their whole path) and content; each object's flags that can change
-what is computed; the compiler; and the library of elementary functions. Not hashed: generated files, files that lie in a folder left out, and
-flags that change only speed, checks, warnings or places (FLAGS_LEFT_OUT): builds of all presets
-have one results version, and tests compare their digests.
+decide, the folders left out, the compiler, and what else is linked. Hashed are, for all objects of
+these libraries: each file that the compiler opened, by its place in the source tree (others by their
+whole path) and content; for each source the flags that can change what is computed; the compiler; and
+the library of elementary functions. Not hashed: generated files, files that lie in a folder left out,
+flags that change only speed, checks, warnings or places (FLAGS_LEFT_OUT), and which sources were
+compiled together. So builds of all presets have one results version, and tests compare their digests.
 
 The files come from Ninja's record of what the compiler said (`.ninja_deps`). Ninja writes it object
 by object, before it starts what depends on the object; so it may be read while a build goes on.
@@ -67,8 +68,16 @@ def dependencies(build):
     return found
 
 
+def sources_in(path):
+    """The sources that one file stands for: those that CMake put together in it, or itself."""
+    if os.path.basename(os.path.dirname(path)) != "Unity":
+        return [path]
+    with open(path, encoding="utf-8") as file:
+        return re.findall(r'^#include "(.+)"$', file.read(), re.MULTILINE)
+
+
 def objects_of(build, libraries):
-    """(object, flags) of all sources of these libraries, and the folder that they are built in."""
+    """(object, source file, flags) of these libraries, and the folder that they are built in."""
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
         commands = json.load(file)
     folders = {f"CMakeFiles/{library}.dir/" for library in libraries}
@@ -77,7 +86,7 @@ def objects_of(build, libraries):
         words = shlex.split(command["command"])
         output = words[words.index("-o") + 1]
         if any(f"/{folder}" in f"/{output}" for folder in folders):
-            objects.append((output, flags_of(words)))
+            objects.append((output, command["file"], flags_of(words)))
     if not objects:
         raise CannotTell(f"{build}: no object of {', '.join(libraries)}")
     return objects, commands[0]["directory"]
@@ -124,22 +133,26 @@ class Deciding:
         found = dependencies(build)
         objects, folder = objects_of(build, settings["libraries"])
         opened, self.flags = set(), []
-        for output, its_flags in objects:
+        for output, file, its_flags in objects:
             if output not in found:
                 raise CannotTell(f"{build}: nothing is known of {output}; build it first")
             for name in found[output]:
                 add_opened(name, found, folder, opened)
-            self.flags.append((output, its_flags))
+            self.flags += [(self.name_of(path, source), its_flags) for path in sources_in(file)]
         self.flags.sort()
         left_out = set(settings["left_out"])
         self.files = {}
         for path in opened:
             if path.startswith(folder + os.sep) or os.path.dirname(path) in left_out:
                 continue
-            inside = path.startswith(source + os.sep)
-            self.files[os.path.relpath(path, source) if inside else path] = path
+            self.files[self.name_of(path, source)] = path
         for library in settings["linked"]:
             self.files[os.path.basename(library)] = library
+
+    @staticmethod
+    def name_of(path, source):
+        """A file's place in the source tree, or its whole path where it lies elsewhere."""
+        return os.path.relpath(path, source) if path.startswith(source + os.sep) else path
 
     def version(self, source=None):
         """The hash; with another tree's files in place of this one's, where one is given."""
@@ -151,8 +164,8 @@ class Deciding:
             with open(path, "rb") as file:
                 content = hashlib.sha256(file.read()).hexdigest()
             total.update(f"{name}\0{content}\n".encode())
-        for output, its_flags in self.flags:
-            total.update(f"{output} {' '.join(its_flags)}\n".encode())
+        for name, its_flags in self.flags:
+            total.update(f"{name} {' '.join(its_flags)}\n".encode())
         total.update(self.compiler.encode())
         return total.hexdigest()[:16]
 

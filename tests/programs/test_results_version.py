@@ -95,12 +95,12 @@ class ResultsVersion(ProgramTest):
                                        ("-std=c++20", "-std=c++20 -fsanitize=address", False)]:
             commands.write_text(text.replace(before, after))
             self.assertEqual(self.results(self.records()) != as_built, decides, after)
-        # The same flag on another file is another version.
+        # The same flag on other files is another version.
         versions = set()
-        for name in ["swap.cpp", "tuning.cpp"]:
+        for name in ["unity_0_cxx.cxx", "unity_1_cxx.cxx"]:
             values = json.loads(text)
             for value in values:
-                if value["file"].endswith("worker/sampling/" + name):
+                if value["file"].endswith("worker_sampling.dir/Unity/" + name):
                     value["command"] = value["command"].replace("-std=c++20", "-std=c++20 -mfma")
             commands.write_text(json.dumps(values))
             versions.add(self.results(self.records()))

@@ -186,6 +186,7 @@ class Shells(TidyTest):
         ("xxhash.h", "PkgConfig::XXHASH", "common/store", "xxHash"),
         ("capnp/message.h", "CapnProto::capnp", "common/schema/wire", "Cap'n Proto"),
         ("openssl/evp.h", "OpenSSL::Crypto", "common/hash", "OpenSSL"),
+        ("nlohmann/json.hpp", "nlohmann_json::nlohmann_json", "common/json", "the JSON library"),
         ("spdlog/spdlog.h", "spdlog::spdlog", "common/logging", "spdlog"),
         ("librsvg/rsvg.h", "PkgConfig::RSVG", "clients/plot", "librsvg"),
         ("libpng16/png.h", "PkgConfig::PNG", "clients/plot", "libpng"),

@@ -11,8 +11,6 @@
 namespace sleight::physics::scenes {
 namespace {
 
-constexpr double k_gravity_mps2 = 9.81;
-
 /// A shape that bodies can share, and its inertia.
 struct Solid {
   std::shared_ptr<const Compound> shape;

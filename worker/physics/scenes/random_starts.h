@@ -1,4 +1,4 @@
-// Random states that scenes start from.
+// Random states that scenes start from, and the gravity that most have.
 //
 // Thread safety: pure functions of the stream.
 #pragma once
@@ -8,6 +8,8 @@
 #include "worker/physics/motion/rigid_body.h"
 
 namespace sleight::physics::scenes {
+
+inline constexpr double k_gravity_mps2 = 9.81;
 
 inline random::Stream stream_of_scene(std::uint64_t seed, std::uint64_t part) {
   return random::Stream({.seed = seed, .purpose = random::Purpose::scene}, part);

@@ -13,8 +13,6 @@
 namespace sleight::physics::scenes {
 namespace {
 
-constexpr double k_gravity_mps2 = 9.81;
-
 BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
   return {
       .name = {},

@@ -14,6 +14,7 @@ namespace sleight::json {
 namespace {
 
 TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
+  // Goal: output keeps its order. Method: keys set, set again, parsed twice, erased and updated.
   Value value{{"z", 1}, {"a", Value::object()}};
   value["m"] = "x";
   value["z"] = nullptr;
@@ -26,6 +27,7 @@ TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
 }
 
 TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
+  // Goal: braces mean what they say. Method: the text of values made from braces and containers.
   EXPECT_EQ((Value{{"a", 1}, {"b", {1, 2}}}).dump(), R"({"a":1,"b":[1,2]})");
   EXPECT_EQ((Value{{1, "a"}, {2, "b"}}).dump(), R"([[1,"a"],[2,"b"]])");
   EXPECT_EQ(Value::array({{"a", 1}}).dump(), R"([["a",1]])");
@@ -34,6 +36,7 @@ TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
 }
 
 TEST(JsonValue, NumbersComeBackAsTheyWere) {
+  // Goal: no number loses bits. Method: the limits of each kind, there and back.
   constexpr auto k_most = std::numeric_limits<std::uint64_t>::max();
   constexpr auto k_least = std::numeric_limits<std::int64_t>::min();
   EXPECT_EQ(Value::parse(Value(k_most).dump()).get<std::uint64_t>(), k_most);
@@ -46,6 +49,7 @@ TEST(JsonValue, NumbersComeBackAsTheyWere) {
 }
 
 TEST(JsonValue, AValueOfAnotherKindIsRefused) {
+  // Goal: a reader never gets a wrong value. Method: each reading function on another kind.
   EXPECT_THROW(Value(256).get<std::uint8_t>(), Error);
   EXPECT_THROW(Value(-1).get<std::uint64_t>(), Error);
   EXPECT_THROW(Value(std::uint64_t{1} << 63U).get<std::int64_t>(), Error);
@@ -62,6 +66,7 @@ TEST(JsonValue, AValueOfAnotherKindIsRefused) {
 }
 
 TEST(JsonValue, TextThatIsNotJsonIsRefused) {
+  // Goal: hostile text is refused and does no harm. Method: cut, wrong and deeply nested texts.
   const auto nested = [](int depth) {
     return std::string(static_cast<std::size_t>(depth), '[') +
            std::string(static_cast<std::size_t>(depth), ']');
@@ -75,6 +80,7 @@ TEST(JsonValue, TextThatIsNotJsonIsRefused) {
 }
 
 TEST(JsonValue, WhatIsNotUtf8IsReplaced) {
+  // Goal: what is written is JSON. Method: bytes that are not UTF-8, and text as ASCII.
   EXPECT_EQ(Value("a\xff").dump(), "\"a\uFFFD\"");
   EXPECT_EQ(Value("\u00e9\n").dump(-1, true), R"("\u00e9\n")");
 }
