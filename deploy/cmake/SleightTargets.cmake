@@ -6,7 +6,7 @@
 #   sleight_test(SOURCES x_test.cpp LINKS common_math [ALL_SOURCES long_test.cpp] [ALL_TESTS Long.*:Suite.Name]
 #                [LABELS slow] [TIMEOUT seconds] [COMPUTES])
 #
-# Sources of libraries, programs' parts and tests are compiled a few at a time; all three take APART
+# Sources of libraries, programs' parts and tests are compiled a few at a time
 # (SleightTogether.cmake).
 #
 # A test's own objects are built with less optimisation than what they test, as compiling them takes
@@ -43,13 +43,13 @@ function(sleight_product target)
 endfunction()
 
 function(sleight_library)
-  cmake_parse_arguments(ARG "DECIDES_NOTHING" "" "SOURCES;LINKS;APART" ${ARGN})
+  cmake_parse_arguments(ARG "DECIDES_NOTHING" "" "SOURCES;LINKS" ${ARGN})
   sleight_folder_name(name)
   if(ARG_SOURCES)
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PUBLIC sleight_options ${ARG_LINKS})
     sleight_product(${name})
-    sleight_compile_together(${name} APART ${ARG_APART})
+    sleight_compile_together(${name})
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE sleight_options ${ARG_LINKS})
@@ -70,16 +70,16 @@ endfunction()
 
 # What programs have in common of their mains, compiled once: like these it may join the sides.
 function(sleight_program_parts name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;APART" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC sleight_options ${ARG_LINKS})
   sleight_product(${name})
-  sleight_compile_together(${name} APART ${ARG_APART})
+  sleight_compile_together(${name})
 endfunction()
 
 function(sleight_test)
   cmake_parse_arguments(ARG "COMPUTES" "TIMEOUT;ALL_TESTS"
-    "SOURCES;ALL_SOURCES;LINKS;LABELS;APART" ${ARGN})
+    "SOURCES;ALL_SOURCES;LINKS;LABELS" ${ARGN})
   sleight_folder_name(name)
   set(filter)
   if(NOT SLEIGHT_TESTS STREQUAL fast)
@@ -95,7 +95,7 @@ function(sleight_test)
   target_link_libraries(${name} PRIVATE sleight_options sleight_options_${kind} ${ARG_LINKS}
     tests_support)
   target_precompile_headers(${name} REUSE_FROM sleight_precompiled_${kind})
-  sleight_compile_together(${name} APART ${ARG_APART})
+  sleight_compile_together(${name})
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(NOT ARG_TIMEOUT)
