@@ -126,7 +126,8 @@ TEST_F(GalleryTest, ALargeArchiveShowsItsBeginningWhileTheRestIsRead) {
     EXPECT_EQ(entries_of(said.front()) == 500, is_large);
     EXPECT_EQ(said.back()["is_beginning"], false);
     EXPECT_EQ(said.back()["finds"], finds);
-    EXPECT_EQ(said.back()["generation"].get<int>() > said.front()["generation"].get<int>(),
+    EXPECT_EQ(said.back()["generation"].get<std::uint64_t>() >
+                  said.front()["generation"].get<std::uint64_t>(),
               is_large);
     EXPECT_EQ(whole->index().entries.size(), entries_of(said.back()));
     EXPECT_FALSE(whole->is_beginning());
@@ -145,7 +146,7 @@ TEST_F(GalleryTest, StartedAgainItTellsAnotherReading) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   EXPECT_EQ(said[0]["run"], said[1]["run"]);
-  EXPECT_GT(said[1]["generation"].get<int>(), said[0]["generation"].get<int>());
+  EXPECT_GT(said[1]["generation"].get<std::uint64_t>(), said[0]["generation"].get<std::uint64_t>());
 }
 
 TEST_F(GalleryTest, WhatIsGoneOrDamagedKeepsWhatWasRead) {
