@@ -16,7 +16,7 @@ from harness import ProgramTest
 # Folders whose files decide nothing that a run stores; all others of a library do.
 AFTERWARDS = {"common/access", "common/archive", "common/archive/digest", "common/archive/hdf5",
               "common/archive/reader_program", "common/archive/remote", "common/config",
-              "common/events", "common/failure_file", "common/hash", "common/logging", "common/motion",
+              "common/events", "common/failure_file", "common/hash", "common/json", "common/logging", "common/motion",
               "common/rpc", "common/scene", "common/schema", "common/schema/wire", "common/store", "worker/run/mpi",
               "worker/worlds/readers", "worker/worlds/segments", "worker/physics/scenes"}
 
