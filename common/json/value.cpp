@@ -11,30 +11,31 @@ namespace sleight::json {
 
 using Library = nlohmann::ordered_json;
 
-struct ToLibrary {
-  static Library of(const Value& value) { return std::visit(ToLibrary(), value.value_); }
+/// Both ways. Keys are unique on either side, so members are put at the end without a search for
+/// their key, which the types' own operators make.
+struct Conversion {
+  static Library library(const Value& value) { return std::visit(Conversion(), value.value_); }
+  static Value value(const Library& read, int depth);
 
   template <class Plain>
-  Library operator()(const Plain& value) const {
-    return value;
+  Library operator()(const Plain& plain) const {
+    return plain;
   }
   Library operator()(const Value::Array& elements) const {
     Library array = Library::array();
     for (const Value& element : elements)
-      array.push_back(of(element));
+      array.push_back(library(element));
     return array;
   }
   Library operator()(const Value::Object& members) const {
-    Library object = Library::object();
-    for (const auto& [key, value] : members)
-      object[key] = of(value);
+    Library::object_t object;
+    for (const auto& [key, member] : members)
+      object.push_back({key, library(member)});
     return object;
   }
 };
 
-namespace {
-
-Value from_library(const Library& read, int depth) {
+Value Conversion::value(const Library& read, int depth) {
   if (depth > k_depth_max) throw Error(fmt::format("nested more than {} deep", k_depth_max));
   switch (read.type()) {
     case Library::value_t::boolean:
@@ -48,21 +49,27 @@ Value from_library(const Library& read, int depth) {
     case Library::value_t::string:
       return read.get_ref<const std::string&>();
     case Library::value_t::array: {
-      Value array = Value::array();
+      Value::Array elements;
       for (const Library& element : read)
-        array.push_back(from_library(element, depth + 1));
+        elements.push_back(value(element, depth + 1));
+      Value array;
+      array.value_ = std::move(elements);
       return array;
     }
     case Library::value_t::object: {
-      Value object = Value::object();
-      for (const auto& [key, value] : read.items())
-        object[key] = from_library(value, depth + 1);
+      Value::Object members;
+      for (const auto& [key, member] : read.get_ref<const Library::object_t&>())
+        members.push_back({key, value(member, depth + 1)});
+      Value object;
+      object.value_ = std::move(members);
       return object;
     }
     default:
       return nullptr;
   }
 }
+
+namespace {
 
 bool is_pair(const Value& value) {
   return value.is_array() && value.size() == 2 && value[0].is_string();
@@ -120,7 +127,7 @@ Value Value::object() {
 
 Value Value::parse(std::string_view text) {
   try {
-    return from_library(Library::parse(text), 0);
+    return Conversion::value(Library::parse(text), 0);
   } catch (const Library::exception& error) {
     throw Error(error.what());
   }
@@ -135,7 +142,7 @@ Value Value::parse_or_null(std::string_view text) {
 }
 
 std::string Value::dump(int indent, bool is_ascii) const {
-  return ToLibrary::of(*this).dump(indent, ' ', is_ascii, Library::error_handler_t::replace);
+  return Conversion::library(*this).dump(indent, ' ', is_ascii, Library::error_handler_t::replace);
 }
 
 bool Value::is_null() const {

@@ -1,5 +1,5 @@
 // JSON values. This header is small on purpose: the JSON library that reads and writes the text is
-// included by value.cpp alone, because each source that includes it compiles for seconds longer.
+// included by value.cpp alone, since each source that includes it takes seconds longer to compile.
 //
 // Invariants
 //   1. An object keeps the order in which its keys were added; a key stands in it once.
@@ -36,7 +36,7 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-struct ToLibrary;  // the source's
+struct Conversion;  // the source's
 
 template <class T>
 concept is_map = requires {
@@ -199,7 +199,7 @@ class Value {
   double number() const;
   std::vector<std::string> keys() const;
   [[noreturn]] void refuse(const char* expected) const;
-  friend struct ToLibrary;
+  friend struct Conversion;
 
   std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, Array,
                Object>

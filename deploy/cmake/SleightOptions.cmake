@@ -50,8 +50,8 @@ if(SLEIGHT_FUZZ)
   target_compile_options(sleight_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# A test's own objects take two fifths less time to compile than with -O3. What is tested keeps the
-# flags that are shipped.
+# A test's own objects take two fifths less time to compile than with -O3. The libraries under test
+# keep the flags that are shipped.
 add_library(sleight_options_tests INTERFACE)
 target_compile_options(sleight_options_tests INTERFACE $<$<CONFIG:Release>:-O1>)
 add_library(sleight_options_computing_tests INTERFACE)

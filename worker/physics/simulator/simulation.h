@@ -82,8 +82,8 @@ class Simulation {
   std::optional<SceneError> run_until(Tick end);
 
   /// Continues with another algorithm or engine, and other sampling events, which come at multiples
-  /// of their interval. What is recorded or kept stays as it is: `record`, `segments_reserved`,
-  /// `keep_history` and `history_bytes_max` have no effect. A simulation that has failed stays so.
+  /// of their interval. `record`, `segments_reserved`, `keep_history` and `history_bytes_max` have
+  /// no effect: recording goes on as before. A simulation that has failed stays so.
   void go_on_with(const SimulationOptions& options);
 
   Tick now() const;
