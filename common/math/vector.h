@@ -66,9 +66,9 @@ double dot(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
   return sum;
 }
 
-/// Length, in the unit of the components.
+/// Length, in the unit of the components. In line always, as searches do little else.
 template <VectorExpression A>
-double norm(const Eigen::MatrixBase<A>& a) {
+[[gnu::always_inline]] inline double norm(const Eigen::MatrixBase<A>& a) {
   const detail::Held<A> v = a.derived();
   return std::sqrt(dot(v, v));
 }
@@ -76,7 +76,7 @@ double norm(const Eigen::MatrixBase<A>& a) {
 /// The unit vector along a; its length is 1 to within 2^-51.
 /// REQUIRES: the norm is neither 0 nor infinite nor NaN.
 template <VectorExpression A>
-Evaluated<A> normalized(const Eigen::MatrixBase<A>& a) {
+[[gnu::always_inline]] inline Evaluated<A> normalized(const Eigen::MatrixBase<A>& a) {
   const Evaluated<A> v = a;
   const double length = norm(v);
   CHECK(length > 0 && std::isfinite(length));

@@ -157,7 +157,7 @@ std::string why_it_ended(int status, const ReaderLimits& limits) {
   }
   if (signal == SIGSYS) {
     return "the process that read it tried what reading doesn't need, and was ended: the file is "
-           "hostile";
+           "damaged or hostile";
   }
   if (signal == SIGKILL)
     return "the process that read it was killed, by somebody or for want of memory";

@@ -173,7 +173,7 @@ void wake_on_those_that_left(At& at) {
     at.resting().leave(body);
     wake_dependents(at, body);
   }
-  std::sort(at.changed().begin(), at.changed().end());
+  if (at.changed().size() > 1) std::sort(at.changed().begin(), at.changed().end());
 }
 
 // ---- lasting contact of spheres -----------------------------------------------------------------

@@ -250,7 +250,10 @@ bool Resting::balances(std::size_t count, Tick now) {
 void Resting::reset(std::size_t bodies, const SlowContacts& rule, TickCount jam_span) {
   rule_ = rule;
   jam_span_ = std::min(jam_span, rest_span());
-  logs_.assign(enabled() ? bodies : 0, {});
+  // Not assign: most of a log are places for touches, which needn't be empty.
+  logs_.resize(enabled() ? bodies : 0);
+  for (Log& log : logs_)
+    log.forget();
   set_.reserve(bodies);
   if (!enabled()) return;
   const std::size_t together = std::min(bodies, k_held_together_max);

@@ -248,6 +248,10 @@ class Resting {
     std::uint64_t in_structure = 0;     ///< the last one that it was in
     std::uint32_t structure_place = 0;  ///< in that; k_fixed if it counts as fixed
 
+    void forget() {
+      static_cast<Known&>(*this) = {};
+      round = in_structure = 0;
+    }
     std::span<const TouchRecord> touches() const { return {records.data(), count}; }
     std::span<const TouchRecord> holding() const { return {held.data(), held_count}; }
   };

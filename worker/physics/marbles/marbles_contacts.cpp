@@ -25,13 +25,17 @@ Twist Marbles::twist_at(BodyId ball, Tick tick) const {
   return twist;
 }
 
-void Marbles::begin_segment(BodyId index, const Segment& segment) {
+void Marbles::begin_segment(BodyId ball, const Segment& segment) {
+  balls_[ball].segment = segment;
+  segment_begun(ball);
+}
+
+void Marbles::segment_begun(BodyId index) {
   Marble& ball = balls_[index];
-  ball.segment = segment;
   ball.supports.count = 0;
   ball.supports.end = k_never;
   ball.stance = Marble::Stance::unknown;
-  last_event_[index] = segment.flight.begin;
+  last_event_[index] = ball.segment.flight.begin;
   changed_.push_back(index);
 }
 
@@ -62,9 +66,16 @@ class Marbles::AtEvent {
 
   bool is_resting(BodyId ball) const { return marbles_.is_resting(ball); }
   bool is_round(BodyId /*ball*/) const { return true; }
-  Vec3 place_m(BodyId ball) const { return marbles_.place_at(ball, tick_); }
+  /// Kept, as an event asks several times where its ball is.
+  const Vec3& place_m(BodyId ball) {
+    if (ball != placed_) {
+      placed_ = ball;
+      place_m_ = marbles_.place_at(ball, tick_);
+    }
+    return place_m_;
+  }
   Twist twist(BodyId ball) const { return marbles_.twist_at(ball, tick_); }
-  Pose place_of_rest(BodyId ball) const { return {place_m(ball), Quat::Identity()}; }
+  Pose place_of_rest(BodyId ball) { return {place_m(ball), Quat::Identity()}; }
   double reach_m(BodyId /*ball*/) const { return marbles_.radius_m_; }
   double mass_kg(BodyId /*ball*/) const { return marbles_.inertia_.mass_kg; }
   double fastest_point_mps(BodyId /*ball*/, const Twist& twist) const {
@@ -84,7 +95,7 @@ class Marbles::AtEvent {
   Twist lifted(BodyId /*ball*/, const Twist& twist) const { return twist; }
   bool stays(BodyId ball) const { return in_contact(marbles_.balls_[ball].segment); }
   Supports& supports(BodyId ball) { return marbles_.balls_[ball].supports; }
-  LastingContact lasting_contact(BodyId ball, FeatureId feature) const {
+  LastingContact lasting_contact(BodyId ball, FeatureId feature) {
     const SurfaceLaw& law = marbles_.scene_->contacts.between(
         marbles_.material_, statics().material_of_feature(feature));
     return {.normal = normal_at(statics().feature(feature), place_m(ball)),
@@ -111,7 +122,7 @@ class Marbles::AtEvent {
     return physics::slow_from(segment, marbles_.radius_m_, marbles_.inertia_, slow(), end);
   }
 
-  FreeFlight flight_after(BodyId ball, const Twist& twist) const {
+  FreeFlight flight_after(BodyId ball, const Twist& twist) {
     return {.begin = tick_,
             .position_m = place_m(ball),
             .velocity_mps = twist.velocity_mps,
@@ -119,9 +130,21 @@ class Marbles::AtEvent {
             .orientation = marbles_.balls_[ball].segment.flight.orientation,
             .angular_velocity_radps = twist.angular_velocity_radps};
   }
-  void begin_segment(BodyId ball, const Segment& segment) { marbles_.begin_segment(ball, segment); }
+  void begin_segment(BodyId ball, const Segment& segment) {
+    placed_ = k_none;
+    marbles_.begin_segment(ball, segment);
+  }
   void begin_after(BodyId ball, const Twist& twist) {
-    begin_segment(ball, {.flight = flight_after(ball, twist)});
+    Segment& segment = marbles_.balls_[ball].segment;
+    // Its orientation stays.
+    segment.flight.position_m = place_m(ball);
+    segment.flight.begin = tick_;
+    segment.flight.velocity_mps = twist.velocity_mps;
+    segment.flight.acceleration_mps2 = gravity_mps2();
+    segment.flight.angular_velocity_radps = twist.angular_velocity_radps;
+    segment.angular_acceleration_radps2 = Vec3::Zero();
+    segment.mode = MotionMode::free;
+    marbles_.segment_begun(ball);
   }
   void begin_rest(BodyId ball) {
     Segment segment{.flight = flight_after(ball, {}), .mode = MotionMode::resting};
@@ -180,6 +203,8 @@ class Marbles::AtEvent {
  private:
   Marbles& marbles_;
   Tick tick_;
+  BodyId placed_ = k_none;
+  Vec3 place_m_;  ///< of that one
 };
 
 // ---- what happens -------------------------------------------------------------------------------
