@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -22,6 +23,13 @@ EndReport::EndReport(const std::string& path, Missing missing) {
   if (descriptor_ < 0) {
     const std::string reason = errno == ENXIO ? "nobody reads it" : std::strerror(errno);
     throw base::Error(base::ExitCode::usage, fmt::format("--end-report: {}: {}", path, reason));
+  }
+  struct stat file {};
+  if (::fstat(descriptor_, &file) != 0 || !S_ISFIFO(file.st_mode)) {
+    ::close(descriptor_);
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("--end-report: {}: not a named pipe; make one with mkfifo", path));
   }
   base::set_bug_listener({.heard = &EndReport::tell_bug, .context = this});
 }

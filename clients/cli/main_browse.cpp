@@ -86,7 +86,7 @@ void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
       "same\n"
       "order; docs/BROWSING.md has the formula. Of more than 500 animations the groups are those "
       "of\n"
-      "500, and each other one goes to the nearest.\n\n"
+      "200 (of 500 for more than 100 groups), and each other one goes to the nearest.\n\n"
       "Examples:\n"
       "  sleight groups hi.h5 -k 12\n"
       "  sleight groups die.h5 -k 6 -o die_groups.png\n"

@@ -41,6 +41,8 @@ int direct(const DirectArguments& arguments) {
 }
 
 int check_request(const std::string& path, const std::vector<std::string>& sets) {
+  if (path.empty())
+    throw base::Error(base::ExitCode::usage, "check: the name of REQUEST.toml is empty");
   run::Catalogue catalogue = worlds_of_program();
   DirectArguments arguments;
   arguments.request_path = path;

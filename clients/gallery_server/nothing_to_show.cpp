@@ -36,8 +36,8 @@ std::string nothing_to_show(const json::Value& state, const std::vector<std::str
   const std::string more =
       archives.size() == 1 ? std::string() : fmt::format(" (and {} more)", archives.size() - 1);
   return cli::shown_on_one_line(fmt::format(
-      "there is nothing to show: {}: {}{}; name an archive that `sleight direct` or "
-      "`run` made, or wait until it is replaced",
+      "there is nothing to show: {}: {}{}; name an archive that "
+      "`sleight direct` made, or wait until it is replaced",
       first["name"].template get<std::string>(), first["words"].template get<std::string>(), more));
 }
 

@@ -86,22 +86,31 @@ int save_archives(const CommandOptions& options, const std::string& socket,
     const NamedArchives named(options.paths, socket);
     fetch_jobs(named.jobs(), socket);
     const cli::Interruption interruption;
-    const std::vector<SavedArchive> archives = read_archives(named.paths());
+    std::vector<SavedArchive> archives = read_archives(named.paths());
+    cli::ProgressPrinter printer("saving " + options.save, stderr);
+    const SaveOptions save{.folder = options.save,
+                           .page = saved_page_folder(),
+                           .version = std::string(base::version()),
+                           .progress = [&](std::size_t done, std::size_t of) {
+                             cli::Interruption::check();
+                             printer.say(fmt::format("{} of {} files", done, of));
+                           }};
+    const auto save_readable = [&] {
+      for (;;) {
+        try {
+          return save_gallery(archives, save, rules);
+        } catch (const UnreadableArchive& error) {
+          printer.clear();
+          if (archives.size() == 1) throw;
+          fmt::print(stderr, "left out: {}\n", error.what());
+          archives.erase(archives.begin() + static_cast<std::ptrdiff_t>(error.number()));
+        }
+      }
+    };
+    const std::uint64_t bytes = save_readable();
     std::size_t animations = 0;
     for (const SavedArchive& archive : archives)
       animations += archive.snapshot->index().entries.size();
-    cli::ProgressPrinter printer("saving " + options.save, stderr);
-    const std::uint64_t bytes =
-        save_gallery(archives,
-                     {.folder = options.save,
-                      .page = saved_page_folder(),
-                      .version = std::string(base::version()),
-                      .progress =
-                          [&](std::size_t done, std::size_t of) {
-                            cli::Interruption::check();
-                            printer.say(fmt::format("{} of {} files", done, of));
-                          }},
-                     rules);
     printer.clear();
     constexpr double k_megabyte = 1e6;
     if (options.json) {

@@ -34,22 +34,24 @@ std::string text_of(const Json& json) {
 /// A file that is to be written, made when its turn comes.
 struct Planned {
   std::string path{};  ///< "0/looks"
+  std::size_t archive = 0;
   std::function<std::string()> script{};
 };
 
 class Plan {
  public:
   void json(const std::string& path, std::function<Json()> make) {
-    files.push_back({path, [path, make = std::move(make)] {
+    files.push_back({path, archive, [path, make = std::move(make)] {
                        return script_of(path, "json", text_of(make()));
                      }});
   }
   void packed(const std::string& path, std::function<std::string()> make) {
-    files.push_back({path, [path, make = std::move(make)] {
+    files.push_back({path, archive, [path, make = std::move(make)] {
                        return script_of(path, "gz", base64(web::gzipped(make())));
                      }});
   }
 
+  std::size_t archive = 0;  ///< whose files come next
   std::vector<Planned> files{};
 };
 
@@ -65,6 +67,7 @@ std::vector<std::string> names_from(const Snapshot& snapshot, std::size_t first)
 void plan_archive(Plan& plan, std::size_t number, const SavedArchive& archive,
                   const cli::Rules& rules) {
   const Snapshot& snapshot = *archive.snapshot;
+  plan.archive = number;
   const auto at = [&](const std::string& name) { return fmt::format("{}/{}", number, name); };
   plan.json(at("scene"), [&snapshot] { return scene_json(snapshot); });
   plan.packed(at("looks"), [&snapshot] { return looks(snapshot); });
@@ -118,6 +121,15 @@ Json gallery_json(const std::vector<SavedArchive>& archives, const std::string& 
 
 constexpr std::size_t k_page_bytes_max = 16U << 20U;
 
+std::string script_of(const Planned& file) {
+  try {
+    return file.script();
+  } catch (const base::Error& error) {
+    if (error.exit_code() != base::ExitCode::bad_archive) throw;
+    throw UnreadableArchive(file.archive, error.what());
+  }
+}
+
 }  // namespace
 
 std::string script_of(const std::string& path, const std::string& kind, const std::string& text) {
@@ -138,8 +150,8 @@ std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const Save
           folder.write(name, base::read_text_file(options.page + "/" + name, k_page_bytes_max));
     }
     for (std::size_t done = 0; done < plan.files.size(); ++done) {
-      bytes +=
-          folder.write(fmt::format("data/{}.js", plan.files[done].path), plan.files[done].script());
+      bytes += folder.write(fmt::format("data/{}.js", plan.files[done].path),
+                            script_of(plan.files[done]));
       if (options.progress) options.progress(done + 1, plan.files.size());
     }
     bytes += folder.write(

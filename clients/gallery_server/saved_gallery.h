@@ -26,6 +26,7 @@
 
 #include "clients/cli/diagnosis.h"
 #include "clients/gallery_server/snapshot.h"
+#include "common/base/error.h"
 
 namespace sleight::gallery {
 
@@ -43,8 +44,19 @@ struct SaveOptions {
   std::function<void(std::size_t, std::size_t)> progress{};
 };
 
+/// One of the archives turned out to be damaged while it was read.
+class UnreadableArchive : public base::Error {
+ public:
+  UnreadableArchive(std::size_t number, const std::string& words)
+      : base::Error(base::ExitCode::bad_archive, words), number_(number) {}
+  std::size_t number() const { return number_; }
+
+ private:
+  std::size_t number_;
+};
+
 /// Returns the bytes that were written. Throws base::Error: conflict where something else is in the
-/// folder, environment where it can't be written, bad_archive.
+/// folder, environment where it can't be written; UnreadableArchive.
 std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const SaveOptions& options,
                            const cli::Rules& rules);
 

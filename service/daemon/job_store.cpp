@@ -25,6 +25,9 @@ CREATE TABLE request(job INTEGER, revision INTEGER, asked TEXT NOT NULL, text TE
 CREATE TABLE usage(user INTEGER PRIMARY KEY, record TEXT NOT NULL, checksum INTEGER NOT NULL);
 )";
 
+constexpr const char* k_put_back =
+    "Put back a copy of the state folder, or move the folder away and start with an empty one";
+
 /// A row's place: its table, and up to two numbers.
 struct Place {
   const char* table;
@@ -43,9 +46,8 @@ void verify(const store::Database& database, const Place& place, std::string_vie
   if (checksum_of(place, text) == checksum) return;
   throw base::Error(fmt::format(
       "{}: the row {} {} of table {} is not as it was written: the disk or somebody changed it; "
-      "the store is left as it is. Put back a copy of the state folder, or move the folder away "
-      "and start with an empty one",
-      database.path(), place.first, place.second, place.table));
+      "the store is left as it is. {}",
+      database.path(), place.first, place.second, place.table, k_put_back));
 }
 
 template <class Value>
@@ -99,12 +101,32 @@ Place place_of_asked(jobs::JobId job, std::uint64_t revision) {
 
 }  // namespace
 
+namespace {
+
+/// What `work` does; where the file is damaged, with advice for a job store.
+template <class Work>
+auto with_advice(const std::string& path, const Work& work) {
+  try {
+    return work();
+  } catch (const store::DatabaseError& error) {
+    if (error.kind() != store::DatabaseError::Kind::damaged) throw;
+    throw base::Error(fmt::format("{}: the job store is damaged ({}); it is left as it is. {}",
+                                  path, error.reason(), k_put_back));
+  }
+}
+
+}  // namespace
+
 JobStore::JobStore(const std::string& path, const store::RunLock* lock)
-    : shared_(std::make_shared<store::SharedDatabase>(path, store::Access::read_write)),
+    : shared_(with_advice(path,
+                          [&] {
+                            return std::make_shared<store::SharedDatabase>(
+                                path, store::Access::read_write);
+                          })),
       database_(shared_->only_database()),
       lock_(lock) {
   const store::SharedDatabase::Turn turn = shared_->turn();
-  create_or_check();
+  with_advice(path, [&] { create_or_check(); });
 }
 
 std::shared_ptr<store::SharedDatabase> JobStore::to_read() const {

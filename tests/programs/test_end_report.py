@@ -83,6 +83,14 @@ class EndReport(ProgramTest):
         self.assertEqual((finished["epoch"], finished["end"], finished["scans"]), (2, "finished", 50))
         self.assertEqual(self.stored(output), [stopped, finished])
 
+    def test_an_ordinary_file_is_refused_and_kept(self):
+        request = self.write_request(chains=2, scans=50)
+        kept = pathlib.Path(request).read_text()
+        result = harness.sleight("direct", request, "-o", self.path("a.h5"), "--end-report", request)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("not a named pipe", result.stderr)
+        self.assertEqual(pathlib.Path(request).read_text(), kept)
+
     def test_a_signal_and_a_kill(self):
         output = self.path("a.h5")
         request = self.write_request(chains=2, scans=200_000_000)

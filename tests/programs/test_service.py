@@ -221,6 +221,9 @@ class Service(ServiceTest):
             database.execute("UPDATE state SET value = ? WHERE key='format'", (kept[0],))
         self.serve()
         self.assertEqual(self.job(number)["state"], "done")
+        self.kill_daemon()
+        store.write_bytes(b"garbage" * 1000)
+        self.refuses_to_begin("the job store is damaged", 5)
 
     def refuses_to_begin(self, words, code):
         result = subprocess.run([harness.program("sleightd")], capture_output=True, text=True,
