@@ -118,7 +118,7 @@ int group_animations(const GroupsOptions& options) {
     if (options.json) {
       fmt::print("{}\n", dumped(groups_json(browsed, all, groups)));
     } else if (all.empty()) {
-      fmt::print("no animation of {} is meant\n", browsed.animations());
+      fmt::print("none of {} animations matches\n", browsed.animations());
     } else {
       print_groups(browsed, all, groups);
     }

@@ -44,7 +44,7 @@ void add_find(CLI::App& app, cli::FindOptions& options, Action& action) {
   add_asked(*command, options.asked);
   command->add_option("--sort", options.sort, "In the order of this number")->type_name("NUMBER");
   command->add_flag("--descending", options.descending, "The greatest first");
-  command->add_option("-n,--limit", options.limit, "At most so many")
+  command->add_option("-n,--limit", options.limit, "Most that are shown")
       ->check(CLI::Range(1, 1'000'000'000).description(""))
       ->type_name("N");
   command->add_flag("--names", options.names,

@@ -250,7 +250,7 @@ double parse_duration_s(const std::string& text) {
   const std::optional<double> duration_s = config::duration_s_of(text);
   if (duration_s) return *duration_s;
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("--time-limit: '{}' is no time; say 20s, 5m or 1.5h", text));
+                    fmt::format("--time-limit: '{}' is not a time; say 20s, 5m or 1.5h", text));
 }
 
 void check_arguments(const DirectArguments& arguments) {

@@ -141,7 +141,7 @@ void add_list(CLI::App& app, Action& action) {
   command->add_option("--group", options->group, "Only this group's")->type_name("GROUP");
   command->add_option("--name", options->name, "Only those with this in their name")
       ->type_name("TEXT");
-  command->add_option("--count", options->count, "At most so many")
+  command->add_option("--count", options->count, "Most that are shown")
       ->check(
           CLI::Range(std::uint32_t{1}, std::numeric_limits<std::uint32_t>::max()).description(""))
       ->type_name("N")

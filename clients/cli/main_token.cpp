@@ -30,13 +30,12 @@ void add_create(CLI::App& token, Action& action) {
   command->add_option("--expires", options->expires, "After so long: 90d, 12h, or never")
       ->type_name("TIME")
       ->capture_default_str();
-  command->add_option("--user", options->user, "Whose it is; of the service's own user alone")
+  command->add_option("--user", options->user, "Whose it is; only the service's own user may say")
       ->type_name("USER");
-  command
-      ->add_option("--jobs", options->jobs_max, "At most so many of its jobs that have not ended")
+  command->add_option("--jobs", options->jobs_max, "Most unfinished jobs that it may have at once")
       ->check(CLI::Range(1U, k_limit_max))
       ->type_name("N");
-  command->add_option("--cores", options->cores_max, "At most so many cores for each of its jobs")
+  command->add_option("--cores", options->cores_max, "Most cores for each of its jobs")
       ->check(CLI::Range(1U, k_limit_max))
       ->type_name("N");
   command->add_option("-o,--output", options->output, "Into this new file, for its owner alone")

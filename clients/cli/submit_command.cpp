@@ -38,7 +38,7 @@ std::uint64_t memory_of(const std::string& text) {
   const auto bytes = config::bytes_of(text);
   if (bytes && *bytes > 0) return *bytes;
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("--memory: '{}' is no size; say 2 GB or 500 MB", shown(text)));
+                    fmt::format("--memory: '{}' is not a size; say 2 GB or 500 MB", shown(text)));
 }
 
 std::string job_name(const SubmitOptions& options) {
@@ -89,7 +89,7 @@ std::vector<rpc::JobOption> job_options_of(const std::vector<std::string>& texts
     const std::size_t end = text.find('=');
     if (end == std::string::npos || end == 0) {
       throw base::Error(base::ExitCode::usage,
-                        fmt::format("--option: '{}' is no KEY=VALUE, as partition=long is",
+                        fmt::format("--option: '{}' is not KEY=VALUE, such as partition=long",
                                     request::printable(text, k_option_characters_max)));
     }
     values[text.substr(0, end)] = text.substr(end + 1);

@@ -97,7 +97,7 @@ double validity_s_of(const std::string& text) {
   }
   if (!seconds || *seconds > rpc::k_token_s_max) {
     refuse_usage(
-        fmt::format("--expires: '{}' is no time such as 90d, 12h, or never; ten years are "
+        fmt::format("--expires: '{}' is not a time such as 90d, 12h, or never; ten years are "
                     "the longest",
                     shown(text)));
   }
@@ -138,11 +138,13 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
         fmt::print("{}\n", indented(json));
         return k_ok;
       }
-      complain(fmt::format(
-          "token {} of {}, {}; may {}. It is shown this once.", token.id, name_of_user(token.user),
-          token.expires_s > 0 ? fmt::format("valid until {}", day_of(token.expires_s))
-                              : std::string("valid until it is revoked"),
-          fmt::join(names_of(token.scopes), ", ")));
+      complain(fmt::format("token {} of {}, {}; may {}. It {} and can't be shown again.", token.id,
+                           name_of_user(token.user),
+                           token.expires_s > 0
+                               ? fmt::format("valid until {}", day_of(token.expires_s))
+                               : std::string("valid until it is revoked"),
+                           fmt::join(names_of(token.scopes), ", "),
+                           file ? "is in " + options.output : std::string("follows")));
       if (!file) fmt::print("{}\n", ask.token);
       return k_ok;
     });

@@ -106,7 +106,7 @@ void StoredMotions::give_up(const std::string& reason) {
   file_.reset();
   waiting_.clear();
   logging::warn(fmt::format(
-      "motions of kept animations are not remembered, and each archive simulates them anew: {}: {}",
+      "can't use {}: {}; each archive will simulate kept animations again, with the same result",
       path_, reason));
 }
 

@@ -38,9 +38,8 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   if (files.exists(output) && !has_run) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: exists, but its run store {} does not, so it can't be gone on "
-                    "with and is not overwritten; move it away, or choose another "
-                    "output",
+        fmt::format("{}: exists, but its run store {} does not, so it can't be resumed, "
+                    "and it is not overwritten; move it away, or choose another output",
                     output, database));
   }
   if (!fresh || !has_run) return;
@@ -284,7 +283,7 @@ void leave_record(store::RunStore& run_store, RunEvents& run_events, const event
     run_events.ended(number, end);
     run_events.stop();
   } catch (const base::Error& failure) {
-    logging::warn(fmt::format("how this session ended is not in its store: {}", failure.what()));
+    logging::warn(fmt::format("could not store how this session ended: {}", failure.what()));
   }
   if (options.ended) options.ended(end);
 }
