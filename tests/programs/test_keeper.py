@@ -138,11 +138,13 @@ class Keeper(ProgramTest):
         silent = self.path("silent")
         silent.write_text(f'#!/bin/bash\nexec {programs()}/sleight "${{@/end.pipe/heard}}"\n')
         silent.chmod(0o755)
-        (self.job / "heard").write_text("")
+        os.mkfifo(self.job / "heard")
+        heard = os.open(self.job / "heard", os.O_RDONLY | os.O_NONBLOCK)
+        self.addCleanup(os.close, heard)
         self.launch(3, "-j", "1", first=["--sleight", silent])
         end = self.await_end(3)
         self.assertEqual((end["exit_code"], end["run_end"]["epoch"]), (0, 3))
-        self.assertEqual(json.loads((self.job / "heard").read_text()), end["run_end"])
+        self.assertEqual(json.loads(os.read(heard, 1 << 16)), end["run_end"])
         self.check_nothing_left()
 
     def test_ends_that_no_store_has(self):

@@ -151,11 +151,13 @@ std::string whole_path() {
 }
 
 Ended ended(const std::string& command) {
-  // Tests with DISABLED_ run, and those of a long run of this program stay short.
-  std::FILE* const pipe = popen(
-      fmt::format("unset SLEIGHT_SOAK; export GTEST_ALSO_RUN_DISABLED_TESTS=1; ({}) 2>&1", command)
-          .c_str(),
-      "r");
+  // Tests with DISABLED_ run, and those of a long or full run of this program stay short.
+  std::FILE* const pipe =
+      popen(fmt::format(
+                "unset SLEIGHT_SOAK SLEIGHT_ALL; export GTEST_ALSO_RUN_DISABLED_TESTS=1; ({}) 2>&1",
+                command)
+                .c_str(),
+            "r");
   Ended of;
   std::array<char, 4096> part{};
   for (std::size_t size = 0; (size = std::fread(part.data(), 1, part.size(), pipe)) > 0;)

@@ -49,9 +49,9 @@ Quat orientation_of(const Segment& segment, const Inertia& inertia, Tick tick) {
 }
 
 RotationBounds contact_rotation_bounds(const Segment& segment) {
-  constexpr double k_margin = 1 + 0x1p-30;
-  const double change_radps2 = math::norm(segment.angular_acceleration_radps2) * k_margin;
-  const double fastest_radps = math::norm(segment.flight.angular_velocity_radps) * k_margin +
+  constexpr double k_more = 1 + 0x1p-30;
+  const double change_radps2 = math::norm(segment.angular_acceleration_radps2) * k_more;
+  const double fastest_radps = math::norm(segment.flight.angular_velocity_radps) * k_more +
                                change_radps2 * seconds(k_turning_contact_span);
   return {.angular_speed_radps = fastest_radps,
           .angular_acceleration_radps2 = change_radps2,

@@ -9,7 +9,7 @@ namespace sleight::physics::scenes {
 namespace {
 
 constexpr double k_marble_m = 0.02;
-constexpr double k_half_width_m = 0.1;
+constexpr double k_box_half_width_m = 0.1;
 
 /// The convex hull of a square and a smaller one above it.
 std::shared_ptr<const ConvexPolyhedron> pedestal(const Vec3& centre_m, double half_m,
@@ -72,7 +72,7 @@ Setting marbles(std::uint32_t bodies, std::uint64_t seed) {
       normal[axis] = -side;
       normal = math::normalized(normal);
       Vec3 foot_m = Vec3::Zero();
-      foot_m[axis] = side * k_half_width_m;
+      foot_m[axis] = side * k_box_half_width_m;
       scene.planes.push_back({.name = std::string(side < 0 ? "low " : "high ") + "xy"[axis],
                               .outside = {.normal = normal, .offset_m = math::dot(normal, foot_m)},
                               .material = k_rubber});
