@@ -30,7 +30,9 @@ void add_create(CLI::App& token, Action& action) {
   command->add_option("--expires", options->expires, "After so long: 90d, 12h, or never")
       ->type_name("TIME")
       ->capture_default_str();
-  command->add_option("--user", options->user, "Whose it is; only the service's own user may say")
+  command
+      ->add_option("--user", options->user,
+                   "User who owns the token; only the service's own user may name another")
       ->type_name("USER");
   command->add_option("--jobs", options->jobs_max, "Most unfinished jobs that it may have at once")
       ->check(CLI::Range(1U, k_limit_max))

@@ -66,7 +66,7 @@ double dot(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
   return sum;
 }
 
-/// Length, in the unit of the components. In line always, as searches do little else.
+/// Length, in the unit of the components.
 template <VectorExpression A>
 [[gnu::always_inline]] inline double norm(const Eigen::MatrixBase<A>& a) {
   const detail::Held<A> v = a.derived();

@@ -4,6 +4,7 @@
 #include <kj/async-io.h>
 #include <kj/compat/tls.h>
 #include <kj/debug.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <unordered_set>
@@ -359,7 +360,12 @@ void Server::Impl::taskFailed(kj::Exception&& exception) {
 Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerLimits limits,
                Complain complain, std::optional<std::uint32_t> group)
     : impl_(
-          std::make_unique<Impl>(loop, socket_path, handler, limits, std::move(complain), group)) {}
+          std::make_unique<Impl>(loop, socket_path, handler, limits, std::move(complain), group)) {
+  // Large blocks go back to the system when they are freed. glibc would learn to keep them, and a
+  // piece of a file is a little smaller than the message that it is copied into: its place could
+  // not be used again, and the bound on what is held (server.h) would be passed.
+  ::mallopt(M_MMAP_THRESHOLD, 256 << 10);
+}
 
 Server::~Server() = default;
 

@@ -167,7 +167,7 @@ class Marbles {
     return position_at(balls_[ball].segment.flight, tick);
   }
   void begin_segment(BodyId ball, const Segment& segment);
-  void segment_begun(BodyId ball);
+  void segment_begun(BodyId ball);  ///< after its segment was written
   std::string name(BodyId ball) const;
 
   // Events (marbles.cpp).

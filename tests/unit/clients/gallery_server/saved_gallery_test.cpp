@@ -174,6 +174,45 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
   return found;
 }
 
+/// An archive whose datasets can't be read from some time on.
+class Spoilt final : public archive::Source {
+ public:
+  Spoilt(archive::MemoryArchive whole, const bool& is_spoilt)
+      : whole_(std::move(whole)), is_spoilt_(is_spoilt) {}
+  std::string name() const override { return "b.h5"; }
+  const std::vector<archive::Group>& groups() const override { return whole_.groups(); }
+  archive::Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
+                       std::uint64_t count) const override {
+    if (is_spoilt_) archive::refuse_archive(*this, "it is damaged");
+    return whole_.read(group, dataset, first, count);
+  }
+
+ private:
+  archive::MemoryArchive whole_;
+  const bool& is_spoilt_;
+};
+
+TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
+  // Goal: a caller that saves several learns which one to leave out, and nothing is left behind.
+  // Method: the second of two can't be read any more after it was looked at.
+  files.put(path("b.h5"), testing::made_up(102, 3));
+  bool is_spoilt = false;
+  const auto second = std::make_shared<const Snapshot>(
+      path("b.h5"), Snapshot::Options{.open = [&](const std::string&) {
+        return std::make_unique<Spoilt>(testing::made_up(102, 3), is_spoilt);
+      }});
+  is_spoilt = true;
+  try {
+    save_gallery({{.name = "a", .snapshot = snapshot}, {.name = "b", .snapshot = second}},
+                 options("saved"), rules);
+    FAIL() << "it was saved";
+  } catch (const UnreadableArchive& error) {
+    EXPECT_EQ(error.number(), 1U);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("b.h5"));
+  }
+  EXPECT_FALSE(fs::exists(path("saved")));
+}
+
 TEST_F(SavedGallery, TakesNothingElsesPlace) {
   // Goal: only a saved gallery, or nothing, is replaced. Method: a folder with a file; a file; an
   // empty folder; a gallery; a name with a slash behind it; a link that leads nowhere.

@@ -308,8 +308,7 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
     EXPECT_LT(raw->received, k_megabyte);
   }
   expect_served();
-  // A piece stands in memory twice while its answer is written: as it was read, and in the message.
-  expect_bounded((2 * raws.size() + 2) * k_megabyte);
+  expect_bounded(40 * k_megabyte);
 }
 
 TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
