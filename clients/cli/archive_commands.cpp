@@ -151,8 +151,11 @@ void print_chains(const Facts& facts) {
 void print_finds(const Facts& facts) {
   const archive::FindsSummary& finds = facts.summary.finds;
   if (finds.found == 0) return;
-  fmt::print("  found        {}, not in the model's proportions; {} kept, {} segments of motion\n",
-             finds.found, finds.animations, finds.segments);
+  fmt::print("  {} {}, not in the model's proportions; {} kept, {} segments of motion\n",
+             finds.relax_scans > 0 ? "takes       " : "found       ", finds.found, finds.animations,
+             finds.segments);
+  if (finds.relax_scans > 0)
+    fmt::print("               each relaxed by {} scans of a chain\n", finds.relax_scans);
   if (!facts.finds) return;
   const Plausibility& log_p = *facts.finds;
   fmt::print(
@@ -196,6 +199,7 @@ json::Value as_json(const std::string& path, const Facts& facts) {
                    {"animations", summary.animations},
                    {"segments", summary.segments},
                    {"found", summary.finds.found},
+                   {"relax_scans", summary.finds.relax_scans},
                    {"finds_kept", summary.finds.animations},
                    {"failed_simulations", failures_json(summary.failures)},
                    {"failed_animations", summary.failed_animations},

@@ -42,8 +42,11 @@ std::string where_found(const archive::Source& source, std::size_t animation,
   const auto number = [&](std::string_view dataset) {
     return read_rows(source, group, dataset, 1, {.first = animation, .count = 1}).front();
   };
-  if (group == archive::k_finds)
-    return fmt::format("find {} of start {}, not in proportion", animation, number("start"));
+  if (group == archive::k_finds) {
+    const bool is_take = archive::summary_of(source).finds.relax_scans > 0;
+    return fmt::format("{} {} of start {}, not in proportion", is_take ? "take" : "find", animation,
+                       number("start"));
+  }
   return fmt::format("chain {}, {}", number("chain"), step_of_draw(number("draw")));
 }
 

@@ -42,7 +42,8 @@ void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
       "archive.\n\n"
       "Examples:\n"
       "  sleight direct --word SLEIGHT -o s.h5\n"
-      "  sleight direct --word HI -n 8 -o hi.h5 --print-request\n"
+      "  sleight direct --word HI -n 8 --found -o hi.h5\n"
+      "  sleight direct --word HI --in-proportion -o hi.h5 --print-request\n"
       "  sleight direct requests/ball_2d.toml -o ball.h5\n"
       "  sleight direct requests/ball_2d.toml -o ball.h5 --time-limit 20s\n"
       "  sleight direct requests/hi.toml -o hi.h5 --seed 7 --json\n"
@@ -222,8 +223,7 @@ void add_plot(CLI::App& app, PlotArguments& arguments, Action& action) {
   command->add_option("-o,--output", options.output, "A picture; the terminal if not given")
       ->type_name("FILE.svg|FILE.png");
   command->add_option("--what", options.what, cli::help_of_whats(arguments.worlds))
-      ->check(CLI::IsMember(cli::whats_of(arguments.worlds)))
-      ->capture_default_str();
+      ->check(CLI::IsMember(cli::whats_of(arguments.worlds)));
   command->add_option("--chain", options.chain, "Only this chain")
       ->check(CLI::Range(std::uint64_t{0}, k_number_max).description(""))
       ->type_name("N");

@@ -66,11 +66,18 @@ Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi, cli::EndRep
   const sampling::BlockRunner runner(*worker, clock);
   if (!with_mpi) {
     coordinator::LocalCrew crew(runner, 1);
-    return {.code = run_and_report(*request, catalogue, arguments, crew, end_report)};
+    const int code = run_and_report(*request, catalogue, arguments, crew, end_report);
+    if (crew.is_busy()) leave_at_once(code);
+    return {.code = code};
   }
   coordinator::MpiCrew crew(runner, clock, 1, hello_of(*request));
   const int code = run_and_report(*request, catalogue, arguments, crew, end_report);
-  return {.code = code, .all_have_left = crew.dismiss()};
+  const bool all_have_left = crew.dismiss();
+  if (crew.is_busy()) {
+    std::fflush(nullptr);
+    MPI_Abort(MPI_COMM_WORLD, code);
+  }
+  return {.code = code, .all_have_left = all_have_left};
 }
 
 void run_other_rank(DirectArguments arguments) {

@@ -30,7 +30,9 @@ int direct(const DirectArguments& arguments, cli::EndReport& end_report) {
   const sampling::BlockRunner runner(*worker, clock);
   const std::size_t threads = arguments.threads > 0 ? arguments.threads : cores;
   coordinator::LocalCrew crew(runner, static_cast<std::uint32_t>(threads));
-  return run_and_report(*request, catalogue, arguments, crew, end_report);
+  const int code = run_and_report(*request, catalogue, arguments, crew, end_report);
+  if (crew.is_busy()) leave_at_once(code);
+  return code;
 }
 
 }  // namespace

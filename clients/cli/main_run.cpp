@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <variant>
 
@@ -96,6 +97,9 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
 
 /// What the last starts of a search had in common.
 std::string why_it_gave_up(const plan::Finds& finds) {
+  if (finds.relaxed < finds.relaxed_wanted && finds.found >= finds.wanted)
+    return fmt::format("Of {} finds in a row none ended as is wanted once it was relaxed.",
+                       sampling::k_starts_in_vain_max);
   if (finds.stuck_at.empty())
     return fmt::format("{} starts in a row did not end as is wanted once all moved together.",
                        sampling::k_starts_in_vain_max);
@@ -108,7 +112,7 @@ std::string why_it_gave_up(const plan::Finds& finds) {
 /// Why there is no archive.
 std::string what_is_missing(const coordinator::RunSummary& summary) {
   const plan::Finds& finds = summary.progress.finds;
-  if (finds.is_all && finds.gave_up)
+  if (finds.is_all && finds.gave_up && finds.found == 0)
     return fmt::format("Nothing found: no archive. {}", why_it_gave_up(finds));
   if (finds.is_all) return "Stopped before anything was found: no archive yet.";
   return "Stopped before every chain had its first draw: no archive yet.";
@@ -128,6 +132,7 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
                            {"session_satisfied", summary.progress.session_satisfied},
                            {"found", summary.found},
                            {"found_in_proportion", false},
+                           {"takes", summary.relaxed},
                            {"independent_solutions", summary.progress.solutions},
                            {"session_seconds", summary.progress.elapsed_s},
                            {"session_simulations", summary.progress.session_simulations},
@@ -147,6 +152,13 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
         arguments.output, coordinator::run_folder(arguments.output));
   } else if (summary.digest.empty()) {
     fmt::print("{}\n", what_is_missing(summary));
+  } else if (summary.relaxed > 0) {
+    fmt::print(
+        "{}: {} relaxed from a search, each by {} scans of a chain; shares of kinds are the "
+        "search's; seed {}, digest {}\n",
+        arguments.output, events::grouped(summary.relaxed),
+        events::grouped(request.sampler.relax_scans.value_or(0)), request.sampler.seed,
+        summary.digest);
   } else if (summary.scans == 0) {
     fmt::print("{}: {} found, not in the model's proportions; seed {}, digest {}\n",
                arguments.output, events::grouped(summary.found), request.sampler.seed,
@@ -190,10 +202,7 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
   app.add_option("--word", arguments.word, "In place of a request: balls that spell this")
       ->excludes(request)
       ->type_name("WORD");
-  app.add_option("-n,--number", arguments.number,
-                 "Solutions, in place of the request's [stop]; 5 of a word")
-      ->check(CLI::Range(1U, request::k_independent_solutions_max))
-      ->type_name("N");
+  add_answer_options(app, arguments.answer);
   add_sets_option(app, arguments.sets);
   app.add_flag("--print-request", arguments.print_request, "Show the request, and do nothing else");
   app.add_option("-o,--output", arguments.output,
@@ -220,6 +229,32 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
          "--end-report", arguments.end_report,
          "For supervisors: a pipe (mkfifo) that gets one JSON line of how the session ended")
       ->type_name("PIPE");
+}
+
+std::optional<request::Asked> AnswerOptions::asked() const {
+  if (!number && !found && !in_proportion) return std::nullopt;
+  request::Asked asked{.answer = {}, .number = number.value_or(request::k_solutions_asked_for)};
+  if (found) asked.answer = request::Answer::found;
+  if (in_proportion) asked.answer = request::Answer::in_proportion;
+  return asked;
+}
+
+std::string AnswerOptions::words() const {
+  std::string words = found ? "--found" : in_proportion ? "--in-proportion" : "";
+  if (number) words += fmt::format("{}-n {}", words.empty() ? "" : " ", *number);
+  return words;
+}
+
+void add_answer_options(CLI::App& app, AnswerOptions& options) {
+  app.add_option("-n,--number", options.number,
+                 "Animations to make, in place of the request's [stop]. Default: 5")
+      ->check(CLI::Range(1U, request::k_independent_solutions_max))
+      ->type_name("N");
+  CLI::Option* found = app.add_flag("--found", options.found,
+                                    "Stop at what a search finds, without relaxing it by chains");
+  app.add_flag("--in-proportion", options.in_proportion,
+               "Draw independent solutions in the model's proportions, which may take long")
+      ->excludes(found);
 }
 
 void add_sets_option(CLI::App& app, std::vector<std::string>& sets) {
@@ -262,10 +297,16 @@ void check_arguments(const DirectArguments& arguments) {
     throw base::Error(base::ExitCode::usage, "-o OUTPUT.h5 is required");
 }
 
-std::string request_of_word(const std::string& word, std::uint32_t number) {
-  return fmt::format(
-      "[world]\nname = \"spelling\"\nword = {}\n\n[stop]\nindependent_solutions = {}\n",
-      request::toml_string(word), number);
+std::string request_of_word(const std::string& word, const std::optional<request::Asked>& asked) {
+  std::string text =
+      fmt::format("[world]\nname = \"spelling\"\nword = {}\n", request::toml_string(word));
+  if (!asked) return text;
+  const request::Answer answer = asked->answer.value_or(request::Answer::takes);
+  return text + fmt::format("\n[stop]\n{} = {}\n",
+                            answer == request::Answer::takes   ? "takes"
+                            : answer == request::Answer::found ? "found"
+                                                               : "independent_solutions",
+                            asked->number);
 }
 
 namespace {
@@ -278,9 +319,8 @@ struct Source {
 
 Source source_of(const DirectArguments& arguments) {
   if (arguments.request_path.empty()) {
-    const std::uint32_t number = arguments.number.value_or(request::k_solutions_asked_for);
     return {.name = "--word " + request::printable(arguments.word, k_shown_word_characters_max),
-            .text = request_of_word(arguments.word, number)};
+            .text = request_of_word(arguments.word, arguments.answer.asked())};
   }
   return {.name = arguments.request_path,
           .text = base::read_text_file(arguments.request_path, k_request_file_bytes_max)};
@@ -297,25 +337,24 @@ std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet
     if (option_given && set == nullptr) set = request::find_set(sets, section, key);
     return set != nullptr;
   };
-  const char* const option =
-      is_set(arguments.seed.has_value(), "sampler", "seed") ? "--seed"
-      : is_set(is_word, "world", "word")                    ? "--word"
-      : is_set(arguments.number.has_value(), "stop", is_word ? "independent_solutions" : "")
-          ? (is_word ? "-n" : "-n, in the place of all of [stop],")
-          : nullptr;
-  if (option == nullptr) return std::nullopt;
+  const std::string option = is_set(arguments.seed.has_value(), "sampler", "seed") ? "--seed"
+                             : is_set(is_word, "world", "word")                    ? "--word"
+                             : is_set(arguments.answer.asked().has_value(), "stop", "")
+                                 ? arguments.answer.words()
+                                 : "";
+  if (option.empty()) return std::nullopt;
   return request::Diagnostic{"--set " + set->text, request::k_no_place,
-                             fmt::format("{} gives that; leave one of them out", option)};
+                             fmt::format("{} replaces that; leave one of them out", option)};
 }
 
-/// `solutions` where -n replaces the request's [stop].
-Read read(run::Catalogue& catalogue, const Source& source, std::optional<std::uint32_t> solutions,
+/// `asked` where an option replaces the request's [stop].
+Read read(run::Catalogue& catalogue, const Source& source, std::optional<request::Asked> asked,
           const DirectArguments& arguments) {
   const auto sets = request::plain_sets(arguments.sets);
   if (!sets) return sets.error();
   if (const auto twice = given_twice(sets.value(), arguments)) return std::vector{*twice};
   return request::read_request_with(source.text, source.name, catalogue.bindings(), sets.value(),
-                                    solutions);
+                                    asked);
 }
 
 }  // namespace
@@ -323,8 +362,8 @@ Read read(run::Catalogue& catalogue, const Source& source, std::optional<std::ui
 std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
                                                            const DirectArguments& arguments) {
   Source source = source_of(arguments);
-  const auto asked = arguments.request_path.empty() ? std::nullopt : arguments.number;
-  if (asked) source.name += fmt::format(" with -n {}", *asked);
+  const auto asked = arguments.request_path.empty() ? std::nullopt : arguments.answer.asked();
+  if (asked) source.name += " with " + arguments.answer.words();
   Read read_one = read(catalogue, source, asked, arguments);
   if (!read_one) {
     for (const request::Diagnostic& error : read_one.error()) {
@@ -360,6 +399,9 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
         "scans under [stop] bound it, and --time-limit a session");
   }
   const run::WorldEntry& world = catalogue.world(request.world);
+  const bool in_proportion = request.stop.independent_solutions.has_value();
+  if (const std::string past = world.past_effort(); in_proportion && !past.empty())
+    logging::info(past);
   const auto reader = world.make_reader();
   if (!reader->layout().warning.empty()) logging::warn(reader->layout().warning);
   const auto plan = run::make_plan(request, world, {});
@@ -392,6 +434,11 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   printer.finish();
   print_summary(arguments, request, summary);
   return static_cast<int>(coordinator::exit_code_of(summary.end));
+}
+
+void leave_at_once(int code) {
+  const bool is_told = std::fflush(nullptr) == 0;
+  std::_Exit(is_told ? code : static_cast<int>(base::ExitCode::environment));
 }
 
 int report_failure(const std::string& program) {

@@ -14,13 +14,28 @@
 
 namespace sleight::programs {
 
+/// What a command line asks for in the place of a request's [stop].
+struct AnswerOptions {
+  std::optional<std::uint32_t> number{};  ///< -n
+  bool found = false;
+  bool in_proportion = false;
+
+  /// None: nothing.
+  std::optional<request::Asked> asked() const;
+  /// What asks for it, for errors: "--found -n 3".
+  std::string words() const;
+};
+
+/// -n, --found and --in-proportion.
+void add_answer_options(CLI::App& app, AnswerOptions& options);
+
 /// As the command line gives them.
 struct DirectArguments {
-  std::string request_path;             ///< or, in its place,
-  std::string word;                     ///< that balls spell
-  std::optional<std::uint32_t> number;  ///< of solutions, in place of the request's [stop]
-  std::vector<std::string> sets;        ///< keys in place of the request's (request::KeySet)
-  bool print_request = false;           ///< and do nothing else
+  std::string request_path;       ///< or, in its place,
+  std::string word;               ///< that balls spell
+  AnswerOptions answer;           ///< in place of the request's [stop]
+  std::vector<std::string> sets;  ///< keys in place of the request's (request::KeySet)
+  bool print_request = false;     ///< and do nothing else
   std::string output;
   bool fresh = false;
   bool json = false;
@@ -56,7 +71,7 @@ double parse_duration_s(const std::string& text);
 void check_arguments(const DirectArguments& arguments);
 
 /// The shortest request for a word.
-std::string request_of_word(const std::string& word, std::uint32_t number);
+std::string request_of_word(const std::string& word, const std::optional<request::Asked>& asked);
 
 /// --print-request: shows the request, and returns the exit code.
 int print_request(run::Catalogue& catalogue, const DirectArguments& arguments);
@@ -71,6 +86,9 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
                    const DirectArguments& arguments, coordinator::Crew& crew,
                    cli::EndReport& end_report);
+
+/// Ends the process while threads compute what nobody waits for.
+[[noreturn]] void leave_at_once(int code);
 
 /// What --version says.
 std::string version_text();

@@ -50,24 +50,26 @@ void add_jobs(CLI::App& command, cli::JobsOptions& options) {
 
 /// The worlds of this program, for requests that are changed before they are sent.
 cli::RequestTexts request_texts() {
-  return {.of_word = request_of_word,
-          .normalised = [](std::string_view text, std::string_view file,
-                           std::span<const request::KeySet> sets,
-                           std::optional<std::uint32_t> solutions)
-              -> base::Result<std::string, std::vector<request::Diagnostic>> {
-            run::Catalogue catalogue = worlds_of_program();
-            const auto read =
-                request::read_request_with(text, file, catalogue.bindings(), sets, solutions);
-            if (!read) return read.error();
-            return request::normalised_text(read.value());
-          }};
+  return {
+      .of_word = request_of_word,
+      .normalised = [](std::string_view text, std::string_view file,
+                       std::span<const request::KeySet> sets, std::optional<request::Asked> asked)
+          -> base::Result<std::string, std::vector<request::Diagnostic>> {
+        run::Catalogue catalogue = worlds_of_program();
+        const auto read = request::read_request_with(text, file, catalogue.bindings(), sets, asked);
+        if (!read) return read.error();
+        return request::normalised_text(read.value());
+      }};
 }
 
 void add_submit(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::SubmitOptions>();
+  const auto answer = std::make_shared<AnswerOptions>();
   CLI::App* command = add_command(
       app, "submit", "Hand a direction request to the service", action,
-      [](const std::string& socket, const cli::SubmitOptions& given) {
+      [answer](const std::string& socket, cli::SubmitOptions given) {
+        given.asked = answer->asked();
+        given.asked_by = answer->words();
         return cli::submit(socket, given, request_texts());
       },
       options);
@@ -77,11 +79,7 @@ void add_submit(CLI::App& app, Action& action) {
   command->add_option("--word", options->word, "In place of a request: balls that spell this")
       ->excludes(request)
       ->type_name("WORD");
-  command
-      ->add_option("-n,--number", options->number,
-                   "Solutions, in place of the request's [stop]; 5 of a word")
-      ->check(CLI::Range(1U, request::k_independent_solutions_max))
-      ->type_name("N");
+  add_answer_options(*command, *answer);
   command
       ->add_option(
           "--set", options->sets,

@@ -110,7 +110,8 @@ std::vector<std::string> whats_of(const PlotsOfWorlds& worlds) {
 
 std::string help_of_whats(const PlotsOfWorlds& worlds) {
   std::string help =
-      fmt::format("{}: outcome and log p; {}: the motion", k_trace, k_drawn_animations);
+      fmt::format("{}: outcome and log p, the default where there are draws; {}: the motion",
+                  k_trace, k_drawn_animations);
   for (const OwnWhat& own : own_whats_of(worlds)) {
     help += fmt::format("; {}: {} ({})", own.kind.what, own.kind.help, fmt::join(own.worlds, ", "));
   }
@@ -120,22 +121,25 @@ std::string help_of_whats(const PlotsOfWorlds& worlds) {
 Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
                    const PlotsOfWorlds& worlds) {
   const archive::Summary summary = archive::summary_of(source);
-  if (options.what == k_trace && summary.scans == 0 && summary.finds.found > 0) {
+  const bool has_draws = summary.scans > 0 || summary.finds.found == 0;
+  const std::string what =
+      !options.what.empty() ? options.what : std::string(has_draws ? k_trace : k_drawn_animations);
+  if (what == k_trace && summary.scans == 0 && summary.finds.found > 0) {
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: its animations were found by search, which leaves no trace; "
                                   "try --what animations",
                                   source.name()));
   }
-  if (const WorldPlots* own = plots_for(worlds, summary.world, options.what)) {
-    return own->draw(options.what, source,
+  if (const WorldPlots* own = plots_for(worlds, summary.world, what)) {
+    return own->draw(what, source,
                      {.chain = options.chain, .draws = options.draws, .count = options.count});
   }
-  if (options.what == k_trace) return {.figure = plain_trace(source, options)};
-  if (options.what == k_drawn_animations) {
+  if (what == k_trace) return {.figure = plain_trace(source, options)};
+  if (what == k_drawn_animations) {
     return {.figure = animation_figure(
                 source, {.chain = options.chain, .count = options.count, .whole = whole})};
   }
-  refuse_what(source, options.what, summary.world, worlds);
+  refuse_what(source, what, summary.world, worlds);
 }
 
 int plot_archive(const PlotOptions& options, const PlotsOfWorlds& worlds) {

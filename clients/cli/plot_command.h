@@ -15,7 +15,8 @@ namespace sleight::cli {
 struct PlotOptions {
   std::string path;
   std::string output;                  ///< .svg or .png; empty: draw on the terminal
-  std::string what{k_trace};           ///< one of whats_of
+  std::string what{};                  ///< one of whats_of; empty: the trace, or without draws
+                                       ///< the animations
   std::optional<std::uint64_t> chain;  ///< none: all, up to six
   std::uint64_t draws = 0;             ///< the first so many; 0: all
   std::uint64_t count = 3;             ///< animations to draw

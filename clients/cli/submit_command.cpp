@@ -73,13 +73,13 @@ std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet
   const bool is_word = !options.word.empty();
   const request::KeySet* set = is_word ? request::find_set(sets, "world", "word") : nullptr;
   std::string_view option = "--word";
-  if (set == nullptr && options.number) {
-    set = request::find_set(sets, "stop", is_word ? "independent_solutions" : "");
-    option = is_word ? "-n" : "-n, in the place of all of [stop],";
+  if (set == nullptr && options.asked) {
+    set = request::find_set(sets, "stop");
+    option = options.asked_by;
   }
   if (set == nullptr) return std::nullopt;
   return request::Diagnostic{"--set " + set->text, request::k_no_place,
-                             fmt::format("{} gives that; leave one of them out", option)};
+                             fmt::format("{} replaces that; leave one of them out", option)};
 }
 
 /// KEY=VALUE each; of one key the last counts.
@@ -192,8 +192,7 @@ GivenRequest given_request(const SubmitOptions& options, const RequestTexts& tex
     throw base::Error(base::ExitCode::usage, "--word: expected UTF-8 text");
   if (!options.word.empty()) {
     return {.name = "--word " + request::printable(options.word, k_shown_word_characters_max),
-            .text = texts.of_word(options.word,
-                                  options.number.value_or(request::k_solutions_asked_for))};
+            .text = texts.of_word(options.word, options.asked)};
   }
   return {.name = options.request_path,
           .text = base::read_text_file(options.request_path, rpc::k_request_bytes_max)};
@@ -212,16 +211,16 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
                       fmt::format("--set asks for {} jobs, and a submission takes {} at most",
                                   count, rpc::k_submission_jobs_max));
   }
-  // A word's number is in its text already.
-  const auto solutions = options.word.empty() ? options.number : std::nullopt;
+  // What is asked of a word is in its text already.
+  const auto asked = options.word.empty() ? options.asked : std::nullopt;
   const std::string name =
-      solutions ? fmt::format("{} with -n {}", given.name, *solutions) : given.name;
+      asked ? fmt::format("{} with {}", given.name, options.asked_by) : given.name;
   rpc::Submission submission{
       .key = {}, .jobs = {}, .is_group = !request::plain_sets(options.sets).ok()};
   for (const std::vector<request::KeySet>& sets : combinations.value()) {
     std::string text = given.text;
-    if (!sets.empty() || solutions) {
-      auto normalised = texts.normalised(given.text, name, sets, solutions);
+    if (!sets.empty() || asked) {
+      auto normalised = texts.normalised(given.text, name, sets, asked);
       if (!normalised) return normalised.error();
       text = std::move(normalised).value();
     }

@@ -22,9 +22,10 @@ namespace sleight::cli {
 
 /// As the command line gives them.
 struct SubmitOptions {
-  std::string request_path{};  ///< or, in its place,
-  std::string word{};          ///< that balls spell
-  std::optional<std::uint32_t> number{};
+  std::string request_path{};             ///< or, in its place,
+  std::string word{};                     ///< that balls spell
+  std::optional<request::Asked> asked{};  ///< in place of the request's [stop]
+  std::string asked_by{};                 ///< the option, for errors
   std::vector<std::string> sets{};
   std::optional<std::uint32_t> cores{};
   std::uint32_t ranks = 0;
@@ -40,13 +41,14 @@ struct SubmitOptions {
 
 /// Requests as the worlds of a program have them; its main gives these.
 struct RequestTexts {
-  /// The shortest request for a word with so many solutions.
-  std::function<std::string(const std::string& word, std::uint32_t number)> of_word{};
+  /// The shortest request for a word.
+  std::function<std::string(const std::string& word, const std::optional<request::Asked>& asked)>
+      of_word{};
   /// The normalised text of a request with these sets, as request::read_request_with reads it; or
   /// what is wrong.
   std::function<base::Result<std::string, std::vector<request::Diagnostic>>(
       std::string_view text, std::string_view file, std::span<const request::KeySet> sets,
-      std::optional<std::uint32_t> solutions)>
+      std::optional<request::Asked> asked)>
       normalised;
 };
 

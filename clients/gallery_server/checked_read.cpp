@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "clients/cli/trace.h"
+#include "common/archive/format.h"
 #include "common/base/error.h"
 
 namespace sleight::gallery {
@@ -25,6 +26,14 @@ std::vector<double> checked_numbers(const archive::Source& source, std::string_v
                                   source.name(), archive::path_of(group, dataset)));
   }
   return cli::as_doubles(source.read(group, dataset, first, count));
+}
+
+std::uint64_t prior_draws_of(const archive::Source& source) {
+  const archive::Group* group = archive::find_group(source, archive::k_sample_stats_prior);
+  const archive::DatasetSpec* draw =
+      group == nullptr ? nullptr : archive::find_dataset(*group, "draw");
+  if (draw == nullptr || draw->dims.size() != 1) return 0;
+  return draw->dims[0].size <= archive::k_prior_draws_max ? draw->dims[0].size : 0;
 }
 
 }  // namespace sleight::gallery

@@ -25,4 +25,7 @@ std::vector<double> checked_numbers(const archive::Source& source, std::string_v
                                     std::string_view dataset, std::uint64_t elements,
                                     std::uint64_t first, std::uint64_t count);
 
+/// Draws from the prior that an archive has; 0 where it says so in no usable way.
+std::uint64_t prior_draws_of(const archive::Source& source);
+
 }  // namespace sleight::gallery

@@ -69,8 +69,9 @@ std::string title_of(std::string_view name) {
 /// Names that both the prior's draws and the chains' have, one number each.
 std::vector<std::string> paired(const archive::Source& source) {
   std::vector<std::string> names;
+  const std::uint64_t draws = prior_draws_of(source);
   for (const std::string& name : traced(source)) {
-    if (has_numbers(source, archive::k_sample_stats_prior, name, archive::k_prior_draws))
+    if (draws > 0 && has_numbers(source, archive::k_sample_stats_prior, name, draws))
       names.push_back(name);
   }
   return names;
@@ -303,8 +304,9 @@ std::vector<double> histogram(const Weighed& of, const std::vector<double>& edge
 
 std::string pair_of(const archive::Source& source, const archive::Summary& summary,
                     std::string_view name) {
-  const Weighed prior{.values = checked_numbers(source, archive::k_sample_stats_prior, name,
-                                                archive::k_prior_draws, 0, archive::k_prior_draws)};
+  const std::uint64_t draws = prior_draws_of(source);
+  const Weighed prior{
+      .values = checked_numbers(source, archive::k_sample_stats_prior, name, draws, 0, draws)};
   const Weighed posterior = posterior_of(source, summary, name);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;

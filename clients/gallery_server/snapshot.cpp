@@ -49,13 +49,12 @@ std::vector<LineageDraw> satisfied_of(const archive::Source& source,
 
 std::vector<double> blind_throws(const archive::Source& source) {
   std::vector<double> throws;
-  const auto read = [&](std::string_view group, std::string_view name) {
-    if (!has_numbers(source, group, name, archive::k_prior_draws)) return;
-    throws =
-        checked_numbers(source, group, name, archive::k_prior_draws, 0, archive::k_prior_draws);
+  const auto read = [&](std::string_view group, std::string_view name, std::uint64_t count) {
+    if (count == 0 || !has_numbers(source, group, name, count)) return;
+    throws = checked_numbers(source, group, name, count, 0, count);
   };
-  read(archive::k_sample_stats_prior, "log_prior");
-  if (throws.empty()) read(archive::k_finds, "log_prior_of_throw");
+  read(archive::k_sample_stats_prior, "log_prior", prior_draws_of(source));
+  if (throws.empty()) read(archive::k_finds, "log_prior_of_throw", archive::k_throws);
   std::erase_if(throws, [](double value) { return !std::isfinite(value); });
   std::ranges::sort(throws);
   return throws;

@@ -22,8 +22,9 @@ std::string as_of(const archive::Summary& summary) {
                                               events::grouped(summary.scans), summary.chains);
   }
   if (summary.finds.found > 0) {
-    words += fmt::format("{}{} found by search", words.empty() ? "" : "; ",
-                         events::grouped(summary.finds.found));
+    words +=
+        fmt::format("{}{} {}", words.empty() ? "" : "; ", events::grouped(summary.finds.found),
+                    summary.finds.relax_scans > 0 ? "relaxed from a search" : "found by search");
   }
   return words.empty() ? "no scan yet" : words;
 }

@@ -100,11 +100,17 @@ bool is_table_random(const archive::Source& source) {
   const archive::DatasetSpec* spec =
       archive::find_dataset(*archive::find_group(source, archive::k_sample_stats_prior), k_squares);
   const std::uint64_t draws = spec == nullptr || spec->dims.size() != 2 ? 0 : spec->dims[1].size;
-  if (draws < 2 || draws > archive::k_prior_draws) {
+  if (spec != nullptr && draws == 0) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: this plot compares with draws from the prior, and it has "
+                                  "none; the archive of the whole run has",
+                                  source.name()));
+  }
+  if (draws == 0 || draws > archive::k_prior_draws_max) {
     throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: {}: expected one chain of 2 to {} draws", source.name(),
+                      fmt::format("{}: {}: expected one chain of at most {} draws", source.name(),
                                   archive::path_of(archive::k_sample_stats_prior, k_squares),
-                                  archive::k_prior_draws));
+                                  archive::k_prior_draws_max));
   }
   const std::vector<double> squares = cli::read_rows(source, archive::k_sample_stats_prior,
                                                      k_squares, draws, {.first = 0, .count = 1});

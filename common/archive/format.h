@@ -29,15 +29,21 @@ inline constexpr std::string_view k_scene = "/scene";
 /// Draws from the prior, by ArviZ's names.
 inline constexpr std::string_view k_prior = "/prior";
 inline constexpr std::string_view k_sample_stats_prior = "/sample_stats_prior";
-inline constexpr std::size_t k_prior_draws = 1000;
-/// Only where a search found something, with the attribute `found`: how many, kept or not.
+/// At most, and of a run of chains that does not say otherwise.
+inline constexpr std::size_t k_prior_draws_max = 1000;
+/// Only where a search found something, with the attributes `found`: how many, kept or not; and,
+/// where chains relaxed them, `relax_scans`: for so many scans.
 inline constexpr std::string_view k_finds = "/finds";
 inline constexpr std::string_view k_found = "found";
 inline constexpr std::string_view k_finds_warning =
     "found by search: each animation ends as wanted and is plausible by itself, but they are not "
     "in the model's proportions: no averages or odds";
+inline constexpr std::string_view k_relax_scans = "relax_scans";
+inline constexpr std::string_view k_takes_warning =
+    "relaxed from a search: each animation ends as wanted and looks as the model's do, but shares "
+    "of kinds are the search's: no averages or odds";
 /// Blind throws whose log densities stand beside those of finds.
-inline constexpr std::size_t k_throws = 1000;
+inline constexpr std::size_t k_throws = 100;
 inline constexpr std::string_view k_request = "request";
 
 /// Root attributes that the digest leaves out: the digest itself, and what the program's version

@@ -34,7 +34,9 @@ class ForwardingReader : public StateReader {
   scene::Variation variation(base::BytesView state, const Recording& recording) const override {
     return reader_.variation(state, recording);
   }
-  PriorDraw prior_draw(std::uint64_t nth) const override { return reader_.prior_draw(nth); }
+  std::vector<double> prior_draw(std::uint64_t nth) const override {
+    return reader_.prior_draw(nth);
+  }
   std::vector<double> log_priors_of_throws(std::size_t count) const override {
     return reader_.log_priors_of_throws(count);
   }

@@ -312,6 +312,10 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
   animations.flush();
 }
 
+std::string warning_of_finds(const RunView& view) {
+  return std::string(view.relax_scans() > 0 ? k_takes_warning : k_finds_warning);
+}
+
 /// /finds: what a search found, and how plausible blind throws are beside it.
 void write_finds(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
                  Sink& sink, const HearWriting& hear) {
@@ -319,7 +323,9 @@ void write_finds(const RunView& view, const StateReader& reader, const ArchiveOp
   sink.create_group(k_finds);
   sink.set_attribute(k_finds, {"keep_max", signed_of(options.keep_max)});
   sink.set_attribute(k_finds, {std::string(k_found), signed_of(view.finds())});
-  sink.set_attribute(k_finds, {std::string(k_warning), std::string(k_finds_warning)});
+  if (view.relax_scans() > 0)
+    sink.set_attribute(k_finds, {std::string(k_relax_scans), signed_of(view.relax_scans())});
+  sink.set_attribute(k_finds, {std::string(k_warning), warning_of_finds(view)});
   const std::vector<double> throws = reader.log_priors_of_throws(k_throws);
   const Dims blind_throw{{"throw", throws.size()}};
   write_coordinate(sink, k_finds, blind_throw[0], "blind throw");
@@ -343,8 +349,8 @@ void write_finds(const RunView& view, const StateReader& reader, const ArchiveOp
   animations.flush();
 }
 
-void write_root(const WorldLayout& layout, const plan::Report& report, std::uint64_t draws,
-                const plan::FailureCounts& failures, const ArchiveOptions& options, Sink& sink) {
+void write_root(const WorldLayout& layout, const plan::Report& report, const RunView& view,
+                const ArchiveOptions& options, Sink& sink) {
   sink.set_attribute(k_root, {"format", std::string(k_format_name)});
   sink.set_attribute(k_root, {"format_version", k_format_version});
   sink.set_attribute(k_root, {"world", layout.world});
@@ -353,11 +359,12 @@ void write_root(const WorldLayout& layout, const plan::Report& report, std::uint
                      {std::string(k_inference_library_version), options.inference_library_version});
   sink.set_attribute(k_root, {std::string(k_results_version), options.results_version});
   sink.set_attribute(k_root, {std::string(k_run_id), options.run_id});
-  const bool is_search = draws == 0;
-  const std::string warning = is_search                ? std::string(k_finds_warning)
+  const bool is_search = view.draws() == 0;
+  const std::string warning = is_search                ? warning_of_finds(view)
                               : layout.warning.empty() ? report.warning
                                                        : layout.warning;
   if (!warning.empty()) sink.set_attribute(k_root, {std::string(k_warning), warning});
+  const plan::FailureCounts failures = view.failures();
   for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
     if (failures.by_kind[kind] == 0) continue;
     sink.set_attribute(k_root, {failed_attribute(static_cast<plan::FailureKind>(kind)),
@@ -378,11 +385,10 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   CHECK_GE(options.thin, 1U);
   CHECK(!options.request_text.empty());
   const plan::Report report = view.report();
-  write_root(reader.layout(), report, view.draws(), view.failures(), options, sink);
+  write_root(reader.layout(), report, view, options, sink);
 
   write_scene(reader.scene(), sink);
-  Counted(hear, WritingProgress::Part::prior, k_prior_draws);
-  write_prior(reader, sink);
+  write_prior(view, reader, sink);
 
   // One walk over the run, chain by chain: scalars, states and candidates for the animations.
   PosteriorWriter posterior(view, reader, options, sink);

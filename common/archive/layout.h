@@ -45,7 +45,6 @@ struct ArchiveOptions {
 struct WritingProgress {
   enum class Part : std::uint8_t {
     learning,   ///< what the method learns from the run's scans (who writes it may tell that)
-    prior,      ///< draws from the prior are simulated (a reader may tell how many are)
     draws,      ///< the run's draws are written, and animations chosen among them
     animations  ///< the chosen ones are written, each with its motion
   };

@@ -35,6 +35,12 @@ class RunView {
       base::ChainId /*chain*/, std::uint64_t /*thin*/,
       const std::function<void(base::ReplicaId, base::ScanIndex,
                                const plan::ScanRecord&)>& /*visit*/) const {}
+  /// Draws from the prior, with their numbers, from 0 in order; the records have no state.
+  virtual std::uint64_t prior_draws() const { return 0; }
+  virtual void for_each_prior_draw(
+      const std::function<void(std::uint64_t nth, const plan::ScanRecord&)>& /*visit*/) const {}
+  /// Scans of the chains that relaxed the finds; 0: they are as they were found.
+  virtual std::uint64_t relax_scans() const { return 0; }
   /// Finds of a search, and visits each with the number of its start, in order.
   virtual std::uint64_t finds() const { return 0; }
   virtual void for_each_find(

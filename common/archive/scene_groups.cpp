@@ -149,11 +149,9 @@ void write_scene(const scene::Scene& scene, Sink& sink) {
   write_meshes(scene, sink);
 }
 
-void write_prior(const StateReader& reader, Sink& sink) {
+void write_prior(const RunView& view, const StateReader& reader, Sink& sink) {
   const WorldLayout& layout = reader.layout();
-  const std::vector<PriorDraw> draws = reader.prior_draws(k_prior_draws);
-  const Dims leading{{"chain", 1}, {"draw", draws.size()}};
-
+  const Dims leading{{"chain", 1}, {"draw", view.prior_draws()}};
   sink.create_group(k_prior);
   write_coordinate(sink, k_prior, leading[0], "one chain");
   write_coordinate(sink, k_prior, leading[1], "draw from the prior");
@@ -161,9 +159,6 @@ void write_prior(const StateReader& reader, Sink& sink) {
   write_own_coordinates(sink, k_prior, layout.variables, written);
   write_normal_priors(sink, layout.variables);
   VariableColumns states(sink, k_prior, leading, prior_variables(layout));
-  for (const PriorDraw& draw : draws)
-    states.push(draw.variables);
-  states.flush();
 
   sink.create_group(k_sample_stats_prior);
   write_coordinate(sink, k_sample_stats_prior, leading[0], "one chain");
@@ -177,12 +172,14 @@ void write_prior(const StateReader& reader, Sink& sink) {
                                 spec_of("satisfied", ElementType::boolean, leading,
                                         "whether the outcome satisfies the constraint"));
   VariableColumns outcomes(sink, k_sample_stats_prior, leading, layout.outcomes);
-  for (const PriorDraw& draw : draws) {
+  view.for_each_prior_draw([&](std::uint64_t nth, const plan::ScanRecord& draw) {
+    states.push(reader.prior_draw(nth));
     lp.push(draw.log_prior + draw.log_constraint);
     densities.push(draw.log_prior, draw.log_constraint);
     satisfied.push(draw.satisfied ? 1 : 0);
     outcomes.push(draw.outcome);
-  }
+  });
+  states.flush();
   lp.flush();
   densities.flush();
   satisfied.flush();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/archive/model.h"
+#include "common/archive/run_view.h"
 #include "common/archive/world_layout.h"
 
 namespace sleight::archive {
@@ -10,7 +11,7 @@ namespace sleight::archive {
 /// REQUIRES: fault_of(scene) finds none.
 void write_scene(const scene::Scene& scene, Sink& sink);
 
-/// k_prior_draws of them, as one chain.
-void write_prior(const StateReader& reader, Sink& sink);
+/// The view's draws from the prior, as one chain.
+void write_prior(const RunView& view, const StateReader& reader, Sink& sink);
 
 }  // namespace sleight::archive

@@ -63,7 +63,13 @@ FindsSummary finds_of(const Source& source) {
   const auto found = attribute_of<std::int64_t>(source, k_finds, k_found);
   if (found < 1)
     refuse_archive(source, fmt::format("/finds: found is {}: expected at least 1", found));
+  std::int64_t relax_scans = 0;
+  if (find_attribute(group_of(source, k_finds).attributes, k_relax_scans) != nullptr)
+    relax_scans = attribute_of<std::int64_t>(source, k_finds, k_relax_scans);
+  if (relax_scans < 0)
+    refuse_archive(source, fmt::format("/finds: relax_scans is {}", relax_scans));
   return {.found = static_cast<std::uint64_t>(found),
+          .relax_scans = static_cast<std::uint64_t>(relax_scans),
           .animations = size_of(source, k_finds, "animation"),
           .segments = size_of(source, k_finds, "segment")};
 }

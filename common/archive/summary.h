@@ -12,7 +12,8 @@ namespace sleight::archive {
 /// Of a search; all 0 where there was none.
 struct FindsSummary {
   std::uint64_t found = 0;
-  std::uint64_t animations = 0;  ///< of these, kept
+  std::uint64_t relax_scans = 0;  ///< of the chains that relaxed them; 0: none did
+  std::uint64_t animations = 0;   ///< of these, kept
   std::uint64_t segments = 0;
 };
 

@@ -89,15 +89,6 @@ struct Motion {
   Recording recording{};  ///< empty unless it plays out
 };
 
-/// A state drawn from the prior, and what it comes to.
-struct PriorDraw {
-  std::vector<double> variables{};  ///< of prior_variables
-  std::vector<double> outcome{};    ///< in layout order
-  double log_prior = 0;
-  double log_constraint = 0;  ///< -infinity where its simulation failed
-  bool satisfied = false;
-};
-
 /// Reads the opaque state bytes of one world with one request. Thread-safe.
 /// REQUIRES of every function: `state` came from this world's worker (a run store is ours).
 class StateReader {
@@ -126,15 +117,9 @@ class StateReader {
                                      const Recording& /*recording*/) const {
     return {};
   }
-  /// A draw from the prior, simulated: the nth of those of this world, from a stream of its own.
-  virtual PriorDraw prior_draw(std::uint64_t nth) const = 0;
-  /// The first so many.
-  virtual std::vector<PriorDraw> prior_draws(std::size_t count) const {
-    std::vector<PriorDraw> draws;
-    for (std::uint64_t nth = 0; nth < count; ++nth)
-      draws.push_back(prior_draw(nth));
-    return draws;
-  }
+  /// The values of prior_variables of the nth draw from the prior, which takes no simulation: a
+  /// run's workers simulate it (RunView::for_each_prior_draw).
+  virtual std::vector<double> prior_draw(std::uint64_t nth) const = 0;
   /// log p_w of so many blind throws, as a person would make them: what the log p_w of something
   /// found is to be compared with. Always the same ones.
   virtual std::vector<double> log_priors_of_throws(std::size_t /*count*/) const { return {}; }

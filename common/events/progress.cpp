@@ -41,18 +41,50 @@ namespace {
 /// "5 found after 0.2 s", of the session.
 std::string finds_in_words(const Progress& progress) {
   const plan::Finds& finds = progress.finds;
-  const bool all = finds.found >= finds.wanted;
+  const bool all = finds.found >= finds.wanted && finds.found > 0;
   const std::string of = all ? "" : fmt::format(" of {}", grouped(finds.wanted));
   return fmt::format("{}{} found after {:.1f} s{}", grouped(finds.found), of, progress.found_s,
                      finds.gave_up ? ", the search gave up" : "");
 }
 
+double per_second(std::uint64_t count, const Progress& progress) {
+  return progress.elapsed_s > 0 ? static_cast<double>(count) / progress.elapsed_s : 0;
+}
+
+/// "1,200 of 4,000 scans (30%)  0:12 left", or "1,200 scans".
+std::string scans_in_words(const Progress& progress) {
+  if (progress.scans_total == 0) return fmt::format("{} scans", grouped(progress.scans_done));
+  std::string words = fmt::format("{} of {} scans ({:.0f}%)", grouped(progress.scans_done),
+                                  grouped(progress.scans_total),
+                                  std::floor(percent(progress.scans_done, progress.scans_total)));
+  const double rate = per_second(progress.session_scans, progress);
+  if (progress.scans_total > progress.scans_done && rate > 0) {
+    const auto left = static_cast<double>(progress.scans_total - progress.scans_done);
+    words += fmt::format("  {} left", clock_time(left / rate));
+  }
+  return words;
+}
+
+/// Simulations of all kinds, and what they still are for besides scans.
+std::string effort_in_words(const Progress& progress) {
+  const double rate = per_second(progress.session_simulations, progress);
+  std::string words = fmt::format("{} sims/s", grouped(static_cast<std::uint64_t>(rate)));
+  if (progress.prior_draws < progress.prior_draws_wanted) {
+    words += fmt::format("  {} of {} prior draws", grouped(progress.prior_draws),
+                         grouped(progress.prior_draws_wanted));
+  }
+  return words;
+}
+
 std::string search_line(const std::string& name, const Progress& progress) {
-  const double rate = progress.elapsed_s > 0
-                          ? static_cast<double>(progress.session_simulations) / progress.elapsed_s
-                          : 0;
-  return fmt::format("{}  {}  {} starts  {} sims/s  {} worker{}", name, finds_in_words(progress),
-                     grouped(progress.scans_done), grouped(static_cast<std::uint64_t>(rate)),
+  std::string line = fmt::format("{}  {}", name, finds_in_words(progress));
+  const plan::Finds& finds = progress.finds;
+  if (finds.relaxed_wanted > 0) {
+    line += fmt::format("  {} of {} relaxed  {}", grouped(finds.relaxed),
+                        grouped(finds.relaxed_wanted), scans_in_words(progress));
+  }
+  return fmt::format("{}  {} simulations  {}  {} worker{}", line,
+                     grouped(progress.session_simulations), effort_in_words(progress),
                      progress.workers, progress.workers == 1 ? "" : "s");
 }
 
@@ -62,25 +94,10 @@ std::string progress_line(const std::string& name, const Progress& progress) {
   if (progress.finds.is_all) return search_line(name, progress);
   std::string line = name;
   if (progress.finds.wanted > 0) line += "  " + finds_in_words(progress);
-  line += fmt::format("  {}", grouped(progress.scans_done));
-  const auto per_s = [&](std::uint64_t count) {
-    return progress.elapsed_s > 0 ? static_cast<double>(count) / progress.elapsed_s : 0;
-  };
-  const double rate = per_s(progress.session_scans);
-  if (progress.scans_total > 0) {
-    line += fmt::format(" of {} scans ({:.0f}%)", grouped(progress.scans_total),
-                        std::floor(percent(progress.scans_done, progress.scans_total)));
-  } else {
-    line += " scans";
-  }
-  if (progress.scans_total > progress.scans_done && rate > 0) {
-    const auto left = static_cast<double>(progress.scans_total - progress.scans_done);
-    line += fmt::format("  {} left", clock_time(left / rate));
-  }
+  line += "  " + scans_in_words(progress);
   if (progress.failures.total() > 0)
     line += fmt::format("  {} FAILED", grouped(progress.failures.total()));
-  line += fmt::format("  {} sims/s",
-                      grouped(static_cast<std::uint64_t>(per_s(progress.session_simulations))));
+  line += "  " + effort_in_words(progress);
   const bool has_finds = progress.finds.wanted > 0;
   std::string solutions = grouped(progress.solutions);
   if (progress.solutions_wanted > 0)

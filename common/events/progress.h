@@ -27,9 +27,11 @@ struct Progress {
   plan::Finds finds{};                         ///< of a search, earlier sessions included
   double found_s = 0;                          ///< of this session: when the last find so far came
   std::optional<std::uint64_t> round_trips{};  ///< of a ladder's replicas, if there is one
-  plan::FailureCounts failures{};              ///< of simulations, earlier sessions included
-  std::size_t workers = 0;                     ///< threads that compute and are heard of
-  double elapsed_s = 0;                        ///< of this session
+  std::uint64_t prior_draws = 0;  ///< from the prior, which are no scans, of the whole run
+  std::uint64_t prior_draws_wanted = 0;
+  plan::FailureCounts failures{};  ///< of simulations, earlier sessions included
+  std::size_t workers = 0;         ///< threads that compute and are heard of
+  double elapsed_s = 0;            ///< of this session
 };
 
 /// "ball_2d  12,400 of 40,000 scans (31%)  0:04 left  85,200 sims/s  solutions 4  round trips 12

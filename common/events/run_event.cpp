@@ -95,8 +95,12 @@ void visit_fields(Visitor& fields, T& what) {
     fields.read("gave_up", what.finds.gave_up);
     fields.read("stuck_at", what.finds.stuck_at);
     fields.read("search_is_all", what.finds.is_all);
+    fields.read("relaxed", what.finds.relaxed);
+    fields.read("relaxed_wanted", what.finds.relaxed_wanted);
     fields.read("found_s", what.found_s);
     fields.read("round_trips", what.round_trips);
+    fields.read("prior_draws", what.prior_draws);
+    fields.read("prior_draws_wanted", what.prior_draws_wanted);
     for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind)
       fields.read(plan::k_failure_names[kind].data(), what.failures.by_kind[kind]);
     fields.read("workers", what.workers);

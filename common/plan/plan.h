@@ -47,7 +47,10 @@ struct Finds {
   /// Then, for people: at what the best of these were stuck, "ball 3 of 16"; empty if all stages
   /// stood, and only the whole did not end as is wanted.
   std::string stuck_at{};
-  bool is_all = false;  ///< no chains come after the search
+  bool is_all = false;  ///< no chains that are sampled come after the search
+  /// Takes: finds that are relaxed by chains and still end as is wanted.
+  std::uint64_t relaxed = 0;
+  std::uint64_t relaxed_wanted = 0;  ///< 0: finds are not relaxed
 };
 
 /// A start of a search that found something.
@@ -85,6 +88,10 @@ class Plan {
   /// Likewise a block of units: where replicas meet, neighbours together with their swaps. Plans
   /// whose replicas never meet have blocks of one unit.
   virtual std::optional<Block> next_block(const BlockLimits& limits);
+
+  /// The state that a replica starts with, where that is not drawn by its first unit; else empty.
+  /// REQUIRES: a unit that starts it is handed out.
+  virtual base::BytesView start_state(ReplicaKey /*replica*/) const { return {}; }
 
   /// Takes in the results of scans [first_scan, first_scan + records.size()) of one replica.
   /// REQUIRES: they continue what was consumed of that replica, and lie in a unit handed out, or
@@ -125,6 +132,10 @@ class Plan {
   virtual std::vector<Find> finds_between(std::uint64_t /*first*/, std::uint64_t /*end*/) const {
     return {};
   }
+
+  /// Draws from the prior that are done with all before them.
+  virtual std::uint64_t prior_draws() const { return 0; }
+  virtual std::uint64_t prior_draws_wanted() const { return 0; }
 
   /// Replicas that went from the prior to inverse temperature 1 and back; none where no replica
   /// does such a thing.

@@ -28,13 +28,28 @@ struct ReplicaKey {
 
 /// The starts of a search are numbered over so many lanes, which to workers and stores are chains
 /// with one replica, numbered from k_first_lane on: start n is scan n / k_search_lanes of lane n %
-/// k_search_lanes. No start knows a state before it.
+/// k_search_lanes. No start knows a state before it. Draws from the prior that stand beside a run's
+/// samples have lanes of their own, likewise.
 inline constexpr std::uint32_t k_first_lane = 65536;
 inline constexpr std::uint32_t k_search_lanes = 64;
+inline constexpr std::uint32_t k_first_prior_lane = k_first_lane + k_search_lanes;
+inline constexpr std::uint32_t k_prior_lanes = 64;
 
-/// REQUIRES: a lane.
+inline bool is_search_lane(base::ChainId chain) {
+  return chain.value >= k_first_lane && chain.value < k_first_prior_lane;
+}
+inline bool is_prior_lane(base::ChainId chain) {
+  return chain.value >= k_first_prior_lane && chain.value < k_first_prior_lane + k_prior_lanes;
+}
+
+/// REQUIRES: a search's lane.
 inline std::uint64_t start_number(base::ChainId lane, std::uint64_t scan) {
   return scan * k_search_lanes + (lane.value - k_first_lane);
+}
+
+/// REQUIRES: a lane of the prior.
+inline std::uint64_t prior_draw_number(base::ChainId lane, std::uint64_t scan) {
+  return scan * k_prior_lanes + (lane.value - k_first_prior_lane);
 }
 
 /// More replicas than a chain can have: lineages are numbered by it.
@@ -67,7 +82,9 @@ struct Unit {
   std::vector<double> excursion{};
 
   /// Each scan is then a start of a search, with no state before it; `starts` holds.
-  bool searches() const { return replica.chain.value >= k_first_lane; }
+  bool searches() const { return is_search_lane(replica.chain); }
+  /// Each scan is a draw from the prior, with no state before it or after; `starts` holds.
+  bool draws_prior() const { return is_prior_lane(replica.chain); }
   double inverse_temperature(std::uint32_t nth) const {
     return inverse_temperatures.size() == 1 ? inverse_temperatures.front()
                                             : inverse_temperatures[nth];
@@ -129,7 +146,8 @@ struct CacheUse {
 class UnitWorker {
  public:
   virtual ~UnitWorker() = default;
-  /// REQUIRES: `state` is the replica's state before unit.first_scan; empty for its first scan.
+  /// REQUIRES: `state` is the replica's state before unit.first_scan; for its first scan the one
+  /// that it starts with (Plan::start_state), or empty.
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
   /// The same from the sample that this worker holds since it ran the unit before, if it does.
   virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }

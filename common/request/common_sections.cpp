@@ -93,6 +93,12 @@ void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
                             .unit = "scans",
                             .help = "after which chains start anew; the last of them alone is a "
                                     "draw: sequential; they never do if absent"});
+  sampler.optional_integer("relax_scans", p.relax_scans,
+                           {.minimum = 1,
+                            .maximum = k_relax_scans_max,
+                            .unit = "scans",
+                            .help = "of a chain that relaxes each find: search; finds are left as "
+                                    "they are if absent"});
 }
 
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
@@ -172,6 +178,12 @@ void bind_stop(Binder& stop, StopRule& p) {
                          .maximum = k_found_max,
                          .help = "a search ends with so many finds, 5 if absent; beside other "
                                  "rules, a search before the chains"});
+  stop.optional_integer("takes", p.takes,
+                        {.minimum = 1,
+                         .maximum = k_takes_max,
+                         .help = "ends when so many finds of a search, each relaxed by "
+                                 "relax_scans, still satisfy; 5 if neither a rule nor a sampler "
+                                 "is given"});
 }
 
 void bind_output(Binder& output, OutputParameters& p) {
@@ -195,16 +207,27 @@ void bind_output(Binder& output, OutputParameters& p) {
                  .maximum = 1e6,
                  .unit = "units of likeness",
                  .help = "least distance of two that are kept, as the world measures likeness"});
+  output.integer("prior_draws", p.prior_draws,
+                 {.minimum = 0,
+                  .maximum = k_prior_draws,
+                  .help = "draws from the prior, to compare samples with; 100 beside a search "
+                          "alone"});
 }
 
 /// Keys of the common sections that say something of a search.
 constexpr std::array<std::string_view, 2> k_sampler_keys_of_search{"method", "seed"};
+constexpr std::array<std::string_view, 4> k_sampler_keys_of_takes{"method", "seed", "relax_scans",
+                                                                  "iterations_per_scan"};
 constexpr std::array<std::string_view, 1> k_stop_keys_of_search{"found"};
-constexpr std::array<std::string_view, 1> k_output_keys_of_search{"keep_max"};
+constexpr std::array<std::string_view, 1> k_stop_keys_of_takes{"takes"};
+constexpr std::array<std::string_view, 2> k_output_keys_of_search{"keep_max", "prior_draws"};
 
-/// All other keys say nothing: given ones are errors, defaults are not repeated.
-void keep_only(Binder& section, std::span<const std::string_view> keys, std::string_view why) {
-  for (const BoundKey& bound : std::vector(section.keys())) {
+/// Of a section's first keys all others say nothing: given ones are errors, defaults are not
+/// repeated.
+void keep_only(Binder& section, std::size_t first_keys, std::span<const std::string_view> keys,
+               std::string_view why) {
+  const std::vector<BoundKey> all = section.keys();
+  for (const BoundKey& bound : std::span(all).first(first_keys)) {
     const std::string& key = bound.spec.key;
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
     if (section.given(key)) section.error(key, why);
@@ -212,15 +235,29 @@ void keep_only(Binder& section, std::span<const std::string_view> keys, std::str
   }
 }
 
-/// What follows from the method once all keys are bound.
-void settle_search(SectionBinders& sections, DirectionRequest& request) {
-  keep_only(sections.sampler, k_sampler_keys_of_search,
-            "says nothing of method \"search\", which has no chains");
-  keep_only(sections.stop, k_stop_keys_of_search,
-            "counts scans or samples, and method \"search\" has none; it ends by 'found'");
-  keep_only(sections.output, k_output_keys_of_search,
-            "is of chains, and method \"search\" has none");
+/// What follows from the method once all keys are bound. A world's keys are of chains: the common
+/// ones come first.
+void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionRequest& request) {
+  const auto all = [](const Binder& section) { return section.keys().size(); };
+  const bool relaxes = request.sampler.relax_scans.has_value();
+  if (relaxes) {
+    keep_only(sections.sampler, common_keys, k_sampler_keys_of_takes,
+              "is not used by a search whose finds are relaxed");
+    keep_only(sections.stop, all(sections.stop), k_stop_keys_of_takes,
+              "does not go with relax_scans, whose search ends by 'takes'");
+  } else {
+    keep_only(sections.sampler, all(sections.sampler), k_sampler_keys_of_search,
+              "is not used by method \"search\" without relax_scans: it has no chains");
+    keep_only(sections.stop, all(sections.stop), k_stop_keys_of_search,
+              "counts scans, samples or relaxed finds, and method \"search\" without relax_scans "
+              "has none; it ends by 'found'");
+  }
+  keep_only(sections.output, all(sections.output), k_output_keys_of_search,
+            "is about chains, and method \"search\" has none");
   request.sampler.chains = 0;
+  if (sections.output.given("prior_draws")) return;
+  request.output.prior_draws = k_prior_draws_of_search;
+  sections.output.settle("prior_draws", fmt::format("{}", k_prior_draws_of_search));
 }
 
 bool leaves_sampler_open(const Binder& sampler) {
@@ -230,18 +267,28 @@ bool leaves_sampler_open(const Binder& sampler) {
   });
 }
 
-/// Who asks for finds and nothing else wants a search.
+/// A request that asks for finds or takes and nothing else wants a search, and so does one that
+/// leaves all open.
 void settle_method(SectionBinders& sections, DirectionRequest& request, const WorldBinding& world) {
   const auto& rules = sections.stop.keys();
-  const bool asks_for_finds_alone =
-      sections.stop.given("found") &&
-      std::none_of(rules.begin(), rules.end(), [&](const BoundKey& bound) {
-        return bound.spec.key != "found" && sections.stop.given(bound.spec.key);
-      });
-  if (!world.acts_in_stages || !asks_for_finds_alone || !leaves_sampler_open(sections.sampler))
-    return;
+  const auto asks_for_more_than = [&](std::string_view one) {
+    return std::any_of(rules.begin(), rules.end(), [&](const BoundKey& bound) {
+      return bound.spec.key != one && sections.stop.given(bound.spec.key);
+    });
+  };
+  const bool wants_finds = sections.stop.given("found") && !asks_for_more_than("found");
+  const bool wants_takes = !asks_for_more_than("takes");
+  if (!world.acts_in_stages || !leaves_sampler_open(sections.sampler)) return;
+  if (!wants_finds && !(wants_takes && world.serve_best)) return;
   request.sampler.method = Method::search;
   sections.sampler.settle("method", "\"search\"");
+  if (wants_finds) return;
+  if (!sections.stop.given("takes")) {
+    request.stop.takes = k_solutions_asked_for;
+    sections.stop.settle("takes", fmt::format("{}", k_solutions_asked_for));
+  }
+  world.serve_best(sections.constraint, sections.sampler, request.sampler, request.stop);
+  CHECK(request.sampler.relax_scans.has_value());
 }
 
 /// Without a sampler the world says what serves it best; people see what is found before anything
@@ -259,15 +306,31 @@ void settle_default(SectionBinders& sections, DirectionRequest& request,
 /// Where no rule ends the run.
 void settle_stop(SectionBinders& sections, DirectionRequest& request) {
   const bool searches = request.sampler.method == Method::search;
+  const bool relaxes = request.sampler.relax_scans.has_value();
   Binder& stop = sections.stop;
   const auto given = [&](const char* key) { return stop.given(key); };
-  const bool some = searches ? given("found")
-                             : given("scans") || given("rounds") ||
-                                   given("independent_solutions") || given("odds");
+  const bool some = relaxes    ? request.stop.takes.has_value()
+                    : searches ? given("found")
+                               : given("scans") || given("rounds") ||
+                                     given("independent_solutions") || given("odds");
   if (some) return;
-  const char* key = searches ? "found" : "independent_solutions";
-  (searches ? request.stop.found : request.stop.independent_solutions) = k_solutions_asked_for;
+  const char* key = relaxes ? "takes" : searches ? "found" : "independent_solutions";
+  (relaxes    ? request.stop.takes
+   : searches ? request.stop.found
+              : request.stop.independent_solutions) = k_solutions_asked_for;
   stop.settle(key, fmt::format("{}", k_solutions_asked_for));
+}
+
+/// Takes are finds of a search that a chain relaxes for so many scans: one key goes with the other.
+void check_takes(SectionBinders& sections, const DirectionRequest& request) {
+  const bool searches = request.sampler.method == Method::search;
+  if (request.sampler.relax_scans && !searches && sections.sampler.valid("method"))
+    sections.sampler.error("relax_scans", "goes with method \"search\"");
+  if (sections.stop.given("takes") && !request.sampler.relax_scans) {
+    sections.stop.error("takes",
+                        "goes with a [sampler] that is left open, or with method \"search\" and "
+                        "relax_scans, and with no other rule");
+  }
 }
 
 /// Nothing else estimates P(satisfied) as it goes with an error that can be planned.
@@ -337,6 +400,8 @@ void check_stages(SectionBinders& sections, const DirectionRequest& request,
     sections.sampler.error("start", why);
   } else if (sections.stop.given("found")) {
     sections.stop.error("found", why);
+  } else if (sections.stop.given("takes")) {
+    sections.stop.error("takes", why);
   }
 }
 
@@ -359,6 +424,7 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
   sections.world.required_choice("name", chosen, std::span<const Named<const WorldBinding*>>(names),
                                  "the world to simulate");
   bind_sampler(sections.sampler, request.sampler);
+  const std::size_t common_keys = sections.sampler.keys().size();
   bind_stop(sections.stop, request.stop);
   bind_output(sections.output, request.output);
   if (chosen == nullptr) return nullptr;
@@ -366,7 +432,8 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
   chosen->bind(sections.world, sections.constraint, sections.sampler);
   settle_method(sections, request, *chosen);
   check_stages(sections, request, *chosen, worlds);
-  if (request.sampler.method == Method::search) settle_search(sections, request);
+  check_takes(sections, request);
+  if (request.sampler.method == Method::search) settle_search(sections, common_keys, request);
   check_start(sections, request);
   settle_stop(sections, request);
   settle_default(sections, request, *chosen);

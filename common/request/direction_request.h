@@ -79,6 +79,9 @@ struct SamplerParameters {
   /// none: it never does.
   std::optional<std::uint32_t> tour_scans{};
   Start start = Start::prior;
+  /// Of a search whose finds are relaxed: so many scans of a chain each; none: they are left as
+  /// they are (worker/sampling/relaxed_finds.h).
+  std::optional<std::uint32_t> relax_scans{};
   friend bool operator==(const SamplerParameters&, const SamplerParameters&) = default;
 };
 
@@ -99,6 +102,8 @@ struct StopRule {
   /// Standard error of log P(satisfied), in nats, that free islands are to know it to: of
   /// sequential. Sized at the ends of rounds (worker/sampling/stop_rule.h).
   std::optional<double> odds{};
+  /// Finds of a search, each relaxed by a chain of its own: goes alone.
+  std::optional<std::uint32_t> takes{};
   friend bool operator==(const StopRule&, const StopRule&) = default;
 };
 
@@ -120,11 +125,16 @@ struct WorldBinding {
       serve_best{};
 };
 
+/// Of a run of chains; a search shows enough beside fewer.
+inline constexpr std::uint32_t k_prior_draws = 1000;
+inline constexpr std::uint32_t k_prior_draws_of_search = 100;
+
 struct OutputParameters {
   std::uint32_t thin = 1;              ///< every thin-th scan's state is kept
   std::uint32_t keep_max = 5000;       ///< satisfying animations that are kept; 0 keeps none
   std::uint32_t keep_per_lineage = 3;  ///< of these, from one lineage
   double min_distance = 0.5;           ///< of two that are kept, in the world's likeness distance
+  std::uint32_t prior_draws = k_prior_draws;  ///< to compare samples with
   friend bool operator==(const OutputParameters&, const OutputParameters&) = default;
 };
 
@@ -159,40 +169,59 @@ inline constexpr std::uint32_t k_rounds_max = 40;
 inline constexpr std::uint32_t k_round_scans_max = 1000000;
 inline constexpr std::uint32_t k_independent_solutions_max = 1000000;
 inline constexpr std::uint32_t k_found_max = 1000000;
+/// Each has a chain of its own, and so has each find that does not become one.
+inline constexpr std::uint32_t k_takes_max = 10000;
+inline constexpr std::uint32_t k_relax_scans_max = 1000000;
 /// Nats: the islands that it takes grow with the inverse square, and above 1 the odds are open by a
 /// factor of 2.7 to either side.
 inline constexpr double k_odds_min = 0.001;
 inline constexpr double k_odds_max = 1;
-/// Where no rule is given: independent solutions, or finds.
+/// Where no rule is given: takes, independent solutions, or finds.
 inline constexpr std::uint32_t k_solutions_asked_for = 5;
 inline constexpr std::uint32_t k_particles = 64;
 inline constexpr std::uint32_t k_particles_max = 4096;
 inline constexpr std::uint32_t k_island_burn_in_rounds = 1;
 
+/// What a request that leaves the sampler open can be answered with.
+enum class Answer : std::uint8_t {
+  takes,         ///< finds of a search, relaxed
+  found,         ///< finds as they are
+  in_proportion  ///< independent solutions
+};
+
+/// What a command line asks for in the place of a request's [stop].
+struct Asked {
+  /// None: what [stop] asks for, finds or takes or independent solutions; where it asks for
+  /// nothing, takes if the sampler is left open, else independent solutions, of a search finds.
+  std::optional<Answer> answer{};
+  std::uint32_t number = k_solutions_asked_for;
+};
+
 /// Reads a request. `file` is named in the errors and not opened. The chosen world's parameters
 /// then hold the request's values; on errors they hold some of them.
-/// With `solutions` as if [stop] asked for so many alone: independent ones, and as many finds where
-/// [stop] asks for finds; of method search finds.
-/// REQUIRES: worlds is not empty, its names are distinct; solutions at least 1, at most
+/// REQUIRES: worlds is not empty, its names are distinct; asked->number at least 1, at most
 /// k_independent_solutions_max.
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
-    std::optional<std::uint32_t> solutions = {});
+    std::optional<Asked> asked = {});
 
 /// The whole request, canonically: what an archive stores of a run that ended by its own rule.
 std::string normalised_text(const DirectionRequest& request);
 
-/// What an archive holds: scans of each chain, and finds.
+/// Where an archive is cut. If a search's finds are relaxed, the archive has its takes, or its
+/// finds before the first take.
 struct Cut {
   std::uint64_t scans = 0;
   std::uint64_t found = 0;
+  std::uint64_t relaxed = 0;
+  std::uint64_t prior_draws = 0;
 };
 
-/// As normalised_text with these for [stop], those that are not 0: the request that reproduces
-/// exactly what an archive holds. Without scans it is the search alone. Beside the scans of islands
-/// it keeps the rules that end a run by what islands say, odds and independent_solutions: by them
-/// an archive tells whether it may count its islands, and the run that they ended before ends there
-/// again. REQUIRES: one is not 0; scans
+/// As normalised_text with these for [stop] and prior_draws: the request that reproduces exactly
+/// what an archive holds. Without scans and takes it is the search alone. Beside the scans of
+/// islands it keeps the rules that end a run by what islands say, odds and independent_solutions:
+/// by them an archive tells whether it may count its islands, and the run that they ended before
+/// ends there again. REQUIRES: scans, found or relaxed is not 0; scans
 /// <= k_scans_max, found <= k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 
@@ -204,7 +233,7 @@ std::string identity_text(const DirectionRequest& request);
 DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
 
 /// The search that comes before a request's chains, as a request of its own: it finds the same.
-/// REQUIRES: stop.found.
+/// REQUIRES: stop.found or stop.takes.
 DirectionRequest search_of(DirectionRequest request);
 
 /// A section, or any table of an array, and what its keys are.

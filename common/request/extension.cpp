@@ -35,6 +35,8 @@ std::vector<std::pair<std::string, std::string>> rules_of(const DirectionRequest
   if (extension.solutions && !searches)
     add("independent_solutions", fmt::format("{}", *extension.solutions));
   if (extension.odds) add("odds", toml_number(*extension.odds));
+  if (request.stop.takes)
+    add("takes", fmt::format("{}", extension.solutions.value_or(*request.stop.takes)));
   const std::optional<std::uint32_t> found =
       request.stop.found && extension.solutions ? extension.solutions : request.stop.found;
   if (found) add("found", fmt::format("{}", *found));
@@ -51,8 +53,14 @@ base::Result<std::string, NotLonger> extended_text(const DirectionRequest& reque
   std::string complaint;
   complain_if_no_longer("scans", extension.scans, before.scans, false, complaint);
   complain_if_no_longer("rounds", extension.rounds, before.rounds, false, complaint);
-  complain_if_no_longer(searches ? "found" : "independent_solutions", extension.solutions,
-                        searches ? before.found : before.independent_solutions, false, complaint);
+  complain_if_no_longer(before.takes ? "takes"
+                        : searches   ? "found"
+                                     : "independent_solutions",
+                        extension.solutions,
+                        before.takes ? before.takes
+                        : searches   ? before.found
+                                     : before.independent_solutions,
+                        false, complaint);
   complain_if_no_longer("odds", extension.odds, before.odds, true, complaint);
   if (!complaint.empty()) return NotLonger{std::move(complaint)};
 

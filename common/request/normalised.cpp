@@ -38,11 +38,13 @@ std::string normalised_text(const DirectionRequest& request) {
 }
 
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut) {
-  CHECK(cut.scans > 0 || cut.found > 0);
+  CHECK(cut.scans > 0 || cut.found > 0 || cut.relaxed > 0);
   CHECK_LE(cut.scans, k_scans_max);
   CHECK_LE(cut.found, k_found_max);
   DirectionRequest stopped = request;
-  if (cut.scans == 0 && request.sampler.method != Method::search) {
+  const bool is_search = request.sampler.method == Method::search;
+  const bool has_takes = cut.relaxed > 0;
+  if (cut.scans == 0 && !has_takes && (!is_search || request.sampler.relax_scans)) {
     stopped.stop.found = static_cast<std::uint32_t>(cut.found);
     stopped = search_of(std::move(stopped));
   }
@@ -51,7 +53,10 @@ std::string normalised_text_of(const DirectionRequest& request, const Cut& cut) 
   std::erase_if(rules,
                 [&](const auto& rule) { return !has_islands || !hangs_on_islands(rule.first); });
   if (cut.scans > 0) rules.emplace(rules.begin(), "scans", fmt::format("{}", cut.scans));
-  if (cut.found > 0) rules.emplace_back("found", fmt::format("{}", cut.found));
+  if (has_takes) rules.emplace_back("takes", fmt::format("{}", cut.relaxed));
+  if (cut.found > 0 && !has_takes) rules.emplace_back("found", fmt::format("{}", cut.found));
+  for (auto& [key, value] : section_of(stopped, "output").keys)
+    if (key == "prior_draws") value = fmt::format("{}", cut.prior_draws);
   return normalised_text(stopped);
 }
 
@@ -73,7 +78,7 @@ DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed) {
 }
 
 DirectionRequest search_of(DirectionRequest request) {
-  CHECK(request.stop.found.has_value());
+  CHECK(request.stop.found || request.stop.takes);
   const auto keep_only = [&](std::string_view section,
                              std::initializer_list<std::string_view> kept) {
     std::erase_if(section_of(request, section).keys, [&](const auto& key) {
@@ -82,14 +87,14 @@ DirectionRequest search_of(DirectionRequest request) {
   };
   keep_only("sampler", {"method", "seed"});
   keep_only("stop", {"found"});
-  keep_only("output", {"keep_max"});
+  keep_only("output", {"keep_max", "prior_draws"});
   for (auto& [key, value] : section_of(request, "sampler").keys)
     if (key == "method") value = "\"search\"";
   const std::uint64_t seed = request.sampler.seed;
   request.sampler = {.method = Method::search, .chains = 0, .seed = seed};
-  request.stop = {
-      .scans = {}, .rounds = {}, .independent_solutions = {}, .found = request.stop.found};
-  request.output = {.keep_max = request.output.keep_max};
+  const auto found = request.stop.found ? request.stop.found : request.stop.takes;
+  request.stop = {.scans = {}, .rounds = {}, .independent_solutions = {}, .found = found};
+  request.output = {.keep_max = request.output.keep_max, .prior_draws = request.output.prior_draws};
   return request;
 }
 

@@ -248,29 +248,52 @@ std::vector<NormalisedSection> normalised_sections(const SectionBinders& section
   return normalised;
 }
 
-/// Puts so many solutions in the place of [stop]: finds of what is a search, by its method or since
-/// it asks for finds alone and leaves the sampler open.
-void ask_for(Document& document, std::uint32_t solutions) {
-  CHECK(solutions >= 1 && solutions <= k_independent_solutions_max);
+/// Whether finds of the request's world can be relaxed, if it names one.
+bool can_be_relaxed(const Document& document, std::span<const WorldBinding> worlds) {
+  const Section* world = document.find("world");
+  const Entry* name = world == nullptr ? nullptr : world->find("name");
+  const auto* text = name == nullptr ? nullptr : std::get_if<std::string>(&name->value.held);
+  return text != nullptr && std::ranges::any_of(worlds, [&](const WorldBinding& one) {
+           return one.name == *text && one.acts_in_stages && one.serve_best;
+         });
+}
+
+/// The rules of [stop] that ask for an answer to this request.
+std::vector<const char*> rules_of(const Document& document, const std::optional<Answer>& answer,
+                                  std::span<const WorldBinding> worlds) {
+  if (answer == Answer::takes) return {"takes"};
+  if (answer == Answer::found) return {"found"};
+  if (answer == Answer::in_proportion) return {"independent_solutions"};
   const Section* sampler = document.find("sampler");
+  const Section* stop = document.find("stop");
+  const auto has_rule = [&](const char* rule) {
+    return stop != nullptr && stop->find(rule) != nullptr;
+  };
   const Entry* method = sampler == nullptr ? nullptr : sampler->find("method");
   const auto* name = method == nullptr ? nullptr : std::get_if<std::string>(&method->value.held);
+  if (name != nullptr && *name == "search")
+    return {sampler->find("relax_scans") != nullptr ? "takes" : "found"};
   const bool is_open =
-      sampler == nullptr || std::all_of(sampler->entries.begin(), sampler->entries.end(),
-                                        [](const Entry& entry) { return entry.key == "seed"; });
+      sampler == nullptr ||
+      std::ranges::all_of(sampler->entries, [](const Entry& entry) { return entry.key == "seed"; });
+  const std::size_t rules = stop == nullptr ? 0 : stop->entries.size();
+  if (has_rule("takes") || (is_open && rules == 0 && can_be_relaxed(document, worlds)))
+    return {"takes"};
+  if (is_open && has_rule("found") && rules == 1) return {"found"};
+  if (has_rule("found")) return {"independent_solutions", "found"};
+  return {"independent_solutions"};
+}
+
+/// Puts what is asked for in the place of [stop].
+void ask_for(Document& document, const Asked& asked, std::span<const WorldBinding> worlds) {
+  CHECK(asked.number >= 1 && asked.number <= k_independent_solutions_max);
   const Section* given = document.find("stop");
-  const bool has_finds = given != nullptr && given->find("found") != nullptr;
-  const bool is_search = (name != nullptr && *name == "search") ||
-                         (is_open && has_finds && given->entries.size() == 1);
   Section stop{.name = "stop", .place = given == nullptr ? Place{} : given->place, .entries = {}};
-  const auto ask = [&](const char* rule) {
-    stop.entries.push_back(
-        {.key = rule,
-         .place = stop.place,
-         .value = {.held = static_cast<std::int64_t>(solutions), .place = stop.place}});
-  };
-  if (!is_search) ask("independent_solutions");
-  if (is_search || has_finds) ask("found");
+  for (const char* rule : rules_of(document, asked.answer, worlds)) {
+    stop.entries.push_back({.key = rule,
+                            .place = stop.place,
+                            .value = {.held = std::int64_t{asked.number}, .place = stop.place}});
+  }
   std::erase_if(document.sections, [](const Section& section) { return section.name == "stop"; });
   document.sections.push_back(std::move(stop));
 }
@@ -301,18 +324,18 @@ std::uint64_t scans_before_draws(const SamplerParameters& sampler) {
 
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
-    std::optional<std::uint32_t> solutions) {
-  return read_request_with(text, file, worlds, {}, solutions);
+    std::optional<Asked> asked) {
+  return read_request_with(text, file, worlds, {}, asked);
 }
 
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
-    std::span<const KeySet> sets, std::optional<std::uint32_t> solutions) {
+    std::span<const KeySet> sets, std::optional<Asked> asked) {
   auto parsed = parse_document(text, file);
   if (!parsed) return std::vector{parsed.error()};
   Document document = std::move(parsed).value();
   apply_sets(document, sets);
-  if (solutions) ask_for(document, *solutions);
+  if (asked) ask_for(document, *asked, worlds);
 
   // Every key that is declared takes its value from the file.
   Diagnostics diagnostics(file);

@@ -59,10 +59,9 @@ const KeySet* find_set(std::span<const KeySet> sets, std::string_view section,
 void apply_sets(Document& document, std::span<const KeySet> sets);
 
 /// As read_request, of the text with these sets. Errors of a set have its text as file, and
-/// k_no_place. With `solutions` [stop] is as if it asked for so many alone, whatever sets say of
-/// it.
+/// k_no_place. `asked` replaces [stop], whatever sets say of it.
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
-    std::span<const KeySet> sets, std::optional<std::uint32_t> solutions = {});
+    std::span<const KeySet> sets, std::optional<Asked> asked = {});
 
 }  // namespace sleight::request

@@ -103,7 +103,7 @@ void GroupCommit::work() {
     try {
       commit_(group);
       for (const plan::UnitResult& result : group.results)
-        scans += result.scans.size();
+        scans += result.unit.draws_prior() ? 0 : result.scans.size();
     } catch (...) {
       failure = std::current_exception();
     }

@@ -4,7 +4,8 @@
 // Invariants
 //   1. Results are committed in the order in which they were put, and events with or after all
 //      results that were put before them.
-//   2. committed() counts scans whose commit has returned: only these may be reported as done.
+//   2. committed() counts scans, not prior draws, whose commit has returned: only these may be
+//   reported as done.
 //   3. After a commit has failed nothing more is written; the failure comes out of the next put or
 //      flush, in the caller's thread.
 //   4. The thread starts with the first result: until then the process may fork safely.

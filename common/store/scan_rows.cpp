@@ -83,7 +83,7 @@ bool RowReplay::step(const ReplayVisit& visit) {
       plan::ScanRecord& record = batch_.emplace_back();
       read_record(*turn, {.salt = salt_, .replica = replica_, .scan = scan}, select, 1, record);
       record.outcome = {};
-      record.state = {};
+      if (!plan::is_search_lane(replica_.chain)) record.state = {};
       ++next_;
     }
   }

@@ -41,7 +41,8 @@ void read_record(const Database& database, const RowKey& key, Statement& select,
 using ReplayVisit = std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>;
 
 /// A replica's scans below `end` in order, batch by batch, from its first one to the first gap;
-/// records come without state and outcome. Each batch is a turn, and is visited after it.
+/// records come without outcome, and without state but of finds, from which chains may start. Each
+/// batch is a turn, and is visited after it.
 class RowReplay {
  public:
   /// Borrows the database.

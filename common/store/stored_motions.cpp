@@ -19,18 +19,12 @@ constexpr const char* k_motions_schema = R"(
   CREATE TABLE IF NOT EXISTS motion(
     state BLOB PRIMARY KEY, ends INTEGER NOT NULL, columns INTEGER NOT NULL, numbers BLOB NOT NULL,
     checksum INTEGER NOT NULL);
-  CREATE TABLE IF NOT EXISTS numbers(
-    name TEXT PRIMARY KEY, numbers BLOB NOT NULL, checksum INTEGER NOT NULL);
 )";
 
 std::int64_t sum_of(std::uint64_t salt, base::BytesView state, const archive::Motion& motion) {
   return checksum_of_motion(salt, state, static_cast<std::int64_t>(motion.ends),
                             archive::Recording::k_columns,
                             base::bytes_of(std::span<const double>(motion.recording.values)));
-}
-
-std::int64_t sum_of(std::uint64_t salt, const std::string& name, base::BytesView numbers) {
-  return checksum_of_motion(salt, base::bytes_of(std::span<const char>(name)), 0, 0, numbers);
 }
 
 /// Those that are whole.
@@ -140,31 +134,6 @@ void StoredMotions::keep(base::BytesView state, const archive::Motion& motion) {
   waiting_bytes_ += state.size() + motion.recording.values.size() * sizeof(double);
   waiting_.insert_or_assign(text_of(state), motion);
   if (waiting_bytes_ >= k_motions_bytes) attempt([this] { write(); });
-}
-
-std::optional<std::vector<double>> StoredMotions::find_numbers(const std::string& name) {
-  std::optional<std::vector<double>> found;
-  attempt([&] {
-    Statement select =
-        file_->database.prepare("SELECT numbers, checksum FROM numbers WHERE name=?1");
-    select.bind(1, name);
-    if (!select.step()) return;
-    const base::BytesView bytes = select.blob(0);
-    if (sum_of(salt_, name, bytes) == select.integer(1)) found = numbers_in(bytes);
-  });
-  return found;
-}
-
-void StoredMotions::keep_numbers(const std::string& name, const std::vector<double>& numbers) {
-  if (!is_usable_ || is_full_) return;
-  const base::BytesView bytes = base::bytes_of(std::span<const double>(numbers));
-  attempt([&] {
-    file_->database.prepare("INSERT OR REPLACE INTO numbers VALUES(?1,?2,?3)")
-        .bind(1, name)
-        .bind(2, bytes)
-        .bind(3, sum_of(salt_, name, bytes))
-        .run();
-  });
 }
 
 void StoredMotions::write() {

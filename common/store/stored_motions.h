@@ -41,8 +41,6 @@ class StoredMotions final : public archive::Motions {
 
   std::optional<archive::Motion> find(base::BytesView state) override;
   void keep(base::BytesView state, const archive::Motion& motion) override;
-  std::optional<std::vector<double>> find_numbers(const std::string& name) override;
-  void keep_numbers(const std::string& name, const std::vector<double>& numbers) override;
 
   static std::string path(const std::string& folder) { return folder + "/motions.sqlite"; }
 

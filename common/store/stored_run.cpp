@@ -24,16 +24,14 @@ constexpr std::uint64_t k_starts_at_a_time = 16384;
 
 }  // namespace
 
-StoredRun::StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans,
-                     std::uint64_t finds)
-    : StoredRun(open_to_read(folder), chains, scans, finds) {}
+StoredRun::StoredRun(const std::string& folder, const StoredCut& cut)
+    : StoredRun(open_to_read(folder), cut) {}
 
-StoredRun::StoredRun(std::shared_ptr<SharedDatabase> database, std::uint32_t chains,
-                     std::uint64_t scans, std::uint64_t finds)
-    : database_(std::move(database)), chains_(chains), scans_(scans), finds_(finds) {
+StoredRun::StoredRun(std::shared_ptr<SharedDatabase> database, const StoredCut& cut)
+    : database_(std::move(database)), cut_(cut) {
   salt_ = salt_of(run_value(*database_, "identity"));
   replicas_ = count_replicas();
-  draws_ = {.first_scan = 0, .count = scans};
+  draws_ = {.first_scan = 0, .count = cut.scans};
 }
 
 RowKey StoredRun::key_of(base::ChainId chain, std::int64_t replica, std::int64_t scan) const {
@@ -48,7 +46,7 @@ std::uint32_t StoredRun::count_replicas() const {
   Statement most = turn->prepare(
       "SELECT MAX(replica) FROM replica AS known WHERE chain<?1 AND EXISTS(SELECT 1 FROM scan "
       "WHERE chain=known.chain AND replica=known.replica AND scan<?2)");
-  most.bind(1, std::int64_t{chains_}).bind(2, static_cast<std::int64_t>(scans_));
+  most.bind(1, std::int64_t{cut_.chains}).bind(2, static_cast<std::int64_t>(cut_.scans));
   if (!most.step()) return 1;
   return static_cast<std::uint32_t>(most.integer(0)) + 1;
 }
@@ -102,7 +100,7 @@ void StoredRun::for_each_draw(
 }
 
 std::vector<std::pair<std::uint64_t, std::uint64_t>> StoredRun::draw_ranges() const {
-  if (draws_.parts.empty()) return {{draws_.first_scan, scans_}};
+  if (draws_.parts.empty()) return {{draws_.first_scan, cut_.scans}};
   std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;
   for (const plan::DrawPart& part : draws_.parts)
     ranges.emplace_back(part.first_scan, part.first_scan + part.count);
@@ -139,7 +137,8 @@ void StoredRun::for_each_replica(base::ChainId chain, std::uint64_t thin,
       const SharedDatabase::Turn turn = database_->turn();
       Statement select = turn->prepare(row);
       select.bind(1, std::int64_t{chain.value}).bind(2, std::int64_t{replica});
-      select.bind(3, static_cast<std::int64_t>(scans_)).bind(4, static_cast<std::int64_t>(thin));
+      select.bind(3, static_cast<std::int64_t>(cut_.scans))
+          .bind(4, static_cast<std::int64_t>(thin));
       if (select.step()) {
         scan = select.integer(0);
         read_record(*turn, key_of(chain, replica, *scan), select, 1, record);
@@ -152,20 +151,22 @@ void StoredRun::for_each_replica(base::ChainId chain, std::uint64_t thin,
 
 std::vector<std::int64_t> StoredRun::lanes() const {
   const SharedDatabase::Turn turn = database_->turn();
-  Statement select = turn->prepare("SELECT chain FROM replica WHERE chain>=?1 ORDER BY chain");
-  select.bind(1, std::int64_t{plan::k_first_lane});
+  Statement select =
+      turn->prepare("SELECT chain FROM replica WHERE chain>=?1 AND chain<?2 ORDER BY chain");
+  select.bind(1, std::int64_t{plan::k_first_lane}).bind(2, std::int64_t{plan::k_first_prior_lane});
   std::vector<std::int64_t> lanes;
   while (select.step())
     lanes.push_back(select.integer(0));
   return lanes;
 }
 
-std::vector<std::pair<std::int64_t, std::int64_t>> StoredRun::find_places() const {
+std::vector<std::pair<std::int64_t, std::int64_t>> StoredRun::find_places(
+    std::uint64_t finds) const {
   std::vector<std::pair<std::int64_t, std::int64_t>> places;
   for (const std::int64_t lane : lanes()) {
-    // A lane's finds are in order: none after its first finds_ is among the first of all.
+    // A lane's finds are in order: none after its first so many is among the first of all.
     std::int64_t next = 0;
-    for (std::uint64_t found = 0; found < finds_;) {
+    for (std::uint64_t found = 0; found < finds;) {
       const SharedDatabase::Turn turn = database_->turn();
       Statement select = turn->prepare(
           "SELECT scan, satisfied FROM scan WHERE chain=?1 AND replica=0 AND scan>=?2 "
@@ -183,61 +184,121 @@ std::vector<std::pair<std::int64_t, std::int64_t>> StoredRun::find_places() cons
     }
   }
   std::ranges::sort(places);
-  if (places.size() > finds_) places.resize(finds_);
+  if (places.size() > finds) places.resize(finds);
   return places;
+}
+
+std::vector<std::int64_t> StoredRun::chains_of_takes() const {
+  const SharedDatabase::Turn turn = database_->turn();
+  Statement select = turn->prepare(
+      "SELECT chain FROM replica AS known WHERE chain<?1 AND EXISTS(SELECT 1 FROM scan WHERE "
+      "chain=known.chain AND replica=0 AND scan=?2 AND satisfied=1) ORDER BY chain LIMIT ?3");
+  select.bind(1, std::int64_t{plan::k_first_lane}).bind(2, std::int64_t{cut_.relax_scans});
+  select.bind(3, static_cast<std::int64_t>(cut_.finds));
+  std::vector<std::int64_t> chains;
+  while (select.step())
+    chains.push_back(select.integer(0));
+  return chains;
+}
+
+std::vector<StoredRun::FindRow> StoredRun::find_rows() const {
+  const auto start_of = [](const std::pair<std::int64_t, std::int64_t>& place) {
+    return plan::start_number(base::ChainId{static_cast<std::uint32_t>(place.second)},
+                              static_cast<std::uint64_t>(place.first));
+  };
+  std::vector<FindRow> rows;
+  if (cut_.relax_scans == 0) {
+    for (const auto& place : find_places(cut_.finds))
+      rows.push_back({.start = start_of(place), .chain = place.second, .scan = place.first});
+    return rows;
+  }
+  // Chain k relaxes the find k.
+  const std::vector<std::int64_t> chains = chains_of_takes();
+  if (chains.empty()) return rows;
+  const auto places = find_places(static_cast<std::uint64_t>(chains.back()) + 1);
+  for (const std::int64_t chain : chains) {
+    if (static_cast<std::size_t>(chain) >= places.size()) break;
+    rows.push_back({.start = start_of(places[static_cast<std::size_t>(chain)]),
+                    .chain = chain,
+                    .scan = cut_.relax_scans});
+  }
+  return rows;
 }
 
 void StoredRun::for_each_find(
     const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const {
-  // Starts are numbered by (scan, lane). Which ones found something is read first, then some of
-  // them at a time, so that nothing is being read while they are visited.
+  // Starts are numbered by (scan, lane). Which rows they are is read first, then some of them at a
+  // time, so that nothing is being read while they are visited.
   const std::string row =
       fmt::format("SELECT {} FROM scan WHERE chain=?1 AND replica=0 AND scan=?2", k_record_columns);
-  const auto places = find_places();
+  const std::vector<FindRow> rows = find_rows();
   std::vector<plan::ScanRecord> some;
   std::uint64_t found = 0;
-  while (found < places.size()) {
-    const std::size_t count = std::min<std::size_t>(places.size() - found, k_finds_at_a_time);
+  while (found < rows.size()) {
+    const std::size_t count = std::min<std::size_t>(rows.size() - found, k_finds_at_a_time);
     some.assign(count, {});
     {
       const SharedDatabase::Turn turn = database_->turn();
       Statement select = turn->prepare(row);
       for (std::size_t i = 0; i < count; ++i) {
-        const auto& [scan, lane] = places[found + i];
-        select.bind(1, lane).bind(2, scan);
+        const FindRow& find = rows[found + i];
+        select.bind(1, find.chain).bind(2, find.scan);
         if (!select.step()) refuse_damaged(database_->path(), "a find of its search is missing");
-        read_record(*turn, key_of(base::ChainId{static_cast<std::uint32_t>(lane)}, 0, scan), select,
-                    0, some[i]);
+        read_record(*turn,
+                    key_of(base::ChainId{static_cast<std::uint32_t>(find.chain)}, 0, find.scan),
+                    select, 0, some[i]);
         select.reset();
       }
     }
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto& [scan, lane] = places[found + i];
-      visit(plan::start_number(base::ChainId{static_cast<std::uint32_t>(lane)},
-                               static_cast<std::uint64_t>(scan)),
-            some[i]);
-    }
+    for (std::size_t i = 0; i < count; ++i)
+      visit(rows[found + i].start, some[i]);
     found += count;
   }
-  if (found != finds_)
+  if (found != cut_.finds)
     refuse_damaged(database_->path(), fmt::format("find {} of its search is missing", found));
 }
 
+void StoredRun::for_each_prior_draw(
+    const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const {
+  std::vector<plan::ScanRecord> draws(cut_.prior_draws);
+  std::uint64_t read = 0;
+  {
+    const SharedDatabase::Turn turn = database_->turn();
+    Statement select = turn->prepare(
+        fmt::format("SELECT {}, chain, scan FROM scan WHERE chain>=?1 AND replica=0 AND scan<=?2",
+                    k_record_columns));
+    select.bind(1, std::int64_t{plan::k_first_prior_lane});
+    select.bind(2, static_cast<std::int64_t>(cut_.prior_draws / plan::k_prior_lanes));
+    while (select.step()) {
+      const base::ChainId lane{static_cast<std::uint32_t>(select.integer(k_record_column_count))};
+      const std::int64_t scan = select.integer(k_record_column_count + 1);
+      const std::uint64_t nth = plan::prior_draw_number(lane, static_cast<std::uint64_t>(scan));
+      if (nth >= draws.size()) continue;
+      read_record(*turn, key_of(lane, 0, scan), select, 0, draws[nth]);
+      ++read;
+    }
+  }
+  if (read != draws.size()) refuse_damaged(database_->path(), "a draw from the prior is missing");
+  for (std::uint64_t nth = 0; nth < draws.size(); ++nth)
+    visit(nth, draws[nth]);
+}
+
 plan::FailureCounts StoredRun::failures() const {
-  // Of a search those of the starts up to its last find.
-  std::uint64_t last_start = 0;
-  if (finds_ > 0) {
-    const auto places = find_places();
-    if (!places.empty()) {
-      last_start =
-          plan::start_number(base::ChainId{static_cast<std::uint32_t>(places.back().second)},
-                             static_cast<std::uint64_t>(places.back().first));
+  // Of a search those of the starts up to its last find; and of the chains up to its last take.
+  std::uint64_t starts = 0;
+  std::int64_t chains = cut_.chains;
+  std::uint64_t scans = cut_.scans;
+  if (const std::vector<FindRow> rows = find_rows(); !rows.empty()) {
+    starts = rows.back().start + 1;
+    if (cut_.relax_scans > 0) {
+      chains = rows.back().chain + 1;
+      scans = std::uint64_t{cut_.relax_scans} + 1;
     }
   }
   // By (scan, chain, replica), as the index has them; each batch goes on after the last one's end.
   const std::string rows = fmt::format(
       "SELECT chain, replica, scan, {} FROM scan INDEXED BY scan_failures "
-      "WHERE failures IS NOT NULL AND (chain>=?2 OR scan<?1) AND scan>=?3 "
+      "WHERE failures IS NOT NULL AND (chain>=?2 OR (scan<?1 AND chain<?7)) AND scan>=?3 "
       "AND (scan, chain, replica)>(?3, ?4, ?5) ORDER BY scan, chain, replica LIMIT ?6",
       k_record_columns);
   plan::FailureCounts counts;
@@ -251,15 +312,15 @@ plan::FailureCounts StoredRun::failures() const {
   do {
     const SharedDatabase::Turn turn = database_->turn();
     Statement select = turn->prepare(rows);
-    select.bind(1, static_cast<std::int64_t>(scans_)).bind(2, std::int64_t{plan::k_first_lane});
+    select.bind(7, chains);
+    select.bind(1, static_cast<std::int64_t>(scans)).bind(2, std::int64_t{plan::k_first_lane});
     select.bind(3, last.scan).bind(4, last.chain).bind(5, last.replica);
     select.bind(6, static_cast<std::int64_t>(k_failures_at_a_time));
     for (read = 0; select.step(); ++read) {
       last = {.scan = select.integer(2), .chain = select.integer(0), .replica = select.integer(1)};
       const base::ChainId chain{static_cast<std::uint32_t>(last.chain)};
       const bool is_start = chain.value >= plan::k_first_lane;
-      if (is_start && (finds_ == 0 || plan::start_number(chain, static_cast<std::uint64_t>(
-                                                                    last.scan)) > last_start))
+      if (is_start && plan::start_number(chain, static_cast<std::uint64_t>(last.scan)) >= starts)
         continue;
       read_record(*turn, key_of(chain, last.replica, last.scan), select, 3, record);
       counts.add(record.failures);
@@ -271,10 +332,10 @@ plan::FailureCounts StoredRun::failures() const {
 void StoredRun::replay(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                                 std::span<const plan::ScanRecord>)>& visit) const {
   std::vector<RowReplay> replays;
-  for (std::uint32_t chain = 0; chain < chains_; ++chain) {
+  for (std::uint32_t chain = 0; chain < cut_.chains; ++chain) {
     for (std::uint32_t replica = 0; replica < replicas_; ++replica) {
       const plan::ReplicaKey key{base::ChainId{chain}, base::ReplicaId{replica}};
-      replays.emplace_back(*database_, salt_, key, scans_);
+      replays.emplace_back(*database_, salt_, key, cut_.scans);
     }
   }
   replay_together(replays, visit);

@@ -19,19 +19,25 @@
 
 namespace sleight::store {
 
+/// How far a run is read.
+struct StoredCut {
+  std::uint32_t chains = 0;
+  std::uint64_t scans = 0;  ///< the first so many of every chain
+  std::uint64_t finds = 0;  ///< the first so many of its search; or takes, where finds are relaxed:
+  std::uint32_t relax_scans = 0;  ///< then the scan of their chains that may be a take
+  std::uint64_t prior_draws = 0;  ///< the first so many
+};
+
 class StoredRun final : public archive::RunView {
  public:
-  /// REQUIRES: every chain of the store has its first `scans` scans committed, and of a search the
-  /// starts up to its `finds`-th find.
-  StoredRun(std::shared_ptr<SharedDatabase> database, std::uint32_t chains, std::uint64_t scans,
-            std::uint64_t finds = 0);
+  /// REQUIRES: what the cut has is committed.
+  StoredRun(std::shared_ptr<SharedDatabase> database, const StoredCut& cut);
   /// Through a connection of its own (open_to_read).
-  StoredRun(const std::string& folder, std::uint32_t chains, std::uint64_t scans,
-            std::uint64_t finds = 0);
+  StoredRun(const std::string& folder, const StoredCut& cut);
   /// Which of these are draws, where not all are. REQUIRES: so many are there.
   void set_draws(plan::Draws draws);
 
-  std::uint32_t chains() const override { return chains_; }
+  std::uint32_t chains() const override { return cut_.chains; }
   std::uint64_t draws() const override { return draws_.count; }
   void for_each_draw(
       base::ChainId chain,
@@ -41,8 +47,12 @@ class StoredRun final : public archive::RunView {
   void for_each_replica(base::ChainId chain, std::uint64_t thin,
                         const std::function<void(base::ReplicaId, base::ScanIndex,
                                                  const plan::ScanRecord&)>& visit) const override;
-  std::uint64_t finds() const override { return finds_; }
+  std::uint64_t finds() const override { return cut_.finds; }
+  std::uint64_t relax_scans() const override { return cut_.relax_scans; }
   void for_each_find(
+      const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const override;
+  std::uint64_t prior_draws() const override { return cut_.prior_draws; }
+  void for_each_prior_draw(
       const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const override;
   plan::Report report() const override { return report_; }
   plan::FailureCounts failures() const override;
@@ -61,13 +71,20 @@ class StoredRun final : public archive::RunView {
 
   /// The lanes of its search.
   std::vector<std::int64_t> lanes() const;
-  /// The first finds_ starts of its search that found something, as (scan, lane), in order.
-  std::vector<std::pair<std::int64_t, std::int64_t>> find_places() const;
+  /// The first so many starts of its search that found something, as (scan, lane), in order.
+  std::vector<std::pair<std::int64_t, std::int64_t>> find_places(std::uint64_t finds) const;
+  /// By take its chain: the first so many whose relaxed finds satisfy.
+  std::vector<std::int64_t> chains_of_takes() const;
+  /// Where each of finds() begins and is: the place of its start, and its row.
+  struct FindRow {
+    std::uint64_t start = 0;
+    std::int64_t chain = 0;
+    std::int64_t scan = 0;
+  };
+  std::vector<FindRow> find_rows() const;
 
   std::shared_ptr<SharedDatabase> database_;
-  std::uint32_t chains_;
-  std::uint64_t scans_;
-  std::uint64_t finds_;
+  StoredCut cut_;
   std::uint64_t salt_ = 0;
   std::uint32_t replicas_ = 1;
   plan::Draws draws_;

@@ -38,6 +38,7 @@ void Checkpoints::offer(const Standing& now) {
       return;
     }
     wanted_ = now.reached;
+    is_first_of_finds_ = now.has_finds && !has_archive_;
     shows_solution_ = now.has_solution;
   }
   changed_.notify_all();
@@ -49,6 +50,7 @@ bool Checkpoints::is_due(const Standing& now) const {
   const double work_s = since_s * static_cast<double>(std::max<std::size_t>(1, now.workers));
   if (last_cost_s_ > k_checkpoint_share_max * work_s) return false;
   if (now.has_solution && !has_archive_) {
+    if (now.has_finds && last_end_s_ == begin_s_) return true;
     return last_end_s_ == begin_s_ ? since_s >= k_checkpoint_after_s
                                    : since_s >= std::min(every_s_, k_checkpoint_retry_s);
   }
@@ -80,7 +82,10 @@ void Checkpoints::work() {
   while (true) {
     changed_.wait(lock, [&] { return stop_ || wanted_; });
     if (stop_) return;
-    const Reached reached = *std::exchange(wanted_, std::nullopt);
+    const request::Cut reached = *std::exchange(wanted_, std::nullopt);
+    // The first with all finds is short, and waited for: it is made whatever ends meanwhile.
+    const std::atomic<bool> never = false;
+    const std::atomic<bool>& stop = is_first_of_finds_ ? never : stop_;
     is_making_ = true;
     lock.unlock();
 
@@ -88,7 +93,7 @@ void Checkpoints::work() {
     Made result;
     std::string complaint;
     try {
-      result = derive_(reached, stop_);
+      result = derive_(reached, stop);
     } catch (const DeriveStopped&) {
     } catch (const std::exception& failure) {
       complaint = failure.what();

@@ -1,6 +1,7 @@
 // Archives of a run so far, for people who watch, made beside the computing.
 //
-// A thread of its own derives them, so that nobody waits. The first comes with the first solution;
+// A thread of its own derives them, so that nobody waits. The first comes as soon as a search has
+// its finds, or with the first solution;
 // the next ones every so often, and so seldom that they take at most k_checkpoint_share_max of the
 // workers' time. Motions of kept animations are not counted: each is simulated once for all
 // archives, the last one too, and so costs nothing more.
@@ -43,7 +44,7 @@ class Checkpoints {
   };
   /// Derives the archive of what was reached, in the thread; throws DeriveStopped (derive.h) soon
   /// after `stop` has become true, and any other exception where it fails.
-  using Derive = std::function<Made(const Reached& reached, const std::atomic<bool>& stop)>;
+  using Derive = std::function<Made(const request::Cut& reached, const std::atomic<bool>& stop)>;
 
   /// Borrows the clock, which must be thread-safe. `every_s` 0: none are made. `has_archive`: an
   /// earlier session left one, so that none is made at once.
@@ -73,10 +74,11 @@ class Checkpoints {
   std::atomic<bool> stop_ = false;
   mutable std::mutex mutex_;  ///< of all below
   std::condition_variable changed_;
-  std::optional<Reached> wanted_;  ///< to be made now
+  std::optional<request::Cut> wanted_;  ///< to be made now
   bool is_making_ = false;
-  bool has_archive_ = false;     ///< one that shows a solution
-  bool shows_solution_ = false;  ///< the one that is being made does
+  bool has_archive_ = false;        ///< one that shows a solution
+  bool shows_solution_ = false;     ///< the one that is being made does
+  bool is_first_of_finds_ = false;  ///< so is all that a search was to find, and no archive was
   bool has_complained_ = false;
   double last_end_s_;  ///< of the last try, or the session's beginning
   double last_cost_s_ = 0;

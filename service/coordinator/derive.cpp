@@ -48,6 +48,8 @@ class StoppableSink final : public archive::Sink {
   std::function<void()> ask_;
 };
 
+static_assert(request::k_prior_draws <= archive::k_prior_draws_max);
+
 /// Does it, and adds the processor time that it took; to null nothing.
 template <class Work>
 auto timed(double* total_s, const Work& work) {
@@ -57,29 +59,18 @@ auto timed(double* total_s, const Work& work) {
   return result;
 }
 
-/// Adds up what is simulated once a run, and tells how many draws from the prior are.
+/// Adds up what is simulated once a run.
 class TimedReader final : public archive::ForwardingReader {
  public:
-  TimedReader(const archive::StateReader& reader, double* motions_s,
-              const archive::HearWriting& hear)
-      : ForwardingReader(reader), motions_s_(motions_s), hear_(hear) {}
+  TimedReader(const archive::StateReader& reader, double* motions_s)
+      : ForwardingReader(reader), motions_s_(motions_s) {}
 
   archive::Motion play(base::BytesView state) const override {
     return timed(motions_s_, [&] { return ForwardingReader::play(state); });
   }
-  archive::PriorDraw prior_draw(std::uint64_t nth) const override {
-    archive::PriorDraw draw = timed(motions_s_, [&] { return ForwardingReader::prior_draw(nth); });
-    if (hear_) {
-      hear_({.part = archive::WritingProgress::Part::prior,
-             .done = nth + 1,
-             .total = archive::k_prior_draws});
-    }
-    return draw;
-  }
 
  private:
   double* motions_s_;
-  const archive::HearWriting& hear_;
 };
 
 /// On what remembered motions hang besides their states.
@@ -122,8 +113,16 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
 
   // Which scans of the cut are draws, and what was learnt on the way.
   const auto run_store = inputs.store ? inputs.store : store::open_to_read(folder);
-  std::optional<store::StoredRun> view(std::in_place, run_store, inputs.request.sampler.chains,
-                                       cut.scans, cut.found);
+  const auto view_of = [&](std::uint32_t chains) {
+    const bool has_takes = cut.relaxed > 0;
+    return store::StoredRun(
+        run_store, {.chains = chains,
+                    .scans = cut.scans,
+                    .finds = has_takes ? cut.relaxed : cut.found,
+                    .relax_scans = has_takes ? inputs.request.sampler.relax_scans.value() : 0,
+                    .prior_draws = cut.prior_draws});
+  };
+  std::optional<store::StoredRun> view(view_of(inputs.request.sampler.chains));
   if (cut.scans > 0) {
     const std::unique_ptr<plan::Plan> learner = inputs.plan_of(cut);
     if (learner->learns()) {
@@ -135,7 +134,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
   if (view->draws() == 0) {
     cut.scans = 0;
     if (cut.found == 0) return {};
-    view.emplace(run_store, 0, 0, cut.found);
+    view.emplace(view_of(0));
   }
 
   // Write them, with motions that are known or simulated now.
@@ -150,7 +149,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
       .results_version = inputs.results_version,
       .run_id = run_id(inputs.request, inputs.results_version)};
   store::StoredMotions motions(folder, owner_of_motions(inputs.request));
-  const TimedReader timed(inputs.reader, inputs.motions_s, inputs.hear);
+  const TimedReader timed(inputs.reader, inputs.motions_s);
   const archive::RememberingReader reader(timed, motions, ask);
   return archive::hdf5::write_file(output, inputs.files, [&](archive::Sink& file) {
     StoppableSink sink(file, ask);
@@ -164,7 +163,7 @@ request::Cut committed_cut(const std::string& folder, plan::Plan& fresh_plan) {
                                          std::span<const plan::ScanRecord> records) {
     fresh_plan.consume(replica, first, records);
   });
-  return {.scans = fresh_plan.scans_common(), .found = fresh_plan.finds().found};
+  return cut_of(fresh_plan);
 }
 
 }  // namespace sleight::coordinator

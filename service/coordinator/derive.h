@@ -35,8 +35,8 @@ struct DeriveInputs {
   base::FileSystem& files;
   /// Of the program, which made the run's results.
   const std::string& results_version;
-  /// Where the processor time in seconds is added that motions and prior draws took which were not
-  /// remembered; may be null.
+  /// Where the processor time in seconds is added that motions took which were not remembered; may
+  /// be null.
   double* motions_s = nullptr;
   /// Through which the store is read, which on a network disk is the writer's own
   /// (RunStore::to_read); null: a connection of its own.
@@ -62,8 +62,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
                            const std::string& output, request::Cut& cut,
                            const std::function<bool()>& stop = {});
 
-/// What is committed in `folder` of a run of this request: the scans that all chains have, and the
-/// finds of its search.
+/// What is committed in `folder` of a run of this request.
 request::Cut committed_cut(const std::string& folder, plan::Plan& fresh_plan);
 
 }  // namespace sleight::coordinator

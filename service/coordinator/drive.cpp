@@ -30,7 +30,7 @@ class Driver {
     stop_if_asked(end);  // before anything is handed out
     for (const core::Joined& member : crew_.members())
       carry_out(member);
-    while (!scheduler_.ended()) {
+    while (!scheduler_.ended() && !is_grace_over()) {
       for (core::Input& input : crew_.receive(options_.report_every_s))
         carry_out(std::move(input));
       carry_out(tick());
@@ -40,7 +40,7 @@ class Driver {
     store_.flush();
     if (plan_.finished() && end != DriveEnd::simulation_failed) end = DriveEnd::finished;
     if (options_.report) options_.report(progress());
-    return {.end = end, .reached = reached(), .progress = progress(), .handling = handling()};
+    return {.end = end, .reached = cut_of(plan_), .progress = progress(), .handling = handling()};
   }
 
  private:
@@ -85,6 +85,8 @@ class Driver {
     const plan::Finds finds = plan_.finds();
     if (finds.found > counted_.finds.found) counted_.found_s = clock_.now_s() - begin_s_;
     counted_.finds = finds;
+    // People who watch see at once what a search has found.
+    if (!std::exchange(had_finds_, has_finds()) && had_finds_) tell_standing();
   }
 
   core::Tick tick() const { return {.now_s = clock_.now_s()}; }
@@ -95,8 +97,13 @@ class Driver {
     const std::optional<DriveEnd> early = asked_to_stop();
     if (!early) return;
     end = *early;
+    stop_s_ = clock_.now_s();
     if (end == DriveEnd::stop_requested && options_.stopping) options_.stopping();
     carry_out(core::StopAsked{});
+  }
+
+  bool is_grace_over() const {
+    return stop_s_ && clock_.now_s() - *stop_s_ >= options_.stop_grace_s;
   }
 
   std::optional<DriveEnd> asked_to_stop() const {
@@ -110,8 +117,10 @@ class Driver {
 
   void put(plan::UnitResult result) {
     counted_.session_simulations += result.simulations;
-    for (const plan::ScanRecord& scan : result.scans)
-      count(scan);
+    if (!result.unit.draws_prior()) {
+      for (const plan::ScanRecord& scan : result.scans)
+        count(scan);
+    }
     if (options_.consumed)
       options_.consumed(result.unit.replica, result.unit.first_scan, result.scans);
     if (options_.failed) {
@@ -131,8 +140,6 @@ class Driver {
         std::accumulate(scan.accepted.begin(), scan.accepted.end(), std::uint64_t{0});
   }
 
-  Reached reached() const { return {.scans = plan_.scans_common(), .found = plan_.finds().found}; }
-
   events::Progress progress() const {
     events::Progress now = counted_;
     now.scans_done = earlier_scans_ + store_.committed();
@@ -140,6 +147,8 @@ class Driver {
     now.solutions = plan_.solutions_found();
     now.solutions_wanted = plan_.solutions_wanted().value_or(0);
     now.round_trips = plan_.round_trips();
+    now.prior_draws = plan_.prior_draws();
+    now.prior_draws_wanted = plan_.prior_draws_wanted();
     now.workers = scheduler_.threads();
     now.elapsed_s = clock_.now_s() - begin_s_;
     return now;
@@ -162,12 +171,20 @@ class Driver {
     if (now_s - report_s_ < options_.report_every_s) return;
     report_s_ = now_s;
     if (options_.report) options_.report(progress());
-    if (options_.standing) {
-      const Reached now = reached();
-      options_.standing({.reached = now,
-                         .has_solution = now.found > 0 || plan_.solutions_found() > 0,
-                         .workers = scheduler_.threads()});
-    }
+    tell_standing();
+  }
+
+  bool has_finds() const {
+    return counted_.finds.wanted > 0 && counted_.finds.found >= counted_.finds.wanted;
+  }
+
+  void tell_standing() const {
+    if (!options_.standing) return;
+    const request::Cut now = cut_of(plan_);
+    options_.standing({.reached = now,
+                       .has_solution = now.found > 0 || plan_.solutions_found() > 0,
+                       .has_finds = had_finds_,
+                       .workers = scheduler_.threads()});
   }
 
   plan::Plan& plan_;
@@ -180,10 +197,20 @@ class Driver {
   events::Progress counted_;
   std::uint64_t earlier_scans_ = 0;
   double begin_s_;
+  std::optional<double> stop_s_;  ///< when it was asked to stop
   double report_s_ = 0;
+  bool had_finds_ = false;  ///< a search had all that it was to find
 };
 
 }  // namespace
+
+request::Cut cut_of(const plan::Plan& plan) {
+  const plan::Finds finds = plan.finds();
+  return {.scans = plan.scans_common(),
+          .found = finds.found,
+          .relaxed = finds.relaxed,
+          .prior_draws = plan.prior_draws()};
+}
 
 DriveOutcome drive(plan::Plan& plan, store::RunStore& store, Crew& crew, const base::Clock& clock,
                    const DriveOptions& options) {

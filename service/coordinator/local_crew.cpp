@@ -54,6 +54,12 @@ std::vector<core::Input> LocalCrew::receive(double timeout_s) {
   return std::exchange(inputs_, {});
 }
 
+bool LocalCrew::is_busy() {
+  const std::scoped_lock lock(mutex_);
+  waiting_.clear();
+  return running_ > 0;
+}
+
 void LocalCrew::work() {
   std::unique_lock lock(mutex_);
   while (true) {
@@ -61,6 +67,7 @@ void LocalCrew::work() {
     if (ending_) return;
     const schema::Assignment assignment = std::move(waiting_.front());
     waiting_.pop_front();
+    ++running_;
     lock.unlock();
     try {
       schema::Delivery delivery{.epoch = assignment.epoch,
@@ -75,6 +82,7 @@ void LocalCrew::work() {
       if (!lock.owns_lock()) lock.lock();
       failure_ = std::current_exception();
     }
+    --running_;
     input_waits_.notify_one();
   }
 }

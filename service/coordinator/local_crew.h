@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <exception>
@@ -32,6 +33,9 @@ class LocalCrew final : public Crew {
   void send(core::WorkerId worker, schema::Assignment assignment) override;
   void send(core::WorkerId worker, const schema::Ping& ping) override;
   std::vector<core::Input> receive(double timeout_s) override;
+  /// Whether a block is being run. After a run that did not wait for it the process ends by itself,
+  /// without destroying the crew and its worker, or waits for as long as the block takes.
+  bool is_busy();
 
  private:
   void work();
@@ -43,6 +47,7 @@ class LocalCrew final : public Crew {
   std::condition_variable input_waits_;
   std::deque<schema::Assignment> waiting_;
   std::set<std::uint64_t> before_it_;  ///< assignments that are not done
+  std::size_t running_ = 0;            ///< threads with an assignment
   std::vector<core::Input> inputs_;
   std::exception_ptr failure_;
   bool ending_ = false;

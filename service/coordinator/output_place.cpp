@@ -33,7 +33,8 @@ void refuse_unusable_place(const std::string& output, base::FileSystem& files) {
 
 std::vector<std::string> beginnings_of(const request::DirectionRequest& request) {
   std::vector<std::string> beginnings{request::identity_text(request)};
-  if (request.stop.found) beginnings.push_back(request::identity_text(request::search_of(request)));
+  if (request.stop.found || request.stop.takes)
+    beginnings.push_back(request::identity_text(request::search_of(request)));
   return beginnings;
 }
 

@@ -77,10 +77,6 @@ void remove_leftovers(const std::string& output, base::FileSystem& files) {
   }
 }
 
-request::Cut cut_of(const Reached& reached) {
-  return {.scans = reached.scans, .found = reached.found};
-}
-
 void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& failed,
                  const std::optional<std::string>& path) {
   logging::warn(fmt::format(
@@ -94,8 +90,9 @@ void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& 
 /// Units that have begun may take a while.
 void say_stopping() {
   logging::info(
-      "stopping when what is being computed has ended; the same signal again ends the program at "
-      "once, and that is then computed again");
+      fmt::format("stopping: what is not computed within {:g} s is left to the next session, then "
+                  "the archive is written",
+                  k_stop_grace_s));
 }
 
 /// An earlier session asked for more, and its archive has just been replaced by a shorter one.
@@ -153,9 +150,8 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
   lock.keep();  // nothing forks any more
   if (run_store.epoch() > 1) run_events.say("reading what earlier sessions stored");
   double motions_s = 0;  // of the thread of checkpoints while that runs
-  const auto archive_of = [&](const Reached& reached, const std::function<bool()>& stop,
+  const auto archive_of = [&](request::Cut cut, const std::function<bool()>& stop,
                               const archive::HearWriting& hear) {
-    request::Cut cut = cut_of(reached);
     const DeriveInputs derive{.request = inputs.request,
                               .reader = inputs.reader,
                               .plan_of = inputs.plan_of,
@@ -171,7 +167,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
     return std::pair(std::move(digest), cut.scans);
   };
   Checkpoints checkpoints(
-      [&](const Reached& reached, const std::atomic<bool>& stop) {
+      [&](const request::Cut& reached, const std::atomic<bool>& stop) {
         run_store.flush();  // what was reached may be on its way
         motions_s = 0;
         const std::string digest = archive_of(reached, [&stop] { return stop.load(); }, {}).first;
@@ -201,6 +197,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
   RunSummary summary{.end = outcome.end,
                      .scans = outcome.reached.scans,
                      .found = outcome.reached.found,
+                     .relaxed = outcome.reached.relaxed,
                      .digest = {},
                      .epoch = run_store.epoch(),
                      .first_failure = failures.first_path(),
@@ -220,7 +217,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
       summary.is_archive_given_up = true;
       if (summary.end != DriveEnd::simulation_failed) summary.end = DriveEnd::stop_requested;
     }
-    if (summary.end == DriveEnd::finished)
+    if (summary.end == DriveEnd::finished && inputs.request.sampler.chains > 0)
       say_what_is_left_out(run_store, options.output, outcome.reached.scans);
   }
   return summary;
@@ -268,7 +265,7 @@ events::RunEnd record_of(const RunSummary& summary) {
           .end = end_of(summary),
           .exit_code = exit_code_of(summary.end),
           .scans = summary.scans,
-          .found = summary.found,
+          .found = summary.relaxed > 0 ? summary.relaxed : summary.found,
           .solutions = summary.progress.solutions,
           .digest = summary.digest,
           .words = words_of(summary)};

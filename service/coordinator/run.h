@@ -61,6 +61,7 @@ struct RunSummary {
   DriveEnd end = DriveEnd::finished;
   std::uint64_t scans = 0;           ///< of every chain
   std::uint64_t found = 0;           ///< by a search
+  std::uint64_t relaxed = 0;         ///< of these, takes
   std::string digest{};              ///< of the archive's content; empty: none could be written
   bool is_archive_given_up = false;  ///< it was told to stop while it wrote it
   std::uint64_t epoch = 0;           ///< 1 for a run's first session

@@ -32,8 +32,6 @@ std::string words_of(const archive::WritingProgress& now, double per_s) {
   switch (now.part) {
     case Part::learning:
       return fmt::format("learning from stored scans, {} so far", grouped(now.done));
-    case Part::prior:
-      return counted(now, "draws from the prior", per_s, "draws");
     case Part::draws:
       return counted(now, "draws", per_s, "draws");
     case Part::animations:

@@ -386,7 +386,11 @@ void Scheduler::give(WorkerId id, TaskId task_id) {
   std::vector<plan::GivenState> states;
   for (const plan::Unit& member : task.block.members) {
     plan::GivenState& state = states.emplace_back();
-    if (member.starts) continue;
+    if (member.starts) {
+      const base::BytesView start = plan_.start_state(member.replica);
+      if (!start.empty()) state.emplace(start.begin(), start.end());
+      continue;
+    }
     const Replica& replica = replicas_.at(member.replica);
     CHECK_EQ(replica.version, member.first_scan.value);
     if (replica.holder == id) {

@@ -1,14 +1,15 @@
 #!/usr/bin/python3
-"""How long people wait: from start to written archive, of requests without settings.
+"""How long people wait for five animations, of requests without settings.
 
   tests/bench/answers.py --bin build/release/bin                    all rows, 20 seeds each
-  tests/bench/answers.py --bin ... --only ACM --seeds 3 --limit 300
+  tests/bench/answers.py --bin ... --only ACM --ways relaxed --yardstick 4.6
+  tests/bench/answers.py --bin ... --only HI --ways "in proportion" --seeds 3 --limit 300
 
-Of each row five animations as wanted (`method = "search"`), and five independent solutions in the
-model's proportions (no `method`). Words have [world] with the word alone; dice have [world] and
-[constraint] of their file in requests/. Seeds are 1, 2, ... A run that takes longer than --limit
-seconds is stopped and shown as "over"; medians count it as the limit. A row whose first run is over is
-not run again. Prints a table and, with --json, the same for programs.
+Measures from start to the first archive on disk, and to the end of the command. Words have [world]
+with the word alone; dice have [world] and [constraint] of their file in requests/. Seeds are 1, 2, ...
+--yardstick divides by the seconds of a program that measures the machine. A run that takes longer than
+--limit seconds is stopped and shown as "over"; medians count it as the limit. A row whose first run is
+over is not run again. Prints a table and, with --json, the same in seconds for programs.
 """
 
 import argparse
@@ -24,10 +25,7 @@ import time
 ROOT = pathlib.Path(__file__).parents[2]
 WORDS = ["HI", "ACM", "SLEIGHT", "HELLO WORLD"]
 DICE = ["die", "die_exact", "six_dice"]
-WAYS = {
-    "found": '[sampler]\nmethod = "search"\nseed = {seed}\n[stop]\nfound = 5\n',
-    "in proportion": "[sampler]\nseed = {seed}\n[stop]\nindependent_solutions = 5\n",
-}
+WAYS = {"found": ["--found"], "relaxed": [], "in proportion": ["--in-proportion"]}
 
 
 def scene(row):
@@ -39,19 +37,34 @@ def scene(row):
 
 
 def seconds(arguments, row, way, seed, folder):
-    """How long one run takes; nothing if it is stopped."""
+    """To the first archive, and to the end; nothing if the run is stopped."""
     request = pathlib.Path(folder) / "request.toml"
-    request.write_text(scene(row) + WAYS[way].format(seed=seed))
-    command = [str(arguments.bin / "sleight"), "direct", str(request), "-o", f"{folder}/a.h5",
-               "--fresh", "-q"]
+    request.write_text(scene(row))
+    archive = pathlib.Path(folder) / f"{seed}.h5"
+    command = [str(arguments.bin / "sleight"), "direct", str(request), "-o", str(archive), "-q",
+               "--seed", str(seed), *WAYS[way]]
     begin = time.monotonic()
-    try:
-        subprocess.run(command, check=True, capture_output=True, timeout=arguments.limit)
-    except subprocess.TimeoutExpired:
-        return None
-    except subprocess.CalledProcessError as error:
-        sys.exit(f"{' '.join(command)} ended with {error.returncode}:\n{error.stderr.decode()}")
-    return time.monotonic() - begin
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    first = None
+    while process.poll() is None:
+        now = time.monotonic() - begin
+        if first is None and archive.exists():
+            first = now
+        if now > arguments.limit:
+            process.kill()
+            process.communicate()
+            return None
+        time.sleep(0.002)
+    end = time.monotonic() - begin
+    if process.returncode != 0:
+        sys.exit(f"{' '.join(command)} ended with {process.returncode}:\n"
+                 f"{process.stderr.read().decode()}")
+    return first or end, end
+
+
+def statistics_of(times, limit):
+    counted = [limit if taken is None else taken for taken in times]
+    return {"median_s": statistics.median(counted), "least_s": min(counted), "most_s": max(counted)}
 
 
 def measure(arguments, row, way):
@@ -61,15 +74,20 @@ def measure(arguments, row, way):
             times.append(seconds(arguments, row, way, seed, folder))
             if times == [None]:
                 break
-    counted = [arguments.limit if taken is None else taken for taken in times]
     return {"row": row, "way": way, "seeds": len(times), "over": times.count(None),
-            "median_s": statistics.median(counted), "least_s": min(counted), "most_s": max(counted)}
+            "first": statistics_of([taken and taken[0] for taken in times], arguments.limit),
+            "end": statistics_of([taken and taken[1] for taken in times], arguments.limit)}
 
 
-def in_words(result):
+def in_words(result, unit_s):
     if result["over"] == result["seeds"]:
-        return f"over {result['median_s']:.0f} s, {result['seeds']} seeds"
-    text = f"{result['median_s']:.2g} ({result['least_s']:.2g}, {result['most_s']:.2g})"
+        return f"over {result['end']['median_s'] / unit_s:.0f}, {result['seeds']} seeds"
+
+    def shown(times):
+        median, least, most = (times[key] / unit_s for key in ("median_s", "least_s", "most_s"))
+        return f"{median:.2g} ({least:.2g}, {most:.2g})"
+
+    text = f"{shown(result['first'])}; {shown(result['end'])}"
     return text + (f", {result['over']} over" if result["over"] else "")
 
 
@@ -78,9 +96,10 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", type=pathlib.Path, required=True)
     parser.add_argument("--only", choices=WORDS + DICE, nargs="+", default=WORDS + DICE)
-    parser.add_argument("--ways", choices=list(WAYS), nargs="+", default=list(WAYS))
+    parser.add_argument("--ways", choices=list(WAYS), nargs="+", default=["found", "relaxed"])
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--limit", type=float, default=120, help="seconds of one run")
+    parser.add_argument("--yardstick", type=float, default=1, help="seconds that count as one")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
 
@@ -88,14 +107,15 @@ def main():
     for row in arguments.only:
         for way in arguments.ways:
             results.append(measure(arguments, row, way))
-            print(f"{row}, {way}: {in_words(results[-1])}", file=sys.stderr)
+            print(f"{row}, {way}: {in_words(results[-1], arguments.yardstick)}", file=sys.stderr)
     if arguments.json:
         print(json.dumps(results))
         return
-    print(f"| request | {' | '.join(f'five {way}: median (least, most)' for way in arguments.ways)} |")
+    titles = [f"five {way}: first archive; end" for way in arguments.ways]
+    print(f"| request | {' | '.join(titles)} |")
     print("|---" * (1 + len(arguments.ways)) + "|")
     for row in arguments.only:
-        cells = [in_words(result) for result in results if result["row"] == row]
+        cells = [in_words(result, arguments.yardstick) for result in results if result["row"] == row]
         print(f"| {row} | {' | '.join(cells)} |")
 
 

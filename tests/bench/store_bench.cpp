@@ -59,7 +59,7 @@ std::vector<plan::UnitResult> results() {
 /// What the store gives back, hashed.
 std::uint64_t stored_hash(const std::string& folder) {
   ResultHash hash;
-  const store::StoredRun run(folder, k_chains, k_units * k_scans_per_unit);
+  const store::StoredRun run(folder, {.chains = k_chains, .scans = k_units * k_scans_per_unit});
   for (std::uint32_t chain = 0; chain < k_chains; ++chain) {
     run.for_each_draw(base::ChainId{chain}, [&](base::ScanIndex, const plan::ScanRecord& scan) {
       hash.add(scan.log_constraint);

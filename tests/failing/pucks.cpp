@@ -6,7 +6,7 @@
 
 #include "common/base/check.h"
 #include "common/random/distributions.h"
-#include "worker/worlds/readers/prior_draw.h"
+#include "worker/sampling/target.h"
 #include "worker/worlds/readers/scene_parts.h"
 
 namespace sleight::failing {
@@ -98,10 +98,9 @@ class PucksReader final : public archive::StateReader {
   }
 
   const scene::Scene& scene() const override { return scene_; }
-  archive::PriorDraw prior_draw(std::uint64_t nth) const override {
-    return worlds::prior_draw(pucks_, layout_, nth, [](const Pucks::State& push) {
-      return std::vector<double>(push.begin(), push.end());
-    });
+  std::vector<double> prior_draw(std::uint64_t nth) const override {
+    const Pucks::State push = sampling::nth_prior_draw(pucks_, nth);
+    return {push.begin(), push.end()};
   }
 
  private:

@@ -87,7 +87,8 @@ class Batch(ProgramTest):
         process.communicate(timeout=60)
         self.assertIn(process.returncode, (1, 130, 143))
         store = sqlite3.connect(f"{output}.run/store.sqlite")
-        stored, = store.execute("SELECT count(*) FROM scan").fetchone()
+        # Draws from the prior have chains' ids of their own.
+        stored, = store.execute("SELECT count(*) FROM scan WHERE chain < 3").fetchone()
         store.close()
         result = self.succeed(harness.run(harness.batch(2, request, output, "--json", "-q",
                                                         folder=self.folder)))

@@ -3,13 +3,14 @@ and nobody takes what was found for draws. Method: the programs as people call t
 
 import json
 import os
+import subprocess
 import time
 import unittest
 
 import h5py
 import numpy
 import harness
-from harness import ProgramTest, kill_group, run, sleight, start
+from harness import ProgramTest, kill_group, program, run, sleight, start
 from test_search_odds import ODDS
 
 SEARCH = """
@@ -100,7 +101,7 @@ class Search(ProgramTest):
             self.assertTrue((finds["elsewhere"][:] == 0).all())
             # Plausible by themselves: as likely as blind throws are.
             throws = finds["log_prior_of_throw"][:]
-            self.assertEqual(len(throws), 1000)
+            self.assertEqual(len(throws), 100)
             spread = throws.std()
             self.assertTrue((numpy.abs(finds["log_prior"][:] - throws.mean()) < 6 * spread).all())
             # All balls end at rest.
@@ -121,10 +122,10 @@ class Search(ProgramTest):
         self.assertNotIn("tempering", numbers)
         judged = sleight("diagnose", output)
         self.assertEqual(judged.returncode, 2)
-        trace = sleight("plot", output, "-o", self.path("trace.svg"))
+        trace = sleight("plot", output, "--what", "trace", "-o", self.path("trace.svg"))
         self.assertEqual(trace.returncode, 2)
         picture = self.path("hi.svg")
-        self.succeed(sleight("plot", output, "--what", "animations", "--count", "2", "-o", picture))
+        self.succeed(sleight("plot", output, "--count", "2", "-o", picture))
         self.assertIn("find 1 of start", picture.read_text())
         self.assertIn("not in proportion", picture.read_text())
         table = self.succeed(sleight("archive", "export", output, "--csv", "--table", "finds"))
@@ -201,7 +202,10 @@ class Search(ProgramTest):
         self.assertIn('method = "search"\nseed = 1\n\n[stop]\nfound = 3\n', again.read_text())
         self.direct(again, self.path("again.h5"))
         self.assertEqual(self.digest(self.path("again.h5")), self.digest(output))
+        # It has more draws from the prior then, and no other find.
         self.direct(request, output, "--time-limit", "1s")
+        again.write_text(self.info(output)["request"])
+        self.direct(again, self.path("again.h5"))
         self.assertEqual(self.digest(self.path("again.h5")), self.digest(output))
 
     def test_dice_without_a_sampler(self):
@@ -243,7 +247,10 @@ class Search(ProgramTest):
         self.assertEqual(shown.returncode, 3)  # no such letter
         shown = self.succeed(sleight("direct", "--word", "HI", "--print-request", "-n", "7"))
         self.assertEqual(shown.stdout, '[world]\nname = "spelling"\nword = "HI"\n\n'
-                                       '[stop]\nindependent_solutions = 7\n')
+                                       '[stop]\ntakes = 7\n')
+        for option, rule in [("--found", "found"), ("--in-proportion", "independent_solutions")]:
+            shown = self.succeed(sleight("direct", "--word", "HI", "--print-request", option))
+            self.assertIn(f"[stop]\n{rule} = 5\n", shown.stdout)
         fewer = self.succeed(sleight("direct", self.search(found=9), "-n", "2", "--print-request"))
         self.assertIn("[stop]\nfound = 2\n", fewer.stdout)
         # In place of the rules: what serves solutions best, not what served them.
@@ -261,6 +268,41 @@ class Search(ProgramTest):
             result = sleight("direct", *map(os.fsdecode, arguments))
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(complaint, result.stderr)
+
+    def test_takes_end(self):
+        """Finds are there at once, then takes in their place, labelled; a signal ends it at once,
+        and a run that is cut by it goes on to the same archive."""
+        output = self.path("hi.h5")
+        run = ["direct", "--word", "HI", "-n", "3", "-o", output]
+        whole = self.succeed(sleight(*run))
+        self.assertIn("3 relaxed from a search, each by 114 scans of a chain", whole.stdout)
+        self.succeed(sleight("archive", "verify", output))
+        numbers = self.info(output)
+        self.assertIn("relaxed from a search: ", numbers["warning"])
+        self.assertEqual((numbers["found"], numbers["relax_scans"], numbers["scans"]), (3, 114, 0))
+        with h5py.File(output) as archive:
+            self.assertEqual(archive["finds"].attrs["relax_scans"], 114)
+            self.assertEqual(archive["prior/draw"].size, 100)
+            self.assertTrue((archive["finds/filled"][:] == 16).all())
+        self.assertEqual(sleight("diagnose", output).returncode, 2)
+        picture = self.path("takes.svg")
+        self.succeed(sleight("plot", output, "-o", picture))
+        self.assertIn("take 1 of start", picture.read_text())
+        cut = self.path("cut.h5")
+        process = subprocess.Popen([program("sleight"), "direct", "--word", "HI", "-n", "30", "-o",
+                                    cut, "-q"])
+        end = time.monotonic() + 60
+        while not cut.exists() and time.monotonic() < end:
+            time.sleep(0.01)
+        process.terminate()
+        self.assertEqual(process.wait(timeout=60), 130)
+        self.assertEqual(self.info(cut)["found"], 30)
+        self.assertEqual(self.info(cut)["relax_scans"], 0)
+        self.succeed(sleight("direct", "--word", "HI", "-n", "3", "-o", cut))
+        self.assertEqual(self.digest(cut), self.digest(output))
+        slow = sleight("direct", "--word", "HI", "--in-proportion", "-o", self.path("p.h5"),
+                       "--time-limit", "0.1s")
+        self.assertIn("in proportion takes long: on two cores five of HI", slow.stderr)
 
     def test_what_can_not_be_found_is_said(self):
         # Balls that never come to rest in time.

@@ -4,6 +4,7 @@ unusable outputs."""
 
 import json
 import os
+import pathlib
 import re
 import signal
 import subprocess
@@ -26,6 +27,21 @@ class Stopping(ProgramTest):
         summary = self.limited(request, "1s")
         self.assertEqual(summary["end"], "time_limit")
         self.assertLess(summary["session_scans"], 200)
+
+    def test_one_signal_is_enough(self):
+        # A search first throws a die this fast a hundred times, in one piece that takes minutes.
+        request = self.path("fast.toml")
+        request.write_text('[world]\nname = "dice"\n[[world.die]]\nvelocity_x_mps = 99\n'
+                           'spin_x_sd_radps = 900\n[[constraint.face]]\nup = 6\n')
+        output = self.path("fast.h5")
+        process = subprocess.Popen([harness.program("sleight"), "direct", request, "-o", output,
+                                    "-q"])
+        end = time.monotonic() + 60
+        while not pathlib.Path(f"{output}.run/store.sqlite").exists() and time.monotonic() < end:
+            time.sleep(0.05)
+        process.terminate()
+        self.assertEqual(process.wait(timeout=60), 130)
+        self.limited(request, "1s")
 
     def test_many_chains_have_something_to_show(self):
         # Slow machines and sanitizers get longer. A run that takes one chain after another would

@@ -13,6 +13,8 @@
 #include "worker/sampling/judged_chains.h"
 #include "worker/sampling/ladder.h"
 #include "worker/sampling/parallel_tempering.h"
+#include "worker/sampling/prior_lanes.h"
+#include "worker/sampling/relaxed_finds.h"
 #include "worker/sampling/restarted_chains.h"
 #include "worker/sampling/search_first.h"
 #include "worker/sampling/simulated_tempering.h"
@@ -69,6 +71,7 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                            ? sampler.particles.value_or(request::k_particles)
                            : 0,
           .starts_by_search = starts_by_search,
+          .relax_scans = sampler.relax_scans.value_or(0),
           .is_judged = starts_by_search && !is_tempered,
           .cache_bytes_max = resources.cache_bytes_max};
 }
@@ -210,11 +213,24 @@ std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& requ
 std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
                                       const WorldEntry& world,
                                       const std::optional<request::Cut>& cut) {
-  auto chains = plan_of_chains(request, world, stop_of(request, cut));
-  const std::uint64_t found = cut ? cut->found : request.stop.found.value_or(0);
-  if (chains && found == 0) return chains;
-  return std::make_unique<sampling::SearchFirst>(
-      sampling::SearchLanes(request.sampler.seed, found, world.stage_names()), std::move(chains));
+  const request::SamplerParameters& sampler = request.sampler;
+  const auto search = [&](std::uint64_t finds) {
+    return sampling::SearchLanes(sampler.seed, finds, world.stage_names());
+  };
+  std::unique_ptr<plan::Plan> plan;
+  if (sampler.relax_scans) {
+    const std::uint64_t takes = cut ? cut->relaxed : *request.stop.takes;
+    plan = std::make_unique<sampling::RelaxedFinds>(
+        search(takes), sampling::RelaxedOptions{
+                           .seed = sampler.seed, .takes = takes, .scans = *sampler.relax_scans});
+  } else {
+    plan = plan_of_chains(request, world, stop_of(request, cut));
+    const std::uint64_t finds = cut ? cut->found : request.stop.found.value_or(0);
+    if (!plan || finds > 0)
+      plan = std::make_unique<sampling::SearchFirst>(search(finds), std::move(plan));
+  }
+  return std::make_unique<sampling::WithPriorDraws>(
+      std::move(plan), cut ? cut->prior_draws : request.output.prior_draws);
 }
 
 }  // namespace sleight::run

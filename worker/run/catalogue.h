@@ -49,6 +49,8 @@ class WorldEntry {
   virtual std::vector<bool> kinds_with_scale() const = 0;
   /// What chains that start from a search are judged by; empty of a world that can't be searched.
   virtual std::vector<sampling::BurnInValue> burn_in_values() const = 0;
+  /// For people: what solutions in proportion took before; empty where that is not told.
+  virtual std::string past_effort() const = 0;
   /// By stage, for people: "ball 3 of 16"; empty of a world that can't be searched.
   virtual std::vector<std::string> stage_names() const = 0;
 };

@@ -53,6 +53,9 @@ struct ChainWorkerOptions {
   std::uint32_t particles = 0;
   /// Chains start from a search: whole tours of them, or the first replicas of a ladder.
   bool starts_by_search = false;
+  /// The scan in which a find's chain ends; 0: finds are not relaxed. Only its state is returned,
+  /// and it satisfies where its whole motion does.
+  std::uint32_t relax_scans = 0;
   /// Records have what a burn-in is judged by.
   bool is_judged = false;
   /// Of samples held for their replicas' next units; 0: none are. Changes no result.
@@ -68,7 +71,9 @@ class ChainWorker final : public plan::UnitWorker {
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override {
     CHECK_GE(unit.scans, 1U);
     if (unit.searches()) return searched(unit);
-    if (unit.starts) return go_on(unit, {});
+    if (unit.draws_prior()) return drawn_from_prior(unit);
+    if (unit.starts)
+      return go_on(unit, state.empty() ? std::nullopt : std::optional(evaluated(state)));
     std::optional<Sample> held = cache_.take(unit.replica, unit.first_scan.value);
     if (held) return go_on(unit, std::move(held));
     plan::UnitResult result = go_on(unit, evaluated(state));
@@ -125,6 +130,25 @@ class ChainWorker final : public plan::UnitWorker {
     } else {
       base::check_failed("a world that acts in stages", "");
     }
+  }
+
+  /// Failures of these simulations are none of the run's: such a draw has log p_c = -infinity.
+  plan::UnitResult drawn_from_prior(const plan::Unit& unit) const {
+    plan::UnitResult result{
+        .unit = unit, .scans = {}, .state_after = {}, .simulations = unit.scans};
+    for (std::uint32_t nth = 0; nth < unit.scans; ++nth) {
+      const std::uint64_t scan = unit.first_scan.value + nth;
+      const Sample sample = sampling::evaluate(
+          world_,
+          sampling::nth_prior_draw(world_, plan::prior_draw_number(unit.replica.chain, scan)));
+      result.scans.push_back({.log_prior = sample.log_prior,
+                              .log_constraint = sample.log_constraint,
+                              .satisfied = world_.satisfied(sample.outcome),
+                              .lineage = scan,
+                              .inverse_temperature = 0,
+                              .outcome = world_.outcome_values(sample.outcome)});
+    }
+    return result;
   }
 
   /// A chain's state from islands, or from a search of its own: nothing where they give none.
@@ -191,7 +215,7 @@ class ChainWorker final : public plan::UnitWorker {
     return sample;
   }
 
-  /// The unit from the sample before it; none if the unit starts with a prior draw.
+  /// The unit from the sample before it; none if the unit starts with a draw of its own.
   plan::UnitResult go_on(const plan::Unit& unit, std::optional<Sample> before) const {
     plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
     result.scans.reserve(unit.scans);
@@ -207,8 +231,12 @@ class ChainWorker final : public plan::UnitWorker {
       const std::uint64_t number = first_scan + nth;
       Counts counts(world_.proposal_kinds());
       walk.method_values.clear();
-      // One scan: a draw from the prior where it is the replica's first, or nothing constrains.
-      if ((unit.starts && nth == 0) || beta == 0) {
+      // One scan: a draw from the prior where it is the replica's first, or nothing constrains; the
+      // state that is given where a replica starts with one.
+      const bool is_first = unit.starts && nth == 0;
+      if (is_first && walk.current) {
+        walk.lineage = plan::lineage_from(unit.replica.replica, number);
+      } else if (is_first || beta == 0) {
         draw_afresh(walk, number, beta, counts);
       } else {
         scan(walk, unit, number, beta, counts);
@@ -249,13 +277,23 @@ class ChainWorker final : public plan::UnitWorker {
     if (report.from_prior) walk.lineage = plan::lineage_from(unit.replica.replica, scan);
   }
 
+  bool plays_out(const typename W::State& state) const requires StagedWorld<W> {
+    const typename W::Outcome at_rest = world_.simulate_to_rest(state);
+    return !sampling::report_of(world_, at_rest).failure && world_.satisfied(at_rest);
+  }
+
   plan::ScanRecord record(std::uint64_t scan, double beta, const Walk& walk, Counts counts) const {
     const Sample& sample = *walk.current;
-    const bool satisfied = world_.satisfied(sample.outcome);
+    const bool ends_relaxed = options_.relax_scans > 0 && scan == options_.relax_scans;
+    bool satisfied = world_.satisfied(sample.outcome);
+    if constexpr (StagedWorld<W>)
+      if (ends_relaxed && satisfied) satisfied = plays_out(sample.state);
     const bool is_thin =
         scan >= options_.first_draw && (scan - options_.first_draw) % options_.thin == 0;
     const bool is_hot_thin = options_.hot_thin > 0 && scan % options_.hot_thin == 0;
-    const bool keep_state = beta == 1 ? satisfied || is_thin : is_hot_thin;
+    const bool keep_state = options_.relax_scans > 0 ? ends_relaxed && satisfied
+                            : beta == 1              ? satisfied || is_thin
+                                                     : is_hot_thin;
     std::vector<double> method_values = walk.method_values;
     if constexpr (StagedWorld<W>)
       if (options_.is_judged)

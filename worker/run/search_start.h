@@ -109,7 +109,7 @@ plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, con
     counts.add(effort.failures);
     counts.overlapping_starts = effort.overlapping_starts;
     counts.tell_failed(scan, result.failed);
-    result.simulations += effort.simulations;
+    result.simulations += effort.simulations + effort.guesses;
     result.scans.push_back(start_record(world, find, scan, effort.furthest, counts));
   }
   return result;

@@ -55,6 +55,11 @@ class EntryOf final : public WorldEntry {
     if constexpr (StagedWorld<World>) return World(parameters_).burn_in_values();
     return {};
   }
+  std::string past_effort() const override {
+    const World world(parameters_);
+    if constexpr (requires { world.past_effort(); }) return world.past_effort();
+    return {};
+  }
   std::vector<std::string> stage_names() const override {
     std::vector<std::string> names;
     if constexpr (StagedWorld<World>) {

@@ -14,8 +14,8 @@ using plan::UnitResult;
 /// A unit from the state that is given, or from what the worker holds; none if it has neither.
 std::optional<UnitResult> run_unit(const plan::UnitWorker& worker, const plan::Unit& unit,
                                    const plan::GivenState& state) {
-  if (unit.starts) return worker.run(unit, {});
   if (state) return worker.run(unit, *state);
+  if (unit.starts) return worker.run(unit, {});
   return worker.run_from_held(unit);
 }
 

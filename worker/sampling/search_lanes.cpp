@@ -19,11 +19,18 @@ SearchLanes::SearchLanes(std::uint64_t seed, std::uint64_t wanted,
     idle_.emplace(0, lane);
 }
 
+void SearchLanes::want(std::uint64_t finds) {
+  finds_.wanted = std::max(finds_.wanted, finds);
+  count();
+}
+
 std::optional<plan::Unit> SearchLanes::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
   if (finished() || idle_.empty()) return std::nullopt;
   const std::uint64_t missing = finds_.wanted - finds_.found;
-  const std::uint64_t expected = out_ + found_ahead_;
+  // Starts that are out find something as often as those before them.
+  const std::uint64_t finds = finds_.found + found_ahead_;
+  const std::uint64_t expected = out_ * (finds + 1) / (starts_ + 1) + found_ahead_;
   // Where a start before these found nothing, nothing else may be out.
   if (expected >= missing && out_ > 0) return std::nullopt;
 

@@ -3,7 +3,8 @@
 //
 // Starts are numbered (plan::k_search_lanes). A find counts when all starts before its own are
 // done: so the first so many finds are the same ones whoever makes them.
-// About as many starts are out at a time as finds are missing, since most starts find something.
+// As many starts are out at a time as give the missing finds, if they find something as often as
+// those before them.
 // Not thread-safe.
 #pragma once
 
@@ -28,7 +29,9 @@ class SearchLanes {
   /// `wanted` finds; 0: nothing is searched for. `stage_names`: of the world, for people.
   SearchLanes(std::uint64_t seed, std::uint64_t wanted, std::vector<std::string> stage_names = {});
 
-  static bool has(base::ChainId chain) { return chain.value >= plan::k_first_lane; }
+  static bool has(base::ChainId chain) { return plan::is_search_lane(chain); }
+  /// More finds are wanted than before; of fewer nothing comes.
+  void want(std::uint64_t finds);
   /// As Plan's.
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max);
   void consume(base::ChainId lane, base::ScanIndex first_scan,

@@ -205,6 +205,13 @@ Sample<T> evaluate(const T& target, typename T::State state) {
   return {std::move(state), std::move(outcome), log_prior, log_constraint};
 }
 
+/// The nth of the draws from the prior that stand beside a run's samples: the same in every run.
+template <Target T>
+typename T::State nth_prior_draw(const T& target, std::uint64_t nth) {
+  random::Stream stream({.purpose = random::Purpose::prior_draw}, nth);
+  return target.draw_prior(stream);
+}
+
 /// log p_w + beta log p_c, with p_c^0 = 1 also where p_c = 0.
 inline double tempered_log_density(double log_prior, double log_constraint,
                                    double inverse_temperature) {

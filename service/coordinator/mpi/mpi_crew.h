@@ -43,6 +43,8 @@ class MpiCrew final : public Crew {
   /// Tells every rank to leave, and waits for that a while: false when some haven't. MPI_Finalize
   /// would then wait for them for ever, MPI_Abort doesn't. Nothing may be sent afterwards.
   bool dismiss();
+  /// Whether rank 0's own threads are at work, as LocalCrew has it.
+  bool is_busy() { return local_.is_busy(); }
 
  private:
   void await_hellos(const schema::Hello& expected);

@@ -12,6 +12,10 @@ void run_serially(plan::Plan& plan, const plan::UnitWorker& worker, const Observ
     const std::optional<plan::Unit> unit = plan.next_unit(1);
     CHECK(unit.has_value());
     base::Bytes& state = states[unit->replica];
+    if (unit->starts) {
+      const base::BytesView start = plan.start_state(unit->replica);
+      state.assign(start.begin(), start.end());
+    }
     plan::UnitResult result = worker.run(*unit, state);
     if (observe) observe(result);
     plan.consume(unit->replica, unit->first_scan, result.scans);

@@ -112,6 +112,16 @@ Series satisfying_draws(const std::string& request_text, std::uint64_t first_sca
   return series;
 }
 
+std::vector<Values> takes_of(const std::string& request_text) {
+  Run run(request_text);
+  const std::uint64_t last = run.sampler().relax_scans.value();
+  std::vector<Values> takes;
+  run.carry_out([&](std::uint32_t, std::uint64_t scan, const plan::ScanRecord& record) {
+    if (scan == last && record.satisfied) takes.push_back(run.values_of(record));
+  });
+  return takes;
+}
+
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text) {
   Run run(request_text);
   std::vector<std::vector<double>> helped;

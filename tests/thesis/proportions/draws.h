@@ -35,6 +35,9 @@ using Series = std::vector<std::vector<Values>>;
 /// request has errors.
 Series satisfying_draws(const std::string& request_text, std::uint64_t first_scan);
 
+/// The takes of a request that asks for some, at least one.
+std::vector<Values> takes_of(const std::string& request_text);
+
 /// The helped balls of all chains that satisfy, by scan.
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
 

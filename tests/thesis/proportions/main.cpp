@@ -42,6 +42,7 @@ struct Arguments {
   double limit_s = std::numeric_limits<double>::infinity();
   std::uint64_t throws = 0;
   std::uint32_t tours = 0;
+  bool relaxed = false;
   std::uint32_t scans = 16;
   std::vector<std::string> keys{};
 };
@@ -251,6 +252,61 @@ void show_burn_in(const Arguments& arguments) {
   }
 }
 
+/// How far takes are from what long chains draw, in standard deviations of a draw.
+void show_relaxed(const Arguments& arguments) {
+  const auto balls =
+      static_cast<double>(sleight::thesis::balls_of(request_of(arguments, "", "scans = 100")));
+  const auto scans = static_cast<std::uint64_t>(1500 * arguments.effort);
+  // Proposals that move drops far bring in helped balls soonest.
+  const std::string chains = request_of(
+      arguments,
+      fmt::format("[constraint]\nlog_lambda = {}\n[sampler]\nmethod = \"metropolis_hastings\"\n"
+                  "start = \"search\"\nchains = 8\nround_scans = 1000000\n"
+                  "iterations_per_scan = 100\nchange_all = 0\nchange_vertices = 0.1\n"
+                  "change_ball = 0.6\ndisable_balls = 0\nenable_balls = 0\naim_ball = 0.15\n"
+                  "scatter_ball = 0.15\nvertex_redraw = 1.0\nball_move_sd_mm = 26\n",
+                  std::round(5 + std::log(balls))),
+      fmt::format("scans = {}", scans));
+  std::vector<Series> of_chains(2);
+  std::vector<std::vector<Values>> of_seeds(arguments.seeds);
+  std::vector<std::function<void()>> tasks;
+  for (std::size_t half = 0; half < of_chains.size(); ++half) {
+    std::string text = chains;
+    text.replace(text.find("chains = 8"), 10, fmt::format("seed = {}\nchains = 8", 900 + half));
+    tasks.emplace_back([&of_chains, half, text, scans] {
+      of_chains[half] = sleight::thesis::satisfying_draws(text, scans / 3);
+    });
+  }
+  for (std::uint32_t nth = 0; nth < arguments.seeds; ++nth) {
+    std::string keys = fmt::format("[sampler]\nseed = {}\n", arguments.first_seed + nth);
+    tasks.emplace_back([&arguments, &takes = of_seeds[nth], keys] {
+      takes = sleight::thesis::takes_of(request_of(arguments, keys, "takes = 1"));
+    });
+  }
+  run_all(tasks, of_chains.size(), arguments);
+  Series all = of_chains[0];
+  all.insert(all.end(), of_chains[1].begin(), of_chains[1].end());
+  std::vector<Values> takes;
+  for (const auto& of_seed : of_seeds)
+    takes.insert(takes.end(), of_seed.begin(), of_seed.end());
+  fmt::print("{}: takes of {} seeds beside {} chains of {} scans\n", arguments.word, takes.size(),
+             all.size(), scans);
+  for (std::size_t quantity = 0; quantity < k_quantities.size(); ++quantity) {
+    const Sample of_long = thinned("long chains", all, quantity);
+    const Sample relaxed = independent("takes", takes, quantity);
+    double squares = 0;
+    for (const double value : of_long.thinned)
+      squares += (value - of_long.mean) * (value - of_long.mean);
+    const double sd = std::sqrt(squares / static_cast<double>(of_long.thinned.size()));
+    fmt::print(
+        "{:18} chains {:10.5g} +- {:<8.2g} takes {:10.5g} +- {:<8.2g} apart {:+.2f} +- "
+        "{:.2f} sd, {} draws, p {:.2g}\n",
+        k_quantities.at(quantity), of_long.mean, of_long.error, relaxed.mean, relaxed.error,
+        (relaxed.mean - of_long.mean) / sd, std::hypot(of_long.error, relaxed.error) / sd,
+        of_long.thinned.size(), p_value(of_long, relaxed, quantity));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -273,6 +329,8 @@ int main(int argc, char** argv) {
                  "Nothing but this: helped balls by scan of so many chains of islands");
   app.add_option("--scans", arguments.scans, "Of each tour")->capture_default_str();
   app.add_option("--keys", arguments.keys, "Of the tours' [sampler], \"particles = 128\"");
+  app.add_flag("--relaxed", arguments.relaxed,
+               "Nothing but this: takes of so many seeds beside long chains");
   app.footer(
       "Examples:\n  sleight-proportions\n  sleight-proportions --word I --effort 0.1 --seeds 20");
   CLI11_PARSE(app, argc, argv);
@@ -286,6 +344,10 @@ int main(int argc, char** argv) {
   }
   if (arguments.tours > 0) {
     show_burn_in(arguments);
+    return 0;
+  }
+  if (arguments.relaxed) {
+    show_relaxed(arguments);
     return 0;
   }
   std::vector<Way> ways = arguments.effort > 0 ? all_ways(arguments) : std::vector<Way>{};

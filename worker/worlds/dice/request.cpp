@@ -495,6 +495,9 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
     sampler.error("change_all", fmt::format("the shares add up to {:.6g}, not to 1", sum));
 }
 
+/// Of the chain that relaxes a find. docs/MEASUREMENTS has what was measured.
+constexpr std::uint32_t k_relax_scans = 2;
+
 /// Islands, which the odds are asked of. A scan's local moves change what conditional steps keep.
 void settle_islands(request::Settled& settled, std::uint32_t dice,
                     request::SamplerParameters& sampler) {
@@ -505,6 +508,13 @@ void settle_islands(request::Settled& settled, std::uint32_t dice,
   settled.count("round_scans", sampler.round_scans, 1);
   settled.count("burn_in_rounds", sampler.burn_in_rounds, 1);
   settled.count("iterations_per_scan", sampler.iterations_per_scan, 10 * dice);
+}
+
+/// Chains that relax a search's finds.
+void settle_relaxing(request::Settled& settled, std::uint32_t dice,
+                     request::SamplerParameters& sampler) {
+  settled.count("iterations_per_scan", sampler.iterations_per_scan, 10 * dice);
+  settled.count("relax_scans", sampler.relax_scans, k_relax_scans);
 }
 
 /// Parallel tempering, whose rounds are short: temperatures and sizes are soon learnt.
@@ -523,7 +533,9 @@ void serve_best(Binder& sampler, request::SamplerParameters& sampling,
                 const request::StopRule& stop, const Parameters& parameters) {
   request::Settled settled(sampler);
   const auto dice = static_cast<std::uint32_t>(parameters.world.dice.size());
-  if (stop.odds) {
+  if (stop.takes) {
+    settle_relaxing(settled, dice, sampling);
+  } else if (stop.odds) {
     settle_islands(settled, dice, sampling);
   } else {
     settle_tempering(settled, dice, sampling);

@@ -9,7 +9,6 @@
 #include "common/base/check.h"
 #include "worker/worlds/ball_2d/ball_2d.h"
 #include "worker/worlds/ball_2d/motion.h"
-#include "worker/worlds/readers/prior_draw.h"
 #include "worker/worlds/readers/scene_parts.h"
 
 namespace sleight::worlds::ball_2d {
@@ -147,10 +146,9 @@ class Ball2dReader final : public archive::StateReader {
     return own;
   }
 
-  archive::PriorDraw prior_draw(std::uint64_t nth) const override {
-    return worlds::prior_draw(ball_, layout_, nth, [this](const NormalAngles& normals) {
-      return std::vector<double>(normals.begin(), normals.begin() + collisions());
-    });
+  std::vector<double> prior_draw(std::uint64_t nth) const override {
+    const NormalAngles normals = sampling::nth_prior_draw(ball_, nth);
+    return {normals.begin(), normals.begin() + collisions()};
   }
 
  private:

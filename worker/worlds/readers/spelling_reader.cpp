@@ -11,7 +11,6 @@
 #include "worker/physics/scene/static_geometry.h"
 #include "worker/sampling/blind_throws.h"
 #include "worker/worlds/readers/played_out.h"
-#include "worker/worlds/readers/prior_draw.h"
 #include "worker/worlds/readers/scene_parts.h"
 #include "worker/worlds/segments/recorded_segments.h"
 #include "worker/worlds/spelling/spelling.h"
@@ -171,9 +170,8 @@ class SpellingReader final : public archive::StateReader {
 
   const scene::Scene& scene() const override { return scene_; }
 
-  archive::PriorDraw prior_draw(std::uint64_t nth) const override {
-    return worlds::prior_draw(world_, layout_, nth,
-                              [](const State& state) { return values_of(state); });
+  std::vector<double> prior_draw(std::uint64_t nth) const override {
+    return archive::prior_values(layout_, values_of(sampling::nth_prior_draw(world_, nth)));
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {

@@ -133,6 +133,8 @@ class StagedSpelling : public Spelling {
   std::uint32_t helped_balls(const State& state, const Outcome& outcome) const;
 
   std::uint32_t stages() const { return balls(); }
+  /// For people: what solutions in proportion took before of words like this one.
+  std::string past_effort() const;
   /// "ball 3 of 16".
   std::string stage_name(std::uint32_t stage) const;
   Ground draw_ground(const Guide& guide, random::Stream& stream) const;

@@ -427,6 +427,54 @@ void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
   settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
 }
 
+/// Scans of the chain that relaxes a find. docs/MEASUREMENTS has what is left of the start then.
+std::uint32_t relax_scans_for(std::uint32_t balls) {
+  return 90 + 3 * balls / 2;
+}
+
+/// Chains that relax a search's finds: a scan has a proposal for each ball.
+void settle_relaxing(request::Settled& settled, std::uint32_t balls,
+                     request::SamplerParameters& sampler) {
+  settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
+  settled.count("relax_scans", sampler.relax_scans, relax_scans_for(balls));
+}
+
+/// The shares of proposals, and how far change_ball moves a drop.
+struct Moves {
+  double change_all = 0.01;
+  double change_vertices = 0.25;
+  double change_ball = 0.14;
+  double disable_and_enable = 0.02;  ///< each
+  double aim_and_scatter = 0.28;     ///< each
+  double ball_move_sd_mm = 2;
+};
+
+/// Finds lack balls that others helped into their bins. Such a ball is mostly dropped above a
+/// neighbouring bin, so most proposals move a drop about as far.
+Moves moves_that_relax(const WorldParameters& world) {
+  constexpr double k_bins = 1.2;
+  return {.change_all = 0,
+          .change_vertices = 0.1,
+          .change_ball = 0.6,
+          .disable_and_enable = 0,
+          .aim_and_scatter = 0.15,
+          .ball_move_sd_mm = std::round(k_bins * 1e3 * (world.bin_m + world.partition_m))};
+}
+
+void settle_proposals(request::Settled& settled, const Moves& moves, ProposalParameters& p) {
+  settled.number("change_all", p.change_all, moves.change_all);
+  settled.number("change_vertices", p.change_vertices, moves.change_vertices);
+  settled.number("change_ball", p.change_ball, moves.change_ball);
+  settled.number("disable_balls", p.disable_balls, moves.disable_and_enable);
+  settled.number("enable_balls", p.enable_balls, moves.disable_and_enable);
+  settled.number("aim_ball", p.aim_ball, moves.aim_and_scatter);
+  settled.number("scatter_ball", p.scatter_ball, moves.aim_and_scatter);
+  settled.number("vertex_redraw", p.vertex_redraw, 1);
+  double ball_move_sd_mm = 0;
+  settled.number("ball_move_sd_mm", ball_move_sd_mm, moves.ball_move_sd_mm);
+  p.ball_sd_m = ball_move_sd_mm / 1e3;
+}
+
 /// What serves a request that leaves the sampler open. docs/SAMPLING says how the numbers were
 /// found.
 void serve_best(request::Binder& constraint, request::Binder& sampler,
@@ -435,10 +483,14 @@ void serve_best(request::Binder& constraint, request::Binder& sampler,
   request::Settled settled(sampler);
   const std::uint32_t balls = parameters.pattern.count();
   // So strict that most of what is drawn satisfies: a missing ball weighs as much as their number,
-  // times e^6.
-  settle_log_lambda(constraint, parameters, std::round(6 + math::log(balls)));
+  // times e^6. Few balls relax sooner where it weighs less.
+  const double strict = std::round(6 + math::log(balls));
+  const bool is_loose = stop.takes && balls <= k_balls_by_islands_max;
+  settle_log_lambda(constraint, parameters, is_loose ? strict - 1 : strict);
   // Judged chains find out for themselves how many rounds they take, and tell no odds.
-  if (stop.odds) {
+  if (stop.takes) {
+    settle_relaxing(settled, balls, sampling);
+  } else if (stop.odds) {
     settle_islands_for_odds(settled, balls, stop, sampling);
   } else if (balls <= k_balls_by_islands_max) {
     settle_islands(settled, balls, stop, sampling);
@@ -448,17 +500,7 @@ void serve_best(request::Binder& constraint, request::Binder& sampler,
     settle_judged_chains(settled, balls, sampling);
   }
   ProposalParameters& p = parameters.proposal;
-  settled.number("change_all", p.change_all, 0.01);
-  settled.number("change_vertices", p.change_vertices, 0.25);
-  settled.number("change_ball", p.change_ball, 0.14);
-  settled.number("disable_balls", p.disable_balls, 0.02);
-  settled.number("enable_balls", p.enable_balls, 0.02);
-  settled.number("aim_ball", p.aim_ball, 0.28);
-  settled.number("scatter_ball", p.scatter_ball, 0.28);
-  settled.number("vertex_redraw", p.vertex_redraw, 1);
-  double ball_move_sd_mm = 0;
-  settled.number("ball_move_sd_mm", ball_move_sd_mm, 2);
-  p.ball_sd_m = ball_move_sd_mm / 1e3;
+  settle_proposals(settled, stop.takes ? moves_that_relax(parameters.world) : Moves{}, p);
 }
 
 }  // namespace

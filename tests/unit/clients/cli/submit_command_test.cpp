@@ -23,20 +23,22 @@ namespace {
 
 /// Texts in place of worlds: a normalised text has what it was made of.
 RequestTexts texts() {
-  return {.of_word = [](const std::string& word,
-                        std::uint32_t number) { return fmt::format("{} x{}", word, number); },
-          .normalised = [](std::string_view text, std::string_view file,
-                           std::span<const request::KeySet> sets,
-                           std::optional<std::uint32_t> solutions)
-              -> base::Result<std::string, std::vector<request::Diagnostic>> {
-            if (text == "bad")
-              return std::vector{request::Diagnostic{std::string(file), {3, 9}, "no such key"}};
-            std::string normalised(text);
-            for (const request::KeySet& set : sets)
-              normalised += " " + set.text;
-            if (solutions) normalised += fmt::format(" n={}", *solutions);
-            return normalised;
-          }};
+  return {
+      .of_word =
+          [](const std::string& word, const std::optional<request::Asked>& asked) {
+            return asked ? fmt::format("{} x{}", word, asked->number) : word;
+          },
+      .normalised = [](std::string_view text, std::string_view file,
+                       std::span<const request::KeySet> sets, std::optional<request::Asked> asked)
+          -> base::Result<std::string, std::vector<request::Diagnostic>> {
+        if (text == "bad")
+          return std::vector{request::Diagnostic{std::string(file), {3, 9}, "no such key"}};
+        std::string normalised(text);
+        for (const request::KeySet& set : sets)
+          normalised += " " + set.text;
+        if (asked) normalised += fmt::format(" n={}", asked->number);
+        return normalised;
+      }};
 }
 
 rpc::Submission made(const SubmitOptions& options, const GivenRequest& given) {
@@ -71,11 +73,14 @@ TEST(Submit, AnUnchangedRequestGoesAsItIsWritten) {
 TEST(Submit, SetsAndNumberAreApplied) {
   // Goal: keys that are set reach the text that is sent, as does -n of a file; a word has its
   // number already.
-  const rpc::Submission of_file = made(
-      {.request_path = "hi.toml", .number = 7, .sets = {"sampler.seed=3"}}, {"hi.toml", "text"});
+  const rpc::Submission of_file = made({.request_path = "hi.toml",
+                                        .asked = request::Asked{.number = 7},
+                                        .asked_by = "-n 7",
+                                        .sets = {"sampler.seed=3"}},
+                                       {"hi.toml", "text"});
   EXPECT_EQ(of_file.jobs.front().request, "text sampler.seed=3 n=7");
   EXPECT_FALSE(of_file.is_group);
-  const SubmitOptions word{.word = "HI", .number = 7};
+  const SubmitOptions word{.word = "HI", .asked = request::Asked{.number = 7}, .asked_by = "-n 7"};
   const GivenRequest given = given_request(word, texts());
   EXPECT_EQ(given.name, "--word HI");
   EXPECT_EQ(made(word, given).jobs.front().request, "HI x7");
@@ -98,8 +103,9 @@ TEST(Submit, ARangeMakesAGroup) {
 
 TEST(Submit, ErrorsOfTheRequestHaveTheirPlaces) {
   // Goal: what `sleight check` says, before anything is sent; -n is named beside the file.
-  const auto bad =
-      submission_of({.request_path = "hi.toml", .number = 7}, {"hi.toml", "bad"}, texts());
+  const auto bad = submission_of(
+      {.request_path = "hi.toml", .asked = request::Asked{.number = 7}, .asked_by = "-n 7"},
+      {"hi.toml", "bad"}, texts());
   ASSERT_FALSE(bad);
   EXPECT_EQ(request::to_string(bad.error().front()), "hi.toml with -n 7:3:9: no such key");
   EXPECT_FALSE(
@@ -112,8 +118,14 @@ TEST(Submit, WhatAnOptionGivesIsNotSetBeside) {
     return submission_of(options, {"x", "text"}, texts()).ok();
   };
   EXPECT_FALSE(is_taken({.word = "HI", .sets = {"world.word=HO"}}));
-  EXPECT_FALSE(is_taken({.word = "HI", .number = 3, .sets = {"stop.independent_solutions=1..2"}}));
-  EXPECT_FALSE(is_taken({.request_path = "x", .number = 3, .sets = {"stop.scans=10"}}));
+  EXPECT_FALSE(is_taken({.word = "HI",
+                         .asked = request::Asked{.number = 3},
+                         .asked_by = "-n 3",
+                         .sets = {"stop.independent_solutions=1..2"}}));
+  EXPECT_FALSE(is_taken({.request_path = "x",
+                         .asked = request::Asked{.number = 3},
+                         .asked_by = "-n 3",
+                         .sets = {"stop.scans=10"}}));
   EXPECT_TRUE(is_taken({.word = "HI", .sets = {"sampler.seed=2"}}));
   EXPECT_TRUE(is_taken({.request_path = "x", .sets = {"stop.scans=10"}}));
 }

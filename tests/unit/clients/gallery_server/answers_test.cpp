@@ -92,7 +92,7 @@ TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
             unpacked(alone.content.text()).column<double>("start_s"));
   const Json scene = Json::parse(get("/api/archives/0/scene").content.text());
   EXPECT_EQ(scene["numbers"].size(), table.head["numbers"].size());
-  EXPECT_EQ(scene["prior_log_prior"].size(), archive::k_prior_draws);
+  EXPECT_EQ(scene["prior_log_prior"].size(), archive::testing::FakeRunOptions{}.prior_draws);
   EXPECT_TRUE(std::ranges::is_sorted(scene["prior_log_prior"].get<std::vector<double>>()));
   const web::Answer looks_answer = get("/api/archives/0/looks");
   EXPECT_FALSE(unpacked(looks_answer.content.text()).head["meshes"].empty());

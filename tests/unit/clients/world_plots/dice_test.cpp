@@ -287,8 +287,10 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
   refused({.has_prior = true, .position_mean = {k_nan, 7, 7, 1, 7, 7}},
           "start_position_m_prior_mean: it has values that no throw has");
   refused({.has_prior = true, .dice = 1e6}, "expected three numbers of each of at most 1000 dice");
-  refused({.has_prior = true, .squares_of_throws = {}},
-          "offset_squares: expected one chain of 2 to 1000 draws");
+  EXPECT_EQ(
+      failure_of([] { dice_prior_of(SmallArchive({.has_prior = true, .squares_of_throws = {}})); },
+                 "it has none"),
+      base::ExitCode::usage);
 }
 
 TEST(DicePlausibility, NothingRandomIsSaid) {

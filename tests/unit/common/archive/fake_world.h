@@ -125,14 +125,8 @@ class FakeReader : public StateReader {
     return own;
   }
 
-  PriorDraw prior_draw(std::uint64_t nth) const override {
-    const base::Bytes state = state_of(mixed(nth));
-    return {.variables = variables(state),
-            .outcome = {unit_of(nth), static_cast<double>(nth % 7)},
-            .log_prior = -unit_of(nth + 1),
-            .log_constraint =
-                nth % 3 == 0 ? -std::numeric_limits<double>::infinity() : -unit_of(nth + 2),
-            .satisfied = nth % 11 == 1};
+  std::vector<double> prior_draw(std::uint64_t nth) const override {
+    return variables(state_of(mixed(nth)));
   }
 
   std::vector<double> log_priors_of_throws(std::size_t count) const override {
@@ -168,6 +162,8 @@ struct FakeRunOptions {
   double satisfied_share = 0.3;
   std::uint64_t lineages = 7;  ///< small: lineages return, as replicas do under tempering
   std::uint64_t finds = 0;     ///< of a search: of every second start
+  std::uint64_t relax_scans = 0;
+  std::uint64_t prior_draws = 50;
 };
 
 class FakeRun : public RunView {
@@ -177,6 +173,18 @@ class FakeRun : public RunView {
   std::uint32_t chains() const override { return options_.chains; }
   std::uint64_t draws() const override { return options_.scans; }
   std::uint64_t finds() const override { return options_.finds; }
+  std::uint64_t relax_scans() const override { return options_.relax_scans; }
+  std::uint64_t prior_draws() const override { return options_.prior_draws; }
+  void for_each_prior_draw(
+      const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const override {
+    for (std::uint64_t nth = 0; nth < options_.prior_draws; ++nth) {
+      visit(nth, {.log_prior = -unit_of(nth + 1),
+                  .log_constraint =
+                      nth % 3 == 0 ? -std::numeric_limits<double>::infinity() : -unit_of(nth + 2),
+                  .satisfied = nth % 11 == 1,
+                  .outcome = {unit_of(nth), static_cast<double>(nth % 7)}});
+    }
+  }
   void for_each_find(
       const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const override {
     for (std::uint64_t i = 0; i < options_.finds; ++i) {

@@ -25,11 +25,6 @@ class CountingReader final : public FakeReader {
     if (key_of(state) % 2 != 0) return {.ends = PlaysOut::failed, .recording = {}};
     return FakeReader::play(state);
   }
-  PriorDraw prior_draw(std::uint64_t nth) const override {
-    ++prior_draws_;
-    return FakeReader::prior_draw(nth);
-  }
-  std::size_t prior_draws_made() const { return prior_draws_; }
   std::size_t states() const { return plays_.size(); }
   std::size_t plays() const {
     std::size_t sum = 0;
@@ -40,7 +35,6 @@ class CountingReader final : public FakeReader {
 
  private:
   mutable std::map<base::Bytes, std::size_t> plays_;
-  mutable std::size_t prior_draws_ = 0;
 };
 
 class MapOfMotions final : public Motions {
@@ -53,23 +47,14 @@ class MapOfMotions final : public Motions {
   void keep(base::BytesView state, const Motion& motion) override {
     motions_[base::Bytes(state.begin(), state.end())] = motion;
   }
-  std::optional<std::vector<double>> find_numbers(const std::string& name) override {
-    const auto found = numbers_.find(name);
-    if (found == numbers_.end()) return std::nullopt;
-    return found->second;
-  }
-  void keep_numbers(const std::string& name, const std::vector<double>& numbers) override {
-    numbers_[name] = numbers;
-  }
 
  private:
-  std::map<std::string, std::vector<double>> numbers_;
   std::map<base::Bytes, Motion> motions_;
 };
 
 TEST(RememberingReader, SimulatesEachMotionOnce) {
-  // Goal: two archives of a run simulate each motion once, those that fail too, and each prior
-  // draw; they are the same as without memory. Method: count; a plain reader simulates what is kept
+  // Goal: two archives of a run simulate each motion once, those that fail too; they are
+  // the same as without memory. Method: count; a plain reader simulates what is kept
   // twice for each archive.
   const FakeRunOptions options;
   const auto digest_by = [&](const StateReader& reader) {
@@ -88,7 +73,6 @@ TEST(RememberingReader, SimulatesEachMotionOnce) {
   EXPECT_EQ(digest_by(remembering), expected);
   EXPECT_GT(counted.states(), 5U);
   EXPECT_EQ(counted.plays(), counted.states());
-  EXPECT_EQ(counted.prior_draws_made(), k_prior_draws);
 }
 
 TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
@@ -106,7 +90,6 @@ TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
   EXPECT_NO_THROW((void)remembering.play(one));  // known
   EXPECT_THROW((void)remembering.play(other), std::runtime_error);
   EXPECT_THROW((void)remembering.likeness(one), std::runtime_error);
-  EXPECT_THROW((void)remembering.prior_draws(3), std::runtime_error);
   is_stopped = false;
   const std::vector<double> looks = remembering.likeness(one);
   EXPECT_EQ(looks, reader.likeness(one));

@@ -62,6 +62,7 @@ thin = 1
 keep_max = 5000
 keep_per_lineage = 3
 min_distance = 0.5
+prior_draws = 1000
 )";
 
 TEST(ReadRequest, SetsWhatIsGiven) {
@@ -149,15 +150,17 @@ TEST(ReadRequest, ASearchHasFewKeys) {
               HasSubstr("[sampler]\nmethod = \"search\"\nseed = 3\n\n[stop]\nfound = 5\n\n"
                         "[output]\nkeep_max = 5000\n"));
   EXPECT_EQ(read_staged(normalised_text(request)), request);
-  EXPECT_EQ(read_request(least + "seed = 3\n[stop]\nfound = 2\n", "r.toml", worlds, 8).value(),
-            read_staged(least + "seed = 3\n[stop]\nfound = 8\n"));
+  EXPECT_EQ(
+      read_request(least + "seed = 3\n[stop]\nfound = 2\n", "r.toml", worlds, Asked{.number = 8})
+          .value(),
+      read_staged(least + "seed = 3\n[stop]\nfound = 8\n"));
   EXPECT_THAT(staged_errors(least + "chains = 2\nstep = 0.5\n"),
-              ElementsAre(HasSubstr("'chains' in [sampler]: says nothing of method"),
-                          HasSubstr("'step' in [sampler]: says nothing of method")));
+              ElementsAre(HasSubstr("'chains' in [sampler]: is not used by method"),
+                          HasSubstr("'step' in [sampler]: is not used by method")));
   EXPECT_THAT(staged_errors(least + "[stop]\nscans = 7\n"),
               ElementsAre(HasSubstr("it ends by 'found'")));
   EXPECT_THAT(staged_errors(least + "[output]\nmin_distance = 1\n"),
-              ElementsAre(HasSubstr("is of chains")));
+              ElementsAre(HasSubstr("is about chains")));
   std::string other = least;
   other.replace(other.find("staged"), 6, "toy");
   EXPECT_THAT(staged_errors(other),
@@ -187,7 +190,9 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
   EXPECT_EQ(alone.stop, (StopRule{{}, {}, {}, {}, 0.1}));
   EXPECT_THAT(normalised_text(alone), HasSubstr("[stop]\nodds = 0.1\n\n"));
   EXPECT_EQ(read_staged(normalised_text(alone)), alone);
-  EXPECT_EQ(read_request(islands + "[stop]\nodds = 0.1\n", "r.toml", worlds, 3).value().stop,
+  EXPECT_EQ(read_request(islands + "[stop]\nodds = 0.1\n", "r.toml", worlds, Asked{.number = 3})
+                .value()
+                .stop,
             (StopRule{{}, {}, 3, {}}));
   const DirectionRequest both =
       read_staged(islands + "[stop]\nfound = 2\nodds = 1\nscans = 100000\n");
@@ -245,12 +250,61 @@ TEST(ReadRequest, FindsAskedForStayFinds) {
   toy::Parameters parameters;
   const std::array worlds{toy::staged_binding(parameters)};
   const auto rules_of = [&](const std::string& text) {
-    return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, 4).value().stop;
+    return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, Asked{.number = 4})
+        .value()
+        .stop;
   };
   EXPECT_EQ(rules_of("[stop]\nfound = 2\n"), (StopRule{{}, {}, {}, 4}));
   EXPECT_EQ(rules_of("[sampler]\nseed = 2\n[stop]\nfound = 2\n"), (StopRule{{}, {}, {}, 4}));
   EXPECT_EQ(rules_of("[stop]\nfound = 2\nscans = 9\n"), (StopRule{{}, {}, 4, 4}));
   EXPECT_EQ(rules_of("[sampler]\nchains = 2\n[stop]\nfound = 2\n"), (StopRule{{}, {}, 4, 4}));
+}
+
+TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
+  // Goal: who asks for nothing gets five takes, who asks for so many that many, unless [stop] or
+  // the command line asks for finds or proportions; the text says all of it. Method: each.
+  toy::Parameters parameters;
+  const std::array worlds{toy::relaxing_binding(parameters)};
+  const auto read_with = [&](const std::string& text, std::optional<Asked> asked) {
+    auto request = read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, asked);
+    EXPECT_TRUE(request.ok()) << text;
+    return std::move(request).value();
+  };
+  const DirectionRequest open = read_with("", {});
+  const std::string text = normalised_text(open);
+  EXPECT_THAT(text, HasSubstr("[sampler]\nmethod = \"search\"\nseed = 1\niterations_per_scan = 1\n"
+                              "relax_scans = 3\nstep = 0.5\n\n[stop]\ntakes = 5\n\n"
+                              "[output]\nkeep_max = 5000\nprior_draws = 100\n"));
+  EXPECT_EQ(read_request(text, "c.toml", worlds).value(), open);
+  EXPECT_EQ(parameters.step, 0.5);
+  EXPECT_EQ(read_with("", Asked{.number = 3}).stop.takes, 3U);
+  EXPECT_EQ(read_with("[stop]\ntakes = 9\n", Asked{.number = 3}).stop.takes, 3U);
+  const StopRule found{{}, {}, {}, 3};
+  const StopRule in_proportion{{}, {}, 3, 3};
+  EXPECT_EQ(read_with("", Asked{.answer = Answer::found, .number = 3}).stop, found);
+  EXPECT_EQ(read_with("[stop]\nfound = 9\n", Asked{.number = 3}).stop, found);
+  EXPECT_EQ(read_with("", Asked{.answer = Answer::in_proportion, .number = 3}).stop, in_proportion);
+  EXPECT_EQ(read_with("[stop]\nindependent_solutions = 9\n", Asked{.number = 3}).stop,
+            in_proportion);
+  EXPECT_EQ(read_with("[stop]\nscans = 9\n", {}).stop.takes, std::nullopt);
+
+  // A cut has takes, or before the first one what the search alone finds.
+  EXPECT_THAT(normalised_text_of(open, {.found = 7, .relaxed = 2, .prior_draws = 40}),
+              HasSubstr("relax_scans = 3\nstep = 0.5\n\n[stop]\ntakes = 2\n\n[output]\n"
+                        "keep_max = 5000\nprior_draws = 40\n"));
+  EXPECT_THAT(normalised_text_of(open, {.found = 7}),
+              HasSubstr("[sampler]\nmethod = \"search\"\nseed = 1\n\n[stop]\nfound = 7\n"));
+
+  const auto error_of = [&](const std::string& more) {
+    const auto request = read_request("[world]\nname = 'staged'\n" + more, "r.toml", worlds);
+    return request ? "" : to_string(request.error().front());
+  };
+  EXPECT_THAT(error_of("[stop]\ntakes = 5\nscans = 9\n"),
+              HasSubstr("'takes' in [stop]: goes with a [sampler] that is left open"));
+  EXPECT_THAT(error_of("[sampler]\nrelax_scans = 2\n[stop]\nscans = 9\n"),
+              HasSubstr("'relax_scans' in [sampler]: goes with method \"search\""));
+  EXPECT_THAT(error_of("[sampler]\nmethod = 'search'\nrelax_scans = 2\n[stop]\nfound = 9\n"),
+              HasSubstr("'found' in [stop]: does not go with relax_scans"));
 }
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
@@ -264,7 +318,8 @@ TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
                          "'\n[stop]\nscans = 5000\nrounds = 6\nindependent_solutions = 2\n" + odds,
                      "r.toml", worlds);
     EXPECT_TRUE(request.ok());
-    const std::string text = normalised_text_of(request.value(), {.scans = 777, .found = 0});
+    const std::string text =
+        normalised_text_of(request.value(), {.scans = 777, .prior_draws = 1000});
     EXPECT_EQ(normalised_text(read_request(text, "c.toml", worlds).value()), text);
     return text;
   };
@@ -278,7 +333,7 @@ TEST(ReadRequest, SolutionsAskedForReplaceTheRules) {
   const std::array worlds{toy::binding(parameters)};
   const std::string text = "[world]\nname='toy'\n[stop]\nscans = 7\nrounds = 2\n";
   const DirectionRequest request = read(text);
-  const DirectionRequest other = read_request(text, "r.toml", worlds, 9).value();
+  const DirectionRequest other = read_request(text, "r.toml", worlds, Asked{.number = 9}).value();
   EXPECT_EQ(other.stop, (StopRule{{}, {}, 9, {}}));
   EXPECT_THAT(normalised_text(other), HasSubstr("[stop]\nindependent_solutions = 9\n\n"));
   EXPECT_EQ(identity_text(other), identity_text(request));
@@ -329,7 +384,7 @@ TEST(NormalisedText, CanBeStoppedElsewhere) {
               HasSubstr("[stop]\nrounds = 3\nindependent_solutions = 2\n\n"));
   std::string expected(k_least_normalised);
   expected.replace(expected.find("scans = 10"), 10, "scans = 77");
-  EXPECT_EQ(normalised_text_of(request, {.scans = 77}), expected);
+  EXPECT_EQ(normalised_text_of(request, {.scans = 77, .prior_draws = 1000}), expected);
   EXPECT_EQ(normalised_text(read(expected)), expected);
 }
 
@@ -400,9 +455,9 @@ TEST(RequestKeys, ListEveryKeyOnce) {
       "constraint: word lambda\n"
       "sampler: method start chains replicas ladder_power seed iterations_per_scan round_scans "
       "anneal_scans burn_in_rounds "
-      "lanes steps_per_level particles tour_scans step\n"
-      "stop: scans rounds independent_solutions odds found\n"
-      "output: thin keep_max keep_per_lineage min_distance\n");
+      "lanes steps_per_level particles tour_scans relax_scans step\n"
+      "stop: scans rounds independent_solutions odds found takes\n"
+      "output: thin keep_max keep_per_lineage min_distance prior_draws\n");
 }
 
 }  // namespace sleight::request::direction_request_test

@@ -53,6 +53,18 @@ TEST(Extension, TakesThePlaceOfOtherRules) {
             request_with("scans = 11\nindependent_solutions = 4"));
 }
 
+TEST(Extension, MoreTakesAreTakes) {
+  toy::Parameters parameters;
+  const std::array worlds{toy::relaxing_binding(parameters)};
+  const auto with = [&](const std::string& stop) {
+    return read_request("[world]\nname = 'staged'\n" + stop, "r.toml", worlds).value();
+  };
+  const auto text = extended_text(with(""), {.solutions = 9});
+  ASSERT_TRUE(text.ok());
+  EXPECT_EQ(read_request(text.value(), "r.toml", worlds).value(), with("[stop]\ntakes = 9\n"));
+  EXPECT_THAT(why_not(with(""), {.solutions = 5}), HasSubstr("takes = 5 already"));
+}
+
 TEST(Extension, IsLonger) {
   const DirectionRequest before = request_with("scans = 10\nindependent_solutions = 2");
   EXPECT_EQ(why_not(before, {}), "nothing more is asked for");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/request/direction_request.h"
+#include "common/request/settled.h"
 
 namespace sleight::request::toy {
 
@@ -60,7 +61,6 @@ inline WorldBinding binding(Parameters& p, std::string name = "toy") {
           }};
 }
 
-/// Errors as the command line prints them, one in each element; empty for a good request.
 /// The same as a world that acts in stages.
 inline WorldBinding staged_binding(Parameters& p) {
   WorldBinding staged = binding(p, "staged");
@@ -68,6 +68,20 @@ inline WorldBinding staged_binding(Parameters& p) {
   return staged;
 }
 
+/// The same as one that relaxes finds for three scans, by steps of half.
+inline WorldBinding relaxing_binding(Parameters& p) {
+  WorldBinding relaxing = staged_binding(p);
+  relaxing.serve_best = [&p](Binder&, Binder& sampler, SamplerParameters& sampling,
+                             const StopRule& stop) {
+    if (!stop.takes) return;
+    Settled settled(sampler);
+    settled.count("relax_scans", sampling.relax_scans, 3);
+    settled.number("step", p.step, 0.5);
+  };
+  return relaxing;
+}
+
+/// Errors as the command line prints them, one in each element; empty for a good request.
 inline std::vector<std::string> errors_of(std::string_view text) {
   Parameters parameters;
   const std::array worlds{binding(parameters), binding(parameters, "toy_2")};

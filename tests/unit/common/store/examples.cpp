@@ -150,16 +150,17 @@ void expect_same(const StoredRun& run, RunStore& store, std::uint32_t chain, std
 
 std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t chain,
                                      std::uint64_t scans) {
-  return draws_of(StoredRun(folder, chain + 1, scans), chain);
+  return draws_of(StoredRun(folder, {.chains = chain + 1, .scans = scans}), chain);
 }
 
 void expect_stored(const std::string& folder, RunStore& store, std::uint32_t chain,
                    std::uint64_t scans) {
-  expect_same(StoredRun(folder, chain + 1, scans), store, chain, scans);
+  expect_same(StoredRun(folder, {.chains = chain + 1, .scans = scans}), store, chain, scans);
 }
 
 void expect_stored_of(RunStore& store, std::uint32_t chain, std::uint64_t scans) {
-  expect_same(StoredRun(store.to_read(), chain + 1, scans), store, chain, scans);
+  expect_same(StoredRun(store.to_read(), {.chains = chain + 1, .scans = scans}), store, chain,
+              scans);
 }
 
 RunFolder::RunFolder() : folder_(path("run")) {

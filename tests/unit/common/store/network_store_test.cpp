@@ -150,7 +150,7 @@ TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
     std::thread reader([&] {
       const auto shared = store.to_read();
       for (; !stop || times == 0; ++times) {
-        const StoredRun run(shared, 1, 100);
+        const StoredRun run(shared, {.chains = 1, .scans = 100});
         std::uint64_t next = 0;
         run.for_each_draw(base::ChainId{0}, [&](base::ScanIndex, const auto& record) {
           EXPECT_TRUE(testing::same_bits(record, testing::record_of(0, next++)));
@@ -202,7 +202,7 @@ TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
     lock.keep();
     for (const auto& read : std::vector<std::function<void()>>{
              [&] { (void)sessions_of(run); }, [&] { (void)stored_request_of(run); },
-             [&] { (void)StoredRun(run, 1, 0); }, [&] { (void)open_to_read(run); }}) {
+             [&] { (void)StoredRun(run, {.chains = 1}); }, [&] { (void)open_to_read(run); }}) {
       std::filesystem::remove(path("a.h5"));
       const auto without = conflict_of(read);
       ASSERT_TRUE(without.has_value());

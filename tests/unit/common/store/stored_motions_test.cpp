@@ -136,28 +136,6 @@ TEST_F(StoredMotionsTest, AFileDamagedWithinIsMadeAnew) {
   EXPECT_EQ(remembered("a"), 1);
 }
 
-TEST_F(StoredMotionsTest, NumbersUnderANameComeBack) {
-  // Goal: numbers of the run come back bit for bit to their owner, and to no other; a damaged row
-  // does not. Method: two objects, one after the other.
-  const std::vector<double> numbers{1.0 / 3, -0.0, std::numeric_limits<double>::infinity()};
-  {
-    StoredMotions motions(folder(), "a");
-    EXPECT_FALSE(motions.find_numbers("draws").has_value());
-    motions.keep_numbers("draws", numbers);
-    motions.keep_numbers("none", {});
-  }
-  const auto found = [&](const std::string& owner, const std::string& name) {
-    return StoredMotions(folder(), owner).find_numbers(name);
-  };
-  ASSERT_TRUE(found("a", "draws").has_value());
-  EXPECT_EQ(*found("a", "draws"), numbers);
-  EXPECT_TRUE(std::signbit(found("a", "draws")->at(1)));
-  EXPECT_EQ(found("a", "none").value(), std::vector<double>{});
-  EXPECT_FALSE(found("b", "draws").has_value());
-  execute("UPDATE numbers SET numbers = zeroblob(24) WHERE name = 'draws'");
-  EXPECT_FALSE(found("a", "draws").has_value());
-}
-
 TEST_F(StoredMotionsTest, GrowsToItsBound) {
   // Goal: a file takes no more than it may, by what waits at most; what it has stays. Method: a
   // bound of 1 MB, motions of 100 kB.

@@ -81,7 +81,7 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
   store.put(result_of(0, 0, 9));
   store.put(result_of(1, 0, 7));
   store.flush();
-  const StoredRun run(folder(), 2, 7);
+  const StoredRun run(folder(), {.chains = 2, .scans = 7});
   EXPECT_EQ(run.chains(), 2U);
   EXPECT_EQ(run.draws(), 7U);
   for (const std::uint32_t chain : {0U, 1U}) {
@@ -113,12 +113,12 @@ TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
       for (const std::uint32_t chain : {0U, 1U, 1U})
         expected.add(testing::record_of(chain, scan).failures);
     }
-    EXPECT_EQ(StoredRun(folder(), 2, cut).failures(), expected) << cut;
+    EXPECT_EQ(StoredRun(folder(), {.chains = 2, .scans = cut}).failures(), expected) << cut;
   }
-  EXPECT_GT(StoredRun(folder(), 2, 40).failures().total(), 0U);
+  EXPECT_GT(StoredRun(folder(), {.chains = 2, .scans = 40}).failures().total(), 0U);
   Database database(RunStore::database_path(folder()), Access::read_write);
   database.execute("UPDATE scan SET failures=zeroblob(48) WHERE chain=1 AND replica=3 AND scan=7");
-  EXPECT_THROW((void)StoredRun(folder(), 2, 40).failures(), base::Error);
+  EXPECT_THROW((void)StoredRun(folder(), {.chains = 2, .scans = 40}).failures(), base::Error);
 }
 
 TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
@@ -144,7 +144,7 @@ TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
         testing::same_bits(back[scan], is_first ? first.scans[scan] : second.scans[scan - 2]))
         << scan;
   }
-  const StoredRun view(folder(), 1, 5);
+  const StoredRun view(folder(), {.chains = 1, .scans = 5});
   EXPECT_EQ(view.replicas(), 2U);
   std::uint64_t scans = 0;
   view.replay([&](const plan::ReplicaKey& replica, base::ScanIndex begin,
@@ -182,14 +182,14 @@ TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
     for (const auto& [replica, reached] : next)
       EXPECT_EQ(reached, k_scans);
   };
-  const StoredRun view(folder(), 1, k_scans);
+  const StoredRun view(folder(), {.chains = 1, .scans = k_scans});
   check([&](const auto& visit) { view.replay(visit); });
   check([&](const auto& visit) { store.replay_all(visit); });
 }
 
 TEST_F(StoredRunOf, MissingStoreIsAnError) {
   // Goal: reading makes no file. Method: a folder without a store.
-  EXPECT_THROW(StoredRun(folder(), 1, 1), base::Error);
+  EXPECT_THROW(StoredRun(folder(), {.chains = 1, .scans = 1}), base::Error);
   EXPECT_TRUE(std::filesystem::is_empty(folder()));
 }
 

@@ -44,7 +44,7 @@ TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
   // Method: a clock set by hand, an offer each second for five minutes, a solution after ten.
   std::vector<std::uint64_t> cuts;
   Checkpoints checkpoints(
-      [&](const Reached& reached, const std::atomic<bool>&) {
+      [&](const request::Cut& reached, const std::atomic<bool>&) {
         cuts.push_back(reached.scans);
         return Checkpoints::Made{.archive = true};
       },
@@ -63,7 +63,7 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
   // Goal: no checkpoint where nothing is reached, in the first half second, or where none are
   // asked for. Method: offers of each kind.
   std::atomic<int> made = 0;
-  const auto derive = [&](const Reached&, const std::atomic<bool>&) {
+  const auto derive = [&](const request::Cut&, const std::atomic<bool>&) {
     ++made;
     return Checkpoints::Made{.archive = true};
   };
@@ -81,13 +81,38 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
   EXPECT_EQ(made, 0);
 }
 
+TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
+  // Goal: as soon as a search has all that it was to find there is an archive, also where the run
+  // ends meanwhile; only the first one is so. Method: an offer at time 0, and stop() while it is
+  // being made.
+  std::atomic<int> begun = 0;
+  std::atomic<bool> may_end = false;
+  Checkpoints checkpoints(
+      [&](const request::Cut&, const std::atomic<bool>& stop) {
+        ++begun;
+        while (!may_end)
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        EXPECT_FALSE(stop);
+        return Checkpoints::Made{.archive = true};
+      },
+      clock_, 60);
+  const Standing finds{.reached = {.found = 5}, .has_solution = true, .has_finds = true};
+  checkpoints.offer(finds);
+  await([&] { return begun == 1; });
+  std::thread ends([&] { checkpoints.stop(); });
+  may_end = true;
+  ends.join();
+  EXPECT_EQ(checkpoints.made(), 1U);
+  EXPECT_EQ(begun, 1);
+}
+
 TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
   // Goal: offers return while one is being made, and begin no second one; stop() gives it up.
   // Method: a checkpoint that goes on until it is told to stop.
   std::atomic<int> begun = 0;
   std::atomic<bool> was_told = false;
   Checkpoints checkpoints(
-      [&](const Reached&, const std::atomic<bool>& stop) -> Checkpoints::Made {
+      [&](const request::Cut&, const std::atomic<bool>& stop) -> Checkpoints::Made {
         ++begun;
         while (!stop)
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -117,7 +142,7 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
   for (const double motions_s : {0.0, 0.15}) {
     std::atomic<double> cost_s = 0;
     Checkpoints checkpoints(
-        [&](const Reached&, const std::atomic<bool>&) {
+        [&](const request::Cut&, const std::atomic<bool>&) {
           const double begin_s = base::thread_processor_s();
           double now_s = begin_s;
           while (now_s < begin_s + 0.2)
@@ -148,7 +173,7 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
   // Method: failures of two kinds, then nothing to show, then an archive.
   std::atomic<int> tries = 0;
   Checkpoints checkpoints(
-      [&](const Reached&, const std::atomic<bool>&) {
+      [&](const request::Cut&, const std::atomic<bool>&) {
         const int nth = ++tries;
         if (nth == 1) throw base::Error("disk full");
         if (nth == 2) throw std::bad_alloc();
@@ -179,7 +204,7 @@ TEST_F(CheckpointsTest, WhatGoesOnHasAnArchive) {
   for (const bool has_archive : {true, false}) {
     std::atomic<int> made = 0;
     Checkpoints checkpoints(
-        [&](const Reached&, const std::atomic<bool>&) {
+        [&](const request::Cut&, const std::atomic<bool>&) {
           ++made;
           return Checkpoints::Made{.archive = true};
         },

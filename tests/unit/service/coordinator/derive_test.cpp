@@ -115,7 +115,7 @@ TEST_F(DeriveArchive, HangsOnItsCutAlone) {
   EXPECT_EQ(cut.digest, fresh.digest);
   EXPECT_EQ(derived(text(40), path("longer.h5"), path("d.h5")), fresh.digest);
   const auto replicas = [&](const std::string& file, std::uint64_t scans) {
-    return store::StoredRun(run_folder(path(file)), 3, scans).replicas();
+    return store::StoredRun(run_folder(path(file)), {.chains = 3, .scans = scans}).replicas();
   };
   EXPECT_GT(replicas("longer.h5", 2000), replicas("longer.h5", 40));
   EXPECT_EQ(replicas("longer.h5", 40), replicas("fresh.h5", 40));

@@ -171,6 +171,20 @@ TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
   EXPECT_EQ(outcome.progress.scans_done, 6000U);
 }
 
+TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
+  // Goal: who is told to stop ends soon after, whatever is being computed, with all that came
+  // before; the next session computes the rest. Method: scans of 100 s, told to stop after 150 s.
+  const DriveOutcome cut = session(scans(3), {.seconds_per_scan = 100},
+                                   {.stop_requested = [this] { return clock_.now_s() >= 150; }});
+  EXPECT_EQ(cut.end, DriveEnd::stop_requested);
+  EXPECT_LT(clock_.now_s(), 250);
+  EXPECT_GT(committed_scans(), 0U);
+  EXPECT_LT(committed_scans(), 9U);
+  const DriveOutcome rest = session(scans(3), {.seconds_per_scan = 100});
+  EXPECT_EQ(rest.end, DriveEnd::finished);
+  EXPECT_EQ(committed_scans(), 9U);
+}
+
 TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
   // Goal: what an archive could hold is told all along, ever more of it, and what is told is
   // committed after a flush; a solution is told from when there is one. Method: read the run at

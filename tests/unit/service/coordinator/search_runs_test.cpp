@@ -88,9 +88,62 @@ TEST_F(SearchRuns, GoOnAndAreCutShort) {
   const archive::Summary summary = checked(path("b.h5"));
   EXPECT_THAT(summary.request_text,
               HasSubstr("[stop]\nfound = " + std::to_string(stopped.found) + "\n"));
-  EXPECT_EQ(session(search(static_cast<int>(stopped.found)), {.output = path("c.h5")}).digest,
-            stopped.digest);
+  EXPECT_EQ(session(summary.request_text, {.output = path("c.h5")}).digest, stopped.digest);
   EXPECT_EQ(session(search(12), {.output = path("b.h5")}).digest, straight);
+}
+
+TEST_F(SearchRuns, TakesAreTheSame) {
+  // Goal: takes lie where finds do, with what says that they were relaxed; their archive is the
+  // same by threads, after stops, cut at fewer, and for the request in it; one that is stopped
+  // before its first take has the bare finds. Method: each.
+  const auto takes = [](int count) {
+    return words("method = \"search\"\nrelax_scans = 6\niterations_per_scan = 4\n",
+                 "takes = " + std::to_string(count) + "\n");
+  };
+  const RunSummary straight = session(takes(8), {.output = path("s.h5")});
+  EXPECT_EQ(straight.relaxed, 8U);
+  EXPECT_EQ(straight.scans, 0U);
+  const archive::Summary summary = checked(path("s.h5"));
+  EXPECT_EQ(summary.finds.found, 8U);
+  EXPECT_EQ(summary.finds.relax_scans, 6U);
+  EXPECT_EQ(summary.finds.animations, 8U);
+  EXPECT_EQ(summary.chains, 0U);
+  EXPECT_THAT(summary.warning, HasSubstr("relaxed from a search: "));
+  EXPECT_THAT(summary.request_text, HasSubstr("[stop]\ntakes = 8\n"));
+  EXPECT_EQ(session(takes(8), {.output = path("t.h5")}, 3).digest, straight.digest);
+  EXPECT_EQ(session(summary.request_text, {.output = path("again.h5")}).digest, straight.digest);
+
+  // Stopped often, and each time the archive is that of the request in it.
+  RunSummary last{.end = DriveEnd::stop_requested};
+  int sessions = 0;
+  for (; last.end != DriveEnd::finished && sessions < 1000; ++sessions) {
+    last = session(takes(8), {.output = path("p.h5"),
+                              .stop_requested = stop_before_writing(20 * k_rarer, last)});
+    if (last.digest.empty() || sessions % 4 != 0) continue;
+    const archive::Summary cut = checked(path("p.h5"));
+    const std::string file = path("cut" + std::to_string(sessions) + ".h5");
+    EXPECT_EQ(session(cut.request_text, {.output = file}).digest, last.digest);
+  }
+  EXPECT_GT(sessions, 1);
+  EXPECT_EQ(last.digest, straight.digest);
+  EXPECT_EQ(session(takes(3), {.output = path("p.h5")}).digest,
+            session(takes(3), {.output = path("few.h5")}).digest);
+
+  // Before its first take.
+  std::uint64_t found = 0;
+  RunOptions options{.output = path("finds.h5")};
+  options.hear = [&](const events::RunEvent& event) {
+    if (const auto* progress = std::get_if<events::Progress>(&event.what))
+      found = progress->finds.found;
+  };
+  options.stop_requested = [&] { return found == 3; };
+  const RunSummary early =
+      session(words("method = \"search\"\nrelax_scans = 1000000\n", "takes = 3\n"), options);
+  EXPECT_EQ(early.relaxed, 0U);
+  const archive::Summary finds = checked(path("finds.h5"));
+  EXPECT_EQ(finds.finds.found, 3U);
+  EXPECT_EQ(finds.finds.relax_scans, 0U);
+  EXPECT_EQ(session(finds.request_text, {.output = path("same.h5")}).digest, early.digest);
 }
 
 TEST_F(SearchRuns, StandBeforeChains) {

@@ -112,7 +112,7 @@ TEST_F(Writer, FoldersThatCannotBeWrittenAreNamed) {
 }
 
 TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
-  const FakeRunOptions run{.scans = 5000};
+  const FakeRunOptions run{.scans = 5000, .prior_draws = 1000};
   write_file(path("a.h5"), files_, filler({.chains = 1}));
   const std::string old = bytes_of(path("a.h5"));
   write_file(path("b.h5"), files_, filler(run));

@@ -61,22 +61,13 @@ inline double distance_by(const archive::StateReader& reader, base::BytesView a,
 
 /// Prior draws fit the layout, are the same at every call and differ from each other.
 inline void check_prior_draws(const archive::StateReader& reader) {
-  const auto width = [](const std::vector<archive::Variable>& variables) {
-    std::size_t sum = 0;
-    for (const archive::Variable& variable : variables)
-      sum += variable.size();
-    return sum;
-  };
-  const auto draws = reader.prior_draws(4);
-  for (std::size_t nth = 0; nth < draws.size(); ++nth) {
-    EXPECT_EQ(draws[nth].variables.size(), width(archive::prior_variables(reader.layout())));
-    EXPECT_EQ(draws[nth].outcome.size(), width(reader.layout().outcomes));
-    EXPECT_EQ(reader.prior_draw(nth).variables, draws[nth].variables);
-    EXPECT_EQ(reader.prior_draw(nth).log_prior, draws[nth].log_prior);
-    EXPECT_FALSE(draws[nth].satisfied && draws[nth].log_constraint < -1e300);
-    if (nth > 0) {
-      EXPECT_NE(draws[nth].variables, draws[nth - 1].variables);
-    }
+  std::size_t width = 0;
+  for (const archive::Variable& variable : archive::prior_variables(reader.layout()))
+    width += variable.size();
+  for (std::uint64_t nth = 0; nth < 4; ++nth) {
+    EXPECT_EQ(reader.prior_draw(nth).size(), width);
+    EXPECT_EQ(reader.prior_draw(nth), reader.prior_draw(nth));
+    EXPECT_NE(reader.prior_draw(nth), reader.prior_draw(nth + 1));
   }
   for (const archive::Variable& variable : reader.layout().variables) {
     EXPECT_TRUE(variable.prior_sd.empty() || variable.prior_sd.size() == variable.size());

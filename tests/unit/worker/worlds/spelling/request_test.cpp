@@ -86,7 +86,14 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   EXPECT_EQ(parameters.proposal.ball_sd_m, 0.002);
   EXPECT_EQ(parameters.constraint.log_lambda, 9);
 
-  const auto chains = chosen("word = \"SLEIGHT\"\n[constraint]\nlog_lambda = 5\n");
+  const auto takes = chosen("word = \"HI\"\n");
+  EXPECT_EQ(takes.sampler.method, request::Method::search);
+  EXPECT_EQ(takes.stop.takes, 5U);
+  EXPECT_GT(takes.sampler.relax_scans.value(), 0U);
+  EXPECT_EQ(takes.sampler.iterations_per_scan, 16U);
+  EXPECT_EQ(parameters.constraint.log_lambda, 8);
+  const auto chains = chosen(
+      "word = \"SLEIGHT\"\n[constraint]\nlog_lambda = 5\n[stop]\nindependent_solutions = 5\n");
   EXPECT_EQ(chains.sampler.method, request::Method::metropolis_hastings);
   EXPECT_EQ(chains.sampler.start, request::Start::search);
   EXPECT_EQ(parameters.constraint.log_lambda, 5);

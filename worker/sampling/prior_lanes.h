@@ -1,0 +1,92 @@
+// Draws from the prior, which archives keep beside a run's samples, as units of work: a plan with
+// these beside it.
+//
+// Draws are numbered over lanes (plan::k_prior_lanes) and depend on nothing but their numbers.
+// While the plan searches, they only fill what it leaves idle: then units of the two take turns.
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "common/plan/plan.h"
+
+namespace sleight::sampling {
+
+class PriorLanes {
+ public:
+  explicit PriorLanes(std::uint64_t count);
+
+  std::optional<plan::Unit> next_unit(std::uint32_t scans_max);
+  void consume(base::ChainId lane, base::ScanIndex first_scan, std::size_t records);
+  /// Draws that are done with all before them; of more than were asked for these.
+  std::uint64_t done() const { return done_; }
+  std::uint64_t count() const { return count_; }
+
+ private:
+  std::uint64_t scans_of(std::uint32_t lane) const;
+
+  std::uint64_t count_;
+  std::vector<std::uint64_t> scans_;                        ///< consumed, by lane
+  std::set<std::pair<std::uint64_t, std::uint32_t>> idle_;  ///< lanes with nothing out, by scan
+  std::uint64_t done_ = 0;
+};
+
+class WithPriorDraws final : public plan::Plan {
+ public:
+  WithPriorDraws(std::unique_ptr<plan::Plan> plan, std::uint64_t draws);
+
+  std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
+  std::optional<plan::Block> next_block(const plan::BlockLimits& limits) override;
+  void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
+               std::span<const plan::ScanRecord> records) override;
+  bool finished() const override { return plan_->finished() && is_drawn(); }
+  std::uint64_t prior_draws() const override { return prior_.done(); }
+  std::uint64_t prior_draws_wanted() const override { return prior_.count(); }
+  std::uint64_t scans_consumed() const override { return plan_->scans_consumed(); }
+  std::optional<std::uint64_t> scans_total() const override { return plan_->scans_total(); }
+
+  base::BytesView start_state(plan::ReplicaKey replica) const override {
+    return plan_->start_state(replica);
+  }
+  std::uint64_t scans_common() const override { return plan_->scans_common(); }
+  plan::Draws draws() const override { return plan_->draws(); }
+  std::uint64_t solutions_found() const override { return plan_->solutions_found(); }
+  std::optional<std::uint64_t> solutions_wanted() const override {
+    return plan_->solutions_wanted();
+  }
+  std::vector<plan::Solution> solutions_between(std::uint64_t after,
+                                                std::uint64_t until) const override {
+    return plan_->solutions_between(after, until);
+  }
+  std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
+                                               std::uint64_t until) const override {
+    return plan_->rounds_between(after, until);
+  }
+  plan::Finds finds() const override { return plan_->finds(); }
+  std::uint64_t starts_done() const override { return plan_->starts_done(); }
+  std::vector<plan::Find> finds_between(std::uint64_t first, std::uint64_t end) const override {
+    return plan_->finds_between(first, end);
+  }
+  std::optional<std::uint64_t> round_trips() const override { return plan_->round_trips(); }
+  plan::Report report() const override { return plan_->report(); }
+  bool learns() const override { return plan_->learns(); }
+
+ private:
+  bool is_drawn() const { return prior_.done() >= prior_.count(); }
+  /// What the plan has next, or the prior: each is asked for work, in turns.
+  template <class OfPlan, class OfPrior>
+  std::invoke_result_t<OfPlan> in_turn(const OfPlan& of_plan, const OfPrior& of_prior);
+
+  std::unique_ptr<plan::Plan> plan_;
+  PriorLanes prior_;
+  bool is_priors_turn_ = false;
+};
+
+}  // namespace sleight::sampling
