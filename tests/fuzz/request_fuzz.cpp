@@ -65,7 +65,11 @@ void check_round_trip(const Reading& given) {
   CHECK(again.toy == given.toy);
 
   const bool searches = request.sampler.method == request::Method::search;
-  const request::Cut cut{.scans = searches ? 0U : 1000U, .found = searches ? 7U : 0U};
+  const bool relaxes = request.sampler.relax_scans.has_value();
+  const request::Cut cut{.scans = searches ? 0U : 1000U,
+                         .found = searches ? 7U : 0U,
+                         .relaxed = relaxes ? 3U : 0U,
+                         .prior_draws = 40};
   const std::string stopped = normalised_text_of(request, cut);
   const Reading stopped_again = read(stopped);
   CHECK_EQ(stopped_again.request.size(), 1U);
