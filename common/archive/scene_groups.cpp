@@ -159,6 +159,9 @@ void write_prior(const RunView& view, const StateReader& reader, Sink& sink) {
   write_own_coordinates(sink, k_prior, layout.variables, written);
   write_normal_priors(sink, layout.variables);
   VariableColumns states(sink, k_prior, leading, prior_variables(layout));
+  for (std::uint64_t nth = 0; nth < view.prior_draws(); ++nth)
+    states.push(reader.prior_draw(nth));
+  states.flush();
 
   sink.create_group(k_sample_stats_prior);
   write_coordinate(sink, k_sample_stats_prior, leading[0], "one chain");
@@ -172,14 +175,12 @@ void write_prior(const RunView& view, const StateReader& reader, Sink& sink) {
                                 spec_of("satisfied", ElementType::boolean, leading,
                                         "whether the outcome satisfies the constraint"));
   VariableColumns outcomes(sink, k_sample_stats_prior, leading, layout.outcomes);
-  view.for_each_prior_draw([&](std::uint64_t nth, const plan::ScanRecord& draw) {
-    states.push(reader.prior_draw(nth));
+  view.for_each_prior_draw([&](std::uint64_t, const plan::ScanRecord& draw) {
     lp.push(draw.log_prior + draw.log_constraint);
     densities.push(draw.log_prior, draw.log_constraint);
     satisfied.push(draw.satisfied ? 1 : 0);
     outcomes.push(draw.outcome);
   });
-  states.flush();
   lp.flush();
   densities.flush();
   satisfied.flush();

@@ -83,9 +83,12 @@ std::string search_line(const std::string& name, const Progress& progress) {
     line += fmt::format("  {} of {} relaxed  {}", grouped(finds.relaxed),
                         grouped(finds.relaxed_wanted), scans_in_words(progress));
   }
-  return fmt::format("{}  {} simulations  {}  {} worker{}", line,
-                     grouped(progress.session_simulations), effort_in_words(progress),
-                     progress.workers, progress.workers == 1 ? "" : "s");
+  // A start's simulations are told when it ends, which can take long.
+  line += progress.session_simulations == 0
+              ? fmt::format("  first starts under way for {}", clock_time(progress.elapsed_s))
+              : fmt::format("  {} simulations  {}", grouped(progress.session_simulations),
+                            effort_in_words(progress));
+  return fmt::format("{}  {} worker{}", line, progress.workers, progress.workers == 1 ? "" : "s");
 }
 
 }  // namespace

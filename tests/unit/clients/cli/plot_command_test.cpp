@@ -59,8 +59,8 @@ TEST(PlotCommand, WhatCanBeAskedForComesFromTheWorlds) {
   EXPECT_THAT(whats_of(worlds), ElementsAre("trace", "animations", "smoke", "mirrors"));
   EXPECT_THAT(whats_of({}), ElementsAre("trace", "animations"));
   EXPECT_EQ(help_of_whats(worlds),
-            "trace: outcome and log p; animations: the motion; smoke: what burns (marbles, rods); "
-            "mirrors: what shines (rods)");
+            "trace: outcome and log p, the default where there are draws; animations: the motion; "
+            "smoke: what burns (marbles, rods); mirrors: what shines (rods)");
 }
 
 TEST(PlotCommand, AWorldDrawsWhatItHas) {

@@ -78,6 +78,30 @@ TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
             "0 workers");
 }
 
+TEST(ProgressLine, CountsWhatASearchDoes) {
+  // Goal: never "0 sims/s" while something is simulated. Method: before the first start has ended,
+  // among starts, and while finds are relaxed.
+  Progress search{.finds = {.wanted = 5, .is_all = true}, .workers = 2, .elapsed_s = 12};
+  EXPECT_EQ(progress_line("x", search),
+            "x  0 of 5 found after 0.0 s  first starts under way for 0:12  2 workers");
+  search.session_simulations = 600;
+  search.finds.found = 2;
+  search.found_s = 3;
+  EXPECT_EQ(progress_line("x", search),
+            "x  2 of 5 found after 3.0 s  600 simulations  50 sims/s  2 workers");
+  search.finds.found = search.finds.wanted = 6;
+  search.finds.relaxed = 1;
+  search.finds.relaxed_wanted = 5;
+  search.scans_done = 100;
+  search.scans_total = 400;
+  search.session_scans = 60;
+  search.prior_draws = 40;
+  search.prior_draws_wanted = 100;
+  EXPECT_EQ(progress_line("x", search),
+            "x  6 found after 3.0 s  1 of 5 relaxed  100 of 400 scans (25%)  1:00 left  "
+            "600 simulations  50 sims/s  40 of 100 prior draws  2 workers");
+}
+
 TEST(ProgressLine, HundredPercentMeansDone) {
   // Goal: 100% isn't shown before the end. Method: one scan short of many.
   const std::string line =
