@@ -100,17 +100,18 @@ bool is_table_random(const archive::Source& source) {
   const archive::DatasetSpec* spec =
       archive::find_dataset(*archive::find_group(source, archive::k_sample_stats_prior), k_squares);
   const std::uint64_t draws = spec == nullptr || spec->dims.size() != 2 ? 0 : spec->dims[1].size;
-  if (spec != nullptr && draws == 0) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: this plot compares with draws from the prior, and it has "
-                                  "none; the archive of the whole run has",
-                                  source.name()));
-  }
-  if (draws == 0 || draws > archive::k_prior_draws_max) {
+  if (spec == nullptr || spec->dims.size() != 2 || draws > archive::k_prior_draws_max) {
     throw base::Error(base::ExitCode::bad_archive,
                       fmt::format("{}: {}: expected one chain of at most {} draws", source.name(),
                                   archive::path_of(archive::k_sample_stats_prior, k_squares),
                                   archive::k_prior_draws_max));
+  }
+  if (draws < 2) {
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("{}: this plot compares with at least 2 draws from the prior, and "
+                    "it has {}; the archive of the whole run has them",
+                    source.name(), draws));
   }
   const std::vector<double> squares = cli::read_rows(source, archive::k_sample_stats_prior,
                                                      k_squares, draws, {.first = 0, .count = 1});

@@ -40,8 +40,7 @@ inline constexpr std::string_view k_finds_warning =
     "in the model's proportions: no averages or odds";
 inline constexpr std::string_view k_relax_scans = "relax_scans";
 inline constexpr std::string_view k_takes_warning =
-    "relaxed from a search: each animation ends as wanted and looks as the model's do, but shares "
-    "of kinds are the search's: no averages or odds";
+    "relaxed from a search: shares of kinds are the search's, so no averages or odds";
 /// Blind throws whose log densities stand beside those of finds.
 inline constexpr std::size_t k_throws = 100;
 inline constexpr std::string_view k_request = "request";

@@ -51,6 +51,8 @@ struct Finds {
   /// Takes: finds that are relaxed by chains and still end as is wanted.
   std::uint64_t relaxed = 0;
   std::uint64_t relaxed_wanted = 0;  ///< 0: finds are not relaxed
+
+  bool is_searching() const { return found < wanted && !gave_up; }
 };
 
 /// A start of a search that found something.

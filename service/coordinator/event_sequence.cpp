@@ -12,10 +12,6 @@ bool is_lane(const plan::ReplicaKey& replica) {
   return replica.chain.value >= plan::k_first_lane;
 }
 
-bool is_searching(const plan::Finds& finds) {
-  return finds.found < finds.wanted && !finds.gave_up;
-}
-
 /// An event of the chains, and after which scan of all chains it is known.
 struct Known {
   std::uint64_t scans = 0;
@@ -70,7 +66,7 @@ std::optional<events::Failure> EventSequence::next_failure(Waiting& waiting, std
 std::vector<events::RunEvent> EventSequence::advance(const plan::Plan& plan) {
   std::vector<events::RunEvent> events;
   advance_search(plan, events);
-  if (!is_searching(plan.finds())) advance_chains(plan, events);
+  if (!plan.finds().is_searching()) advance_chains(plan, events);
   return events;
 }
 

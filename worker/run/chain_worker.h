@@ -241,8 +241,9 @@ class ChainWorker final : public plan::UnitWorker {
       } else {
         scan(walk, unit, number, beta, counts);
       }
+      const bool satisfied = is_satisfied(number, *walk.current, counts);
       counts.tell_failed(number, result.failed);
-      result.scans.push_back(record(number, beta, walk, std::move(counts)));
+      result.scans.push_back(record(number, beta, walk, satisfied, std::move(counts)));
     }
     result.state_after = world_.encode(walk.current->state);
     result.simulations = walk.simulations;
@@ -277,21 +278,31 @@ class ChainWorker final : public plan::UnitWorker {
     if (report.from_prior) walk.lineage = plan::lineage_from(unit.replica.replica, scan);
   }
 
-  bool plays_out(const typename W::State& state) const requires StagedWorld<W> {
-    const typename W::Outcome at_rest = world_.simulate_to_rest(state);
-    return !sampling::report_of(world_, at_rest).failure && world_.satisfied(at_rest);
+  /// Whether a scan's state counts as satisfying; the end of a relaxed find does where its whole
+  /// motion does.
+  bool is_satisfied(std::uint64_t scan, const Sample& sample, Counts& counts) const {
+    if (!world_.satisfied(sample.outcome)) return false;
+    if constexpr (StagedWorld<W>) {
+      if (ends_relaxed(scan)) {
+        const typename W::Outcome at_rest = world_.simulate_to_rest(sample.state);
+        const auto report = sampling::report_of(world_, at_rest);
+        counts.add(report);
+        return !report.failure && world_.satisfied(at_rest);
+      }
+    }
+    return true;
+  }
+  bool ends_relaxed(std::uint64_t scan) const {
+    return options_.relax_scans > 0 && scan == options_.relax_scans;
   }
 
-  plan::ScanRecord record(std::uint64_t scan, double beta, const Walk& walk, Counts counts) const {
+  plan::ScanRecord record(std::uint64_t scan, double beta, const Walk& walk, bool satisfied,
+                          Counts counts) const {
     const Sample& sample = *walk.current;
-    const bool ends_relaxed = options_.relax_scans > 0 && scan == options_.relax_scans;
-    bool satisfied = world_.satisfied(sample.outcome);
-    if constexpr (StagedWorld<W>)
-      if (ends_relaxed && satisfied) satisfied = plays_out(sample.state);
     const bool is_thin =
         scan >= options_.first_draw && (scan - options_.first_draw) % options_.thin == 0;
     const bool is_hot_thin = options_.hot_thin > 0 && scan % options_.hot_thin == 0;
-    const bool keep_state = options_.relax_scans > 0 ? ends_relaxed && satisfied
+    const bool keep_state = options_.relax_scans > 0 ? ends_relaxed(scan) && satisfied
                             : beta == 1              ? satisfied || is_thin
                                                      : is_hot_thin;
     std::vector<double> method_values = walk.method_values;

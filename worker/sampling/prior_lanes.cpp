@@ -49,9 +49,7 @@ WithPriorDraws::WithPriorDraws(std::unique_ptr<plan::Plan> plan, std::uint64_t d
 template <class OfPlan, class OfPrior>
 std::invoke_result_t<OfPlan> WithPriorDraws::in_turn(const OfPlan& of_plan,
                                                      const OfPrior& of_prior) {
-  const plan::Finds finds = plan_->finds();
-  const bool searches = finds.found < finds.wanted && !finds.gave_up;
-  const bool prior_first = is_priors_turn_ && !searches;
+  const bool prior_first = is_priors_turn_ && !plan_->finds().is_searching();
   for (const bool is_prior : {prior_first, !prior_first}) {
     if (!is_prior && plan_->finished()) continue;
     if (auto work = is_prior ? of_prior() : of_plan()) {

@@ -2,8 +2,8 @@
 // these beside it.
 //
 // Draws are numbered over lanes (plan::k_prior_lanes) and depend on nothing but their numbers.
-// While the plan searches, they only fill what it leaves idle: then units of the two take turns.
-// Not thread-safe.
+// While the plan searches, they only fill what it leaves idle; afterwards units of the two take
+// turns. Not thread-safe.
 #pragma once
 
 #include <cstdint>

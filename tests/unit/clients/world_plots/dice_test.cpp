@@ -289,7 +289,7 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
   refused({.has_prior = true, .dice = 1e6}, "expected three numbers of each of at most 1000 dice");
   EXPECT_EQ(
       failure_of([] { dice_prior_of(SmallArchive({.has_prior = true, .squares_of_throws = {}})); },
-                 "it has none"),
+                 "it has 0"),
       base::ExitCode::usage);
 }
 

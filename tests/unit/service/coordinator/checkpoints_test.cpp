@@ -83,24 +83,26 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
 
 TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
   // Goal: as soon as a search has all that it was to find there is an archive, also where the run
-  // ends meanwhile; only the first one is so. Method: an offer at time 0, and stop() while it is
-  // being made.
+  // ends meanwhile. Method: an offer at time 0; stop() while it is being made, which is then given
+  // every chance to be told, and is not.
   std::atomic<int> begun = 0;
-  std::atomic<bool> may_end = false;
+  std::atomic<bool> stops = false;
   Checkpoints checkpoints(
       [&](const request::Cut&, const std::atomic<bool>& stop) {
         ++begun;
-        while (!may_end)
-          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        await([&] { return stops.load(); });
+        for (int look = 0; look < 10'000 && !stop; ++look)
+          std::this_thread::yield();
         EXPECT_FALSE(stop);
         return Checkpoints::Made{.archive = true};
       },
       clock_, 60);
-  const Standing finds{.reached = {.found = 5}, .has_solution = true, .has_finds = true};
-  checkpoints.offer(finds);
+  checkpoints.offer({.reached = {.found = 5}, .has_solution = true, .has_finds = true});
   await([&] { return begun == 1; });
-  std::thread ends([&] { checkpoints.stop(); });
-  may_end = true;
+  std::thread ends([&] {
+    stops = true;
+    checkpoints.stop();
+  });
   ends.join();
   EXPECT_EQ(checkpoints.made(), 1U);
   EXPECT_EQ(begun, 1);

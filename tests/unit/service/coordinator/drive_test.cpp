@@ -173,16 +173,21 @@ TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
 
 TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
   // Goal: who is told to stop ends soon after, whatever is being computed, with all that came
-  // before; the next session computes the rest. Method: scans of 100 s, told to stop after 150 s.
-  const DriveOutcome cut = session(scans(3), {.seconds_per_scan = 100},
-                                   {.stop_requested = [this] { return clock_.now_s() >= 150; }});
+  // before; the next session computes the rest. Method: a crew that hangs after 3 s, told to stop
+  // after 5 s; without the limit this would never end.
+  const double begin_s = clock_.now_s();
+  const DriveOutcome cut =
+      session(scans(2000), {.seconds_per_scan = 0.001, .hangs_from_s = begin_s + 3},
+              {.stop_requested = [&] { return clock_.now_s() >= begin_s + 5; }});
   EXPECT_EQ(cut.end, DriveEnd::stop_requested);
-  EXPECT_LT(clock_.now_s(), 250);
-  EXPECT_GT(committed_scans(), 0U);
-  EXPECT_LT(committed_scans(), 9U);
-  const DriveOutcome rest = session(scans(3), {.seconds_per_scan = 100});
+  EXPECT_GE(clock_.now_s() - begin_s, 5 + k_stop_grace_s);
+  EXPECT_LT(clock_.now_s() - begin_s, 5 + k_stop_grace_s + 1);
+  EXPECT_GT(crew_->outstanding(), 0U);
+  EXPECT_GE(committed_scans(), 2500U);
+  EXPECT_LT(committed_scans(), 6000U);
+  const DriveOutcome rest = session(scans(2000), {.seconds_per_scan = 0.001});
   EXPECT_EQ(rest.end, DriveEnd::finished);
-  EXPECT_EQ(committed_scans(), 9U);
+  EXPECT_EQ(committed_scans(), 6000U);
 }
 
 TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {

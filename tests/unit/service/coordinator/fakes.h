@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -28,6 +29,8 @@ struct FakeCrewOptions {
   std::function<void(const plan::Unit&)> before{};
   /// Whether the worker has lost the state that it is thought to hold; never when empty.
   std::function<bool(const plan::Unit&)> forgets{};
+  /// From this time on nothing completes, however long it is waited for.
+  double hangs_from_s = std::numeric_limits<double>::infinity();
 };
 
 /// Completes one assignment a receive. Checks that each unit comes with the state before it: as
@@ -64,9 +67,13 @@ class FakeCrew final : public Crew {
     answers_.emplace_back(core::Answered{.worker = worker, .pong = std::move(pong)});
   }
 
-  std::vector<core::Input> receive(double /*timeout_s*/) override {
+  std::vector<core::Input> receive(double timeout_s) override {
     std::vector<core::Input> inputs = std::exchange(answers_, {});
     if (waiting_.empty()) return inputs;
+    if (clock_.now_s() >= options_.hangs_from_s) {
+      clock_.advance(timeout_s);
+      return inputs;
+    }
     const std::size_t which = options_.choose ? options_.choose(waiting_.size()) : 0;
     const Waiting done = waiting_.at(which);
     waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(which));
