@@ -80,8 +80,9 @@ std::optional<double> stop_number(const archive::Source& source, const archive::
 }
 
 IslandNumber island_number_of(const archive::Source& source, const archive::Summary& summary,
-                              bool is_sized) {
-  if (is_sized) return IslandNumber::sized;
+                              const ArchiveOdds& odds) {
+  if (odds.odds_from_island) return IslandNumber::sized;
+  if (odds.odds_until_island) return IslandNumber::fixed;
   if (!method_of(summary.request_text)) return IslandNumber::unknown;
   if (stop_number(source, summary, "odds")) return IslandNumber::unfinished;
   const bool by_solutions = stop_number(source, summary, "independent_solutions").has_value();
@@ -97,8 +98,8 @@ math::IslandOdds islands_in(const archive::Source& source, std::string_view name
 
 JudgedEstimate judge_islands(const archive::Source& source, std::string_view name,
                              const ArchiveOdds& odds, std::optional<double> particles) {
-  const math::IslandOdds islands =
-      islands_in(source, name, {.first = odds.odds_from_island.value_or(0)});
+  const math::IslandOdds islands = islands_in(
+      source, name, {.first = odds.odds_from_island.value_or(0), .end = odds.odds_until_island});
   return {.all = combined(islands),
           .doubts = doubts_of_islands(islands, odds.island_number, particles)};
 }
@@ -152,18 +153,16 @@ std::optional<ArchiveOdds> islands_say(const archive::Source& source,
   const auto islands_of_z = islands_of_chain(source, k_island_log_z, chains);
   if (!islands || !islands_of_z) return std::nullopt;
   ArchiveOdds odds{.from = OddsFrom::islands};
-  odds.odds_from_island = odds_from_island(source, chains, std::min(*islands, *islands_of_z));
-  odds.island_number = island_number_of(source, summary, odds.odds_from_island.has_value());
+  const std::uint64_t of_chain = std::min(*islands, *islands_of_z);
+  odds.odds_from_island = island_of_all(source, "odds_from_island", chains, of_chain);
+  odds.odds_until_island = island_of_all(source, "odds_until_island", chains, of_chain);
+  odds.island_number = island_number_of(source, summary, odds);
   const std::optional<double> particles = number_of(source, summary, "sampler", "particles");
   odds.log_z = judge_islands(source, k_island_log_z, odds, particles);
   odds.log_p_satisfied = judge_islands(source, k_island_log_p, odds, particles);
   if (!odds.log_p_satisfied.known())
     odds.how_to_know = how_to_know_by_islands(odds, stop_number(source, summary, "odds"),
                                               error_foretold(source, odds));
-  if (odds.how_to_know && tour_scans_of(summary.request_text))
-    odds.how_to_know->besides =
-        "without tour_scans under [sampler]" +
-        (odds.how_to_know->besides.empty() ? "" : "; " + odds.how_to_know->besides);
   return odds;
 }
 
@@ -317,7 +316,9 @@ std::string lines_of(std::span<const Doubt> doubts) {
 std::string in_words(const HowToKnow& how, const ArchiveOdds& odds) {
   std::string what;
   if (how.odds) {
-    what = fmt::format("odds = {:.2g} under [stop], in place of other rules", *how.odds);
+    what = fmt::format(
+        "odds = {:.2g} under [stop] and no other rule, method = \"sequential\" under [sampler]",
+        *how.odds);
   } else if (!how.rounds) {
     what = fmt::format("{:.1f} times as many scans", how.longer);
   } else if (odds.from == OddsFrom::burn_in) {
@@ -453,6 +454,7 @@ json::Value as_json(const ArchiveOdds& odds) {
     json.erase("ladders_without_round_trip");
   }
   if (odds.odds_from_island) json["odds_from_island"] = *odds.odds_from_island;
+  if (odds.odds_until_island) json["odds_until_island"] = *odds.odds_until_island;
   return json;
 }
 

@@ -63,8 +63,10 @@ struct ArchiveOdds {
   std::string natural_throw{};  ///< what a throw is, if no draw: "a throw leaves no body out"
   std::optional<HowToKnow> how_to_know{};  ///< none where log P is known
   IslandNumber island_number = IslandNumber::unknown;
-  /// Of each chain; those from here on count, which were sized.
+  /// Of each chain: those from here on count, which were sized; or those before, which were made in
+  /// any case.
   std::optional<std::uint64_t> odds_from_island{};
+  std::optional<std::uint64_t> odds_until_island{};
 };
 
 /// None where the archive has neither ladders nor weights nor islands.

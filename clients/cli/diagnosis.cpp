@@ -371,6 +371,14 @@ Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
   diagnosis.chains = summary.chains;
   diagnosis.scans = summary.scans;
   const std::optional<request::Method> method = method_of(summary.request_text);
+  const archive::Group* learnt = archive::find_group(source, archive::k_tempering);
+  const bool has_weights = learnt != nullptr && find_dataset(*learnt, "log_weight") != nullptr;
+  if (method == request::Method::sequential && has_weights) {
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: there is nothing to diagnose: its draws are islands', "
+                                  "independent and weighted; sleight archive info tells the odds",
+                                  source.name()));
+  }
   const std::vector<Round> rounds =
       rounds_of(source, summary.chains,
                 burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));

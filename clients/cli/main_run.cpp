@@ -115,6 +115,8 @@ std::string what_is_missing(const coordinator::RunSummary& summary) {
   if (finds.is_all && finds.gave_up && finds.found == 0)
     return fmt::format("Nothing found: no archive. {}", why_it_gave_up(finds));
   if (finds.is_all) return "Stopped before anything was found: no archive yet.";
+  if (summary.progress.odds.are_asked)
+    return "Stopped before the first island was done: no archive yet.";
   return "Stopped before every chain had its first draw: no archive yet.";
 }
 
@@ -163,6 +165,9 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     fmt::print("{}: {} found, not in the model's proportions; seed {}, digest {}\n",
                arguments.output, events::grouped(summary.found), request.sampler.seed,
                summary.digest);
+  } else if (summary.progress.odds.are_asked) {
+    fmt::print("{}: {}; seed {}, digest {}\n", arguments.output,
+               events::odds_in_words(summary.progress.odds), request.sampler.seed, summary.digest);
   } else {
     fmt::print("{}: {} chain{} of {} scans, seed {}, digest {}\n", arguments.output,
                request.sampler.chains, request.sampler.chains == 1 ? "" : "s",

@@ -267,15 +267,14 @@ void for_each_of_islands(const archive::Source& source, std::string_view name, I
   }
 }
 
-std::optional<std::uint64_t> odds_from_island(const archive::Source& source, std::uint64_t chains,
-                                              std::uint64_t islands) {
-  constexpr std::string_view k_name = "odds_from_island";
-  if (find_table(source, k_name, {"chain"}) == nullptr) return std::nullopt;
-  const std::vector<double> from = of_chains(source, k_name, chains);
-  if (from.empty()) return std::nullopt;
-  if (std::ranges::any_of(from, [&](double other) { return other != from.front(); }))
-    refuse(source, k_name, "chains have different ones");
-  return count_of(source, k_name, from.front(), islands);
+std::optional<std::uint64_t> island_of_all(const archive::Source& source, std::string_view name,
+                                           std::uint64_t chains, std::uint64_t islands) {
+  if (find_table(source, name, {"chain"}) == nullptr) return std::nullopt;
+  const std::vector<double> numbers = of_chains(source, std::string(name), chains);
+  if (numbers.empty()) return std::nullopt;
+  if (std::ranges::any_of(numbers, [&](double other) { return other != numbers.front(); }))
+    refuse(source, name, "chains have different ones");
+  return count_of(source, name, numbers.front(), islands);
 }
 
 std::vector<std::string> proposal_kinds(const archive::Source& source) {

@@ -109,10 +109,10 @@ struct IslandRange {
 void for_each_of_islands(const archive::Source& source, std::string_view name, IslandRange islands,
                          const std::function<void(double)>& visit);
 
-/// From which island of each chain on they tell the odds, at most `islands`; none where no round
-/// was sized for it and is complete.
-std::optional<std::uint64_t> odds_from_island(const archive::Source& source, std::uint64_t chains,
-                                              std::uint64_t islands);
+/// The number of an island in a table by chain, the same for each chain and at most `islands`; none
+/// without the table.
+std::optional<std::uint64_t> island_of_all(const archive::Source& source, std::string_view name,
+                                           std::uint64_t chains, std::uint64_t islands);
 
 /// Names of the kinds of proposals, as /sample_stats has them.
 std::vector<std::string> proposal_kinds(const archive::Source& source);

@@ -76,6 +76,22 @@ std::string effort_in_words(const Progress& progress) {
   return words;
 }
 
+/// Islands and time left; an island is a scan.
+std::string odds_line(const std::string& name, const Progress& progress) {
+  std::string line = fmt::format("{}  ", name);
+  if (progress.finds.wanted > 0) line += finds_in_words(progress) + "  ";
+  line += odds_in_words(progress.odds);
+  const double rate = per_second(progress.session_scans, progress);
+  if (progress.scans_total > progress.scans_done && rate > 0) {
+    const auto left = static_cast<double>(progress.scans_total - progress.scans_done);
+    line += fmt::format("  {} left", clock_time(left / rate));
+  }
+  if (progress.failures.total() > 0)
+    line += fmt::format("  {} FAILED", grouped(progress.failures.total()));
+  return fmt::format("{}  {}  {} worker{}", line, effort_in_words(progress), progress.workers,
+                     progress.workers == 1 ? "" : "s");
+}
+
 std::string search_line(const std::string& name, const Progress& progress) {
   std::string line = fmt::format("{}  {}", name, finds_in_words(progress));
   const plan::Finds& finds = progress.finds;
@@ -93,7 +109,21 @@ std::string search_line(const std::string& name, const Progress& progress) {
 
 }  // namespace
 
+std::string odds_in_words(const plan::Odds& odds) {
+  const std::string islands = fmt::format("{}{} island{}", grouped(odds.islands),
+                                          odds.wanted > odds.islands && !odds.is_final
+                                              ? fmt::format(" of {}", grouped(odds.wanted))
+                                              : "",
+                                          odds.islands == 1 && odds.wanted <= 1 ? "" : "s");
+  if (!odds.log_p) return fmt::format("log P not known yet ({})", islands);
+  const std::string error =
+      odds.log_error ? fmt::format(" +- {:.{}f}", *odds.log_error, odds.is_final ? 2 : 1) : "";
+  if (odds.is_final) return fmt::format("log P {:.2f}{} ({})", *odds.log_p, error, islands);
+  return fmt::format("log P about {:.1f}{}, still rough ({})", *odds.log_p, error, islands);
+}
+
 std::string progress_line(const std::string& name, const Progress& progress) {
+  if (progress.odds.are_asked) return odds_line(name, progress);
   if (progress.finds.is_all) return search_line(name, progress);
   std::string line = name;
   if (progress.finds.wanted > 0) line += "  " + finds_in_words(progress);

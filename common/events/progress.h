@@ -27,6 +27,7 @@ struct Progress {
   plan::Finds finds{};                         ///< of a search, earlier sessions included
   double found_s = 0;                          ///< of this session: when the last find so far came
   std::optional<std::uint64_t> round_trips{};  ///< of a ladder's replicas, if there is one
+  plan::Odds odds{};              ///< of a natural throw (WorldLayout::log_natural_throw)
   std::uint64_t prior_draws = 0;  ///< from the prior, which are no scans, of the whole run
   std::uint64_t prior_draws_wanted = 0;
   plan::FailureCounts failures{};  ///< of simulations, earlier sessions included
@@ -38,6 +39,10 @@ struct Progress {
 /// satisfied 6,448 (52%)  accepted 41%  2 workers", in one line, what matters most first: a
 /// terminal may show its beginning alone.
 std::string progress_line(const std::string& name, const Progress& progress);
+
+/// "log P about -39.1 +- 0.4, still rough (41 of 132 islands)"; once the error can be trusted, "log
+/// P -39.12 +- 0.21 (100 islands)" with those that tell it. REQUIRES: they are asked for.
+std::string odds_in_words(const plan::Odds& odds);
 
 /// 1234567 as "1,234,567".
 std::string grouped(std::uint64_t count);

@@ -99,6 +99,12 @@ void visit_fields(Visitor& fields, T& what) {
     fields.read("relaxed_wanted", what.finds.relaxed_wanted);
     fields.read("found_s", what.found_s);
     fields.read("round_trips", what.round_trips);
+    fields.read("odds_asked", what.odds.are_asked);
+    fields.read("odds_islands", what.odds.islands);
+    fields.read("odds_islands_wanted", what.odds.wanted);
+    fields.read("log_p", what.odds.log_p);
+    fields.read("log_p_error", what.odds.log_error);
+    fields.read("odds_are_known", what.odds.is_final);
     fields.read("prior_draws", what.prior_draws);
     fields.read("prior_draws_wanted", what.prior_draws_wanted);
     for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind)

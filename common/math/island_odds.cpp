@@ -11,14 +11,9 @@ double IslandOdds::log_error_of(double count) const {
   return relative_sd / std::sqrt(count);
 }
 
-bool IslandOdds::known() const {
-  return islands >= k_islands_min && is_half_known();
-}
-
 // NaN fails every comparison.
-bool IslandOdds::is_half_known() const {
-  return islands >= k_half_known_islands_min && largest_share <= k_largest_share_max &&
-         relative_sd >= 0;
+bool IslandOdds::known() const {
+  return islands >= k_islands_min && largest_share <= k_largest_share_max && relative_sd >= 0;
 }
 
 void IslandSums::add(double log_estimate) {

@@ -11,7 +11,7 @@
 //
 // A run may choose the number of estimates by what earlier ones say, not by what the counted ones
 // say: to stop where the estimate looks good is to stop where large ones have not come yet
-// (worker/sampling/stop_rule.h).
+// (worker/sampling/odds_rule.h).
 //
 // Invariant: equal sequences give equal bits. Thread safety: values and pure functions.
 #pragma once
@@ -28,10 +28,6 @@ inline constexpr double k_largest_share_max = 0.1;
 /// of a box of two balls missed the truth by three errors or more 4 to 13% of the times, of 144
 /// islands 4 to 7% (docs/MEASUREMENTS, "Intervals by islands").
 inline constexpr std::uint64_t k_islands_min = 100;
-/// The same where the error only says how many estimates a later set needs. That set has about
-/// twice as many. The largest share is no other there: of heavy tails it hardly shrinks as they get
-/// more.
-inline constexpr std::uint64_t k_half_known_islands_min = 50;
 
 struct IslandOdds {
   std::uint64_t islands = 0;
@@ -49,8 +45,6 @@ struct IslandOdds {
   double log_error_of(double count) const;
   /// Whether log_error can be given for log_mean.
   bool known() const;
-  /// Whether log_error_of can choose the number of estimates of a later set.
-  bool is_half_known() const;
 };
 
 /// Estimates one by one, none of which is kept.

@@ -61,6 +61,17 @@ struct Find {
   double log_p = 0;  ///< log_prior + log_constraint of its record
 };
 
+/// What free islands have said so far of P(satisfied), where that is asked for.
+struct Odds {
+  bool are_asked = false;
+  std::uint64_t islands = 0;  ///< that are done; at last, that tell log_p
+  std::uint64_t wanted = 0;   ///< in all; 0: not known yet
+  std::optional<double> log_p{};
+  std::optional<double> log_error{};  ///< of log_p
+  bool is_final = false;              ///< its rule has ended, and the error can be trusted
+  friend bool operator==(const Odds&, const Odds&) = default;
+};
+
 /// An independent solution of a chain.
 struct Solution {
   base::ChainId chain;
@@ -138,6 +149,8 @@ class Plan {
   /// Draws from the prior that are done with all before them.
   virtual std::uint64_t prior_draws() const { return 0; }
   virtual std::uint64_t prior_draws_wanted() const { return 0; }
+
+  virtual Odds odds() const { return {}; }
 
   /// Replicas that went from the prior to inverse temperature 1 and back; none where no replica
   /// does such a thing.

@@ -11,6 +11,7 @@
 #include <compare>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/base/bytes.h"
@@ -29,17 +30,24 @@ struct ReplicaKey {
 /// The starts of a search are numbered over so many lanes, which to workers and stores are chains
 /// with one replica, numbered from k_first_lane on: start n is scan n / k_search_lanes of lane n %
 /// k_search_lanes. No start knows a state before it. Draws from the prior that stand beside a run's
-/// samples have lanes of their own, likewise.
+/// samples have lanes of their own, and so have islands where nothing but the odds is asked for.
 inline constexpr std::uint32_t k_first_lane = 65536;
 inline constexpr std::uint32_t k_search_lanes = 64;
 inline constexpr std::uint32_t k_first_prior_lane = k_first_lane + k_search_lanes;
 inline constexpr std::uint32_t k_prior_lanes = 64;
+inline constexpr std::uint32_t k_first_island_lane = k_first_prior_lane + k_prior_lanes;
+/// More than there are islands at work at once.
+inline constexpr std::uint32_t k_island_lanes = 1024;
 
 inline bool is_search_lane(base::ChainId chain) {
   return chain.value >= k_first_lane && chain.value < k_first_prior_lane;
 }
 inline bool is_prior_lane(base::ChainId chain) {
   return chain.value >= k_first_prior_lane && chain.value < k_first_prior_lane + k_prior_lanes;
+}
+
+inline bool is_island_lane(base::ChainId chain) {
+  return chain.value >= k_first_island_lane && chain.value < k_first_island_lane + k_island_lanes;
 }
 
 /// REQUIRES: a search's lane.
@@ -50,6 +58,17 @@ inline std::uint64_t start_number(base::ChainId lane, std::uint64_t scan) {
 /// REQUIRES: a lane of the prior.
 inline std::uint64_t prior_draw_number(base::ChainId lane, std::uint64_t scan) {
   return scan * k_prior_lanes + (lane.value - k_first_prior_lane);
+}
+
+/// REQUIRES: a lane of islands.
+inline std::uint64_t island_number(base::ChainId lane, std::uint64_t scan) {
+  return scan * k_island_lanes + (lane.value - k_first_island_lane);
+}
+
+/// The island's lane, and its scan there.
+inline std::pair<base::ChainId, std::uint64_t> place_of_island(std::uint64_t number) {
+  const auto lane = static_cast<std::uint32_t>(number % k_island_lanes);
+  return {base::ChainId{k_first_island_lane + lane}, number / k_island_lanes};
 }
 
 /// More replicas than a chain can have: lineages are numbered by it.
@@ -85,6 +104,8 @@ struct Unit {
   bool searches() const { return is_search_lane(replica.chain); }
   /// Each scan is a draw from the prior, with no state before it or after; `starts` holds.
   bool draws_prior() const { return is_prior_lane(replica.chain); }
+  /// Each scan is a free island, likewise.
+  bool makes_islands() const { return is_island_lane(replica.chain); }
   double inverse_temperature(std::uint32_t nth) const {
     return inverse_temperatures.size() == 1 ? inverse_temperatures.front()
                                             : inverse_temperatures[nth];

@@ -171,8 +171,9 @@ void bind_stop(Binder& stop, StopRule& p) {
                        {.minimum = k_odds_min,
                         .maximum = k_odds_max,
                         .unit = "nats",
-                        .help = "ends after a round whose islands know log P(satisfied) to this "
-                                "standard error: sequential; 0.1 is a tenth of P"});
+                        .help = "ends when islands know log P(satisfied) to this standard error: "
+                                "sequential, whose islands are then all that is made; 0.1 is a "
+                                "tenth of P"});
   stop.optional_integer("found", p.found,
                         {.minimum = 1,
                          .maximum = k_found_max,
@@ -196,7 +197,7 @@ void bind_output(Binder& output, OutputParameters& p) {
                  {.minimum = 0,
                   .maximum = 1000000,
                   .unit = "animations",
-                  .help = "at most so many satisfying animations are kept"});
+                  .help = "at most so many satisfying animations are kept; 20 beside the odds"});
   output.integer("keep_per_lineage", p.keep_per_lineage,
                  {.minimum = 0,
                   .maximum = 1000,
@@ -211,13 +212,14 @@ void bind_output(Binder& output, OutputParameters& p) {
                  {.minimum = 0,
                   .maximum = k_prior_draws,
                   .help = "draws from the prior, to compare samples with; 100 beside a search "
-                          "alone"});
+                          "alone, or the odds"});
 }
 
 /// Keys of the common sections that say something of a search.
 constexpr std::array<std::string_view, 2> k_sampler_keys_of_search{"method", "seed"};
 constexpr std::array<std::string_view, 4> k_sampler_keys_of_takes{"method", "seed", "relax_scans",
                                                                   "iterations_per_scan"};
+constexpr std::array<std::string_view, 3> k_sampler_keys_of_odds{"method", "seed", "particles"};
 constexpr std::array<std::string_view, 1> k_stop_keys_of_search{"found"};
 constexpr std::array<std::string_view, 1> k_stop_keys_of_takes{"takes"};
 constexpr std::array<std::string_view, 2> k_output_keys_of_search{"keep_max", "prior_draws"};
@@ -233,6 +235,12 @@ void keep_only(Binder& section, std::size_t first_keys, std::span<const std::str
     if (section.given(key)) section.error(key, why);
     section.settle(key, "");
   }
+}
+
+void settle_few_prior_draws(Binder& output, OutputParameters& p) {
+  if (output.given("prior_draws")) return;
+  p.prior_draws = k_prior_draws_of_search;
+  output.settle("prior_draws", fmt::format("{}", k_prior_draws_of_search));
 }
 
 /// What follows from the method once all keys are bound. A world's keys are of chains: the common
@@ -255,16 +263,18 @@ void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionR
   keep_only(sections.output, all(sections.output), k_output_keys_of_search,
             "is about chains, and method \"search\" has none");
   request.sampler.chains = 0;
-  if (sections.output.given("prior_draws")) return;
-  request.output.prior_draws = k_prior_draws_of_search;
-  sections.output.settle("prior_draws", fmt::format("{}", k_prior_draws_of_search));
+  settle_few_prior_draws(sections.output, request.output);
 }
 
-bool leaves_sampler_open(const Binder& sampler) {
+/// Whether no key is given but the seed, and perhaps this one.
+bool leaves_open_but(const Binder& sampler, std::string_view key) {
   const auto& keys = sampler.keys();
   return std::none_of(keys.begin(), keys.end(), [&](const BoundKey& bound) {
-    return bound.spec.key != "seed" && sampler.given(bound.spec.key);
+    return bound.spec.key != "seed" && bound.spec.key != key && sampler.given(bound.spec.key);
   });
+}
+bool leaves_sampler_open(const Binder& sampler) {
+  return leaves_open_but(sampler, "");
 }
 
 /// A request that asks for finds or takes and nothing else wants a search, and so does one that
@@ -296,7 +306,10 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
 void settle_default(SectionBinders& sections, DirectionRequest& request,
                     const WorldBinding& world) {
   if (request.sampler.method == Method::search) return;
-  if (!leaves_sampler_open(sections.sampler) || !world.serve_best) return;
+  // Who asks for the odds says no more by naming the only method that tells them.
+  const bool names_islands = request.stop.odds && request.sampler.method == Method::sequential;
+  if (!leaves_open_but(sections.sampler, names_islands ? "method" : "") || !world.serve_best)
+    return;
   world.serve_best(sections.constraint, sections.sampler, request.sampler, request.stop);
   if (request.stop.found || !request.stop.independent_solutions) return;
   request.stop.found = request.stop.independent_solutions;
@@ -333,13 +346,31 @@ void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
-/// Nothing else estimates P(satisfied) as it goes with an error that can be planned.
-void check_odds(SectionBinders& sections, const DirectionRequest& request) {
+/// Nothing but islands estimates P(satisfied) as it goes with an error that can be planned; and
+/// then nothing but islands is made.
+void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   const Method method = request.sampler.method;
-  if (method == Method::sequential || !sections.sampler.valid("method")) return;
+  if (!sections.sampler.valid("method")) return;
   if (method == Method::search) return;  // which has no such rules at all
   if (!sections.stop.given("odds") || !sections.stop.valid("odds")) return;
-  sections.stop.error("odds", "goes with method \"sequential\", whose islands tell the odds");
+  if (method != Method::sequential)
+    return sections.stop.error("odds",
+                               "goes with method \"sequential\", whose islands tell the odds");
+  for (const char* rule : {"rounds", "independent_solutions"}) {
+    if (sections.stop.given(rule))
+      sections.stop.error(rule,
+                          "does not go with odds: nothing is drawn in proportion then; a run for "
+                          "independent_solutions tells the odds by the islands that it makes");
+  }
+  keep_only(sections.sampler, sections.sampler.keys().size(), k_sampler_keys_of_odds,
+            "is not used where odds are asked for: islands are made then, and no chains");
+  request.sampler.chains = 1;
+  request.sampler.tour_scans.reset();
+  request.sampler.burn_in_rounds = 0;
+  settle_few_prior_draws(sections.output, request.output);
+  if (sections.output.given("keep_max")) return;
+  request.output.keep_max = k_keep_max_of_odds;
+  sections.output.settle("keep_max", fmt::format("{}", k_keep_max_of_odds));
 }
 
 /// Burn-ins of plain chains are judged over all of them, in rounds of their own; those of ladders
@@ -375,11 +406,10 @@ void check_tours(SectionBinders& sections, const DirectionRequest& request) {
     sections.sampler.error("burn_in_rounds",
                            "does not go with tour_scans: a tour's scans but the "
                            "last one burn in");
-  for (const char* rule : {"rounds", "odds"})
-    if (sections.stop.given(rule) && sections.stop.valid(rule))
-      sections.stop.error(rule,
-                          "does not go with tour_scans: ask for scans or "
-                          "independent_solutions");
+  if (sections.stop.given("rounds") && sections.stop.valid("rounds"))
+    sections.stop.error("rounds",
+                        "does not go with tour_scans: ask for scans or "
+                        "independent_solutions");
 }
 
 /// Islands and searches are for worlds that act in stages.
@@ -437,7 +467,7 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
   check_start(sections, request);
   settle_stop(sections, request);
   settle_default(sections, request, *chosen);
-  check_odds(sections, request);
+  settle_odds(sections, request);
   check_tours(sections, request);
   return chosen;
 }

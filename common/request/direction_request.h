@@ -100,7 +100,8 @@ struct StopRule {
   /// ends then.
   std::optional<std::uint32_t> found{};
   /// Standard error of log P(satisfied), in nats, that free islands are to know it to: of
-  /// sequential. Sized at the ends of rounds (worker/sampling/stop_rule.h).
+  /// sequential. Nothing else is made then; `scans` counts islands, and bounds them
+  /// (worker/sampling/odds_rule.h).
   std::optional<double> odds{};
   /// Finds of a search, each relaxed by a chain of its own: goes alone.
   std::optional<std::uint32_t> takes{};
@@ -125,9 +126,12 @@ struct WorldBinding {
       serve_best{};
 };
 
-/// Of a run of chains; a search shows enough beside fewer.
+/// Of a run of chains; a search, or the odds, show enough beside fewer.
 inline constexpr std::uint32_t k_prior_draws = 1000;
 inline constexpr std::uint32_t k_prior_draws_of_search = 100;
+
+/// Of a run that asks for the odds: something to look at.
+inline constexpr std::uint32_t k_keep_max_of_odds = 20;
 
 struct OutputParameters {
   std::uint32_t thin = 1;              ///< every thin-th scan's state is kept

@@ -21,6 +21,7 @@ constexpr std::size_t k_finds_at_a_time = 64;
 constexpr std::uint64_t k_failures_at_a_time = 1024;
 /// Of these, only whether they found something is read.
 constexpr std::uint64_t k_starts_at_a_time = 16384;
+constexpr std::uint64_t k_lanes = plan::k_island_lanes;
 
 }  // namespace
 
@@ -54,6 +55,7 @@ std::uint32_t StoredRun::count_replicas() const {
 void StoredRun::for_each_draw(
     base::ChainId chain,
     const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
+  if (cut_.of_islands) return for_each_island(visit);
   const std::string rows = fmt::format(
       "SELECT {}, scan FROM scan WHERE chain=?1 AND replica=?2 AND scan>=?3 AND scan<?4 "
       "AND inverse_temperature=1 ORDER BY scan",
@@ -96,6 +98,30 @@ void StoredRun::for_each_draw(
   if (draw != draws_.count) {
     refuse_damaged(database_->path(),
                    fmt::format("draw {} of chain {} is missing", draw, chain.value));
+  }
+}
+
+void StoredRun::for_each_island(
+    const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
+  const std::string row =
+      fmt::format("SELECT {} FROM scan WHERE chain=?1 AND replica=0 AND scan=?2", k_record_columns);
+  std::vector<plan::ScanRecord> some;
+  for (std::uint64_t first = 0; first < cut_.scans; first += some.size()) {
+    some.assign(std::min(cut_.scans - first, k_scans_at_a_time), {});
+    {
+      const SharedDatabase::Turn turn = database_->turn();
+      Statement select = turn->prepare(row);
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const auto [lane, scan] = plan::place_of_island(first + i);
+        select.bind(1, std::int64_t{lane.value}).bind(2, static_cast<std::int64_t>(scan));
+        if (!select.step())
+          refuse_damaged(database_->path(), fmt::format("island {} is missing", first + i));
+        read_record(*turn, key_of(lane, 0, static_cast<std::int64_t>(scan)), select, 0, some[i]);
+        select.reset();
+      }
+    }
+    for (std::size_t i = 0; i < some.size(); ++i)
+      visit(base::ScanIndex{first + i}, some[i]);
   }
 }
 
@@ -264,10 +290,12 @@ void StoredRun::for_each_prior_draw(
   std::uint64_t read = 0;
   {
     const SharedDatabase::Turn turn = database_->turn();
-    Statement select = turn->prepare(
-        fmt::format("SELECT {}, chain, scan FROM scan WHERE chain>=?1 AND replica=0 AND scan<=?2",
-                    k_record_columns));
+    Statement select = turn->prepare(fmt::format(
+        "SELECT {}, chain, scan FROM scan WHERE chain>=?1 AND chain<?3 AND replica=0 AND "
+        "scan<=?2",
+        k_record_columns));
     select.bind(1, std::int64_t{plan::k_first_prior_lane});
+    select.bind(3, std::int64_t{plan::k_first_island_lane});
     select.bind(2, static_cast<std::int64_t>(cut_.prior_draws / plan::k_prior_lanes));
     while (select.step()) {
       const base::ChainId lane{static_cast<std::uint32_t>(select.integer(k_record_column_count))};
@@ -319,9 +347,12 @@ plan::FailureCounts StoredRun::failures() const {
     for (read = 0; select.step(); ++read) {
       last = {.scan = select.integer(2), .chain = select.integer(0), .replica = select.integer(1)};
       const base::ChainId chain{static_cast<std::uint32_t>(last.chain)};
-      const bool is_start = chain.value >= plan::k_first_lane;
-      if (is_start && plan::start_number(chain, static_cast<std::uint64_t>(last.scan)) >= starts)
+      const auto scan = static_cast<std::uint64_t>(last.scan);
+      if (plan::is_island_lane(chain)) {
+        if (!cut_.of_islands || plan::island_number(chain, scan) >= cut_.scans) continue;
+      } else if (chain.value >= plan::k_first_lane && plan::start_number(chain, scan) >= starts) {
         continue;
+      }
       read_record(*turn, key_of(chain, last.replica, last.scan), select, 3, record);
       counts.add(record.failures);
     }
@@ -332,7 +363,12 @@ plan::FailureCounts StoredRun::failures() const {
 void StoredRun::replay(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                                 std::span<const plan::ScanRecord>)>& visit) const {
   std::vector<RowReplay> replays;
-  for (std::uint32_t chain = 0; chain < cut_.chains; ++chain) {
+  for (std::uint64_t n = 0; cut_.of_islands && n < std::min(cut_.scans, k_lanes); ++n) {
+    const base::ChainId lane = plan::place_of_island(n).first;
+    const std::uint64_t scans = (cut_.scans + k_lanes - 1 - n) / k_lanes;
+    replays.emplace_back(*database_, salt_, plan::ReplicaKey{lane, base::ReplicaId{0}}, scans);
+  }
+  for (std::uint32_t chain = 0; !cut_.of_islands && chain < cut_.chains; ++chain) {
     for (std::uint32_t replica = 0; replica < replicas_; ++replica) {
       const plan::ReplicaKey key{base::ChainId{chain}, base::ReplicaId{replica}};
       replays.emplace_back(*database_, salt_, key, cut_.scans);

@@ -26,6 +26,7 @@ struct StoredCut {
   std::uint64_t finds = 0;  ///< the first so many of its search; or takes, where finds are relaxed:
   std::uint32_t relax_scans = 0;  ///< then the scan of their chains that may be a take
   std::uint64_t prior_draws = 0;  ///< the first so many
+  bool of_islands = false;  ///< its one chain's scans are free islands, by number (plan/unit.h)
 };
 
 class StoredRun final : public archive::RunView {
@@ -65,6 +66,8 @@ class StoredRun final : public archive::RunView {
 
  private:
   std::uint32_t count_replicas() const;
+  void for_each_island(
+      const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const;
   /// Scans [first, end) that are draws, and all of them together.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> draw_ranges() const;
   RowKey key_of(base::ChainId chain, std::int64_t replica, std::int64_t scan) const;

@@ -120,7 +120,8 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
                     .scans = cut.scans,
                     .finds = has_takes ? cut.relaxed : cut.found,
                     .relax_scans = has_takes ? inputs.request.sampler.relax_scans.value() : 0,
-                    .prior_draws = cut.prior_draws});
+                    .prior_draws = cut.prior_draws,
+                    .of_islands = cut.scans > 0 && inputs.request.stop.odds.has_value()});
   };
   std::optional<store::StoredRun> view(view_of(inputs.request.sampler.chains));
   if (cut.scans > 0) {

@@ -147,6 +147,8 @@ class Driver {
     now.solutions = plan_.solutions_found();
     now.solutions_wanted = plan_.solutions_wanted().value_or(0);
     now.round_trips = plan_.round_trips();
+    now.odds = plan_.odds();
+    if (now.odds.log_p) *now.odds.log_p -= options_.log_natural_throw;
     now.prior_draws = plan_.prior_draws();
     now.prior_draws_wanted = plan_.prior_draws_wanted();
     now.workers = scheduler_.threads();

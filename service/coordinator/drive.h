@@ -50,6 +50,7 @@ struct DriveOptions {
   std::function<bool()> stop_requested{};                 ///< asked often; may be empty
   std::function<void()> stopping{};                       ///< once, when asked to; may be empty
   std::function<void(const events::Progress&)> report{};  ///< may be empty
+  double log_natural_throw = 0;                           ///< as WorldLayout has it
   /// Hears every report_every_s, and as soon as a search has its finds, how the run stands; must
   /// not take long; may be empty.
   std::function<void(const Standing&)> standing{};

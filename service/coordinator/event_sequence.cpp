@@ -8,8 +8,10 @@
 namespace sleight::coordinator {
 namespace {
 
-bool is_lane(const plan::ReplicaKey& replica) {
-  return replica.chain.value >= plan::k_first_lane;
+/// Its place among the starts of a search, or else among the scans that archives have.
+std::uint64_t place_of(const plan::ReplicaKey& replica, std::uint64_t scan) {
+  if (plan::is_search_lane(replica.chain)) return plan::start_number(replica.chain, scan);
+  return plan::is_island_lane(replica.chain) ? plan::island_number(replica.chain, scan) : scan;
 }
 
 /// An event of the chains, and after which scan of all chains it is known.
@@ -31,8 +33,8 @@ void EventSequence::consumed(const plan::ReplicaKey& replica, base::ScanIndex fi
   for (const plan::ScanRecord& record : records) {
     const std::uint64_t here = scan++;
     if (record.failures.total() == 0) continue;
-    const bool of_search = is_lane(replica);
-    const std::uint64_t at = of_search ? plan::start_number(replica.chain, here) : here;
+    const bool of_search = plan::is_search_lane(replica.chain);
+    const std::uint64_t at = place_of(replica, here);
     if (at < (of_search ? told_.starts : told_.scans)) continue;
     for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
       if (record.failures.by_kind[kind] == 0) continue;

@@ -179,6 +179,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
       .stop_requested = options.stop_requested,
       .stopping = [] { say_stopping(); },
       .report = [&](const events::Progress& now) { run_events.show(now); },
+      .log_natural_throw = inputs.reader.layout().log_natural_throw,
       .standing =
           [&](const Standing& now) {
             checkpoints.offer(now);
@@ -244,7 +245,12 @@ std::string words_of(const RunSummary& summary) {
   if (summary.is_archive_given_up)
     return "it was told to stop while it wrote the archive, which is as it was before";
   const std::string& stuck_at = summary.progress.finds.stuck_at;
+  const plan::Odds& odds = summary.progress.odds;
   switch (end_of(summary)) {
+    case events::End::finished:
+    case events::End::time_limit:
+    case events::End::stop_requested:
+      return odds.are_asked ? events::odds_in_words(odds) : "";
     case events::End::gave_up:
       return fmt::format("the search gave up after {} of {} finds{}", summary.found,
                          summary.progress.finds.wanted,

@@ -1,12 +1,14 @@
 #!/usr/bin/python3
-"""How long people wait for five animations, of requests without settings.
+"""How long people wait for five animations, or for the odds, of requests without settings.
 
   tests/bench/answers.py --bin build/release/bin                    all rows, 20 seeds each
   tests/bench/answers.py --bin ... --only ACM --ways relaxed --yardstick 4.6
   tests/bench/answers.py --bin ... --only HI --ways "in proportion" --seeds 3 --limit 300
+  tests/bench/answers.py --bin ... --only HI OK ACM SLEIGHT --ways odds --limit 600
 
-Measures from start to the first archive on disk, and to the end of the command. Words have [world]
-with the word alone; dice have [world] and [constraint] of their file in requests/. Seeds are 1, 2, ...
+Measures from start to the first archive on disk, and to the end of the command. Any other row than
+those of dice is a word, and has [world] with the word alone; dice have [world] and [constraint] of
+their file in requests/. Odds are asked for with an error of 0.3. Seeds are 1, 2, ...
 --yardstick divides by the seconds of a program that measures the machine. A run that takes longer than
 --limit seconds is stopped and shown as "over"; medians count it as the limit. A row whose first run is
 over is not run again. Prints a table and, with --json, the same in seconds for programs.
@@ -25,12 +27,13 @@ import time
 ROOT = pathlib.Path(__file__).parents[2]
 WORDS = ["HI", "ACM", "SLEIGHT", "HELLO WORLD"]
 DICE = ["die", "die_exact", "six_dice"]
-WAYS = {"found": ["--found"], "relaxed": [], "in proportion": ["--in-proportion"]}
+WAYS = {"found": ["--found"], "relaxed": [], "in proportion": ["--in-proportion"], "odds": []}
+STOP = {"odds": "[stop]\nodds = 0.3\n"}
 
 
 def scene(row):
     """[world] and [constraint] of a row's request."""
-    if row in WORDS:
+    if row not in DICE:
         return f'[world]\nname = "spelling"\nword = "{row}"\n'
     text = (ROOT / f"requests/{row}.toml").read_text()
     return re.split(r"^\[(?:sampler|stop|output)\]", text, flags=re.MULTILINE)[0]
@@ -39,7 +42,7 @@ def scene(row):
 def seconds(arguments, row, way, seed, folder):
     """To the first archive, and to the end; nothing if the run is stopped."""
     request = pathlib.Path(folder) / "request.toml"
-    request.write_text(scene(row))
+    request.write_text(scene(row) + STOP.get(way, ""))
     archive = pathlib.Path(folder) / f"{seed}.h5"
     command = [str(arguments.bin / "sleight"), "direct", str(request), "-o", str(archive), "-q",
                "--seed", str(seed), *WAYS[way]]
@@ -95,7 +98,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", type=pathlib.Path, required=True)
-    parser.add_argument("--only", choices=WORDS + DICE, nargs="+", default=WORDS + DICE)
+    parser.add_argument("--only", metavar="ROW", nargs="+", default=WORDS + DICE)
     parser.add_argument("--ways", choices=list(WAYS), nargs="+", default=["found", "relaxed"])
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--limit", type=float, default=120, help="seconds of one run")
@@ -111,7 +114,7 @@ def main():
     if arguments.json:
         print(json.dumps(results))
         return
-    titles = [f"five {way}: first archive; end" for way in arguments.ways]
+    titles = [f"{'' if way in STOP else 'five '}{way}: first archive; end" for way in arguments.ways]
     print(f"| request | {' | '.join(titles)} |")
     print("|---" * (1 + len(arguments.ways)) + "|")
     for row in arguments.only:

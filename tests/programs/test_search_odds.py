@@ -1,5 +1,6 @@
-"""Goal: the odds of a word that was searched for are told, the same by any number of threads. Method: a request for
-odds and solutions, by one thread and by two; the archive and what `sleight archive info` says of it."""
+"""Goal: the odds of a word that was searched for are told, the same by any number of threads, and a run that is
+stopped keeps what it knows. Method: requests for odds, by one thread and by two, and stopped; the archive and what
+`sleight archive info` says of it."""
 
 import re
 
@@ -31,10 +32,25 @@ class SearchOdds(ProgramTest):
             self.assertTrue((first > 0).all())
         info = sleight("archive", "info", output)
         self.assertIn("by chance", info.stdout)
-        self.assertEqual(self.info(output)["tempering"]["from"], "islands")
-        # Every draw after the burn-in has proposals.
-        accepted = re.search(r"accepted +([\d.]+)% of proposals", info.stdout)
-        self.assertLessEqual(float(accepted[1]), 100)
+        odds = self.info(output)["tempering"]
+        self.assertEqual(odds["from"], "islands")
+        self.assertTrue(odds["known"])
+
+    def test_what_is_known_so_far_is_kept(self):
+        request = self.path("odds.toml")
+        request.write_text(ODDS)
+        output = self.path("odds.h5")
+        stopped = self.succeed(sleight("direct", request, "-o", output, "--set", "stop.odds=0.001",
+                                       "--time-limit", "1s"))
+        self.assertRegex(stopped.stdout, r"log P about -\d+\.\d \+- .*still rough \([\d,]+ of [\d,]+ islands\)")
+        self.succeed(sleight("archive", "verify", output))
+        self.assertFalse(self.info(output)["tempering"]["known"])
+        # The same run knows enough for an error that is not so small.
+        whole = self.succeed(sleight("direct", request, "-o", output, "-q"))
+        told = re.search(r"log P (-\d+\.\d\d) \+- 0\.\d\d \((\d+) islands\)", whole.stdout)
+        odds = self.info(output)["tempering"]["log_p_throw"]
+        self.assertAlmostEqual(odds["value"], float(told[1]), delta=0.005)
+        self.assertEqual(odds["islands"], int(told[2]))
 
 
 if __name__ == "__main__":

@@ -50,7 +50,8 @@ void expect_mean(const char* name, const std::vector<double>& draws, double expe
 
 TEST(SpellingIslands, AgreeWithRejection) {
   // Goal: Z and P(satisfied) of three balls by islands are those of blind throws. Method: the means
-  // of islands of two guides against draws of the prior, within 4 combined standard errors.
+  // of islands of two guides, and of ones whose particles choose together, against draws of the
+  // prior, within 4 combined standard errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#\n.#.").value();
   parameters.constraint.log_lambda = 1.5;
@@ -74,12 +75,13 @@ TEST(SpellingIslands, AgreeWithRejection) {
 
   PouringGuide guide = guide_of(world, 20);
   std::uint32_t chain = 1;
-  for (const double takes_part : {0.8, 0.5}) {
+  for (const auto& [takes_part, together] : {std::pair(0.8, false), {0.5, false}, {0.8, true}}) {
     guide.takes_part = takes_part;
     Estimates by_islands;
     for (std::uint32_t i = 0; i < islands; ++i) {
-      const auto island =
-          sampling::Islands(world, guide, {.particles = 12}, streams_of(chain++)).free(0);
+      const PouringGuide used = together ? world.for_odds(guide) : guide;
+      const sampling::Islands made(world, used, {.particles = 12}, streams_of(chain++));
+      const auto island = together ? made.joint(0) : made.free(0);
       by_islands.z.push_back(std::exp(island.log_z));
       by_islands.satisfied.push_back(std::exp(island.log_satisfied));
       if (island.drawn && i < 20) {
@@ -96,7 +98,8 @@ TEST(SpellingIslands, PoolsGiveThePrior) {
   // Goal: the weights of drops from a pool make up for how it was drawn, shared and used, down to
   // the smallest pool. Method: at inverse temperature 0 the mean of Z is 1, that of Z over draws
   // with both balls is 1/4, and with the first ball on the left 1/8 of it all, whatever the guide;
-  // islands of one particle, bins far apart, two drops a bin; within 4 standard errors.
+  // islands of one particle, alone and choosing together, bins far apart, two drops a bin; within 4
+  // standard errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   parameters.constraint.log_lambda = 0.5;
@@ -110,20 +113,23 @@ TEST(SpellingIslands, PoolsGiveThePrior) {
                 .meets_full = {0.2, 0.1, 0.2, 0.2},
                 .misses = {0.2, 0.2, 0.2, 0.2}};
   const std::uint32_t islands = property::long_run() ? 200'000 : 10'000;
-  std::vector<double> z;
-  std::vector<double> both;
-  std::vector<double> both_and_left;
-  for (std::uint32_t i = 0; i < islands; ++i) {
-    const sampling::IslandOptions options{.particles = 1, .inverse_temperature = 0};
-    const auto island = sampling::Islands(world, guide, options, streams_of(5'000'000 + i)).free(0);
-    z.push_back(std::exp(island.log_z));
-    const bool has_both = island.drawn && island.drawn->state.active_count() == 2;
-    both.push_back(has_both ? z.back() : 0);
-    both_and_left.push_back(has_both && island.drawn->state.drops_m[0].x() < 0 ? z.back() : 0);
+  for (const bool together : {false, true}) {
+    std::vector<double> z;
+    std::vector<double> both;
+    std::vector<double> both_and_left;
+    for (std::uint32_t i = 0; i < islands; ++i) {
+      const sampling::IslandOptions options{.particles = 1, .inverse_temperature = 0};
+      const sampling::Islands made(world, guide, options, streams_of(5'000'000 + i));
+      const auto island = together ? made.joint(0) : made.free(0);
+      z.push_back(std::exp(island.log_z));
+      const bool has_both = island.drawn && island.drawn->state.active_count() == 2;
+      both.push_back(has_both ? z.back() : 0);
+      both_and_left.push_back(has_both && island.drawn->state.drops_m[0].x() < 0 ? z.back() : 0);
+    }
+    expect_mean("Z", z, 1);
+    expect_mean("with both balls", both, 0.25);
+    expect_mean("and the first on the left", both_and_left, 0.125);
   }
-  expect_mean("Z", z, 1);
-  expect_mean("with both balls", both, 0.25);
-  expect_mean("and the first on the left", both_and_left, 0.125);
 }
 
 TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {

@@ -9,6 +9,7 @@
 #include "worker/sampling/annealed_importance.h"
 #include "worker/sampling/burnt_in_chains.h"
 #include "worker/sampling/excursions.h"
+#include "worker/sampling/free_islands.h"
 #include "worker/sampling/independent_chains.h"
 #include "worker/sampling/judged_chains.h"
 #include "worker/sampling/ladder.h"
@@ -102,15 +103,16 @@ namespace {
 
 sampling::StopRule stop_of(const request::DirectionRequest& request,
                            const std::optional<request::Cut>& cut) {
-  // A cut keeps what sized the last round, so that it tells from where on islands tell the odds.
-  if (cut) {
-    return {
-        .scans = cut->scans, .rounds = {}, .independent_solutions = {}, .odds = request.stop.odds};
-  }
+  // A cut of islands keeps whether solutions could end the run: then not all of them tell the odds.
+  const bool has_islands = request.sampler.method == request::Method::sequential;
+  if (cut && has_islands)
+    return {.scans = cut->scans,
+            .rounds = {},
+            .independent_solutions = request.stop.independent_solutions};
+  if (cut) return {.scans = cut->scans, .rounds = {}, .independent_solutions = {}};
   return {.scans = request.stop.scans,
           .rounds = request.stop.rounds,
-          .independent_solutions = request.stop.independent_solutions,
-          .odds = request.stop.odds};
+          .independent_solutions = request.stop.independent_solutions};
 }
 
 sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,
@@ -173,6 +175,10 @@ std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& requ
                                           .judged = world.burn_in_values(),
                                           .scans = stop.scans,
                                           .independent_solutions = stop.independent_solutions});
+      }
+      if (request.stop.odds) {
+        return std::make_unique<sampling::FreeIslands>(sampling::FreeIslandsOptions{
+            .seed = sampler.seed, .log_error = *request.stop.odds, .islands_max = stop.scans});
       }
       if (sampler.tour_scans) {
         return std::make_unique<sampling::RestartedChains>(

@@ -16,6 +16,7 @@
 #include "common/base/error.h"
 #include "common/plan/unit.h"
 #include "worker/run/island_scan.h"
+#include "worker/run/island_unit.h"
 #include "worker/run/sample_cache.h"
 #include "worker/run/scan_counts.h"
 #include "worker/run/search_start.h"
@@ -72,6 +73,7 @@ class ChainWorker final : public plan::UnitWorker {
     CHECK_GE(unit.scans, 1U);
     if (unit.searches()) return searched(unit);
     if (unit.draws_prior()) return drawn_from_prior(unit);
+    if (unit.makes_islands()) return free_islands(unit);
     if (unit.starts)
       return go_on(unit, state.empty() ? std::nullopt : std::optional(evaluated(state)));
     std::optional<Sample> held = cache_.take(unit.replica, unit.first_scan.value);
@@ -149,6 +151,15 @@ class ChainWorker final : public plan::UnitWorker {
                               .outcome = world_.outcome_values(sample.outcome)});
     }
     return result;
+  }
+
+  /// Free islands, each with its draw: where it has none, a draw from the prior stands there.
+  plan::UnitResult free_islands(const plan::Unit& unit) const {
+    if constexpr (StagedWorld<W>) {
+      return island_unit(world_, guide(unit.seed), options_.particles, unit);
+    } else {
+      base::check_failed("a world that acts in stages", "");
+    }
   }
 
   /// A chain's state from islands, or from a search of its own: nothing where they give none.

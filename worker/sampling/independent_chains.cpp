@@ -15,7 +15,6 @@ IndependentChains::IndependentChains(const IndependentChainsOptions& options)
       chains_(options.chains),
       stop_(options.stop, options.round_scans, scans_before_draws_) {
   CHECK_GE(options.chains, 1U);
-  CHECK(options.has_islands || !options.stop.odds);
   for (std::uint32_t id = 0; id < options.chains; ++id)
     by_progress_.emplace_hint(by_progress_.end(), 0, id);
   idle_ = by_progress_;
@@ -28,17 +27,7 @@ void IndependentChains::judge_rounds() {
       solutions += chain.solutions.before(round_end);
     return solutions;
   };
-  const auto odds = [this](std::uint64_t first, std::uint64_t end) {
-    return odds_between(islands_of_chains(), first, end);
-  };
-  stop_.judge(common_consumed(), solutions_before, odds);
-}
-
-std::vector<const IslandsOfChain*> IndependentChains::islands_of_chains() const {
-  std::vector<const IslandsOfChain*> islands;
-  for (const Chain& chain : chains_)
-    islands.push_back(&chain.islands);
-  return islands;
+  stop_.judge(common_consumed(), solutions_before);
 }
 
 std::optional<plan::Unit> IndependentChains::next_unit(std::uint32_t scans_max) {
@@ -131,11 +120,12 @@ std::uint64_t IndependentChains::scans_consumed() const {
 
 plan::Report IndependentChains::report() const {
   if (!has_islands_) return {};
-  // The last round tells the odds only when it is complete: a part of it is no sized number.
-  const auto& last = stop_.sized_round();
-  const bool is_complete = last && scans_common() >= last->end;
-  return report_of(islands_of_chains(), scans_common(),
-                   is_complete ? std::optional(last->first) : std::nullopt);
+  std::vector<const IslandsOfChain*> islands;
+  for (const Chain& chain : chains_)
+    islands.push_back(&chain.islands);
+  const auto in_any_case = stop_.scans_in_any_case();
+  const bool are_there = in_any_case && scans_common() >= *in_any_case;
+  return report_of(islands, scans_common(), {.end = are_there ? in_any_case : std::nullopt});
 }
 
 std::optional<std::uint64_t> IndependentChains::scans_total() const {

@@ -4,8 +4,8 @@
 // (worker/run/island_scan.h).
 //
 // Rounds double: round r (from 1) has round_scans * 2^(r-1) scans of every chain. The number of
-// independent solutions and the odds are judged at round ends only, so there all chains wait for
-// the last one; the other stop rules need no barrier.
+// independent solutions is judged at round ends only, so there all chains wait for the last one;
+// the other stop rules need no barrier.
 //
 // Invariant: the scan at which the run stops is a function of the results up to that scan.
 #pragma once
@@ -40,7 +40,7 @@ struct IndependentChainsOptions {
 
 class IndependentChains final : public plan::Plan {
  public:
-  /// REQUIRES: chains and round_scans at least 1, one stop rule at least; islands for that of odds.
+  /// REQUIRES: chains and round_scans at least 1, one stop rule at least.
   explicit IndependentChains(const IndependentChainsOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
@@ -61,8 +61,8 @@ class IndependentChains final : public plan::Plan {
   }
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
-  /// Of islands, where scans have some; from which on they tell the odds, once the round that the
-  /// rule of odds has sized is complete.
+  /// Of islands, where scans have some. Where solutions end the run, those of the first round and
+  /// before it tell the odds: they are made in any case.
   plan::Report report() const override;
   bool learns() const override { return has_islands_ || scans_before_draws_ > 0; }
 
@@ -79,7 +79,6 @@ class IndependentChains final : public plan::Plan {
   std::uint64_t common_consumed() const;
   /// Moves on over every round end that all chains have reached, and judges there.
   void judge_rounds();
-  std::vector<const IslandsOfChain*> islands_of_chains() const;
 
   std::uint64_t seed_;
   std::uint64_t anneal_scans_;

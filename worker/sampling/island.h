@@ -24,6 +24,16 @@
 // a step that keeps p_w p_c^beta (particle Gibbs), and its Z is what the independence sampler over
 // islands needs of the present state (particle_steps.h).
 //
+// Where a target can list its choices, the particles of an island may choose together (joint): of
+// all pairs of a particle and an alternative as many are drawn as there are particles, by weight
+// times the choice's density q, at equal steps along all pairs in order of sorts:
+//
+//     resample and extend: mass = sum of weight * q over pairs; pairs by weight * q / mass;
+//                          Z *= mass / particles; weight = p / q * psi after / psi before
+//
+// Expected numbers are the same, so Z stays unbiased; but of each sort there are as many as
+// expected, give or take one, and rare sorts with great weights make Z vary less.
+//
 // Invariants
 //   1. Random numbers are addressed by (seed, chain, island, stage, particle): an island is a pure
 //      function of its streams, its number and, if conditional, the state.
@@ -35,6 +45,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -97,6 +108,20 @@ class Islands {
 
   /// The `number`-th island.
   Island<T> free(std::uint64_t number) const { return made(number, nullptr); }
+  /// The `number`-th island whose particles choose together, where choices can be listed (see
+  /// above); else as free().
+  Island<T> joint(std::uint64_t number) const {
+    if constexpr (ListsChoices<T>) {
+      Making making = begun(number, nullptr);
+      for (std::uint32_t stage = 0; stage < target_->stages(); ++stage) {
+        choose_together(making, stage);
+        if (making.weights.all_dead()) return {};
+      }
+      return finished(making);
+    } else {
+      return free(number);
+    }
+  }
   /// The same given that the state was drawn from it: particle 0 keeps its path. REQUIRES:
   /// p_w p_c^beta > 0 of the state; two particles at least.
   Island<T> given(std::uint64_t number, const State& state) const {
@@ -152,7 +177,97 @@ class Islands {
     return making;
   }
 
-  /// Extends a particle, and weighs what came of it: after the last stage by p_c.
+  /// One alternative of one particle.
+  struct Choice {
+    std::uint32_t particle = 0;
+    std::size_t alternative = 0;
+    double log_weight = 0;
+    bool is_same(const Choice& other) const {
+      return particle == other.particle && alternative == other.alternative;
+    }
+  };
+
+  /// As many as there are particles, drawn by weight times mass, in systematic order: sort by sort,
+  /// particle by particle. And log of the mean over particles of weight times mass.
+  struct Chosen {
+    std::vector<Choice> choices;
+    double log_mass = k_log_zero;
+  };
+  Chosen chosen(const Making& making, std::uint32_t stage) const requires ListsChoices<T> {
+    // What each particle has of each sort, as a share of all weight.
+    const std::vector<double> shares = making.weights.shares();
+    const std::size_t sorts = target_->sorts();
+    const std::size_t particles = options_.particles;
+    std::vector<double> masses(sorts * particles, 0);  // by sort and particle
+    double sum = 0;
+    for (std::uint32_t n = 0; n < particles; ++n) {
+      if (making.weights.is_dead(n)) continue;
+      const std::vector<double> of_sort =
+          target_->masses(*guide_, making.ground, stage, making.prefixes[n]);
+      for (std::size_t sort = 0; sort < sorts; ++sort)
+        sum += masses[sort * particles + n] = shares[n] * of_sort[sort];
+    }
+    if (!(sum > 0)) return {};
+    Chosen chosen{.choices = {}, .log_mass = making.weights.log_mean() + math::log(sum)};
+
+    random::Stream stream = stream_of(random::Purpose::resampling, making.number, stage);
+    const double step = sum / static_cast<double>(particles);
+    double next = step * stream.uniform();
+    double end = 0;
+    for (std::size_t i = 0; i < masses.size(); ++i) {
+      const double begin = std::exchange(end, end + masses[i]);
+      if (next >= end || chosen.choices.size() == particles) continue;
+      // Which of the sort's alternatives lie at the next steps.
+      const auto n = static_cast<std::uint32_t>(i % particles);
+      const std::vector<Alternative> all =
+          target_->alternatives(*guide_, making.ground, stage, making.prefixes[n], i / particles);
+      CHECK(!all.empty());
+      std::size_t at = 0;
+      double passed = begin + shares[n] * all[0].mass;
+      for (; next < end && chosen.choices.size() < particles; next += step) {
+        while (next >= passed && at + 1 < all.size())
+          passed += shares[n] * all[++at].mass;
+        chosen.choices.push_back({n, all[at].number, math::log(all[at].weight)});
+      }
+    }
+    // Rounding may leave out the last one.
+    CHECK(!chosen.choices.empty());
+    chosen.choices.resize(particles, chosen.choices.back());
+    return chosen;
+  }
+
+  /// Resamples and extends at once.
+  void choose_together(Making& making, std::uint32_t stage) const requires ListsChoices<T> {
+    const Chosen chosen = this->chosen(making, stage);
+    making.weights.start_again(chosen.log_mass);
+    std::vector<typename T::Prefix> prefixes;
+    std::vector<double> log_potentials;
+    prefixes.reserve(options_.particles);
+    for (std::uint32_t n = 0; n < options_.particles; ++n) {
+      if (chosen.choices.empty()) {
+        making.weights.kill(n);
+        continue;
+      }
+      const Choice& choice = chosen.choices[n];
+      // What is chosen again comes to the same.
+      if (n > 0 && chosen.choices[n - 1].is_same(choice)) {
+        prefixes.push_back(prefixes.back());
+        log_potentials.push_back(log_potentials.back());
+        making.weights.copy(n - 1, n);
+        continue;
+      }
+      prefixes.push_back(making.prefixes[choice.particle]);
+      log_potentials.push_back(making.log_potentials[choice.particle]);
+      Extension extension =
+          target_->take(*guide_, making.ground, stage, choice.alternative, prefixes.back());
+      extension.log_weight += choice.log_weight;
+      weigh(making, stage, n, extension, prefixes.back(), log_potentials.back());
+    }
+    if (prefixes.empty()) return;
+    making.prefixes = std::move(prefixes);
+    making.log_potentials = std::move(log_potentials);
+  }
+
   void extend(Making& making, std::uint32_t stage, std::uint32_t n) const {
     typename T::Prefix& prefix = making.prefixes[n];
     random::Stream stream = stream_of(random::Purpose::extension, making.number, stage, n);
@@ -160,6 +275,12 @@ class Islands {
         making.retained != nullptr && n == 0
             ? target_->extend_as(*guide_, making.ground, *making.retained, stage, prefix)
             : target_->extend(*guide_, making.ground, stage, prefix, stream);
+    weigh(making, stage, n, extension, prefix, making.log_potentials[n]);
+  }
+
+  /// Weighs a particle by what came of its extension: after the last stage by p_c.
+  void weigh(Making& making, std::uint32_t stage, std::uint32_t n, const Extension& extension,
+             const typename T::Prefix& prefix, double& log_potential_before) const {
     told_(extension.simulation);
     if (extension.log_weight == k_log_zero || is_refused<T>(extension.simulation)) {
       making.weights.kill(n);
@@ -172,8 +293,8 @@ class Islands {
       making.weights.kill(n);
       return;
     }
-    making.weights.add(n, extension.log_weight + (log_potential - making.log_potentials[n]));
-    making.log_potentials[n] = log_potential;
+    making.weights.add(n, extension.log_weight + (log_potential - log_potential_before));
+    log_potential_before = log_potential;
   }
 
   /// log p_c^beta of a prefix of all stages.

@@ -15,18 +15,13 @@ void IslandsOfChain::add(const plan::ScanRecord& record) {
   ends_.push_back(estimates_.size());
 }
 
-math::IslandOdds odds_between(std::span<const IslandsOfChain* const> chains, std::uint64_t first,
-                              std::uint64_t end) {
-  math::IslandSums sums;
-  for (const IslandsOfChain* chain : chains) {
-    for (std::size_t i = chain->count_of(first); i < chain->count_of(end); ++i)
-      sums.add(chain->estimates()[i].log_satisfied);
-  }
-  return sums.odds();
+void IslandsOfChain::add(const IslandEstimate& island) {
+  estimates_.push_back(island);
+  ends_.push_back(estimates_.size());
 }
 
 plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans,
-                       std::optional<std::uint64_t> odds_from) {
+                       const OddsScans& odds) {
   std::size_t islands = chains.empty() ? 0 : chains.front()->count_of(scans);
   if (islands == 0) return {};
   plan::Report report;
@@ -51,17 +46,25 @@ plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint6
       [](const IslandEstimate& island) { return island.effective_size; });
   add("island_accepted", "1 if the island's draw became the chain's state, else 0",
       [](const IslandEstimate& island) { return island.accepted ? 1.0 : 0.0; });
-  if (odds_from) {
-    CHECK_LE(*odds_from, scans);
-    plan::Table table{.name = "odds_from_island",
-                      .meaning =
-                          "the chain's first island that tells the odds: how many come from "
-                          "there on was chosen by those before it",
-                      .dims = {{"chain", chains.size()}},
-                      .values = {}};
+  const auto add_number = [&](const char* name, const char* meaning, std::uint64_t of_scan) {
+    CHECK_LE(of_scan, scans);
+    plan::Table table{
+        .name = name, .meaning = meaning, .dims = {{"chain", chains.size()}}, .values = {}};
     for (const IslandsOfChain* chain : chains)
-      table.values.push_back(static_cast<double>(chain->count_of(*odds_from)));
+      table.values.push_back(static_cast<double>(chain->count_of(of_scan)));
     report.tables.push_back(std::move(table));
+  };
+  if (odds.first) {
+    add_number("odds_from_island",
+               "the chain's first island that tells the odds: how many come from there on was "
+               "chosen by those before it",
+               *odds.first);
+  }
+  if (odds.end) {
+    add_number("odds_until_island",
+               "islands of the chain, from its first one on, that tell the odds: whether there are "
+               "more was chosen by these",
+               *odds.end);
   }
   return report;
 }

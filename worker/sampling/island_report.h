@@ -1,5 +1,5 @@
 // What the free islands of chains have said of the target, for archives: tables by chain and
-// island. And what they say of P(satisfied) together, for the stop rule that asks for it.
+// island.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "common/math/island_odds.h"
 #include "common/plan/report.h"
 #include "common/plan/unit.h"
 #include "worker/sampling/island_estimate.h"
@@ -19,6 +18,8 @@ class IslandsOfChain {
  public:
   /// The next scan's.
   void add(const plan::ScanRecord& record);
+  /// The next scan's only one.
+  void add(const IslandEstimate& island);
   const std::vector<IslandEstimate>& estimates() const { return estimates_; }
   /// Of its first so many scans. REQUIRES: they are there.
   std::size_t count_of(std::uint64_t scans) const { return scans == 0 ? 0 : ends_[scans - 1]; }
@@ -29,15 +30,17 @@ class IslandsOfChain {
   std::vector<std::size_t> ends_;  ///< by scan: estimates up to and with it
 };
 
-/// Of P(satisfied), by the islands of each chain's scans from `first` on and before `end`, chain
-/// after chain. REQUIRES: they are there.
-math::IslandOdds odds_between(std::span<const IslandsOfChain* const> chains, std::uint64_t first,
-                              std::uint64_t end);
+/// Scans of each chain whose islands tell the odds, where not all of them may: from `first` on, if
+/// those before have chosen how many they are; before `end`, if it hangs on islands whether there
+/// are more.
+struct OddsScans {
+  std::optional<std::uint64_t> first{};
+  std::optional<std::uint64_t> end{};
+};
 
-/// Of the islands of each chain's first `scans` scans; nothing where these have none. The islands
-/// from scan `odds_from` on alone tell the odds, where a stop rule chose how many these are; then
-/// they are told too. REQUIRES: odds_from at most `scans`.
+/// Of the islands of each chain's first `scans` scans; nothing where these have none.
+/// REQUIRES: those of `odds` are among them.
 plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans,
-                       std::optional<std::uint64_t> odds_from = {});
+                       const OddsScans& odds = {});
 
 }  // namespace sleight::sampling

@@ -30,7 +30,11 @@ std::vector<double> IslandWeights::shares() const {
 }
 
 void IslandWeights::start_again() {
-  log_z_before_ += log_mean();
+  start_again(log_mean());
+}
+
+void IslandWeights::start_again(double log_factor) {
+  log_z_before_ += log_factor;
   std::ranges::fill(log_weights_, 0.0);
 }
 

@@ -22,6 +22,7 @@ class IslandWeights {
   void kill(std::size_t particle) { log_weights_[particle] = k_log_zero; }
   /// Multiplies a weight by exp(log_factor). REQUIRES: finite.
   void add(std::size_t particle, double log_factor) { log_weights_[particle] += log_factor; }
+  void copy(std::size_t from, std::size_t to) { log_weights_[to] = log_weights_[from]; }
   double log_weight(std::size_t particle) const { return log_weights_[particle]; }
   bool all_dead() const;
 
@@ -30,14 +31,15 @@ class IslandWeights {
   /// After a resampling: the mean weight goes into Z, and all weights are 1. REQUIRES: not all are
   /// dead.
   void start_again();
+  /// Likewise, with this factor of Z in place of the mean weight.
+  void start_again(double log_factor);
 
+  double log_mean() const;
   double log_z() const { return log_z_before_ + log_mean(); }
   /// Of the resamplings so far, without the present weights.
   double log_z_before() const { return log_z_before_; }
 
  private:
-  double log_mean() const;
-
   std::vector<double> log_weights_;
   double log_z_before_ = 0;
 };

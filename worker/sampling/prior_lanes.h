@@ -1,42 +1,24 @@
 // Draws from the prior, which archives keep beside a run's samples, as units of work: a plan with
 // these beside it.
 //
-// Draws are numbered over lanes (plan::k_prior_lanes) and depend on nothing but their numbers.
+// Draws are numbered over lanes (plan::k_prior_lanes, numbered_lanes.h).
 // While the plan searches, they only fill what it leaves idle; afterwards units of the two take
 // turns. Not thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "common/plan/plan.h"
+#include "worker/sampling/numbered_lanes.h"
 
 namespace sleight::sampling {
-
-class PriorLanes {
- public:
-  explicit PriorLanes(std::uint64_t count);
-
-  std::optional<plan::Unit> next_unit(std::uint32_t scans_max);
-  void consume(base::ChainId lane, base::ScanIndex first_scan, std::size_t records);
-  /// Draws that are done with all before them; of more than were asked for these.
-  std::uint64_t done() const { return done_; }
-  std::uint64_t count() const { return count_; }
-
- private:
-  std::uint64_t scans_of(std::uint32_t lane) const;
-
-  std::uint64_t count_;
-  std::vector<std::uint64_t> scans_;                        ///< consumed, by lane
-  std::set<std::pair<std::uint64_t, std::uint32_t>> idle_;  ///< lanes with nothing out, by scan
-  std::uint64_t done_ = 0;
-};
 
 class WithPriorDraws final : public plan::Plan {
  public:
@@ -47,8 +29,8 @@ class WithPriorDraws final : public plan::Plan {
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override { return plan_->finished() && is_drawn(); }
-  std::uint64_t prior_draws() const override { return prior_.done(); }
-  std::uint64_t prior_draws_wanted() const override { return prior_.count(); }
+  std::uint64_t prior_draws() const override { return std::min(prior_.done(), draws_); }
+  std::uint64_t prior_draws_wanted() const override { return draws_; }
   std::uint64_t scans_consumed() const override { return plan_->scans_consumed(); }
   std::optional<std::uint64_t> scans_total() const override { return plan_->scans_total(); }
 
@@ -74,18 +56,20 @@ class WithPriorDraws final : public plan::Plan {
   std::vector<plan::Find> finds_between(std::uint64_t first, std::uint64_t end) const override {
     return plan_->finds_between(first, end);
   }
+  plan::Odds odds() const override { return plan_->odds(); }
   std::optional<std::uint64_t> round_trips() const override { return plan_->round_trips(); }
   plan::Report report() const override { return plan_->report(); }
   bool learns() const override { return plan_->learns(); }
 
  private:
-  bool is_drawn() const { return prior_.done() >= prior_.count(); }
+  bool is_drawn() const { return prior_.done() >= draws_; }
   /// What the plan has next, or the prior: each is asked for work, in turns.
   template <class OfPlan, class OfPrior>
   std::invoke_result_t<OfPlan> in_turn(const OfPlan& of_plan, const OfPrior& of_prior);
 
   std::unique_ptr<plan::Plan> plan_;
-  PriorLanes prior_;
+  NumberedLanes prior_;
+  std::uint64_t draws_;
   bool is_priors_turn_ = false;
 };
 

@@ -112,7 +112,12 @@ plan::Report RestartedChains::report() const {
   std::vector<const IslandsOfChain*> islands;
   for (const Chain& chain : chains_)
     islands.push_back(&chain.islands);
-  return report_of(islands, scans_common());
+  // The first tour is made in any case; whether there are more hangs on islands, by solutions.
+  const bool can_end_early = options_.independent_solutions.has_value();
+  const std::uint64_t in_any_case = std::min(end_of_tour(0), options_.scans.value_or(k_no_end));
+  const bool are_there = can_end_early && scans_common() >= in_any_case;
+  return report_of(islands, scans_common(),
+                   {.end = are_there ? std::optional(in_any_case) : std::nullopt});
 }
 
 }  // namespace sleight::sampling

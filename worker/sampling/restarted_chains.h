@@ -54,7 +54,8 @@ class RestartedChains final : public plan::Plan {
                                                 std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
-  /// Of the free islands of all scans but tours' first ones.
+  /// Of the free islands of all scans but tours' first ones. Those of the first tour tell the odds,
+  /// where solutions end the run.
   plan::Report report() const override;
 
  private:

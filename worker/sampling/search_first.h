@@ -37,6 +37,7 @@ class SearchFirst final : public plan::Plan {
   std::vector<plan::Find> finds_between(std::uint64_t first, std::uint64_t end) const override {
     return lanes_.finds_between(first, end);
   }
+  plan::Odds odds() const override { return then_ ? then_->odds() : plan::Odds{}; }
   std::optional<std::uint64_t> round_trips() const override;
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;

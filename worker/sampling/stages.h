@@ -34,8 +34,10 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "common/random/stream.h"
 #include "worker/sampling/target.h"
@@ -49,6 +51,13 @@ inline constexpr std::uint32_t k_stages_max = 4096;
 struct Extension {
   double log_weight = 0;  ///< log p - log q of the choice; -infinity: the prefix is dead
   SimulationReport simulation{};
+};
+
+/// One thing that a particle may choose at a stage, where all of these can be listed.
+struct Alternative {
+  std::size_t number = 0;
+  double mass = 0;    ///< above 0: it is chosen in proportion to it; all need not add up to 1
+  double weight = 0;  ///< its probability density under the model over its mass
 };
 
 template <class T>
@@ -74,6 +83,25 @@ concept ActsInStages = Target<T> && std::copyable<typename T::Prefix> &&
   /// The state and what it came to. REQUIRES: the prefix has all stages.
   { target.state_of(ground, prefix) } -> std::same_as<typename T::State>;
   { target.outcome_of(prefix) } -> std::same_as<typename T::Outcome>;
+};
+
+/// Its choices can be listed, by sorts that fare alike; then particles may choose together
+/// (Islands::joint).
+template <class T>
+concept ListsChoices = ActsInStages<T> &&
+    requires(const T& target, const typename T::Guide& guide, const typename T::Ground& ground,
+             const typename T::Prefix& prefix, typename T::Prefix& longer, std::uint32_t stage,
+             std::size_t number) {
+  { target.sorts() } -> std::same_as<std::size_t>;
+  /// By sort: of all its alternatives together.
+  { target.masses(guide, ground, stage, prefix) } -> std::same_as<std::vector<double>>;
+  /// Of a sort that has some mass.
+  {
+    target.alternatives(guide, ground, stage, prefix, /*sort=*/number)
+    } -> std::same_as<std::vector<Alternative>>;
+  /// Makes a prefix longer by an alternative; the extension's weight is 1, or 0 where the
+  /// simulation failed. The same each time.
+  { target.take(guide, ground, stage, number, longer) } -> std::same_as<Extension>;
 };
 
 }  // namespace sleight::sampling

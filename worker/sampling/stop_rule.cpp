@@ -25,7 +25,7 @@ std::uint64_t sum_of(std::uint64_t a, std::uint64_t b) {
 StopJudge::StopJudge(const StopRule& rule, std::uint64_t round_scans, std::uint64_t before)
     : rule_(rule), round_scans_(round_scans), before_(before) {
   CHECK_GE(round_scans, 1U);
-  CHECK(rule.scans || rule.rounds || rule.independent_solutions || rule.odds);
+  CHECK(rule.scans || rule.rounds || rule.independent_solutions);
   if (rule.scans) end_ = *rule.scans;
   if (rule.rounds)
     end_ = std::min(end_, sum_of(before, scans_through_round(round_scans, *rule.rounds)));
@@ -52,33 +52,18 @@ bool StopJudge::has_enough_solutions(const SolutionsBefore& solutions_before) co
          solutions_before(round_end()) >= *rule_.independent_solutions;
 }
 
-bool StopJudge::sizes_next_round(const OddsBetween& odds_between) const {
-  if (!rule_.odds) return false;
-  CHECK(odds_between != nullptr);
-  const math::IslandOdds odds = odds_between(before_, round_end());
-  if (!odds.is_half_known()) return false;
-  // Each scan has as many islands.
-  const double islands_of_scan =
-      static_cast<double>(odds.islands) / static_cast<double>(round_end() - before_);
-  const double next_islands =
-      islands_of_scan * static_cast<double>(end_of_round(round_ + 1) - round_end());
-  return next_islands >= static_cast<double>(math::k_islands_min) &&
-         odds.log_error_of(next_islands) <= *rule_.odds;
+std::optional<std::uint64_t> StopJudge::scans_in_any_case() const {
+  if (!rule_.independent_solutions) return std::nullopt;
+  return std::min(end_of_round(1), rule_.scans.value_or(k_no_end));
 }
 
-void StopJudge::judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before,
-                      const OddsBetween& odds_between) {
+void StopJudge::judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before) {
   horizon_ = end_;
-  if (!rule_.independent_solutions && !rule_.odds) return;
-  // Once the last round is sized, it is judged no more.
+  if (!rule_.independent_solutions) return;
   while (reached_by_all >= round_end() && round_end() < end_) {
     if (has_enough_solutions(solutions_before)) {
       end_ = round_end();
       break;
-    }
-    if (sizes_next_round(odds_between)) {
-      sized_round_ = {.first = round_end(), .end = end_of_round(round_ + 1)};
-      end_ = std::min(end_, sized_round_->end);
     }
     ++round_;
   }

@@ -1,15 +1,9 @@
 // When a run is over, judged logically: by scans, by rounds, or, at the ends of rounds, by
-// independent solutions or by how well free islands know the odds.
+// independent solutions.
 //
 // Rounds double: round r, from 1, has round_scans * 2^(r-1) scans of every chain (or ladder).
-// Solutions and odds are judged at round ends only, so there all chains wait for the last one; the
-// other rules need no barrier.
-//
-// Odds. Where the islands of all rounds so far say that those of the next round will know log
-// P(satisfied) to the error asked for, and are enough to tell it, the next round is the last one.
-// It is then sized, and its islands alone give the estimate, whatever they come to. Earlier islands
-// have chosen how many there are, so they may not count: a run that ends when its own estimate
-// looks good ends before the rare large islands have come, and says too little.
+// Solutions are judged at round ends only, so there all chains wait for the last one; the other
+// rules need no barrier.
 //
 // Invariant: what a judge says is a function of the results before the round ends that it passed.
 #pragma once
@@ -20,7 +14,6 @@
 #include <optional>
 #include <vector>
 
-#include "common/math/island_odds.h"
 #include "common/plan/plan.h"
 
 namespace sleight::sampling {
@@ -30,9 +23,6 @@ struct StopRule {
   std::optional<std::uint64_t> scans;  ///< of each chain, the start (scan 0) included
   std::optional<std::uint32_t> rounds;
   std::optional<std::uint64_t> independent_solutions;  ///< lineages with a satisfied scan
-  /// Standard error of log P(satisfied) by free islands, in nats, above 0: for chains that have
-  /// some.
-  std::optional<double> odds{};
 };
 
 /// The scans of one chain in rounds 1 .. rounds, saturating at the largest count.
@@ -47,14 +37,10 @@ class StopJudge {
   StopJudge(const StopRule& rule, std::uint64_t round_scans, std::uint64_t before = 0);
 
   using SolutionsBefore = std::function<std::uint64_t(std::uint64_t scan)>;
-  using OddsBetween = std::function<math::IslandOdds(std::uint64_t first, std::uint64_t end)>;
 
   /// Moves on over every round end that all chains have reached. `solutions_before(scan)`: lineages
-  /// over all chains that had satisfied before that scan. `odds_between(first, end)`: what the free
-  /// islands of all chains' scans from `first` on and before `end` say of P(satisfied).
-  /// REQUIRES: odds_between where the rule has odds; each scan has as many islands.
-  void judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before,
-             const OddsBetween& odds_between = {});
+  /// over all chains that had satisfied before that scan.
+  void judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before);
 
   /// Scans of each chain that may be handed out now.
   std::uint64_t horizon() const { return horizon_; }
@@ -65,19 +51,14 @@ class StopJudge {
   /// Rounds of all chains together that end with after < scans <= until.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
 
-  /// Scans of each chain, from `first` on and before `end`.
-  struct SizedRound {
-    std::uint64_t first = 0;
-    std::uint64_t end = 0;
-  };
-  /// The last round, once the odds have sized it; another rule may end the run within it.
-  const std::optional<SizedRound>& sized_round() const { return sized_round_; }
+  /// Scans that each chain has in any case, where solutions end the run: to the end of the first
+  /// round, or of the run if another rule ends it before. None: solutions end nothing.
+  std::optional<std::uint64_t> scans_in_any_case() const;
 
  private:
   std::uint64_t round_end() const { return end_of_round(round_); }
   std::uint64_t end_of_round(std::uint32_t round) const;
   bool has_enough_solutions(const SolutionsBefore& solutions_before) const;
-  bool sizes_next_round(const OddsBetween& odds_between) const;
 
   StopRule rule_;
 
@@ -86,7 +67,6 @@ class StopJudge {
   std::uint32_t round_ = 1;
   std::uint64_t horizon_ = 0;
   std::uint64_t end_ = k_no_end;
-  std::optional<SizedRound> sized_round_{};
 };
 
 }  // namespace sleight::sampling

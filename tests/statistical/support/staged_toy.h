@@ -145,6 +145,32 @@ struct StagedToy {
                                 std::uint32_t stage, Prefix& prefix) const {
     return extend_by(guide, choice_of(state, stage), prefix);
   }
+  /// A choice alone, and the two others; masses need not add up to 1.
+  static std::size_t sort_of(std::uint32_t choice) { return choice == 1 ? 0 : 2; }
+  std::size_t sorts() const { return 3; }
+  std::vector<sampling::Alternative> alternatives(const Guide& guide, const Ground&, std::uint32_t,
+                                                  const Prefix& prefix, std::size_t sort) const {
+    std::vector<sampling::Alternative> all;
+    for (std::uint32_t choice = 0; choice < k_choices; ++choice) {
+      const double mass = 3 * guided(guide, prefix.outcome)[choice];
+      if (sort_of(choice) == sort)
+        all.push_back(
+            {.number = choice, .mass = mass, .weight = choices(prefix.outcome)[choice] / mass});
+    }
+    return all;
+  }
+  std::vector<double> masses(const Guide& guide, const Ground&, std::uint32_t,
+                             const Prefix& prefix) const {
+    std::vector<double> masses(sorts(), 0);
+    for (std::uint32_t choice = 0; choice < k_choices; ++choice)
+      masses[sort_of(choice)] += 3 * guided(guide, prefix.outcome)[choice];
+    return masses;
+  }
+  sampling::Extension take(const Guide& guide, const Ground&, std::uint32_t, std::size_t choice,
+                           Prefix& prefix) const {
+    extend_by(guide, static_cast<std::uint32_t>(choice), prefix);
+    return {};
+  }
   double log_potential(const Guide& guide, const Ground&, const Prefix& prefix) const {
     constexpr std::array<double, 7> k_log_promise{-1, 0, 0.3, -0.7, 0, 0, -1.2};
     return prefix.outcome.fallen ? guide.log_fallen : k_log_promise.at(prefix.outcome.place);
@@ -170,6 +196,6 @@ struct StagedToy {
     return masses;
   }
 };
-static_assert(sampling::ActsInStages<StagedToy>);
+static_assert(sampling::ListsChoices<StagedToy>);
 
 }  // namespace sleight::statistical

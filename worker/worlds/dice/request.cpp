@@ -498,16 +498,11 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
 /// Of the chain that relaxes a find. docs/MEASUREMENTS has what was measured.
 constexpr std::uint32_t k_relax_scans = 2;
 
-/// Islands, which the odds are asked of. A scan's local moves change what conditional steps keep.
-void settle_islands(request::Settled& settled, std::uint32_t dice,
-                    request::SamplerParameters& sampler) {
+/// Islands, which the odds are asked of.
+void settle_odds(request::Settled& settled, request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
   settled.word("method", "sequential");
-  settled.count("chains", sampler.chains, 4);
   settled.count("particles", sampler.particles, 32);
-  settled.count("round_scans", sampler.round_scans, 1);
-  settled.count("burn_in_rounds", sampler.burn_in_rounds, 1);
-  settled.count("iterations_per_scan", sampler.iterations_per_scan, 10 * dice);
 }
 
 /// Chains that relax a search's finds.
@@ -536,7 +531,7 @@ void serve_best(Binder& sampler, request::SamplerParameters& sampling,
   if (stop.takes) {
     settle_relaxing(settled, dice, sampling);
   } else if (stop.odds) {
-    settle_islands(settled, dice, sampling);
+    settle_odds(settled, sampling);
   } else {
     settle_tempering(settled, dice, sampling);
   }

@@ -1,5 +1,6 @@
 #include "worker/worlds/spelling/box_geometry.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/check.h"
@@ -30,9 +31,21 @@ bool BoxGeometry::move_to(const Bins& bins, std::span<const Vec3> offsets_m) {
   return true;
 }
 
-std::unique_ptr<BoxGeometry> BoxGeometries::take() {
+std::size_t BoxGeometry::moves_to(std::span<const Vec3> offsets_m) const {
+  constexpr std::size_t k_looked_at = 8;
+  const std::size_t step = std::max<std::size_t>(offsets_m.size() / k_looked_at, 1);
+  std::size_t moves = 0;
+  for (std::size_t v = 0; v < offsets_m.size(); v += step)
+    moves += offsets_m[v] == offsets_m_[v] ? 0 : 1;
+  return moves;
+}
+
+std::unique_ptr<BoxGeometry> BoxGeometries::take(std::span<const Vec3> offsets_m) {
   const std::scoped_lock lock(mutex_);
-  if (free_.empty()) return nullptr;
+  const auto nearest = std::ranges::min_element(
+      free_, {}, [&](const auto& geometry) { return geometry->moves_to(offsets_m); });
+  if (nearest == free_.end()) return nullptr;
+  std::swap(*nearest, free_.back());
   auto geometry = std::move(free_.back());
   free_.pop_back();
   return geometry;

@@ -4,6 +4,7 @@
 // Thread safety: BoxGeometry none; BoxGeometries may be used by several threads at once.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -28,6 +29,8 @@ class BoxGeometry {
   /// changed.
   [[nodiscard]] bool move_to(const Bins& bins, std::span<const Vec3> offsets_m);
 
+  /// Of some vertices, the same ones each time, how many would have to move there.
+  std::size_t moves_to(std::span<const Vec3> offsets_m) const;
   /// As it is until the next move.
   const std::shared_ptr<physics::TriangleMesh>& mesh() const { return mesh_; }
   const physics::NearFeatures& near() const { return near_; }
@@ -61,15 +64,16 @@ class BoxGeometries {
     std::unique_ptr<BoxGeometry> geometry_;
   };
 
-  /// One that is free, or what `make` makes.
+  /// The free one that is nearest to these offsets, or what `make` makes: each of several threads
+  /// so mostly gets its own back, which is where its last simulation was.
   template <class Make>
-  Loan borrow(const Make& make) {
-    if (auto free = take()) return Loan(*this, std::move(free));
+  Loan borrow(std::span<const Vec3> offsets_m, const Make& make) {
+    if (auto free = take(offsets_m)) return Loan(*this, std::move(free));
     return Loan(*this, make());
   }
 
  private:
-  std::unique_ptr<BoxGeometry> take();
+  std::unique_ptr<BoxGeometry> take(std::span<const Vec3> offsets_m);
 
   std::mutex mutex_;
   std::vector<std::unique_ptr<BoxGeometry>> free_;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "common/base/check.h"
@@ -19,24 +21,60 @@ constexpr double k_drops_of_the_mean = 3;
 /// The least mean share, for pools without any landing.
 constexpr double k_mean_share_min = 1e-5;
 
-/// Which of DropOdds::ByDistance: that of the nearest bin that isn't full.
-std::size_t range_of(const PoolDrop& drop, const std::vector<std::uint8_t>& full) {
-  for (std::size_t i = 0; i < drop.near.size() && drop.near[i] != k_fills_none; ++i) {
-    if (is_full(full, drop.near[i])) continue;
-    const float bins = drop.near_bins[i];
-    return bins < 1 ? 0 : bins < 1.5F ? 1 : bins < 2.5F ? 2 : 3;
-  }
-  return 3;
+constexpr std::size_t k_ranges = std::tuple_size_v<DropOdds::ByDistance>;
+
+/// Which of DropOdds::ByDistance a distance in bins is.
+std::uint8_t range_of(double bins) {
+  return bins < 1 ? 0 : bins < 1.5 ? 1 : bins < 2.5 ? 2 : 3;
 }
 
-double odds_of(const DropOdds& odds, const PoolDrop& drop, const std::vector<std::uint8_t>& full) {
-  const bool above_full = is_full(full, drop.below);
-  const bool into_full = is_full(full, drop.alone);
-  const bool fills = drop.alone != k_fills_none && !into_full;
-  if (fills && drop.alone == drop.below) return odds.own_bin;
-  const std::size_t range = range_of(drop, full);
-  if (fills) return above_full ? odds.above_full[range] : odds.beside[range];
-  return above_full || into_full ? odds.meets_full[range] : odds.misses[range];
+/// The numbers of DropOdds one after another: `own_bin` is sort 0, the kind k at range r is sort
+/// 1 + k k_ranges + r.
+enum SortOfDrop : std::uint8_t { own_bin, beside, above_full, meets_full, misses };
+constexpr std::size_t k_sorts = 1 + 4 * k_ranges;
+constexpr std::size_t k_first_that_misses = 1 + 2 * k_ranges;  ///< alone it fills no empty bin
+
+std::array<double, k_sorts> by_sort(const DropOdds& odds) {
+  std::array<double, k_sorts> all{odds.own_bin};
+  std::size_t next = 1;
+  for (const auto* kind : {&odds.beside, &odds.above_full, &odds.meets_full, &odds.misses})
+    for (const double of_range : *kind)
+      all[next++] = of_range;
+  return all;
+}
+
+/// REQUIRES: as many places as bins, and one more, which is never full.
+std::uint8_t sort_of(const PoolDrop& drop, std::span<const std::uint8_t> full) {
+  const auto is_full_bin = [&](std::int16_t bin) {
+    return bin != k_fills_none && full[static_cast<std::size_t>(bin)] != 0;
+  };
+  const bool above = is_full_bin(drop.below);
+  const bool into = is_full_bin(drop.alone);
+  const bool fills = drop.alone != k_fills_none && !into;
+  if (fills && drop.alone == drop.below) return own_bin;
+  // The nearest bin that isn't full.
+  std::size_t range = k_ranges - 1;
+  for (std::size_t i = 0; i < drop.near.size() && drop.near[i] != k_fills_none; ++i) {
+    if (full[static_cast<std::size_t>(drop.near[i])] != 0) continue;
+    range = drop.near_range[i];
+    break;
+  }
+  const SortOfDrop kind = fills           ? (above ? above_full : beside)
+                          : above || into ? meets_full
+                                          : misses;
+  return static_cast<std::uint8_t>(1 + (kind - 1) * k_ranges + range);
+}
+
+/// Where drops are chosen for all particles together, sort by sort, as many of each sort serve best
+/// as the square root of how often it does: of n draws with odds p the variance is that of p / n.
+DropOdds flattened(const DropOdds& odds) {
+  const auto root = [](double x) { return std::sqrt(x); };
+  DropOdds flat{.own_bin = root(odds.own_bin)};
+  std::ranges::transform(odds.beside, flat.beside.begin(), root);
+  std::ranges::transform(odds.above_full, flat.above_full.begin(), root);
+  std::ranges::transform(odds.meets_full, flat.meets_full.begin(), root);
+  std::ranges::transform(odds.misses, flat.misses.begin(), root);
+  return flat;
 }
 
 }  // namespace
@@ -58,6 +96,16 @@ PouringGuide StagedSpelling::learn(std::uint64_t seed) const {
   return {.map = LandingMap(landings),
           .failures = landings.failures(),
           .takes_part = 1 - std::min(0.02, 0.2 / balls())};
+}
+
+PouringGuide StagedSpelling::for_odds(Guide guide) const {
+  // A ball elsewhere is worth a bit less than one in a bin.
+  constexpr double k_log_less = 1;
+  guide.odds = flattened(guide.odds);
+  guide.log_elsewhere = parameters().constraint.log_lambda - k_log_less;
+  guide.elsewhere_declines = true;
+  guide.drops_per_bin = std::clamp(4 * balls(), guide.drops_per_bin, k_drops_per_bin_max);
+  return guide;
 }
 
 std::vector<sampling::BurnInValue> StagedSpelling::burn_in_values() const {
@@ -132,7 +180,7 @@ void StagedSpelling::find_near_bins(PoolDrop& drop) const {
   drop.near.fill(k_fills_none);
   for (std::size_t i = 0; i < count; ++i) {
     drop.near[i] = all[i].second;
-    drop.near_bins[i] = static_cast<float>(all[i].first);
+    drop.near_range[i] = range_of(static_cast<float>(all[i].first));
   }
 }
 
@@ -201,25 +249,37 @@ PouringPrefix StagedSpelling::no_stages(const Guide& /*guide*/, const Ground& gr
           .used_of_bin = std::vector<std::uint32_t>(balls(), 0)};
 }
 
-StagedSpelling::Choices StagedSpelling::choices(const Guide& guide, const Ground& ground,
-                                                const Prefix& prefix) const {
+template <class Visit>
+void StagedSpelling::for_each_choice(const DropOdds& odds, const Guide& guide, const Ground& ground,
+                                     const Prefix& prefix, const Visit& visit) const {
   const std::uint32_t n = drops_per_bin(guide);
   const std::vector<std::uint8_t> full = full_bins(balls(), prefix.pouring.outcome.filling);
-  const auto guess = [&](const PoolDrop& drop) {
-    const double odds = odds_of(guide.odds, drop, full);
-    const bool fills = drop.alone != k_fills_none && !is_full(full, drop.alone);
-    return odds /
-           (fills ? ground.bin_share[static_cast<std::size_t>(drop.alone)] : ground.mean_share);
-  };
-  Choices choices;
-  for (std::size_t place = 0; place < ground.pool.size(); ++place) {
-    const PoolDrop& drop = ground.pool[place];
-    const bool can_be_chosen = prefix.is_used[place] == 0 && drop.v > 0;
-    const double s = n / static_cast<double>(n - prefix.used_of_bin[place / n]);
-    choices.guesses.push_back(can_be_chosen ? guess(drop) : 0);
-    choices.shares.push_back(drop.v * choices.guesses.back() * s);
-    choices.sum += choices.shares.back();
+  const std::array<double, k_sorts> of_sort = by_sort(odds);
+  for (std::size_t bin = 0, place = 0; bin < balls(); ++bin) {
+    const double s = n / static_cast<double>(n - prefix.used_of_bin[bin]);
+    for (std::uint32_t nth = 0; nth < n; ++nth, ++place) {
+      const PoolDrop& drop = ground.pool[place];
+      if (prefix.is_used[place] != 0 || !(drop.v > 0)) continue;
+      const std::uint8_t sort = sort_of(drop, full);
+      const double guess =
+          of_sort[sort] / (sort < k_first_that_misses
+                               ? ground.bin_share[static_cast<std::size_t>(drop.alone)]
+                               : ground.mean_share);
+      visit(place, sort, guess, drop.v * guess * s);
+    }
   }
+}
+
+StagedSpelling::Choices StagedSpelling::choices(const Guide& guide, const Ground& ground,
+                                                const Prefix& prefix) const {
+  Choices choices{.guesses = std::vector<double>(ground.pool.size()),
+                  .shares = std::vector<double>(ground.pool.size())};
+  for_each_choice(guide.odds, guide, ground, prefix,
+                  [&](std::size_t place, std::uint8_t, double guess, double share) {
+                    choices.guesses[place] = guess;
+                    choices.shares[place] = share;
+                    choices.sum += share;
+                  });
   return choices;
 }
 
@@ -228,36 +288,93 @@ sampling::Extension StagedSpelling::leave_out(const Guide& guide) const {
 }
 
 sampling::Extension StagedSpelling::drop(const Guide& guide, const Ground& ground,
-                                         std::uint32_t stage, std::uint32_t place, Prefix& prefix,
-                                         const Choices& choices) const {
+                                         std::uint32_t stage, std::size_t place, Prefix& prefix,
+                                         double log_weight) const {
   Pouring longer = with_ball(*this, prefix.pouring, stage, ground.pool[place].drop_m);
   sampling::Extension extension{.log_weight = sampling::k_log_zero,
                                 .simulation = sampling::report_of<Spelling>(*this, longer.outcome)};
   if (!longer.outcome.is_animation()) return extension;
-  extension.log_weight = math::log(0.5 / guide.takes_part) +
-                         math::log(choices.sum / static_cast<double>(ground.pool.size())) -
-                         math::log(choices.guesses[place]);
+  extension.log_weight = log_weight;
   prefix.pouring = std::move(longer);
   prefix.is_used[place] = 1;
   ++prefix.used_of_bin[place / drops_per_bin(guide)];
   return extension;
 }
 
+double StagedSpelling::log_weight_of(const Guide& guide, const Ground& ground,
+                                     const Choices& choices, std::size_t place) const {
+  return math::log(0.5 / guide.takes_part) +
+         math::log(choices.sum / static_cast<double>(ground.pool.size())) -
+         math::log(choices.guesses[place]);
+}
+
 sampling::Extension StagedSpelling::extend(const Guide& guide, const Ground& ground,
                                            std::uint32_t stage, Prefix& prefix,
                                            random::Stream& stream) const {
   if (stream.uniform() >= guide.takes_part) return leave_out(guide);
-  const Choices of_prefix = choices(guide, ground, prefix);
-  if (!(of_prefix.sum > 0)) return {.log_weight = sampling::k_log_zero};
-  const auto place = static_cast<std::uint32_t>(random::draw_by_share(of_prefix.shares, stream));
-  return drop(guide, ground, stage, place, prefix, of_prefix);
+  const Choices all = choices(guide, ground, prefix);
+  if (!(all.sum > 0)) return {.log_weight = sampling::k_log_zero};
+  const std::size_t place = random::draw_by_share(all.shares, stream);
+  return drop(guide, ground, stage, place, prefix, log_weight_of(guide, ground, all, place));
 }
 
 sampling::Extension StagedSpelling::extend_as(const Guide& guide, const Ground& ground,
                                               const State& state, std::uint32_t stage,
                                               Prefix& prefix) const {
   if (state.active[stage] == 0) return leave_out(guide);
-  return drop(guide, ground, stage, ground.retained[stage], prefix, choices(guide, ground, prefix));
+  const std::uint32_t place = ground.retained[stage];
+  const double log_weight = log_weight_of(guide, ground, choices(guide, ground, prefix), place);
+  return drop(guide, ground, stage, place, prefix, log_weight);
+}
+
+std::size_t StagedSpelling::sorts() const {
+  return k_sorts + 1;
+}
+
+/// A ball may always be left out; of little use where nothing can be dropped.
+double StagedSpelling::mass_left_out(const Guide& guide, double mass_of_drops) const {
+  constexpr double k_mass_min = 1e-300;
+  return std::max(mass_of_drops, k_mass_min) * (1 - guide.takes_part);
+}
+
+std::vector<double> StagedSpelling::masses(const Guide& guide, const Ground& ground,
+                                           std::uint32_t /*stage*/, const Prefix& prefix) const {
+  std::vector<double> masses(sorts(), 0);
+  for_each_choice(
+      guide.odds, guide, ground, prefix,
+      [&](std::size_t, std::uint8_t sort, double, double share) { masses[sort] += share; });
+  double sum = 0;
+  for (double& mass : masses)
+    sum += mass *= 0.5 / static_cast<double>(ground.pool.size());
+  masses[k_sorts] = mass_left_out(guide, sum);
+  return masses;
+}
+
+std::vector<sampling::Alternative> StagedSpelling::alternatives(const Guide& guide,
+                                                                const Ground& ground,
+                                                                std::uint32_t stage,
+                                                                const Prefix& prefix,
+                                                                std::size_t sort) const {
+  if (sort == k_sorts) {
+    const double mass = masses(guide, ground, stage, prefix)[k_sorts];
+    return {{.number = ground.pool.size(), .mass = mass, .weight = 0.5 / mass}};
+  }
+  std::vector<sampling::Alternative> all;
+  for_each_choice(guide.odds, guide, ground, prefix,
+                  [&](std::size_t place, std::uint8_t of_drop, double guess, double share) {
+                    if (of_drop != sort) return;
+                    all.push_back({.number = place,
+                                   .mass = 0.5 * share / static_cast<double>(ground.pool.size()),
+                                   .weight = 1 / guess});
+                  });
+  return all;
+}
+
+sampling::Extension StagedSpelling::take(const Guide& guide, const Ground& ground,
+                                         std::uint32_t stage, std::size_t number,
+                                         Prefix& prefix) const {
+  if (number == ground.pool.size()) return {};
+  return drop(guide, ground, stage, number, prefix, 0);
 }
 
 double StagedSpelling::log_potential(const Guide& guide, const Ground& ground,
@@ -265,6 +382,10 @@ double StagedSpelling::log_potential(const Guide& guide, const Ground& ground,
   const Outcome& outcome = prefix.pouring.outcome;
   // 0 * -infinity is NaN.
   double log_potential = outcome.elsewhere == 0 ? 0 : outcome.elsewhere * guide.log_elsewhere;
+  if (outcome.elsewhere > 0 && guide.elsewhere_declines) {
+    const std::uint32_t decided = std::min(outcome.filled + outcome.elsewhere, balls() - 1);
+    log_potential += outcome.elsewhere * math::log(double(balls() - decided) / balls());
+  }
   for (const std::int16_t bin : outcome.filling) {
     if (bin == k_fills_none) continue;
     const double share = ground.bin_share[static_cast<std::size_t>(bin)];

@@ -66,6 +66,9 @@ struct DropOdds {
 
 /// Drops of an island's pool by designated bin, where there are not more balls.
 inline constexpr std::uint32_t k_drops_per_bin_min = 40;
+/// Where only the odds are asked for, four for each ball, up to a limit: what a pool lacks all
+/// particles lack.
+inline constexpr std::uint32_t k_drops_per_bin_max = 120;
 
 /// Frozen before anything counts.
 struct PouringGuide {
@@ -74,6 +77,8 @@ struct PouringGuide {
   DropOdds odds{};
   double takes_part = 0.98;   ///< in (0, 1); learn gives all balls together one fifth to stay out
   double log_elsewhere = -3;  ///< -infinity: prefixes with a ball elsewhere are never gone on with
+  /// Then a ball elsewhere is worth the less, the fewer balls are to come that may push it.
+  bool elsewhere_declines = false;
   double prior_share = 0.15;  ///< in (0, 1]
   std::uint32_t drops_per_bin =
       k_drops_per_bin_min;  ///< at least; never fewer than there are balls
@@ -88,9 +93,10 @@ struct PoolDrop {
   double v = 0;                       ///< 0: outside of the region that balls are dropped from
   std::int16_t alone = k_fills_none;  ///< the bin that it fills alone
   std::int16_t below = k_fills_none;  ///< the designated bin below it
-  /// The nearest designated bins, with their distances in bins; k_fills_none where there are fewer.
+  /// The nearest designated bins, and which of DropOdds::ByDistance each is; k_fills_none where
+  /// there are fewer.
   std::array<std::int16_t, 8> near{};
-  std::array<float, 8> near_bins{};
+  std::array<std::uint8_t, 8> near_range{};
 };
 
 struct PouringGround {
@@ -144,6 +150,21 @@ class StagedSpelling : public Spelling {
                              Prefix& prefix, random::Stream& stream) const;
   sampling::Extension extend_as(const Guide& guide, const Ground& ground, const State& state,
                                 std::uint32_t stage, Prefix& prefix) const;
+  /// The guide of islands whose particles choose together. Where these are resampled at each stage,
+  /// a ball elsewhere has to be worth about what it may still come to, or all prefixes with one are
+  /// lost, and with them what later balls would have pushed into its bin: of two or three balls a
+  /// tenth of all that satisfies.
+  Guide for_odds(Guide guide) const;
+  /// Of DropOdds, and last the ball's taking no part. Alternatives are numbered as drops of the
+  /// pool.
+  std::size_t sorts() const;
+  std::vector<double> masses(const Guide& guide, const Ground& ground, std::uint32_t stage,
+                             const Prefix& prefix) const;
+  std::vector<sampling::Alternative> alternatives(const Guide& guide, const Ground& ground,
+                                                  std::uint32_t stage, const Prefix& prefix,
+                                                  std::size_t sort) const;
+  sampling::Extension take(const Guide& guide, const Ground& ground, std::uint32_t stage,
+                           std::size_t number, Prefix& prefix) const;
   double log_potential(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
   State state_of(const Ground& /*ground*/, const Prefix& prefix) const {
     return prefix.pouring.state;
@@ -176,11 +197,19 @@ class StagedSpelling : public Spelling {
   void fill_pool(const Guide& guide, random::Stream& stream, Ground& ground,
                  std::span<const std::uint8_t> is_retained) const;
   Choices choices(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
+  /// Visits each drop that can be chosen with its place, its sort of DropOdds, g and v s g.
+  template <class Visit>
+  void for_each_choice(const DropOdds& odds, const Guide& guide, const Ground& ground,
+                       const Prefix& prefix, const Visit& visit) const;
+  double mass_left_out(const Guide& guide, double mass_of_drops) const;
+  /// Of a drop that was chosen so.
+  double log_weight_of(const Guide& guide, const Ground& ground, const Choices& choices,
+                       std::size_t place) const;
   /// Without the ball.
   sampling::Extension leave_out(const Guide& guide) const;
-  /// With the ball at this drop of the pool.
+  /// With the ball at this drop of the pool, which has this weight.
   sampling::Extension drop(const Guide& guide, const Ground& ground, std::uint32_t stage,
-                           std::uint32_t place, Prefix& prefix, const Choices& choices) const;
+                           std::size_t place, Prefix& prefix, double log_weight) const;
 };
 
 static_assert(sampling::ActsInStages<StagedSpelling>);

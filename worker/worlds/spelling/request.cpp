@@ -361,40 +361,31 @@ void settle_log_lambda(request::Binder& constraint, Parameters& parameters, doub
   constraint.settle("log_lambda", request::toml_number(chosen));
 }
 
-/// More balls, more that can go wrong in an island of few particles.
+/// More balls, more that can go wrong in an island of few particles: three a ball, in sixteens,
+/// from 32 to 96. docs/MEASUREMENTS has what was measured.
 std::uint32_t particles_for_odds(std::uint32_t balls) {
-  const std::uint32_t wanted = balls <= k_balls_by_islands_max ? 128 : 256;
+  const std::uint32_t wanted = std::clamp((3 * balls + 15) / 16 * 16, 32U, 96U);
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, particles_max(balls)));
 }
 
-struct IslandSizes {
-  std::uint32_t chains;
-  std::uint32_t particles;
-};
-
-void settle_sequential(request::Settled& settled, std::uint32_t balls, const IslandSizes& sizes,
-                       request::SamplerParameters& sampler) {
+/// Islands know the odds at once, as they hang on no chain.
+void settle_odds(request::Settled& settled, std::uint32_t balls,
+                 request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
   settled.word("method", "sequential");
-  settled.count("chains", sampler.chains, sizes.chains);
-  settled.count("particles", sampler.particles, sizes.particles);
-  settled.count("round_scans", sampler.round_scans, 1);
-  settled.count("iterations_per_scan", sampler.iterations_per_scan, 4 * balls);
-}
-
-/// Islands know the odds at once, as they hang on no chain.
-void settle_islands_for_odds(request::Settled& settled, std::uint32_t balls,
-                             const request::StopRule& stop, request::SamplerParameters& sampler) {
-  settle_sequential(settled, balls, {.chains = 4, .particles = particles_for_odds(balls)}, sampler);
-  settled.count("burn_in_rounds", sampler.burn_in_rounds, stop.independent_solutions ? 4 : 1);
+  settled.count("particles", sampler.particles, particles_for_odds(balls));
 }
 
 /// Chains of islands: for solutions they start anew for each one, else they go on. Islands give too
 /// few helped balls, since these weigh much where they come: a tour's steps bring in more.
 void settle_islands(request::Settled& settled, std::uint32_t balls, const request::StopRule& stop,
                     request::SamplerParameters& sampler) {
-  settle_sequential(settled, balls, {.chains = k_tour_chains, .particles = k_tour_particles},
-                    sampler);
+  sampler.method = request::Method::sequential;
+  settled.word("method", "sequential");
+  settled.count("chains", sampler.chains, k_tour_chains);
+  settled.count("particles", sampler.particles, k_tour_particles);
+  settled.count("round_scans", sampler.round_scans, 1);
+  settled.count("iterations_per_scan", sampler.iterations_per_scan, 4 * balls);
   if (stop.scans || stop.rounds) {
     settled.count("burn_in_rounds", sampler.burn_in_rounds, 4);
   } else {
@@ -491,7 +482,7 @@ void serve_best(request::Binder& constraint, request::Binder& sampler,
   if (stop.takes) {
     settle_relaxing(settled, balls, sampling);
   } else if (stop.odds) {
-    settle_islands_for_odds(settled, balls, stop, sampling);
+    settle_odds(settled, balls, sampling);
   } else if (balls <= k_balls_by_islands_max) {
     settle_islands(settled, balls, stop, sampling);
   } else if (stop.rounds) {

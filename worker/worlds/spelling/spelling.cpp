@@ -347,7 +347,8 @@ Outcome Spelling::simulate_to_rest(const State& state) const {
 
 Spelling::Result Spelling::simulated(const State& state, Until until, bool records,
                                      const Known* known) const {
-  const BoxGeometries::Loan geometry = geometries_->borrow([&] { return new_geometry(); });
+  const BoxGeometries::Loan geometry =
+      geometries_->borrow(state.offsets_m, [&] { return new_geometry(); });
   if (!geometry->move_to(bins_, state.offsets_m)) return {.outcome = {.end = End::impossible}};
   if (state.active_count() == 0) return {.outcome = {.filling = filling_of({})}};
   std::optional<Result> result;

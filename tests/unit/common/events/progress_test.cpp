@@ -53,6 +53,33 @@ TEST(ProgressLine, IsAsItsHeaderShows) {
             "round trips 12  satisfied 4,431 (52%)  accepted 41%  4 workers");
 }
 
+TEST(ProgressLine, TellsTheOddsSoFar) {
+  // Goal: who asks for the odds sees them come, how rough they are, and how long it takes. Method:
+  // before the first island, in the pilot, in the batch, and at the end.
+  Progress progress{.odds = {.are_asked = true}, .workers = 2, .elapsed_s = 1};
+  EXPECT_EQ(progress_line("x", progress),
+            "x  log P not known yet (0 islands)  0 sims/s  2 workers");
+  progress.odds = {.are_asked = true, .islands = 1, .log_p = -39.14};
+  EXPECT_EQ(odds_in_words(progress.odds), "log P about -39.1, still rough (1 island)");
+  progress.scans_done = 41;
+  progress.scans_total = 132;
+  progress.session_scans = 41;
+  progress.session_simulations = 7000;
+  progress.odds = {
+      .are_asked = true, .islands = 41, .wanted = 132, .log_p = -39.14, .log_error = 0.43};
+  EXPECT_EQ(
+      progress_line("x", progress),
+      "x  log P about -39.1 +- 0.4, still rough (41 of 132 islands)  0:03 left  7,000 sims/s  "
+      "2 workers");
+  progress.odds = {.are_asked = true,
+                   .islands = 100,
+                   .wanted = 132,
+                   .log_p = -39.14,
+                   .log_error = 0.214,
+                   .is_final = true};
+  EXPECT_EQ(odds_in_words(progress.odds), "log P -39.14 +- 0.21 (100 islands)");
+}
+
 TEST(ProgressLine, TellsFailures) {
   // Goal: what failed is seen, before what a narrow terminal cuts off. Method: some, in two kinds.
   const Progress progress{.scans_done = 10, .failures = {.by_kind = {1200, 0, 0, 0, 34, 0}}};

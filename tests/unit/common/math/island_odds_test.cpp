@@ -62,9 +62,8 @@ TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
     logs[50] = bad;
     EXPECT_TRUE(std::isnan(island_odds(logs).log_mean));
     EXPECT_FALSE(island_odds(logs).known());
-    EXPECT_FALSE(island_odds(logs).is_half_known());
   }
-  EXPECT_FALSE(island_odds(std::vector<double>(100, -k_infinity)).is_half_known());
+  EXPECT_FALSE(island_odds(std::vector<double>(100, -k_infinity)).known());
 }
 
 TEST(IslandOdds, EqualIslandsHaveNoError) {
@@ -89,10 +88,6 @@ TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
   EXPECT_FALSE(odds(k_islands_min - 1, 1).known());
   EXPECT_TRUE(odds(101, 11.1).known());   // of 111.1
   EXPECT_FALSE(odds(101, 11.2).known());  // of 111.2
-  EXPECT_TRUE(odds(k_half_known_islands_min, 1).is_half_known());
-  EXPECT_FALSE(odds(k_half_known_islands_min - 1, 1).is_half_known());
-  EXPECT_TRUE(odds(101, 11.1).is_half_known());   // of 111.1
-  EXPECT_FALSE(odds(101, 11.2).is_half_known());  // of 111.2
 }
 
 TEST(IslandSums, AreThoseOfAllAtOnce) {

@@ -211,6 +211,16 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
         ElementsAre("r.toml:7:1: 'odds' in [stop]: goes with method \"sequential\", whose islands "
                     "tell the odds"));
   }
+  for (const std::string key : {"chains", "tour_scans", "burn_in_rounds", "round_scans"}) {
+    EXPECT_THAT(
+        staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n" + key +
+                      " = 3\n[stop]\nodds = 0.1\n"),
+        Contains(HasSubstr("'" + key + "' in [sampler]: is not used where odds are asked")));
+  }
+  for (const std::string rule : {"rounds", "independent_solutions"}) {
+    EXPECT_THAT(staged_errors(islands + "[stop]\nodds = 0.1\n" + rule + " = 2\n"),
+                ElementsAre(HasSubstr("'" + rule + "' in [stop]: does not go with odds")));
+  }
   EXPECT_THAT(staged_errors("[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n[stop]\n"
                             "odds = 0.1\n"),
               ElementsAre(HasSubstr("it ends by 'found'")));
@@ -238,8 +248,6 @@ TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
               ElementsAre(HasSubstr("'burn_in_rounds' in [sampler]: does not go with tour_scans")));
   EXPECT_THAT(staged_errors("sequential", "[stop]\nrounds = 2\n"),
               ElementsAre(HasSubstr("'rounds' in [stop]: does not go with tour_scans")));
-  EXPECT_THAT(staged_errors("sequential", "[stop]\nodds = 0.1\n"),
-              ElementsAre(HasSubstr("'odds' in [stop]: does not go with tour_scans")));
   EXPECT_THAT(staged_errors("parallel_tempering", "[stop]\nrounds = 2\n"),
               Contains(HasSubstr("'tour_scans' in [sampler]: goes with method \"sequential\"")));
 }
@@ -312,20 +320,22 @@ TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
   // its scans alone. Method: all rules at once, of both.
   toy::Parameters parameters;
   const std::array worlds{toy::staged_binding(parameters)};
-  const auto cut_of = [&](const std::string& method, const std::string& odds) {
-    const auto request =
-        read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
-                         "'\n[stop]\nscans = 5000\nrounds = 6\nindependent_solutions = 2\n" + odds,
-                     "r.toml", worlds);
+  const auto cut_of = [&](const std::string& method, const std::string& rules) {
+    const auto request = read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
+                                          "'\n[stop]\nscans = 5000\n" + rules,
+                                      "r.toml", worlds);
     EXPECT_TRUE(request.ok());
     const std::string text =
         normalised_text_of(request.value(), {.scans = 777, .prior_draws = 1000});
     EXPECT_EQ(normalised_text(read_request(text, "c.toml", worlds).value()), text);
     return text;
   };
-  EXPECT_THAT(cut_of("sequential", "odds = 0.1\nfound = 2\n"),
-              HasSubstr("[stop]\nscans = 777\nindependent_solutions = 2\nodds = 0.1\n\n"));
-  EXPECT_THAT(cut_of("parallel_tempering", ""), HasSubstr("[stop]\nscans = 777\n\n"));
+  const std::string solutions = "rounds = 6\nindependent_solutions = 2\n";
+  EXPECT_THAT(cut_of("sequential", solutions + "found = 2\n"),
+              HasSubstr("[stop]\nscans = 777\nindependent_solutions = 2\n\n"));
+  EXPECT_THAT(cut_of("sequential", "odds = 0.1\n"),
+              HasSubstr("[stop]\nscans = 777\nodds = 0.1\n\n"));
+  EXPECT_THAT(cut_of("parallel_tempering", solutions), HasSubstr("[stop]\nscans = 777\n\n"));
 }
 
 TEST(ReadRequest, SolutionsAskedForReplaceTheRules) {

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/math/island_odds.h"
 #include "common/random/discrete_distributions.h"
 #include "common/random/stream.h"
 #include "tests/support/property.h"
@@ -42,14 +41,10 @@ class Dice {
   random::Stream stream_;
 };
 
-/// Of islands of which most satisfy, unequally.
-std::vector<double> random_islands(Dice& dice, std::uint64_t count) {
+std::vector<double> some_islands(std::uint64_t count) {
   std::vector<double> values;
-  for (; count > 0; --count) {
-    IslandEstimate island{.log_z = -1, .log_satisfied = k_log_zero};
-    if (!dice.once_in(4)) island.log_satisfied = -200 - static_cast<double>(dice.below(300)) / 100;
-    island.append_to(values);
-  }
+  for (; count > 0; --count)
+    IslandEstimate{.log_z = -1, .log_satisfied = -200}.append_to(values);
   return values;
 }
 
@@ -61,8 +56,7 @@ Case random_case(Dice& dice) {
   if (dice.once_in(2)) stop.independent_solutions = 1 + dice.below(12);
   if (dice.once_in(2)) stop.rounds = static_cast<std::uint32_t>(1 + dice.below(4));
   if (dice.once_in(2) || !stop.rounds) stop.scans = 1 + dice.below(k_scans_max);
-  if (dice.once_in(2)) stop.odds = 0.05 * static_cast<double>(1 + dice.below(10));
-  made.options.has_islands = stop.odds || dice.once_in(4);
+  made.options.has_islands = dice.once_in(2);
   made.islands_of_scan = 1 + dice.below(3);
   const std::uint64_t rarity = 1 + dice.below(60);
   for (std::uint32_t chain = 0; chain < made.options.chains; ++chain) {
@@ -72,32 +66,10 @@ Case random_case(Dice& dice) {
       if (dice.once_in(20)) lineage += 1 + dice.below(3);
       scan.lineage = lineage;
       scan.satisfied = dice.once_in(rarity);
-      if (made.options.has_islands) scan.method_values = random_islands(dice, made.islands_of_scan);
+      if (made.options.has_islands) scan.method_values = some_islands(made.islands_of_scan);
     }
   }
   return made;
-}
-
-struct Stop {
-  std::uint64_t end = 0;
-  std::optional<std::uint64_t> odds_from{};  ///< the first scan whose islands tell the odds
-};
-
-/// Whether the islands before `scans` say that `next_scans` more will know the odds.
-bool sizes_next_round(const Case& given, std::uint64_t scans, std::uint64_t next_scans) {
-  if (!given.options.stop.odds) return false;
-  std::vector<double> logs;
-  for (const std::vector<plan::ScanRecord>& records : given.results) {
-    for (std::uint64_t scan = 0; scan < std::min<std::uint64_t>(scans, records.size()); ++scan) {
-      const std::span<const double> values = records[scan].method_values;
-      for (std::size_t i = 0; i < values.size(); i += IslandEstimate::k_values)
-        logs.push_back(IslandEstimate::of(values.subspan(i)).log_satisfied);
-    }
-  }
-  const math::IslandOdds odds = math::island_odds(logs);
-  const std::uint64_t next = given.islands_of_scan * given.options.chains * next_scans;
-  return odds.is_half_known() && next >= math::k_islands_min &&
-         odds.log_error_of(static_cast<double>(next)) <= *given.options.stop.odds;
 }
 
 bool has_enough_solutions(const Case& given, std::uint64_t scans) {
@@ -113,19 +85,16 @@ bool has_enough_solutions(const Case& given, std::uint64_t scans) {
 }
 
 /// The reference: where the run must stop, from all results, by the rules as they are written.
-Stop stop_of(const Case& given) {
+std::uint64_t end_of(const Case& given) {
   const StopRule& stop = given.options.stop;
   std::uint64_t round_end = 0;
   std::uint64_t round_length = given.options.round_scans;
-  std::optional<std::uint64_t> sized_from;
   for (std::uint32_t round = 1;; ++round) {
     round_end += round_length;
     round_length *= 2;
-    if (stop.scans && *stop.scans < round_end) return {.end = *stop.scans};
-    const bool is_last = sized_from || stop.scans == round_end || stop.rounds == round;
-    if (is_last) return {.end = round_end, .odds_from = sized_from};
-    if (has_enough_solutions(given, round_end)) return {.end = round_end};
-    if (sizes_next_round(given, round_end, round_length)) sized_from = round_end;
+    if (stop.scans && *stop.scans < round_end) return *stop.scans;
+    const bool is_last = stop.scans == round_end || stop.rounds == round;
+    if (is_last || has_enough_solutions(given, round_end)) return round_end;
   }
 }
 
@@ -207,26 +176,30 @@ class Session {
   std::vector<plan::Unit> running_;
 };
 
-/// From which island on the archive's odds count; none where it doesn't say.
-std::optional<double> odds_from_island(const plan::Report& report, std::uint32_t chains) {
+/// How many islands of a chain the archive's odds count; none where it doesn't say.
+std::optional<double> odds_until_island(const plan::Report& report, std::uint32_t chains) {
   for (const plan::Table& table : report.tables) {
-    if (table.name != "odds_from_island") continue;
+    if (table.name != "odds_until_island") continue;
     EXPECT_EQ(table.values, std::vector<double>(chains, table.values.at(0)));
     return table.values.at(0);
   }
   return std::nullopt;
 }
 
-void expect_end(Session& session, const Case& given, const Stop& stop) {
-  const std::uint64_t end = stop.end;
+/// Islands of the first round tell the odds, where solutions could end the run and it is whole.
+void expect_end(Session& session, const Case& given, std::uint64_t end) {
   EXPECT_TRUE(session.plan().finished());
   EXPECT_EQ(session.plan().scans_common(), end);
   EXPECT_EQ(session.plan().scans_consumed(), end * given.options.chains);
   EXPECT_EQ(session.plan().scans_total(), end * given.options.chains);
   EXPECT_EQ(session.plan().next_unit(1), std::nullopt);
-  std::optional<double> from;
-  if (stop.odds_from) from = static_cast<double>(*stop.odds_from * given.islands_of_scan);
-  EXPECT_EQ(odds_from_island(session.plan().report(), given.options.chains), from);
+  const StopRule& stop = given.options.stop;
+  const std::uint64_t in_any_case =
+      std::min(given.options.round_scans, stop.scans.value_or(k_scans_max));
+  std::optional<double> until;
+  if (given.options.has_islands && stop.independent_solutions && end >= in_any_case)
+    until = static_cast<double>(in_any_case * given.islands_of_scan);
+  EXPECT_EQ(odds_until_island(session.plan().report(), given.options.chains), until);
 }
 
 TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
@@ -236,63 +209,32 @@ TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(index);
     const Case given = random_case(dice);
-    const Stop stop = stop_of(given);
+    const std::uint64_t end = end_of(given);
     for (int repeat = 0; repeat < 4; ++repeat) {
       Session session(given, dice);
       session.run();
-      expect_end(session, given, stop);
+      expect_end(session, given, end);
       for (const std::uint64_t consumed : session.consumed())
-        EXPECT_EQ(consumed, stop.end);
+        EXPECT_EQ(consumed, end);
       if (HasFailure()) return;
     }
   }
 }
 
 TEST(IndependentChainsProperty, StopsThereWhateverMoreIsStored) {
-  // Goal: results of a session that had a later stop and stored more, with the rule of odds too,
-  // move no stop (invariant 3 of Plan). Method: random lengths of each chain, beyond the end too,
+  // Goal: results of a session that had a later stop and stored more move no stop (invariant 3 of
+  // Plan). Method: random lengths of each chain, beyond the end too,
   // replayed in batches; then run on.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_cases + index);
     const Case given = random_case(dice);
-    const Stop stop = stop_of(given);
+    const std::uint64_t end = end_of(given);
     Session session(given, dice);
     for (std::uint32_t chain = 0; chain < given.options.chains; ++chain)
       session.replay(chain, dice.below(k_scans_max + 1));
     session.run();
-    expect_end(session, given, stop);
+    expect_end(session, given, end);
     if (HasFailure()) return;
-  }
-}
-
-TEST(IndependentChainsProperty, ACutTellsOddsFromTheSameIsland) {
-  // Goal: a plan that ends by scans where the run was, or has got to, reports what the run did: so
-  // the request in an archive repeats it. Method: runs with the rule of odds, cut at their end and
-  // before; only a whole last round tells the odds.
-  std::uint64_t sized = 0;
-  for (const std::uint64_t index : property::cases(k_cases)) {
-    Dice dice(3 * k_cases + index);
-    Case given = random_case(dice);
-    given.options.stop.odds = 0.5;
-    if (!given.options.has_islands) continue;
-    const Stop stop = stop_of(given);
-    for (const std::uint64_t scans : {stop.end, 1 + dice.below(stop.end)}) {
-      Case cut = given;
-      cut.options.stop = {.scans = scans,
-                          .rounds = {},
-                          .independent_solutions = {},
-                          .odds = given.options.stop.odds};
-      Session session(cut, dice);
-      session.run();
-      Stop expected{.end = scans};
-      if (scans == stop.end) expected.odds_from = stop.odds_from;
-      expect_end(session, cut, expected);
-    }
-    sized += stop.odds_from ? 1 : 0;
-    if (HasFailure()) return;
-  }
-  if (property::all_cases()) {
-    EXPECT_GT(sized, k_cases / 20);
   }
 }
 

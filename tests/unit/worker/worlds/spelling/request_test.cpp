@@ -109,10 +109,14 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   EXPECT_EQ(rounds.sampler.method, request::Method::parallel_tempering);
   EXPECT_EQ(rounds.sampler.start, request::Start::search);
   const auto odds = chosen("word = \"HI\"\n[stop]\nodds = 0.3\n");
-  EXPECT_EQ(odds.sampler.chains, 4U);
-  EXPECT_EQ(odds.sampler.burn_in_rounds, 1U);
-  const auto both = chosen("word = \"HI\"\n[stop]\nodds = 0.3\nindependent_solutions = 2\n");
-  EXPECT_EQ(both.sampler.burn_in_rounds, 4U);
+  EXPECT_EQ(odds.sampler.method, request::Method::sequential);
+  EXPECT_EQ(odds.sampler.particles, 48U);
+  EXPECT_EQ(odds.output.prior_draws, 100U);
+  EXPECT_EQ(odds.output.keep_max, 20U);
+  // To name the only method that tells them says nothing more.
+  const std::string named = "[sampler]\nmethod = \"sequential\"\n[stop]\nodds = 0.3\n";
+  EXPECT_EQ(chosen("word = \"HI\"\n" + named), odds);
+  EXPECT_EQ(chosen("word = \"SLEIGHT\"\n[stop]\nodds = 0.3\n").sampler.particles, 96U);
   const auto finds = chosen("word = \"HI\"\n[stop]\nfound = 3\n");
   EXPECT_EQ(finds.sampler.method, request::Method::search);
   EXPECT_EQ(finds.stop.independent_solutions, std::nullopt);

@@ -1,0 +1,64 @@
+// Free islands and nothing else, as a Plan: where only the odds are asked for. Islands share
+// nothing, so any number of workers can be at work; odds_rule.h says how many there are.
+//
+// To archives it is one chain whose scans are islands, by number: each draw is its island's, with
+// the island's estimate of Z as its weight. An island whose particles all died has none; in its
+// place stands a draw from the prior of weight 0.
+//
+// Invariant: the number of islands is a function of what they say, in order of their numbers.
+// Not thread-safe.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/plan/plan.h"
+#include "worker/sampling/island_report.h"
+#include "worker/sampling/numbered_lanes.h"
+#include "worker/sampling/odds_rule.h"
+
+namespace sleight::sampling {
+
+struct FreeIslandsOptions {
+  std::uint64_t seed = 0;
+  double log_error = 0.1;  ///< asked for, of log P(satisfied), in nats
+  /// Islands at most.
+  std::optional<std::uint64_t> islands_max{};
+};
+
+class FreeIslands final : public plan::Plan {
+ public:
+  explicit FreeIslands(const FreeIslandsOptions& options);
+
+  std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
+  void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
+               std::span<const plan::ScanRecord> records) override;
+  bool finished() const override { return rule_.is_over() || scans_common() >= islands_max_; }
+  /// Islands that are done with all before them.
+  std::uint64_t scans_common() const override { return islands_.scans(); }
+  /// Draws have weights: none is a solution in proportion.
+  std::uint64_t solutions_found() const override { return 0; }
+  std::optional<std::uint64_t> solutions_wanted() const override { return std::nullopt; }
+  std::vector<plan::Solution> solutions_between(std::uint64_t, std::uint64_t) const override {
+    return {};
+  }
+  plan::Odds odds() const override;
+  std::uint64_t scans_consumed() const override { return lanes_.consumed(); }
+  std::optional<std::uint64_t> scans_total() const override;
+  plan::Report report() const override;
+
+ private:
+  std::uint64_t end() const { return std::min(rule_.needed(), islands_max_); }
+
+  NumberedLanes lanes_;
+  std::uint64_t islands_max_;
+  OddsRule rule_;
+  std::map<std::uint64_t, IslandEstimate> ahead_;  ///< by number: some before them aren't done
+  IslandsOfChain islands_;
+};
+
+}  // namespace sleight::sampling
