@@ -197,7 +197,7 @@ void bind_output(Binder& output, OutputParameters& p) {
                  {.minimum = 0,
                   .maximum = 1000000,
                   .unit = "animations",
-                  .help = "at most so many satisfying animations are kept; 20 beside the odds"});
+                  .help = "the most satisfying animations that are kept; 20 beside the odds"});
   output.integer("keep_per_lineage", p.keep_per_lineage,
                  {.minimum = 0,
                   .maximum = 1000,

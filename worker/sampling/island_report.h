@@ -31,8 +31,8 @@ class IslandsOfChain {
 };
 
 /// Scans of each chain whose islands tell the odds, where not all of them may: from `first` on, if
-/// those before have chosen how many they are; before `end`, if it hangs on islands whether there
-/// are more.
+/// those before have chosen how many they are; before `end`, if islands decide whether there are
+/// more.
 struct OddsScans {
   std::optional<std::uint64_t> first{};
   std::optional<std::uint64_t> end{};

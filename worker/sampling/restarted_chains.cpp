@@ -112,7 +112,7 @@ plan::Report RestartedChains::report() const {
   std::vector<const IslandsOfChain*> islands;
   for (const Chain& chain : chains_)
     islands.push_back(&chain.islands);
-  // The first tour is made in any case; whether there are more hangs on islands, by solutions.
+  // The first tour is made in any case; islands decide by solutions whether there are more.
   const bool can_end_early = options_.independent_solutions.has_value();
   const std::uint64_t in_any_case = std::min(end_of_tour(0), options_.scans.value_or(k_no_end));
   const bool are_there = can_end_early && scans_common() >= in_any_case;

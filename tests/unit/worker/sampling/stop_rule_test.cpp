@@ -49,7 +49,7 @@ TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
 
 TEST(StopJudge, SomeScansAreMadeInAnyCase) {
   // Goal: where solutions end a run, its first round is made whatever comes of it, or less where
-  // scans end it before; by other rules nothing hangs on results. Method: each.
+  // scans end it before; other rules ask for no results. Method: each.
   const StopRule by_solutions{.scans = {}, .rounds = {}, .independent_solutions = 1};
   EXPECT_EQ(StopJudge(by_solutions, 10, 7).scans_in_any_case(), 17U);
   const StopRule either{.scans = 12, .rounds = {}, .independent_solutions = 1};
