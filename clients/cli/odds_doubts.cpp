@@ -131,8 +131,7 @@ const char* reason_not_sized(IslandNumber number) {
       return "the batch of islands that alone tells the odds is not sized or not complete";
     case IslandNumber::by_solutions:
       return "the run could end by solutions, so islands themselves chose how many they are; those "
-             "that "
-             "it makes in any case are not all there";
+             "that it makes in any case are not all there";
     case IslandNumber::unknown:
       return "its request does not say what chose the number of islands";
   }

@@ -16,8 +16,8 @@ namespace {
 
 /// Draws are read for so many scans of a chain at once.
 constexpr std::uint64_t k_scans_at_a_time = 256;
-/// In one turn: their states may be large.
-constexpr std::size_t k_finds_at_a_time = 64;
+/// In one turn: their states may be large. Nothing is being read while rows are visited.
+constexpr std::uint64_t k_rows_at_a_time = 64;
 constexpr std::uint64_t k_failures_at_a_time = 1024;
 /// Of these, only whether they found something is read.
 constexpr std::uint64_t k_starts_at_a_time = 16384;
@@ -103,25 +103,33 @@ void StoredRun::for_each_draw(
 
 void StoredRun::for_each_island(
     const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const {
+  for_each_row(
+      cut_.scans, "island", [](std::uint64_t n) { return plan::place_of_island(n); },
+      [&](std::uint64_t n, const plan::ScanRecord& record) { visit(base::ScanIndex{n}, record); });
+}
+
+void StoredRun::for_each_row(
+    std::uint64_t count, const char* what, const PlaceOfRow& place_of,
+    const std::function<void(std::uint64_t nth, const plan::ScanRecord&)>& visit) const {
   const std::string row =
       fmt::format("SELECT {} FROM scan WHERE chain=?1 AND replica=0 AND scan=?2", k_record_columns);
   std::vector<plan::ScanRecord> some;
-  for (std::uint64_t first = 0; first < cut_.scans; first += some.size()) {
-    some.assign(std::min(cut_.scans - first, k_scans_at_a_time), {});
+  for (std::uint64_t first = 0; first < count; first += some.size()) {
+    some.assign(std::min(count - first, k_rows_at_a_time), {});
     {
       const SharedDatabase::Turn turn = database_->turn();
       Statement select = turn->prepare(row);
       for (std::size_t i = 0; i < some.size(); ++i) {
-        const auto [lane, scan] = plan::place_of_island(first + i);
-        select.bind(1, std::int64_t{lane.value}).bind(2, static_cast<std::int64_t>(scan));
+        const auto [chain, scan] = place_of(first + i);
+        select.bind(1, std::int64_t{chain.value}).bind(2, static_cast<std::int64_t>(scan));
         if (!select.step())
-          refuse_damaged(database_->path(), fmt::format("island {} is missing", first + i));
-        read_record(*turn, key_of(lane, 0, static_cast<std::int64_t>(scan)), select, 0, some[i]);
+          refuse_damaged(database_->path(), fmt::format("{} {} is missing", what, first + i));
+        read_record(*turn, key_of(chain, 0, static_cast<std::int64_t>(scan)), select, 0, some[i]);
         select.reset();
       }
     }
     for (std::size_t i = 0; i < some.size(); ++i)
-      visit(base::ScanIndex{first + i}, some[i]);
+      visit(first + i, some[i]);
   }
 }
 
@@ -253,35 +261,18 @@ std::vector<StoredRun::FindRow> StoredRun::find_rows() const {
 
 void StoredRun::for_each_find(
     const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const {
-  // Starts are numbered by (scan, lane). Which rows they are is read first, then some of them at a
-  // time, so that nothing is being read while they are visited.
-  const std::string row =
-      fmt::format("SELECT {} FROM scan WHERE chain=?1 AND replica=0 AND scan=?2", k_record_columns);
+  // Starts are numbered by (scan, lane). Which rows they are is read first.
   const std::vector<FindRow> rows = find_rows();
-  std::vector<plan::ScanRecord> some;
-  std::uint64_t found = 0;
-  while (found < rows.size()) {
-    const std::size_t count = std::min<std::size_t>(rows.size() - found, k_finds_at_a_time);
-    some.assign(count, {});
-    {
-      const SharedDatabase::Turn turn = database_->turn();
-      Statement select = turn->prepare(row);
-      for (std::size_t i = 0; i < count; ++i) {
-        const FindRow& find = rows[found + i];
-        select.bind(1, find.chain).bind(2, find.scan);
-        if (!select.step()) refuse_damaged(database_->path(), "a find of its search is missing");
-        read_record(*turn,
-                    key_of(base::ChainId{static_cast<std::uint32_t>(find.chain)}, 0, find.scan),
-                    select, 0, some[i]);
-        select.reset();
-      }
-    }
-    for (std::size_t i = 0; i < count; ++i)
-      visit(rows[found + i].start, some[i]);
-    found += count;
+  for_each_row(
+      rows.size(), "find",
+      [&](std::uint64_t n) {
+        return std::pair(base::ChainId{static_cast<std::uint32_t>(rows[n].chain)},
+                         static_cast<std::uint64_t>(rows[n].scan));
+      },
+      [&](std::uint64_t n, const plan::ScanRecord& record) { visit(rows[n].start, record); });
+  if (rows.size() != cut_.finds) {
+    refuse_damaged(database_->path(), fmt::format("find {} is missing", rows.size()));
   }
-  if (found != cut_.finds)
-    refuse_damaged(database_->path(), fmt::format("find {} of its search is missing", found));
 }
 
 void StoredRun::for_each_prior_draw(

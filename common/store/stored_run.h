@@ -68,6 +68,11 @@ class StoredRun final : public archive::RunView {
   std::uint32_t count_replicas() const;
   void for_each_island(
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const;
+  /// Rows by their places, some at a time. `what` is said of one that is not there.
+  using PlaceOfRow = std::function<std::pair<base::ChainId, std::uint64_t>(std::uint64_t nth)>;
+  void for_each_row(
+      std::uint64_t count, const char* what, const PlaceOfRow& place_of,
+      const std::function<void(std::uint64_t nth, const plan::ScanRecord&)>& visit) const;
   /// Scans [first, end) that are draws, and all of them together.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> draw_ranges() const;
   RowKey key_of(base::ChainId chain, std::int64_t replica, std::int64_t scan) const;

@@ -41,8 +41,8 @@ class SearchOdds(ProgramTest):
         request.write_text(ODDS)
         output = self.path("odds.h5")
         stopped = self.succeed(sleight("direct", request, "-o", output, "--set", "stop.odds=0.001",
-                                       "--time-limit", "1s"))
-        self.assertRegex(stopped.stdout, r"log P about -\d+\.\d \+- .*still rough \([\d,]+ of [\d,]+ islands\)")
+                                       "--time-limit", "2s"))
+        self.assertRegex(stopped.stdout, r"log P about -\d+\.\d.*, still rough \([\d,]+.* islands?\)")
         self.succeed(sleight("archive", "verify", output))
         self.assertFalse(self.info(output)["tempering"]["known"])
         # The same run knows enough for an error that is not so small.

@@ -105,14 +105,14 @@ sampling::StopRule stop_of(const request::DirectionRequest& request,
                            const std::optional<request::Cut>& cut) {
   // A cut of islands keeps whether solutions could end the run: then not all of them tell the odds.
   const bool has_islands = request.sampler.method == request::Method::sequential;
-  if (cut && has_islands)
-    return {.scans = cut->scans,
-            .rounds = {},
-            .independent_solutions = request.stop.independent_solutions};
-  if (cut) return {.scans = cut->scans, .rounds = {}, .independent_solutions = {}};
-  return {.scans = request.stop.scans,
-          .rounds = request.stop.rounds,
-          .independent_solutions = request.stop.independent_solutions};
+  sampling::StopRule rule{.scans = request.stop.scans,
+                          .rounds = request.stop.rounds,
+                          .independent_solutions = request.stop.independent_solutions};
+  if (!cut) return rule;
+  rule.scans = cut->scans;
+  rule.rounds.reset();
+  if (!has_islands) rule.independent_solutions.reset();
+  return rule;
 }
 
 sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,

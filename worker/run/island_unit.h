@@ -13,13 +13,13 @@
 
 namespace sleight::run {
 
-/// Of islands that make a guess at no chain's states.
+/// The guide of islands that no chain goes on from: a value, or the one that is given.
 template <StagedWorld W>
-typename W::Guide guide_for_odds(const W& world, const typename W::Guide& guide) {
+decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
   if constexpr (sampling::ListsChoices<W>) {
     return world.for_odds(guide);
   } else {
-    return guide;
+    return (guide);
   }
 }
 
@@ -30,7 +30,7 @@ template <StagedWorld W>
 plan::UnitResult island_unit(const W& world, const typename W::Guide& guide,
                              std::uint32_t particles, const plan::Unit& unit) {
   plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
-  const typename W::Guide for_odds = guide_for_odds(world, guide);
+  const auto& for_odds = guide_for_odds(world, guide);
   const sampling::ChainStreams streams{.seed = unit.seed,
                                        .chain = base::ChainId{plan::k_first_island_lane},
                                        .replica = base::ReplicaId{0}};

@@ -22,7 +22,7 @@ void FreeIslands::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                           std::span<const plan::ScanRecord> records) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     CHECK_EQ(records[i].method_values.size(), IslandEstimate::k_values);
-    ahead_.emplace(lanes_.number(replica.chain, first_scan.value + i),
+    ahead_.emplace(plan::island_number(replica.chain, first_scan.value + i),
                    IslandEstimate::of(records[i].method_values));
   }
   lanes_.consume(replica.chain, first_scan, records.size());

@@ -45,7 +45,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -268,6 +267,7 @@ class Islands {
     making.log_potentials = std::move(log_potentials);
   }
 
+  /// Extends a particle by a choice of its own.
   void extend(Making& making, std::uint32_t stage, std::uint32_t n) const {
     typename T::Prefix& prefix = making.prefixes[n];
     random::Stream stream = stream_of(random::Purpose::extension, making.number, stage, n);

@@ -13,10 +13,6 @@ NumberedLanes::NumberedLanes(std::uint32_t first_lane, std::uint32_t lanes, std:
     idle_.emplace_hint(idle_.end(), 0, id);
 }
 
-std::uint64_t NumberedLanes::number(base::ChainId lane, std::uint64_t scan) const {
-  return scan * scans_.size() + (lane.value - first_lane_);
-}
-
 std::optional<plan::Unit> NumberedLanes::next_unit(std::uint64_t end, std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
   if (idle_.empty()) return std::nullopt;

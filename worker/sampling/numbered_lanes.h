@@ -26,7 +26,6 @@ class NumberedLanes {
   std::uint64_t done() const { return done_; }
   /// All that are done.
   std::uint64_t consumed() const { return consumed_; }
-  std::uint64_t number(base::ChainId lane, std::uint64_t scan) const;
 
  private:
   std::uint32_t first_lane_;

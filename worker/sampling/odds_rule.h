@@ -7,11 +7,14 @@
 // Pilot. 32 islands, and 32 more as long as one has more than a third of their sum: then their
 // spread says nothing yet. It ends with 1,024 in any case; if not one of these is above 0, nothing
 // more is tried.
+//
 // Batch. As many as know log P to the error that is asked for, if their relative variance is half
 // as large again as the pilot's, since few islands mostly lack the large ones; and as many as an
-// error takes at least (math::k_islands_min). Extension. Where no error can be told of the batch,
-// since one island has more than a tenth of the sum, it goes on by half of its first length, again
-// and again, until one can, or until it is 32 times as long as at first.
+// error takes at least (math::k_islands_min).
+//
+// Extension. Where no error can be told of the batch, since one island has more than a tenth of the
+// sum, it goes on by half of its first length, again and again, until one can, or until it is 32
+// times as long as at first.
 //
 // The pilot has chosen how many islands there are, so it may not count: a run that ends when its
 // own estimate looks good ends before the rare large islands have come, and says too little.
@@ -42,7 +45,7 @@ class OddsRule {
   void add(double log_satisfied);
 
   bool is_over() const { return is_over_; }
-  /// Islands that will be needed in any case, and whether these are all, as far as is known.
+  /// Islands that are needed in any case, by what is known so far; all of them once it is over.
   std::uint64_t needed() const;
   bool is_sized() const { return batch_islands_ > 0; }
   /// The batch's first island. REQUIRES: is_sized().

@@ -43,19 +43,15 @@ std::array<double, k_sorts> by_sort(const DropOdds& odds) {
   return all;
 }
 
-/// REQUIRES: as many places as bins, and one more, which is never full.
-std::uint8_t sort_of(const PoolDrop& drop, std::span<const std::uint8_t> full) {
-  const auto is_full_bin = [&](std::int16_t bin) {
-    return bin != k_fills_none && full[static_cast<std::size_t>(bin)] != 0;
-  };
-  const bool above = is_full_bin(drop.below);
-  const bool into = is_full_bin(drop.alone);
+std::uint8_t sort_of(const PoolDrop& drop, const std::vector<std::uint8_t>& full) {
+  const bool above = is_full(full, drop.below);
+  const bool into = is_full(full, drop.alone);
   const bool fills = drop.alone != k_fills_none && !into;
   if (fills && drop.alone == drop.below) return own_bin;
   // The nearest bin that isn't full.
   std::size_t range = k_ranges - 1;
   for (std::size_t i = 0; i < drop.near.size() && drop.near[i] != k_fills_none; ++i) {
-    if (full[static_cast<std::size_t>(drop.near[i])] != 0) continue;
+    if (is_full(full, drop.near[i])) continue;
     range = drop.near_range[i];
     break;
   }
@@ -250,11 +246,11 @@ PouringPrefix StagedSpelling::no_stages(const Guide& /*guide*/, const Ground& gr
 }
 
 template <class Visit>
-void StagedSpelling::for_each_choice(const DropOdds& odds, const Guide& guide, const Ground& ground,
-                                     const Prefix& prefix, const Visit& visit) const {
+void StagedSpelling::for_each_choice(const Guide& guide, const Ground& ground, const Prefix& prefix,
+                                     const Visit& visit) const {
   const std::uint32_t n = drops_per_bin(guide);
   const std::vector<std::uint8_t> full = full_bins(balls(), prefix.pouring.outcome.filling);
-  const std::array<double, k_sorts> of_sort = by_sort(odds);
+  const std::array<double, k_sorts> of_sort = by_sort(guide.odds);
   for (std::size_t bin = 0, place = 0; bin < balls(); ++bin) {
     const double s = n / static_cast<double>(n - prefix.used_of_bin[bin]);
     for (std::uint32_t nth = 0; nth < n; ++nth, ++place) {
@@ -274,7 +270,7 @@ StagedSpelling::Choices StagedSpelling::choices(const Guide& guide, const Ground
                                                 const Prefix& prefix) const {
   Choices choices{.guesses = std::vector<double>(ground.pool.size()),
                   .shares = std::vector<double>(ground.pool.size())};
-  for_each_choice(guide.odds, guide, ground, prefix,
+  for_each_choice(guide, ground, prefix,
                   [&](std::size_t place, std::uint8_t, double guess, double share) {
                     choices.guesses[place] = guess;
                     choices.shares[place] = share;
@@ -340,9 +336,9 @@ double StagedSpelling::mass_left_out(const Guide& guide, double mass_of_drops) c
 std::vector<double> StagedSpelling::masses(const Guide& guide, const Ground& ground,
                                            std::uint32_t /*stage*/, const Prefix& prefix) const {
   std::vector<double> masses(sorts(), 0);
-  for_each_choice(
-      guide.odds, guide, ground, prefix,
-      [&](std::size_t, std::uint8_t sort, double, double share) { masses[sort] += share; });
+  for_each_choice(guide, ground, prefix, [&](std::size_t, std::uint8_t sort, double, double share) {
+    masses[sort] += share;
+  });
   double sum = 0;
   for (double& mass : masses)
     sum += mass *= 0.5 / static_cast<double>(ground.pool.size());
@@ -360,7 +356,7 @@ std::vector<sampling::Alternative> StagedSpelling::alternatives(const Guide& gui
     return {{.number = ground.pool.size(), .mass = mass, .weight = 0.5 / mass}};
   }
   std::vector<sampling::Alternative> all;
-  for_each_choice(guide.odds, guide, ground, prefix,
+  for_each_choice(guide, ground, prefix,
                   [&](std::size_t place, std::uint8_t of_drop, double guess, double share) {
                     if (of_drop != sort) return;
                     all.push_back({.number = place,

@@ -199,8 +199,8 @@ class StagedSpelling : public Spelling {
   Choices choices(const Guide& guide, const Ground& ground, const Prefix& prefix) const;
   /// Visits each drop that can be chosen with its place, its sort of DropOdds, g and v s g.
   template <class Visit>
-  void for_each_choice(const DropOdds& odds, const Guide& guide, const Ground& ground,
-                       const Prefix& prefix, const Visit& visit) const;
+  void for_each_choice(const Guide& guide, const Ground& ground, const Prefix& prefix,
+                       const Visit& visit) const;
   double mass_left_out(const Guide& guide, double mass_of_drops) const;
   /// Of a drop that was chosen so.
   double log_weight_of(const Guide& guide, const Ground& ground, const Choices& choices,

@@ -368,7 +368,7 @@ std::uint32_t particles_for_odds(std::uint32_t balls) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, particles_max(balls)));
 }
 
-/// Islands know the odds at once, as they hang on no chain.
+/// Islands tell the odds from the first one on: they need no chain.
 void settle_odds(request::Settled& settled, std::uint32_t balls,
                  request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
