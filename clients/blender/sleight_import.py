@@ -2,7 +2,7 @@
 
 Install this file by Edit > Preferences > Add-ons > Install, and tick "Sleight animations". Then
 File > Import > Sleight animations takes any number of .glb files, or .h5 archives where the program
-`sleight` is found. Each file becomes a collection, named by its animation ("0.250"), with the file's
+`sleight` is found. Each file becomes a collection, named by its animation ("c0.250"), with the file's
 metadata (request, run_id, log_prior, ...) as custom properties. The frame rate is set, frame 0 is
 the animation's beginning, and the scene's range reaches to the end of the longest.
 
@@ -175,7 +175,7 @@ class ImportSleight(bpy.types.Operator, ImportHelper):
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     fps: IntProperty(name="Frame rate", description="Frames a second", default=24, min=1, max=1000)
     ids: StringProperty(name="Animations", default="",
-                        description="Of an archive: ids such as 0.250 or find.3; empty: all")
+                        description="Of an archive: ids such as c0.250 or find.3; empty: all")
     however_many: BoolProperty(name="More than 100", default=False,
                                description="Of an archive: all, however many there are")
     whole_frames: BoolProperty(name="Keys on whole frames", default=False,

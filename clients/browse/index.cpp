@@ -57,7 +57,7 @@ const std::vector<NumberName>& own_numbers() {
 
 std::string short_text(const AnimationName& name) {
   return name.is_find ? fmt::format("find.{}", name.draw)
-                      : fmt::format("{}.{}", name.chain, name.draw);
+                      : fmt::format("c{}.{}", name.chain, name.draw);
 }
 
 std::string long_text(const AnimationName& name) {
@@ -78,11 +78,13 @@ std::optional<AskedName> parse_name(std::string_view text) {
   }
   const std::size_t dot = text.find('.');
   if (dot == std::string_view::npos) return std::nullopt;
-  const std::string_view first = text.substr(0, dot);
-  const auto draw = whole_number(text.substr(dot + 1));
-  const auto chain = first == "find" ? std::uint64_t{0} : whole_number(first);
-  if (!draw || !chain) return std::nullopt;
+  std::string_view first = text.substr(0, dot);
   asked.is_find = first == "find";
+  asked.is_bare = !asked.is_find && !first.starts_with('c');
+  if (!asked.is_find && !asked.is_bare) first.remove_prefix(1);
+  const auto draw = whole_number(text.substr(dot + 1));
+  const auto chain = asked.is_find ? std::uint64_t{0} : whole_number(first);
+  if (!draw || !chain) return std::nullopt;
   asked.chain = *chain;
   asked.draw = *draw;
   return asked;

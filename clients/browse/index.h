@@ -34,9 +34,9 @@ struct AnimationName {
 
 /// A run's name among others, where people read it.
 inline constexpr std::size_t k_run_letters = 8;
-/// Within an archive: "0.250" (chain 0, draw 250) or "find.3".
+/// Within an archive: "c0.250" (chain 0, draw 250) or "find.3", which no table takes for a number.
 std::string short_text(const AnimationName& name);
-/// Among several runs: the first eight characters of the run, and that: "3f2a9c01:0.250".
+/// Among several runs: the first eight characters of the run, and that: "3f2a9c01:c0.250".
 std::string long_text(const AnimationName& name);
 
 /// A name as a person writes it, short or long.
@@ -45,6 +45,7 @@ struct AskedName {
   bool is_find = false;
   std::uint64_t chain = 0;
   std::uint64_t draw = 0;
+  bool is_bare = false;  ///< "0.250", as ids once were: 0.25 to a table
   bool is_of(const AnimationName& name) const;
 };
 /// None of a text that is no name.

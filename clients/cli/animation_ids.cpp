@@ -1,6 +1,7 @@
 #include "clients/cli/animation_ids.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -30,6 +31,28 @@ std::vector<std::int64_t> numbers_of(const archive::Source& source, std::string_
                                   archive::k_animations, name, count));
   }
   return std::get<std::vector<std::int64_t>>(source.read(archive::k_animations, name, 0, count));
+}
+
+using IdsByText = std::map<std::string_view, const AnimationId*>;
+
+std::string text_of(const browse::AskedName& name) {
+  return browse::short_text(
+      browse::AnimationName{.is_find = name.is_find, .chain = name.chain, .draw = name.draw});
+}
+
+/// Whoever reads a bare "3.700" as a number writes 3.7.
+void refuse_lost_zeros(const archive::Source& source, const std::string& text,
+                       browse::AskedName name, const IdsByText& by_text) {
+  if (!name.is_bare || name.draw % 10 == 0) return;
+  std::vector<std::string> meant;
+  const std::string exact = text_of(name);
+  for (; name.draw <= std::numeric_limits<std::uint64_t>::max() / 10; name.draw *= 10) {
+    if (by_text.contains(text_of(name))) meant.push_back(text_of(name));
+  }
+  if (meant.empty() || (meant.size() == 1 && meant.front() == exact)) return;
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("{}: '{}' may be a number that lost its zeros; say {}",
+                                source.name(), text, fmt::join(meant, " or ")));
 }
 
 }  // namespace
@@ -69,18 +92,16 @@ std::vector<AnimationId> animations_of(const archive::Source& source,
                                        std::span<const std::string> asked) {
   const std::vector<AnimationId> all = animation_ids(source);
   const std::string run_id = archive::summary_of(source).run_id;
-  std::map<std::string_view, const AnimationId*> by_text;
+  IdsByText by_text;
   for (const AnimationId& id : all)
     by_text.emplace(id.text, &id);
   std::vector<AnimationId> chosen;
   std::set<std::string_view> taken;
   for (const std::string& text : asked) {
     const auto name = browse::parse_name(text);
-    const auto found =
-        !name || !run_id.starts_with(name->run)
-            ? by_text.end()
-            : by_text.find(browse::short_text(browse::AnimationName{
-                  .is_find = name->is_find, .chain = name->chain, .draw = name->draw}));
+    const bool is_of_run = name && run_id.starts_with(name->run);
+    if (is_of_run) refuse_lost_zeros(source, text, *name, by_text);
+    const auto found = is_of_run ? by_text.find(text_of(*name)) : by_text.end();
     if (found == by_text.end()) {
       std::vector<std::string_view> first;
       for (const AnimationId& id : std::span(all).first(std::min(all.size(), k_shown_ids)))

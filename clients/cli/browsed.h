@@ -81,7 +81,7 @@ struct QueryOptions {
 /// query that no archive understands.
 std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked);
 
-/// "0.250"; of several runs "3f2a9c01:0.250".
+/// "c0.250"; of several runs "3f2a9c01:c0.250".
 std::string name_among(const Browsed& browsed, const browse::AnimationName& name);
 
 /// Lines on stderr: which archives were left out, and which animations there are twice. Asked once,

@@ -19,7 +19,7 @@ struct WrittenFile {
   std::uint64_t bytes = 0;
 };
 
-/// "3f2a9c01-0.250": the run's first letters and digits, whatever an archive calls it, and the
+/// "3f2a9c01-c0.250": the run's first letters and digits, whatever an archive calls it, and the
 /// animation's id.
 std::string export_name(const std::string& run_id, const std::string& id);
 
@@ -29,24 +29,6 @@ void make_export_folder(const std::string& path);
 /// Throws base::Error(conflict) if a file is there that sleight did not make, as far as can be
 /// told; not where `force`.
 void refuse_others_file(const std::string& path, bool force);
-
-/// Writes to `place`; errors speak of `shown`, where it will be.
-void write_export(const std::string& place, const std::string& shown,
-                  const std::function<void(std::ostream&)>& write);
-
-/// A folder of our own in the output's, for files that are not whole; it is gone at the end.
-class Workshop {
- public:
-  /// Makes both. Throws base::Error where a folder can't be made.
-  explicit Workshop(const std::string& output);
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
-  ~Workshop();
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 /// Tells stderr how far an export is, now and then, where it takes long: a line a second at most.
 /// Throws what Interruption::check does.

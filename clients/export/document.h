@@ -6,7 +6,7 @@
 // enters, by a channel of steps.
 //
 // Several animations in one file share a node where they look alike. What differs (a table's
-// heights, vertices that were moved) has a node for each look, called "table (0.250)" by the first
+// heights, vertices that were moved) has a node for each look, called "table (c0.250)" by the first
 // animation that has it, and each clip shows its own by steps of scale. A body that never enters
 // has no node; where another animation has it, its scale is 0 in the clip.
 //
@@ -34,7 +34,7 @@
 namespace sleight::gltf {
 
 struct Clip {
-  std::string name{};  ///< "0.250"
+  std::string name{};  ///< "c0.250"
   motion::Animation motion{};
   scene::Variation own{};
   std::vector<math::Vec3> offsets_m{};  ///< of the scene's vertices

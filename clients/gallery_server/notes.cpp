@@ -17,6 +17,7 @@
 #include "clients/cli/own_folder.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/output_beside.h"
 
 namespace sleight::gallery {
 namespace {
@@ -105,13 +106,21 @@ void make_folders(const std::string& folder) {
   }
 }
 
+/// None of what is no name; older galleries wrote bare ones.
+std::optional<std::string> name_today(const std::string& name) {
+  const auto asked = browse::parse_name(name);
+  if (!asked) return std::nullopt;
+  return asked->is_bare ? "c" + name : name;
+}
+
 /// What a file holds, read as a stranger's: somebody may share the folder. Throws std::exception
 /// where it is none.
 Json notes_in(const std::string& path) {
   Json notes = Json::object();
   const Json read = Json::parse(base::read_text_file(path, k_file_bytes_max));
   for (const auto& [name, note] : read.at("notes").items()) {
-    if (browse::parse_name(name) && notes.size() < k_notes_max) notes[name] = checked(note);
+    const auto today = name_today(name);
+    if (today && notes.size() < k_notes_max) notes[*today] = checked(note);
   }
   return notes;
 }
@@ -159,7 +168,7 @@ void Notes::write(const std::string& run, Run& to) {
   if (folder_of(to).empty() || to.is_unreadable) return;
   try {
     make_folders(folder_of(to));
-    cli::OutputBeside output(file_of(run, to));
+    base::OutputBeside output(file_of(run, to));
     const Json file{{"sleight_notes", 1}, {"run", run}, {"notes", to.notes}};
     base::PosixFileSystem files;
     base::write_text_file(files, output.path(), file.dump(1) + "\n");
@@ -196,11 +205,12 @@ Json Notes::change(const std::string& run, const Json& patches) {
   Json now = Json::object();
   std::size_t more = 0;
   for (const auto& [animation, patch] : patches.items()) {
-    if (!browse::parse_name(animation)) cli::refuse_usage("there is no such animation");
-    Json& kept = now[animation];
-    kept = patched(of.notes.value(animation, checked(Json::object())), patch);
+    const auto name = name_today(animation);
+    if (!name) cli::refuse_usage("there is no such animation");
+    Json& kept = now[*name];
+    kept = patched(of.notes.value(*name, checked(Json::object())), patch);
     kept["changed"] = changed + 1;
-    if (!says_nothing(kept) && !of.notes.contains(animation)) ++more;
+    if (!says_nothing(kept) && !of.notes.contains(*name)) ++more;
   }
   if (more > 0 && of.notes.size() + more > k_notes_max)
     cli::refuse_usage(fmt::format("a run has at most {} notes", k_notes_max));

@@ -57,7 +57,7 @@ test("another name of this address is refused", async () => {
     const status = async (path, options) => (await fetch(path, options)).status;
     return [await status("/api/gallery"), await status("/api/notes"), await status("/"),
       await status("/api/notes", { method: "POST", headers: { "content-type": "application/json" },
-        body: JSON.stringify({ run: "0123456789abcdef", name: "0.1", note: { star: true } }) })];
+        body: JSON.stringify({ run: "0123456789abcdef", name: "c0.1", note: { star: true } }) })];
   });
   for (const status of tried) assert.ok(status >= 400 && status < 500, tried.join());
   await other.close();

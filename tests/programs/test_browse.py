@@ -58,7 +58,7 @@ class Browse(ProgramTest):
                 animations = file["animations"]
                 log_prior = animations["log_prior"][:]
                 in_proportion = animations["in_proportion"][:].astype(bool).tolist()
-                names = [f"{chain}.{draw}" for chain, draw in
+                names = [f"c{chain}.{draw}" for chain, draw in
                          zip(animations["chain"][:], animations["draw"][:])]
             found = self.find(archive)
             self.assertEqual([one["id"] for one in found["animations"]], names, world)
@@ -115,7 +115,7 @@ class Browse(ProgramTest):
             starts, counts = animations["segment_start"][:], animations["segment_count"][:]
             position = animations["position_m"][:]
             rest = [position[start + count - 1] for start, count in zip(starts, counts)]
-            names = [f"{chain}.{draw}" for chain, draw in
+            names = [f"c{chain}.{draw}" for chain, draw in
                      zip(animations["chain"][:], animations["draw"][:])]
             hits = [int((animations["partner"][start:start + count] >= 0).sum())
                     for start, count in zip(starts, counts)]

@@ -211,7 +211,7 @@ class Export(ProgramTest):
         output = self.path("a.glb")
         self.export(archive, "--ids", *asked, "--together", "-o", output)
         self.assertEqual(Model(output).clips, [last, first])
-        for unknown in ["9.9", "find.7", "\x1b[31m"]:
+        for unknown in ["c9.9", "find.7", "\x1b[31m"]:
             result = sleight("export", archive, "--ids", unknown, "-o", self.path("b.glb"))
             self.assertEqual(result.returncode, 2)
             self.assertIn(f"it has {first}, ", result.stderr)

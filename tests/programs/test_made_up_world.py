@@ -42,7 +42,7 @@ class MadeUpWorld(ProgramTest):
     def pushes(self):
         with h5py.File(self.archive) as file:
             kept = file["animations"]
-            return {f"{chain}.{draw}": push for chain, draw, push in
+            return {f"c{chain}.{draw}": push for chain, draw, push in
                     zip(kept["chain"][:], kept["draw"][:], kept["push"][:].tolist())}
 
     def test_it_is_drawn(self):

@@ -19,12 +19,12 @@ const full: Page = {
   notesFilter: { star: true, tag: "rot & grün", hidden: "only" },
   grouping: { groups: 7, by: "hierarchy" },
   path: [
-    { groups: 12, by: "medoids", representative: "0.250", query: "" },
+    { groups: 12, by: "medoids", representative: "c0.250", query: "" },
     { groups: 5, by: "hierarchy", representative: "find.3", query: "(a: x 0..1) and not (b < 2)" },
   ],
   sort: { by: "number", number: "offsets[2]", isDescending: true },
-  selected: ["0.250", "find.3"],
-  playing: ["1.17", "0.250"],
+  selected: ["c0.250", "find.3"],
+  playing: ["c1.17", "c0.250"],
   sync: "contact",
   camera: { azimuth: -1.25, elevation: 0.5, zoom: 2, target: [0.01, -0.02, 0] },
   timeS: 0.4167,
@@ -45,7 +45,7 @@ test("a camera may look at the middle; sorting may be by likeness", () => {
   const page: Page = {
     ...firstPage,
     camera: { azimuth: 0.5, elevation: 0.25, zoom: 1, target: null },
-    sort: { by: "alike", to: ["0.1", "find.2"], isUnlike: true },
+    sort: { by: "alike", to: ["c0.1", "find.2"], isUnlike: true },
   };
   assert.deepEqual(pageOf(linkOf(page)), page);
 });
@@ -64,7 +64,7 @@ test("broken parts are left out", () => {
   assert.deepEqual(page.sort, { by: "kept" });
   assert.equal(page.camera, null);
   assert.equal(page.timeS, null);
-  assert.deepEqual(page.selected, ["0.1"]);
+  assert.deepEqual(page.selected, ["c0.1"]);
   assert.deepEqual(page.path, []);
   assert.deepEqual(pageOf("q=".repeat(300_000)), firstPage);
 });

@@ -70,7 +70,7 @@ test("a beginning is shown, and the rest is offered as more", async () => {
 });
 
 test("a link that names animations waits for all of them", async () => {
-  for (const link of [{ playing: ["0.8"] }, { selected: ["0.8"] }, { sort: { by: "alike" as const, to: ["0.8"] } }])
+  for (const link of [{ playing: ["c0.8"] }, { selected: ["c0.8"] }, { sort: { by: "alike" as const, to: ["c0.8"] } }])
     assert.deepEqual(await seen({ ...firstPage, ...link } as Page), { first: null, then: whole, offered: "0 new" });
 });
 
@@ -87,7 +87,7 @@ test("another run in an archive's place waits until it is asked for", async () =
     animations: () => Promise.resolve([(asked += 1)]),
     onChange: () => () => undefined,
   } as unknown as GallerySource;
-  const store = new Store(initialState({ ...firstPage, playing: ["0.1"] }));
+  const store = new Store(initialState({ ...firstPage, playing: ["c0.1"] }));
   const loading = new Loading(store, source);
   const page = new PageActions(store, {} as NoteKeeping, () => void loading.lookAgain());
   const own = ofShownRun(source, store);
@@ -98,9 +98,9 @@ test("another run in an archive's place waits until it is asked for", async () =
   };
   await tell(shownRun);
   assert.equal(replacing(store.state), null);
-  await own.animations(0, ["0.1"], 1);
+  await own.animations(0, ["c0.1"], 1);
   assert.equal(asked, 1);
-  page.select("0.2", "toggle");
+  page.select("c0.2", "toggle");
   const { loaded, visible, page: before, message } = store.state;
 
   // Nothing of the page moves, and what is told of the archive is still what was read of it.
@@ -109,18 +109,18 @@ test("another run in an archive's place waits until it is asked for", async () =
   assert.equal(store.state.visible, visible);
   assert.equal(store.state.page, before);
   assert.equal(store.state.message, message);
-  assert.deepEqual(store.state.selection.names, ["0.2"]);
+  assert.deepEqual(store.state.selection.names, ["c0.2"]);
   assert.equal(replacing(store.state)?.run, "cd");
   assert.equal(archiveShown(store.state)?.warning, "of ab");
   // The other run has animations of the same names.
-  await assert.rejects(own.animations(0, ["0.1"], 1), /Another run is in a\.h5 now/);
+  await assert.rejects(own.animations(0, ["c0.1"], 1), /Another run is in a\.h5 now/);
   assert.equal(asked, 1);
 
   // The run is back: it goes on.
   await tell({ ...shownRun, generation: 4 });
   assert.equal(replacing(store.state), null);
   assert.equal(store.state.loaded?.generation, 4);
-  assert.deepEqual(store.state.page.playing, ["0.1"]);
+  assert.deepEqual(store.state.page.playing, ["c0.1"]);
 
   // Taken, the other run is shown, without the names of the one before.
   await tell({ ...other, generation: 5 });
@@ -130,7 +130,7 @@ test("another run in an archive's place waits until it is asked for", async () =
   assert.equal(store.state.visible.length, whole);
   assert.deepEqual([store.state.page.playing, store.state.selection.names], [[], []]);
   assert.equal(replacing(store.state), null);
-  await own.animations(0, ["0.1"], 1);
+  await own.animations(0, ["c0.1"], 1);
   assert.equal(asked, 2);
 });
 

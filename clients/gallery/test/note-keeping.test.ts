@@ -56,52 +56,52 @@ async function pageOf(server: Server, run = "a", source = server.asSource()) {
 
 test("undo in another archive changes the archive where it was done", async () => {
   const server = new Server();
-  server.runs["b"]!["0.1"] = { star: false, hidden: false, tags: [], note: "precious", changed: 1 };
+  server.runs["b"]!["c0.1"] = { star: false, hidden: false, tags: [], note: "precious", changed: 1 };
   const { store, keeping, show } = await pageOf(server);
-  keeping.toggle(["0.1"], "star");
+  keeping.toggle(["c0.1"], "star");
   await settle();
-  assert.equal(server.runs["a"]!["0.1"]?.star, true);
+  assert.equal(server.runs["a"]!["c0.1"]?.star, true);
   await show("b");
   keeping.undo();
   await settle();
-  assert.equal(server.runs["a"]!["0.1"]?.star, false);
-  assert.equal(server.runs["b"]!["0.1"]?.note, "precious");
-  assert.equal(noteOf(store.state.notes, "0.1").note, "precious");
+  assert.equal(server.runs["a"]!["c0.1"]?.star, false);
+  assert.equal(server.runs["b"]!["c0.1"]?.note, "precious");
+  assert.equal(noteOf(store.state.notes, "c0.1").note, "precious");
 });
 
 test("a note that was begun in another archive is that one's", async () => {
   const server = new Server();
   const { store, keeping, show } = await pageOf(server);
-  const before = noteOf(store.state.notes, "0.1");
+  const before = noteOf(store.state.notes, "c0.1");
   await show("b");
-  keeping.edit("a", "0.1", before, { note: "of a" });
+  keeping.edit("a", "c0.1", before, { note: "of a" });
   await settle();
-  assert.equal(server.runs["a"]!["0.1"]?.note, "of a");
-  assert.equal(server.runs["b"]!["0.1"], undefined);
-  assert.equal(noteOf(store.state.notes, "0.1").note, "");
+  assert.equal(server.runs["a"]!["c0.1"]?.note, "of a");
+  assert.equal(server.runs["b"]!["c0.1"], undefined);
+  assert.equal(noteOf(store.state.notes, "c0.1").note, "");
 });
 
 test("two people change one note, and both changes stay", async () => {
   const server = new Server();
   const ann = await pageOf(server);
   const bob = await pageOf(server);
-  ann.keeping.edit("a", "0.1", noteOf({}, "0.1"), { note: "this one", tags: ["film"] });
+  ann.keeping.edit("a", "c0.1", noteOf({}, "c0.1"), { note: "this one", tags: ["film"] });
   await settle();
-  bob.keeping.toggle(["0.1"], "star");
-  bob.keeping.toggleTag(["0.1"], "red");
+  bob.keeping.toggle(["c0.1"], "star");
+  bob.keeping.toggleTag(["c0.1"], "red");
   await settle();
-  assert.deepEqual({ ...server.runs["a"]!["0.1"], changed: 0 },
+  assert.deepEqual({ ...server.runs["a"]!["c0.1"], changed: 0 },
     { star: true, hidden: false, tags: ["film", "red"], note: "this one", changed: 0 });
   // Bob's page has what Ann wrote, as the server answered it.
-  assert.equal(noteOf(bob.store.state.notes, "0.1").note, "this one");
+  assert.equal(noteOf(bob.store.state.notes, "c0.1").note, "this one");
   ann.window.dispatchEvent(new Event("focus"));
   await settle();
-  assert.equal(noteOf(ann.store.state.notes, "0.1").star, true);
+  assert.equal(noteOf(ann.store.state.notes, "c0.1").star, true);
   bob.keeping.undo();
   bob.keeping.undo();
   await settle();
-  assert.deepEqual(server.runs["a"]!["0.1"]?.tags, ["film"]);
-  assert.equal(server.runs["a"]!["0.1"]?.note, "this one");
+  assert.deepEqual(server.runs["a"]!["c0.1"]?.tags, ["film"]);
+  assert.equal(server.runs["a"]!["c0.1"]?.note, "this one");
 });
 
 test("what is noted while the server is away is kept when it is back", async () => {
@@ -109,20 +109,20 @@ test("what is noted while the server is away is kept when it is back", async () 
   const { store, keeping } = await pageOf(server);
   server.isAway = true;
   store.set({ source: "away" });
-  keeping.toggle(["0.1"], "star");
-  keeping.edit("a", "0.2", noteOf({}, "0.2"), { note: "first" });
-  keeping.edit("a", "0.2", noteOf({}, "0.2"), { note: "second" });
+  keeping.toggle(["c0.1"], "star");
+  keeping.edit("a", "c0.2", noteOf({}, "c0.2"), { note: "first" });
+  keeping.edit("a", "c0.2", noteOf({}, "c0.2"), { note: "second" });
   await settle();
   assert.match(store.state.notesWords, /can't be kept now/);
-  assert.equal(server.runs["a"]!["0.1"], undefined);
+  assert.equal(server.runs["a"]!["c0.1"], undefined);
   server.isAway = false;
-  server.runs["a"]!["0.1"] = { star: false, hidden: false, tags: [], note: "another's", changed: 4 };
+  server.runs["a"]!["c0.1"] = { star: false, hidden: false, tags: [], note: "another's", changed: 4 };
   store.set({ source: "here" });
   await settle();
   assert.equal(store.state.notesWords, "");
-  assert.deepEqual([server.runs["a"]!["0.1"]?.star, server.runs["a"]!["0.1"]?.note], [true, "another's"]);
-  assert.equal(server.runs["a"]!["0.2"]?.note, "second");
-  assert.equal(noteOf(store.state.notes, "0.1").note, "another's");
+  assert.deepEqual([server.runs["a"]!["c0.1"]?.star, server.runs["a"]!["c0.1"]?.note], [true, "another's"]);
+  assert.equal(server.runs["a"]!["c0.2"]?.note, "second");
+  assert.equal(noteOf(store.state.notes, "c0.1").note, "another's");
 });
 
 test("what waits for an answer is sent when the page goes away", async () => {
@@ -135,14 +135,14 @@ test("what waits for an answer is sent when the page goes away", async () => {
   };
   const { store, keeping, window } = await pageOf(server, "a", silent);
   const leaves = (): boolean => window.dispatchEvent(new Event("beforeunload", { cancelable: true }));
-  keeping.toggle(["0.1"], "hidden");
+  keeping.toggle(["c0.1"], "hidden");
   keeping.undo();
-  keeping.toggle(["0.2"], "star");
+  keeping.toggle(["c0.2"], "star");
   await settle();
-  assert.deepEqual(asked, [[{ "0.1": { hidden: true } }, false]]);
+  assert.deepEqual(asked, [[{ "c0.1": { hidden: true } }, false]]);
   assert.ok(leaves());
   window.dispatchEvent(new Event("pagehide"));
-  assert.deepEqual(asked.slice(1), [[{ "0.1": { hidden: false }, "0.2": { star: true } }, true]]);
+  assert.deepEqual(asked.slice(1), [[{ "c0.1": { hidden: false }, "c0.2": { star: true } }, true]]);
   // Where notes can't be kept, or are too many to be sent then, a person is asked before they are lost.
   store.set({ notesWords: "can't be kept" });
   assert.ok(!leaves());
@@ -160,17 +160,17 @@ test("many notes are few questions, and one that is refused costs the others not
   assert.equal(Object.values(server.runs["a"]!).filter(({ star }) => star).length, 5000);
   assert.ok(server.questions <= 4, `${server.questions}`);
   server.isAway = true;
-  keeping.toggle(["0.1", "0.2"], "star");
-  keeping.edit("a", "0.3", noteOf({}, "0.3"), { note: "refused" });
-  keeping.toggle(["0.4"], "star");
+  keeping.toggle(["c0.1", "c0.2"], "star");
+  keeping.edit("a", "c0.3", noteOf({}, "c0.3"), { note: "refused" });
+  keeping.toggle(["c0.4"], "star");
   await settle();
   server.isAway = false;
   store.set({ source: "refused" });
   await settle();
   store.set({ source: "here" });
   await settle();
-  for (const name of ["0.1", "0.2", "0.4"]) assert.equal(server.runs["a"]![name]?.star, true, name);
-  assert.equal(server.runs["a"]!["0.3"], undefined);
+  for (const name of ["c0.1", "c0.2", "c0.4"]) assert.equal(server.runs["a"]![name]?.star, true, name);
+  assert.equal(server.runs["a"]!["c0.3"], undefined);
 });
 
 test("a slow answer takes nothing back that was kept meanwhile", async () => {
@@ -188,21 +188,21 @@ test("a slow answer takes nothing back that was kept meanwhile", async () => {
   isSlow = true;
   window.dispatchEvent(new Event("focus"));
   await settle();
-  keeping.toggle(["0.1"], "star");
+  keeping.toggle(["c0.1"], "star");
   await settle();
-  assert.equal(server.runs["a"]!["0.1"]?.star, true);
+  assert.equal(server.runs["a"]!["c0.1"]?.star, true);
   letGo();
   await settle();
-  assert.equal(noteOf(store.state.notes, "0.1").star, true);
+  assert.equal(noteOf(store.state.notes, "c0.1").star, true);
 
   // What the server keeps no longer than it lives is said with the next change, and withdrawn.
   store.set({ gallery: { version: "", archives: [], left_out: [], notes: { writable: true, words: "" } } });
   server.words = "The disk is full.";
-  keeping.toggle(["0.2"], "star");
+  keeping.toggle(["c0.2"], "star");
   await settle();
   assert.deepEqual(store.state.gallery?.notes, { writable: false, words: "The disk is full." });
   server.words = "";
-  keeping.toggle(["0.2"], "star");
+  keeping.toggle(["c0.2"], "star");
   await settle();
   assert.deepEqual(store.state.gallery?.notes, { writable: true, words: "" });
 });
@@ -211,7 +211,7 @@ test("silence is told", { skip: process.env["SLEIGHT_ALL"] !== "1" }, async () =
   const silent = new Server().asSource();
   silent.changeNotes = () => new Promise(() => undefined);
   const { store, keeping } = await pageOf(new Server(), "a", silent);
-  keeping.toggle(["0.3"], "star");
+  keeping.toggle(["c0.3"], "star");
   for (let i = 0; i < 6000 && store.state.notesWords === ""; ++i) await settle();
   assert.notEqual(store.state.notesWords, "");
 });

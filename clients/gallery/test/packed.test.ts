@@ -86,7 +86,7 @@ test("animations are told apart by their prefix, and bad ones are refused", () =
     columns.set(`${prefix}orientation`, Float64Array.of(1, 0, 0, 0));
   }
   const head = { animations: [
-    { name: "0.1", end_s: 0.5, columns: "0:", meshes: [] },
+    { name: "c0.1", end_s: 0.5, columns: "0:", meshes: [] },
     { name: "find.2", end_s: 0.5, columns: "1:", meshes: [] },
   ] };
   const packed = unpack(pack(head, columns).buffer as ArrayBuffer);

@@ -74,7 +74,7 @@ test("what has no number stands last, whichever way", () => {
   const column = [3, NaN, 1, 3, 2];
   assert.deepEqual([...sortedByNumber(allEntries(5), column, false)], [2, 4, 0, 3, 1]);
   assert.deepEqual([...sortedByNumber(allEntries(5), column, true)], [0, 3, 4, 2, 1]);
-  for (const text of ["", "+log_prior", "-offsets[2]", "like:0.1,find.2", "unlike:0.1"])
+  for (const text of ["", "+log_prior", "-offsets[2]", "like:c0.1,find.2", "unlike:c0.1"])
     assert.equal(sortToText(sortFromText(text)), text);
 });
 
@@ -97,10 +97,10 @@ test("sets of entries against a slow way", () => {
 });
 
 test("export's command survives a shell", () => {
-  assert.equal(exportLine("hi.h5", ["0.250"], []), "sleight export hi.h5 --ids 0.250 -o 0.250.glb");
+  assert.equal(exportLine("hi.h5", ["c0.250"], []), "sleight export hi.h5 --ids c0.250 -o c0.250.glb");
   assert.equal(
-    exportLine("it's.h5", ["0.1", "find.2"], []),
-    `sleight export 'it'\\''s.h5' --ids 0.1 find.2 -o animations`,
+    exportLine("it's.h5", ["c0.1", "find.2"], []),
+    `sleight export 'it'\\''s.h5' --ids c0.1 find.2 -o animations`,
   );
   assert.equal(
     exportLine("a.h5", [], [{ text: "x < 1", isNot: true }]),

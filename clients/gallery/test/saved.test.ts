@@ -24,7 +24,7 @@ function packed(head: unknown, columns: readonly (readonly [string, Column])[]):
 }
 
 function names(): string[] {
-  return Array.from({ length: ENTRIES }, (_, entry) => `0.${10 * entry}`);
+  return Array.from({ length: ENTRIES }, (_, entry) => `c0.${10 * entry}`);
 }
 
 /** The columns that the table and the index have in common: draw 10 * entry of chain 0. */
@@ -46,7 +46,7 @@ function animations(first: number): Script {
   const columns: (readonly [string, Column])[] = [];
   for (let entry = first; entry < Math.min(ENTRIES, first + 32); ++entry) {
     const prefix = `${entry - first}:`;
-    heads.push({ name: `0.${10 * entry}`, end_s: 1, meshes: [], columns: prefix });
+    heads.push({ name: `c0.${10 * entry}`, end_s: 1, meshes: [], columns: prefix });
     const f64 = (name: string, ...values: number[]): void => {
       columns.push([prefix + name, Float64Array.from(values)]);
     };
@@ -136,7 +136,7 @@ test("each file is asked for once, by whoever asks", async () => {
   const { source, page } = open();
   const askAll = (): Promise<unknown> => Promise.all([
     source.gallery(), source.scene(0), source.looks(0), source.table(0), source.seriesTitles(0),
-    source.series(0, "trace.50% ä", { chain: "0" }), source.animations(0, ["0.0", "0.310"], BODIES),
+    source.series(0, "trace.50% ä", { chain: "0" }), source.animations(0, ["c0.0", "c0.310"], BODIES),
     source.find("draw 0..20", [{ id: 0, generation: 1 }]),
   ]);
   await Promise.all([askAll(), askAll()]);
@@ -153,14 +153,14 @@ test("animations come from the files that have them, in the order of the names",
   // files' borders, one of them twice; where the ball lies says which it is.
   const { source, page } = open();
   const entries = [64, 31, 32, 0, 69, 31];
-  const found = await source.animations(0, entries.map((entry) => `0.${10 * entry}`), BODIES);
-  assert.deepEqual(found.map(({ name }) => name), entries.map((entry) => `0.${10 * entry}`));
+  const found = await source.animations(0, entries.map((entry) => `c0.${10 * entry}`), BODIES);
+  assert.deepEqual(found.map(({ name }) => name), entries.map((entry) => `c0.${10 * entry}`));
   for (const [i, { recording }] of found.entries()) {
     assert.equal(recording.segments.position[0], entries[i]);
     assert.equal(recording.segments.position.buffer.byteLength, 24);
   }
   assert.equal(page.asked.filter((src) => src.includes("animations")).length, 3);
-  await assert.rejects(source.animations(0, ["0.5"], BODIES), isFailure("missing"));
+  await assert.rejects(source.animations(0, ["c0.5"], BODIES), isFailure("missing"));
 });
 
 test("queries, groups and likeness are answered by the page", async () => {
@@ -267,27 +267,29 @@ test("notes are kept by the browser, or as long as the page", async () => {
   const first = open(undefined, () => storage).source;
   assert.deepEqual((await first.notes()).notes, { [RUN]: {} });
   const other = open(undefined, () => storage).source;
-  assert.equal((await first.changeNotes(RUN, { "0.10": note("one") })).notes["0.10"]?.changed, 1);
-  assert.equal((await other.changeNotes(RUN, { "0.20": note("two") })).notes["0.20"]?.changed, 2);
-  assert.equal((await first.changeNotes(RUN, { "0.10": note("three") })).notes["0.10"]?.changed, 3);
+  assert.equal((await first.changeNotes(RUN, { "c0.10": note("one") })).notes["c0.10"]?.changed, 1);
+  assert.equal((await other.changeNotes(RUN, { "c0.20": note("two") })).notes["c0.20"]?.changed, 2);
+  assert.equal((await first.changeNotes(RUN, { "c0.10": note("three") })).notes["c0.10"]?.changed, 3);
   const again = (await open(undefined, () => storage).source.notes()).notes[RUN];
   assert.deepEqual(Object.entries(again ?? {}).map(([name, { note: text }]) => [name, text]).sort(),
-    [["0.10", "three"], ["0.20", "two"]]);
+    [["c0.10", "three"], ["c0.20", "two"]]);
   assert.equal((await first.gallery()).notes.writable, true);
 
   storage.isFull = true;
-  await first.changeNotes(RUN, { "0.30": note("four") });
-  assert.equal((await first.notes()).notes[RUN]?.["0.30"]?.note, "four");
+  await first.changeNotes(RUN, { "c0.30": note("four") });
+  assert.equal((await first.notes()).notes[RUN]?.["c0.30"]?.note, "four");
   assert.equal((await first.gallery()).notes.writable, false);
 
   const none = open(undefined, () => { throw new Error("SecurityError"); }).source;
-  await none.changeNotes(RUN, { "0.10": note("five") });
-  assert.equal((await none.notes()).notes[RUN]?.["0.10"]?.note, "five");
+  await none.changeNotes(RUN, { "c0.10": note("five") });
+  assert.equal((await none.notes()).notes[RUN]?.["c0.10"]?.note, "five");
   assert.equal((await none.gallery()).notes.writable, false);
 
   storage.isFull = false;
-  storage.setItem(`sleight-notes.${RUN}`, '{"0.1": {"star": 1}, "0.2": 5}');
-  assert.deepEqual((await open(undefined, () => storage).source.notes()).notes, { [RUN]: {} });
+  // What is no note is left out; a name as older galleries wrote it is read.
+  const old = { star: true, hidden: false, tags: [], note: "", changed: 1 };
+  storage.setItem(`sleight-notes.${RUN}`, JSON.stringify({ "0.1": { star: 1 }, "0.2": 5, "0.30": old }));
+  assert.deepEqual((await open(undefined, () => storage).source.notes()).notes, { [RUN]: { "c0.30": old } });
 });
 
 test("it says once that it is here", () => {

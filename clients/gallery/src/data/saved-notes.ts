@@ -3,7 +3,7 @@
 
 import { noteOf, patched } from "./note-patch";
 import { isObject } from "./packed";
-import type { AnimationName, KeptNote, NotePatch } from "./types";
+import { type AnimationName, type KeptNote, nameToday, type NotePatch } from "./types";
 
 type OfRun = Record<AnimationName, KeptNote>;
 
@@ -53,8 +53,9 @@ export class SavedNotes {
     try {
       const all: unknown = JSON.parse(this.storage?.getItem(PREFIX + run) ?? "{}");
       if (!isObject(all)) return {};
-      return Object.fromEntries(
-        Object.entries(all).filter((entry): entry is [string, KeptNote] => isNote(entry[1])));
+      return Object.fromEntries(Object.entries(all)
+        .filter((entry): entry is [string, KeptNote] => isNote(entry[1]))
+        .map(([name, note]) => [nameToday(name), note]));
     } catch {
       return {};
     }

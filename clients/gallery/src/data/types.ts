@@ -112,7 +112,7 @@ export interface Table {
   readonly numbers: ReadonlyMap<string, Float64Array>;
 }
 
-/** "0.250" (chain 0, draw 250) or "find.3". */
+/** "c0.250" (chain 0, draw 250) or "find.3". */
 export type AnimationName = string;
 
 export interface Animation {
@@ -217,8 +217,13 @@ export interface ChangedNotes {
   readonly words: string;
 }
 
+/** A name as it is today: "0.250" is how older pages wrote "c0.250". */
+export function nameToday(name: string): AnimationName {
+  return /^\d/.test(name) ? `c${name}` : name;
+}
+
 /** Of an archive's table row: what it is called. */
 export function nameOf(table: Table, entry: Entry): AnimationName {
   const draw = String(table.draw[entry] ?? 0);
-  return table.isFind[entry] ? `find.${draw}` : `${String(table.chain[entry] ?? 0)}.${draw}`;
+  return table.isFind[entry] ? `find.${draw}` : `c${String(table.chain[entry] ?? 0)}.${draw}`;
 }

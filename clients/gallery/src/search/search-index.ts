@@ -54,7 +54,7 @@ export interface Columns {
 export interface SearchIndex extends Columns {
   readonly generation: number;
   readonly run: string;
-  /** What animations are called: "0.250", "find.3". */
+  /** What animations are called: "c0.250", "find.3". */
   readonly names: readonly string[];
   readonly entries: number;
   readonly bodies: number;

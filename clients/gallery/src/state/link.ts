@@ -13,6 +13,7 @@ import {
   type PathStep,
   type View,
 } from "./page";
+import { nameToday } from "../data/types";
 import { shortNumber } from "./query-text";
 import { sortFromText, sortToText } from "./sorting";
 
@@ -93,7 +94,7 @@ function isView(text: string): text is View {
 }
 
 function names(text: string): string[] {
-  return text === "" ? [] : [...new Set(text.split(",").filter((name) => /^[a-z0-9.]{1,40}$/.test(name)))];
+  return text === "" ? [] : [...new Set(text.split(",").filter((name) => /^[a-z0-9.]{1,40}$/.test(name)).map(nameToday))];
 }
 
 function numberOf(text: string): number | null {
@@ -126,7 +127,7 @@ function stepOf(text: string): PathStep[] {
   const found = /^([a-z]+-\d+):([a-z0-9.]+):([^]*)$/.exec(text);
   const grouping = groupingOf(found?.[1] ?? "");
   if (found === null || grouping === null) return [];
-  return [{ ...grouping, representative: found[2] ?? "", query: found[3] ?? "" }];
+  return [{ ...grouping, representative: nameToday(found[2] ?? ""), query: found[3] ?? "" }];
 }
 
 function cameraOf(text: string): Camera | null {

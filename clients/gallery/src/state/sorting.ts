@@ -1,4 +1,5 @@
 // In which order a list is shown.
+import { nameToday } from "../data/types";
 
 export type SortKey =
   /** As the archive has them. */
@@ -38,7 +39,7 @@ export function sortToText(sort: SortKey): string {
 export function sortFromText(text: string): SortKey {
   const alike = /^(un)?like:(.+)$/.exec(text);
   if (alike !== null)
-    return { by: "alike", isUnlike: alike[1] !== undefined, to: (alike[2] ?? "").split(",") };
+    return { by: "alike", isUnlike: alike[1] !== undefined, to: (alike[2] ?? "").split(",").map(nameToday) };
   if (/^[-+]./.test(text)) return { by: "number", number: text.slice(1), isDescending: text.startsWith("-") };
   return asKept;
 }

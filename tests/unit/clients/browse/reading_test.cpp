@@ -217,8 +217,8 @@ TEST(IndexBytes, ComeBackOrNotAtAll) {
 TEST(Names, AreReadAsTheyAreWritten) {
   const AnimationName drawn{.run = "3f2a9c0111", .chain = 2, .draw = 250};
   const AnimationName found{.run = "3f2a9c0111", .is_find = true, .draw = 3};
-  EXPECT_EQ(short_text(drawn), "2.250");
-  EXPECT_EQ(long_text(drawn), "3f2a9c01:2.250");
+  EXPECT_EQ(short_text(drawn), "c2.250");
+  EXPECT_EQ(long_text(drawn), "3f2a9c01:c2.250");
   EXPECT_EQ(short_text(found), "find.3");
   for (const AnimationName& name : {drawn, found}) {
     for (const std::string& text : {short_text(name), long_text(name)}) {
@@ -228,9 +228,13 @@ TEST(Names, AreReadAsTheyAreWritten) {
       EXPECT_FALSE(asked->is_of({.run = name.run, .chain = 2, .draw = 251}));
     }
   }
-  EXPECT_FALSE(parse_name("3f2a9c02:2.250")->is_of(drawn));
-  for (const char* text : {"", "1", "1.", ".1", "1.2.3", "find", "find.", "find.-1", "-1.2", "1.x",
-                           ":1.2", "1.99999999999999999999", "1. 2", "x:y:1.2"})
+  EXPECT_FALSE(parse_name("3f2a9c02:c2.250")->is_of(drawn));
+  EXPECT_TRUE(parse_name("3f2a9c01:2.250")->is_of(drawn));
+  EXPECT_TRUE(parse_name("2.250")->is_bare);
+  EXPECT_FALSE(parse_name("c2.250")->is_bare);
+  for (const char* text :
+       {"", "c1", "c.1", "cc1.2", "c-1.2", "cfind.1", "1", "1.", ".1", "1.2.3", "find", "find.",
+        "find.-1", "-1.2", "1.x", ":1.2", "1.99999999999999999999", "1. 2", "x:y:1.2"})
     EXPECT_FALSE(parse_name(text).has_value()) << text;
 }
 

@@ -158,9 +158,9 @@ TEST(BrowsedArchives, CountEachAnimationOnce) {
   EXPECT_EQ(browsed.animations(), 5U);
   EXPECT_EQ(browsed.archives[0].twice, 0U);
   EXPECT_EQ(browsed.archives[1].twice, 3U);
-  EXPECT_EQ(name_among(browsed, browsed.archives[1].index.entries[0].name), "0.3");
+  EXPECT_EQ(name_among(browsed, browsed.archives[1].index.entries[0].name), "c0.3");
   browsed.archives[1].index.run_id = "another";
-  EXPECT_EQ(name_among(browsed, browsed.archives[1].index.entries[0].name), "run:0.3");
+  EXPECT_EQ(name_among(browsed, browsed.archives[1].index.entries[0].name), "run:c0.3");
 }
 
 TEST(BrowsedArchives, AnswerAllQueriesThatAreGiven) {

@@ -70,8 +70,8 @@ Document two_clips() {
   early_ball.start_s = 0;
   const Segment thrown{.position_m = {0, 0, 0.4}, .velocity_mps = {0.5, 0, 0}};
   return {.scene = table_scene(),
-          .clips = {clip_of("0.250", 0, {thrown, rest, ball}),
-                    clip_of("1.3", -0.01, {thrown, rest, second, early_ball})},
+          .clips = {clip_of("c0.250", 0, {thrown, rest, ball}),
+                    clip_of("c1.3", -0.01, {thrown, rest, second, early_ball})},
           .extras = {{"world", "dice"}}};
 }
 
@@ -93,8 +93,8 @@ TEST(Document, HoldsBodiesSceneAndMotion) {
   EXPECT_EQ(file.json["asset"]["generator"], "Sleight");
   EXPECT_EQ(file.json["asset"]["extras"], Json({{"world", "dice"}}));
   ASSERT_EQ(file.json["animations"].size(), 1U);
-  EXPECT_EQ(file.json["animations"][0]["name"], "0.250");
-  EXPECT_EQ(file.json["animations"][0]["extras"], Json({{"id", "0.250"}, {"log_prior", -1.5}}));
+  EXPECT_EQ(file.json["animations"][0]["name"], "c0.250");
+  EXPECT_EQ(file.json["animations"][0]["extras"], Json({{"id", "c0.250"}, {"log_prior", -1.5}}));
   ASSERT_EQ(file.json["nodes"].size(), 4U);
   EXPECT_FALSE(testing::has_node(file, "die 2")) << "it never enters";
   EXPECT_EQ(file.json["nodes"][testing::node_named(file, "table")]["extras"]["kind"], "fixed");
@@ -126,16 +126,17 @@ TEST(Document, HoldsClipsTogether) {
     const std::size_t node = testing::node_named(file, name);
     return testing::played(testing::track_of(file, clip, node, "scale"), t_s);
   };
-  EXPECT_EQ(shown("table (0.250)", 0, 0.5), there);
-  EXPECT_EQ(shown("table (0.250)", 1, 0.5), away);
-  EXPECT_EQ(shown("table (1.3)", 0, 0.5), away);
-  EXPECT_EQ(shown("table (1.3)", 1, 0.5), there);
+  EXPECT_EQ(shown("table (c0.250)", 0, 0.5), there);
+  EXPECT_EQ(shown("table (c0.250)", 1, 0.5), away);
+  EXPECT_EQ(shown("table (c1.3)", 0, 0.5), away);
+  EXPECT_EQ(shown("table (c1.3)", 1, 0.5), there);
   EXPECT_EQ(shown("die 2", 0, 0.5), away);
   EXPECT_EQ(shown("die 2", 1, 0.5), there);
   EXPECT_EQ(shown("ball", 0, 0.1), away);
   EXPECT_EQ(shown("ball", 1, 0.1), there);
   // Without a clip a player shows the first one's beginning.
-  EXPECT_EQ(file.json["nodes"][testing::node_named(file, "table (1.3)")]["scale"], Json({0, 0, 0}));
+  EXPECT_EQ(file.json["nodes"][testing::node_named(file, "table (c1.3)")]["scale"],
+            Json({0, 0, 0}));
   // A goal stays as it is in both.
   EXPECT_TRUE(
       testing::track_of(file, 0, testing::node_named(file, "goal 1"), "scale").times_s.empty());
@@ -191,7 +192,7 @@ TEST(Document, OfNothingThatMovesIsAFileToo) {
   EXPECT_TRUE(testing::has_node(file, "table"));
   EXPECT_EQ(file.json["animations"][0]["channels"].size(), 1U);
   // Not even a scene.
-  const File bare = file_of({.clips = {{.name = "0.0", .motion = animation_of({}, 0)}}});
+  const File bare = file_of({.clips = {{.name = "c0.0", .motion = animation_of({}, 0)}}});
   EXPECT_EQ(bare.json["nodes"].size(), 1U);
 }
 
@@ -214,7 +215,7 @@ TEST(Document, HoldsAHundredBodies) {
                         .mode = motion::Mode::resting,
                         .position_m = {0.15, 0.5, z_m - 0.5 * 9.81 * 0.09}});
   }
-  document.clips = {{.name = "0.0", .motion = animation_of(segments, 100)}};
+  document.clips = {{.name = "c0.0", .motion = animation_of(segments, 100)}};
   const File file = file_of(document);
   EXPECT_EQ(file.json["nodes"].size(), 100U);
   for (std::uint32_t body = 0; body < 100; ++body) {

@@ -75,8 +75,8 @@ TEST_F(AnswersTest, TellTheTableAndEachAnimation) {
   const auto draw = table.column<double>("draw");
   std::string names;
   for (std::size_t i = 0; i < entries; ++i) {
-    const std::string name =
-        is_find[i] != 0 ? fmt::format("find.{}", draw[i]) : fmt::format("{}.{}", chain[i], draw[i]);
+    const std::string name = is_find[i] != 0 ? fmt::format("find.{}", draw[i])
+                                             : fmt::format("c{}.{}", chain[i], draw[i]);
     EXPECT_EQ(name, browse::short_text(snapshot->index().entries[i].name));
     const web::Answer one = get("/api/archives/0/animations/" + name);
     ASSERT_EQ(one.status, 200U) << name;
@@ -144,7 +144,7 @@ TEST_F(AnswersTest, WhatIsNotThereIsRefusedInWords) {
   }
   EXPECT_EQ(get("/api/archives/0/animations").status, 400U);
   EXPECT_EQ(get("/api/archives/0/series/trace.lp", {{"chain", "7"}}).status, 404U);
-  std::string names = "0.1";
+  std::string names = "c0.1";
   for (int i = 0; i < 40; ++i)
     names += ",0.1";
   EXPECT_EQ(get("/api/archives/0/animations", {{"names", names}}).status, 400U);
@@ -189,8 +189,8 @@ TEST_F(AnswersTest, QuestionsOfAnyFormAreAnsweredOrRefused) {
   unknown["id"] = 5;
   EXPECT_EQ(status("/api/groups", unknown), 404U);
   EXPECT_EQ(status("/api/alike", with({{"to", Json::array()}})), 400U);
-  EXPECT_EQ(status("/api/notes", {{"run", "../x"}, {"notes", {{"0.1", Json::object()}}}}), 400U);
-  EXPECT_EQ(status("/api/notes", {{"run", "3f2a"}, {"name", "0.1"}, {"note", Json::object()}}),
+  EXPECT_EQ(status("/api/notes", {{"run", "../x"}, {"notes", {{"c0.1", Json::object()}}}}), 400U);
+  EXPECT_EQ(status("/api/notes", {{"run", "3f2a"}, {"name", "c0.1"}, {"note", Json::object()}}),
             400U);
   EXPECT_EQ(status("/api/nothing", good), 404U);
 }

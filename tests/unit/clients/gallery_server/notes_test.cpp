@@ -15,6 +15,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "common/base/file_system.h"
 #include "tests/support/property.h"
 #include "tests/unit/common/archive/hdf5/scratch.h"
 
@@ -43,7 +44,7 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   // another.
   {
     Notes notes(path("notes"));
-    EXPECT_EQ(changed(notes, run, "0.250", starred)["changed"], 1);
+    EXPECT_EQ(changed(notes, run, "c0.250", starred)["changed"], 1);
     EXPECT_EQ(changed(notes, run, "find.3", starred)["changed"], 2);
     EXPECT_EQ(notes.trouble(), "");
   }
@@ -52,12 +53,19 @@ TEST_F(NotesTest, AreThereAgainTheNextTime) {
   EXPECT_EQ(about.st_mode & 077U, 0U);
   Notes notes(path("notes"));
   const Json kept = notes.of_run(run);
-  EXPECT_EQ(kept["0.250"]["note"], "näher");
-  EXPECT_EQ(kept["0.250"]["tags"], Json::array({"calm"}));
+  EXPECT_EQ(kept["c0.250"]["note"], "näher");
+  EXPECT_EQ(kept["c0.250"]["tags"], Json::array({"calm"}));
   EXPECT_EQ(kept["find.3"]["star"], true);
+  // As older galleries wrote names.
+  base::PosixFileSystem files;
+  const std::string file = path("notes/" + run + ".json");
+  std::string text = base::read_text_file(file, 10'000);
+  text.replace(text.find("c0.250"), 6, "0.250");
+  base::write_text_file(files, file, text);
+  EXPECT_EQ(Notes(path("notes")).of_run(run), kept);
   changed(notes, run, "0.250", nothing);
-  EXPECT_FALSE(notes.of_run(run).contains("0.250"));
-  EXPECT_FALSE(Notes(path("notes")).of_run(run).contains("0.250"));
+  EXPECT_FALSE(notes.of_run(run).contains("c0.250"));
+  EXPECT_FALSE(Notes(path("notes")).of_run(run).contains("c0.250"));
   EXPECT_TRUE(notes.of_run("ffff").empty());
 }
 
@@ -68,20 +76,20 @@ TEST_F(NotesTest, NothingElseGetsIn) {
   const auto refused = [&](const std::string& of, const std::string& name, const Json& note) {
     EXPECT_THROW(changed(notes, of, name, note), base::Error) << of << " " << name << " " << note;
   };
-  refused("../x", "0.1", starred);
-  refused("", "0.1", starred);
+  refused("../x", "c0.1", starred);
+  refused("", "c0.1", starred);
   refused(run, "../0.1", starred);
   refused(run, "0.1/../../x", starred);
-  refused(run, "0.1", Json("text"));
-  refused(run, "0.1", {{"star", 1}});
-  refused(run, "0.1", {{"tags_on", "calm"}});
-  refused(run, "0.1", {{"tags_off", Json::array({1})}});
-  refused(run, "0.1", {{"tags_on", Json::array({std::string(k_tag_bytes_max + 1, 'x')})}});
-  refused(run, "0.1", {{"note", std::string(k_note_bytes_max + 1, 'x')}});
+  refused(run, "c0.1", Json("text"));
+  refused(run, "c0.1", {{"star", 1}});
+  refused(run, "c0.1", {{"tags_on", "calm"}});
+  refused(run, "c0.1", {{"tags_off", Json::array({1})}});
+  refused(run, "c0.1", {{"tags_on", Json::array({std::string(k_tag_bytes_max + 1, 'x')})}});
+  refused(run, "c0.1", {{"note", std::string(k_note_bytes_max + 1, 'x')}});
   Json many = Json::array();
   for (std::size_t i = 0; i <= k_tags_max; ++i)
     many.push_back(fmt::format("tag {}", i));
-  refused(run, "0.1", {{"tags_on", many}});
+  refused(run, "c0.1", {{"tags_on", many}});
   EXPECT_FALSE(fs::exists(path("notes")));
 }
 
@@ -98,16 +106,16 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   Json off = stars;
   for (const auto& [name, patch] : stars.items())
     off[name]["star"] = false;
-  off["0.4999"] = {{"star", "no"}};
+  off["c0.4999"] = {{"star", "no"}};
   EXPECT_THROW(notes.change(run, off), base::Error);
-  EXPECT_EQ(notes.of_run(run)["0.0"]["star"], true);
+  EXPECT_EQ(notes.of_run(run)["c0.0"]["star"], true);
   Json more = Json::object();
   for (std::size_t i = 0; i <= k_notes_max - 5000; ++i)
     more[fmt::format("1.{}", i)] = {{"hidden", true}};
   EXPECT_THROW(notes.change(run, more), base::Error);
 #ifndef SLEIGHT_SANITIZED
   if (property::of_tier(0, 1) == 1) {
-    more.erase("1.0");
+    more.erase("c1.0");
     EXPECT_EQ(notes.change(run, more).size(), k_notes_max - 5000);
     EXPECT_EQ(Notes(path("notes")).of_run(run).size(), k_notes_max);
   }
@@ -119,12 +127,12 @@ TEST_F(NotesTest, WhatAChangeDoesNotSpeakOfStays) {
   // Goal: two people's changes of one note are both there. Method: each changes something else.
   Notes mine(path("notes"));
   Notes yours(path("notes"));
-  changed(mine, run, "0.1", {{"note", "this one"}, {"tags_on", {"film"}}});
-  EXPECT_EQ(changed(yours, run, "0.1", {{"star", true}, {"tags_on", {"red", "film"}}})["note"],
+  changed(mine, run, "c0.1", {{"note", "this one"}, {"tags_on", {"film"}}});
+  EXPECT_EQ(changed(yours, run, "c0.1", {{"star", true}, {"tags_on", {"red", "film"}}})["note"],
             "this one");
-  changed(mine, run, "0.1", {{"tags_off", {"red", "none"}}});
+  changed(mine, run, "c0.1", {{"tags_off", {"red", "none"}}});
   for (Notes* notes : {&mine, &yours}) {
-    const Json kept = notes->of_run(run)["0.1"];
+    const Json kept = notes->of_run(run)["c0.1"];
     EXPECT_EQ(kept["note"], "this one");
     EXPECT_EQ(kept["star"], true);
     EXPECT_EQ(kept["tags"], Json::array({"film"}));
@@ -136,8 +144,8 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   // left as it is. Method: a file where the folder should be; a file of nonsense; no folder.
   std::ofstream(path("taken")) << "a file";
   Notes notes(path("taken/notes"));
-  changed(notes, run, "0.250", starred);
-  EXPECT_EQ(notes.of_run(run)["0.250"]["star"], true);
+  changed(notes, run, "c0.250", starred);
+  EXPECT_EQ(notes.of_run(run)["c0.250"]["star"], true);
   EXPECT_THAT(notes.trouble(), HasSubstr("until the gallery ends"));
 
   fs::create_directories(path("notes"));
@@ -145,15 +153,15 @@ TEST_F(NotesTest, WithoutAPlaceTheyLastUntilTheEnd) {
   Notes damaged(path("notes"));
   EXPECT_TRUE(damaged.of_run(run).empty());
   EXPECT_THAT(damaged.trouble(), HasSubstr("can't be read"));
-  changed(damaged, run, "0.1", starred);
+  changed(damaged, run, "c0.1", starred);
   std::string first;
   std::getline(std::ifstream(path("notes/3f2a9c01.json")), first);
   EXPECT_EQ(first, "{\"notes\": [1, 2");
 
   Notes nowhere("");
   EXPECT_THAT(nowhere.trouble(), HasSubstr("no home folder"));
-  changed(nowhere, run, "0.1", starred);
-  EXPECT_EQ(nowhere.of_run(run)["0.1"]["star"], true);
+  changed(nowhere, run, "c0.1", starred);
+  EXPECT_EQ(nowhere.of_run(run)["c0.1"]["star"], true);
 }
 
 TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
@@ -163,9 +171,9 @@ TEST_F(NotesTest, AnotherRunsFileIsNoConcern) {
   std::ofstream(path("notes/3f2a9c01.json")) << "[]";
   Notes notes(path("notes"));
   notes.of_run(run);
-  changed(notes, "aaaa", "0.1", starred);
+  changed(notes, "aaaa", "c0.1", starred);
   EXPECT_THAT(notes.trouble(), HasSubstr("3f2a9c01.json"));
-  EXPECT_TRUE(Notes(path("notes")).of_run("aaaa").contains("0.1"));
+  EXPECT_TRUE(Notes(path("notes")).of_run("aaaa").contains("c0.1"));
 }
 
 TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
@@ -179,8 +187,8 @@ TEST_F(NotesTest, LieBesideTheArchiveWhereSomebodyWantsThemThere) {
   Notes notes(path("data/own"));
   notes.keep_in(run, path("sleight-notes"));
   notes.keep_in(run, path("elsewhere"));
-  changed(notes, run, "0.1", starred);
-  changed(notes, "aaaa", "0.1", starred);
+  changed(notes, run, "c0.1", starred);
+  changed(notes, "aaaa", "c0.1", starred);
   EXPECT_TRUE(fs::exists(path("sleight-notes/3f2a9c01.json")));
   EXPECT_TRUE(fs::exists(path("data/own/aaaa.json")));
   ::unsetenv("XDG_DATA_HOME");
