@@ -199,6 +199,9 @@ class Binder {
   /// is at odds. The message follows `'key' in [section]: `.
   void error(std::string_view key, std::string_view message);
 
+  /// Of the section's or table's head in the file; 0: the file has none.
+  std::uint32_t line() const { return section_ == nullptr ? 0 : section_->place.line; }
+
   const std::string& section_name() const { return section_name_; }
   const std::vector<BoundKey>& keys() const { return keys_; }
   const std::vector<BoundTables>& arrays() const { return arrays_; }

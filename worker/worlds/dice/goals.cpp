@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "common/base/check.h"
 #include "common/math/elementary.h"
 #include "worker/sampling/log_sum.h"
@@ -49,7 +51,86 @@ double log_density(double distance, double sigma) {
   return -0.5 * z * z;
 }
 
+/// Where the centre is wanted; none of other goals.
+std::optional<Region> area_of(const Goal& goal) {
+  if (const auto* region = std::get_if<Region>(&goal.wanted)) return *region;
+  if (const auto* place = std::get_if<Place>(&goal.wanted))
+    return Region{.low_m = place->centre_m, .high_m = place->centre_m};
+  return std::nullopt;
+}
+
+/// Between two areas: that of the nearest points along each axis, and of the farthest.
+struct Apart {
+  double least_m = 0;
+  double most_m = 0;
+};
+Apart apart(const Region& a, const Region& b) {
+  const Vec2 beyond = a.low_m - b.high_m;
+  const Vec2 before = b.low_m - a.high_m;
+  const Vec2 least = beyond.cwiseMax(before).cwiseMax(Vec2(0, 0));
+  const Vec2 most = (a.high_m - b.low_m).cwiseMax(b.high_m - a.low_m);
+  return {.least_m = math::norm(least), .most_m = math::norm(most)};
+}
+
+/// By how much the angles that two goals want differ whatever the die does; none of other goals.
+std::optional<double> angle_at_odds(const Goal& a, const Goal& b) {
+  const auto* turn = std::get_if<Turn>(&a.wanted);
+  const auto* face = std::get_if<FaceDirection>(&b.wanted);
+  if (turn == nullptr && std::holds_alternative<Turn>(b.wanted)) return angle_at_odds(b, a);
+  if (turn != nullptr && face != nullptr)
+    return angle_between(normal_of(turn->orientation, face->face, 0), face->direction);
+  if (turn != nullptr && std::holds_alternative<Turn>(b.wanted))
+    return angle_between(turn->orientation, std::get<Turn>(b.wanted).orientation);
+  const auto* other = std::get_if<FaceDirection>(&a.wanted);
+  if (face == nullptr || other == nullptr) return std::nullopt;
+  const Quat still = Quat::Identity();
+  return std::fabs(
+      angle_between(normal_of(still, face->face, 0), normal_of(still, other->face, 0)) -
+      angle_between(face->direction, other->direction));
+}
+
 }  // namespace
+
+std::string contradiction_of(const Goal& a, const Goal& b, double side_m) {
+  if (a.at_s != b.at_s) return {};
+  const double slack = a.tolerance + b.tolerance;
+  const auto area_a = area_of(a);
+  const auto area_b = area_of(b);
+  if (a.die != b.die) {
+    // In flight one may be above the other.
+    if (!area_a || !area_b || a.at_s) return {};
+    const double most_m = apart(*area_a, *area_b).most_m + slack;
+    if (most_m >= side_m / 2) return {};
+    return fmt::format(
+        "dice {} and {} can't both end there: their centres would be at most {:.3g} "
+        "mm apart, and a die is {:.3g} mm wide",
+        a.die + 1, b.die + 1, 1e3 * most_m, 1e3 * side_m);
+  }
+  if (area_a && area_b) {
+    const double least_m = apart(*area_a, *area_b).least_m;
+    if (least_m <= slack) return {};
+    return fmt::format(
+        "die {} can't be in both places: they are {:.3g} mm apart, and the tolerances "
+        "add up to {:.3g} mm",
+        a.die + 1, 1e3 * least_m, 1e3 * slack);
+  }
+  if (const auto odds_rad = angle_at_odds(a, b); odds_rad && *odds_rad > slack) {
+    constexpr double k_deg_per_rad = 57.295779513082321;
+    return fmt::format(
+        "die {} can't be turned both ways: they differ by {:.3g} degrees, and the "
+        "tolerances add up to {:.3g}",
+        a.die + 1, k_deg_per_rad * *odds_rad, k_deg_per_rad * slack);
+  }
+  const auto* velocity_a = std::get_if<Velocity>(&a.wanted);
+  const auto* velocity_b = std::get_if<Velocity>(&b.wanted);
+  if (velocity_a == nullptr || velocity_b == nullptr) return {};
+  const double apart_mps = math::norm(Vec3(velocity_a->velocity_mps - velocity_b->velocity_mps));
+  if (apart_mps <= slack) return {};
+  return fmt::format(
+      "die {} can't have both velocities: they are {:.3g} m/s apart, and the "
+      "tolerances add up to {:.3g} m/s",
+      a.die + 1, apart_mps, slack);
+}
 
 std::vector<double> goal_times(std::span<const Goal> goals) {
   std::vector<double> times;

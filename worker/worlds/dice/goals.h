@@ -102,6 +102,9 @@ struct Judgement {
   std::vector<double> distances{};          ///< by goal, with these numberings
 };
 
+/// Why no throw of dice with these sides meets both, for people; empty where only a throw can tell.
+std::string contradiction_of(const Goal& a, const Goal& b, double side_m);
+
 /// The times at which goals look, ascending, each once.
 std::vector<double> goal_times(std::span<const Goal> goals);
 

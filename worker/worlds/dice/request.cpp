@@ -220,11 +220,18 @@ struct GoalKeys {
   std::uint32_t die = 1;
 };
 
+/// Where a goal stands.
+struct GoalPlace {
+  std::string name;  ///< "constraint.place"
+  std::uint32_t line = 0;
+};
+
 /// What binds the goals of one request: how many dice there are, and how long they are watched.
 struct GoalBinder {
   Binder& constraint;
   const WorldParameters& world;
   std::vector<Goal>& goals;
+  std::vector<GoalPlace> places = {};  ///< of `goals`
 
   void bind_die(Binder& table, GoalKeys& keys) const {
     table.integer("die", keys.die, {.minimum = 1, .maximum = k_dice_max, .help = "which one"});
@@ -272,9 +279,22 @@ struct GoalBinder {
                             [&](Binder& table, Keys& keys) {
                               bind_die(table, keys);
                               bind(table, keys);
+                              // Once more without a table, for the keys.
+                              if (table.line() == 0) return;
+                              refuse_contradictions(table, keys.goal);
+                              goals.push_back(keys.goal);
+                              places.push_back({table.section_name(), table.line()});
                             });
-    for (Keys& keys : given)
-      goals.push_back(keys.goal);
+  }
+
+  void refuse_contradictions(Binder& table, const Goal& goal) const {
+    for (std::size_t i = 0; i < goals.size(); ++i) {
+      const std::string words = contradiction_of(goals[i], goal, world.side_m);
+      if (words.empty()) continue;
+      table.error("die",
+                  fmt::format("{}; line {} has [{}]", words, places[i].line, places[i].name));
+      return;
+    }
   }
 
   void bind_all();
@@ -441,17 +461,6 @@ void check_faces(Binder& constraint, const Parameters& p) {
                                        "several times, which one numbering has to meet",
                                        die + 1));
           break;
-        }
-      }
-    }
-    for (const Goal* up : of_faces) {
-      for (const Goal* side : of_faces) {
-        if (name_of(*up) != "face" || name_of(*side) != "yaw" || up->at_s != side->at_s) continue;
-        const std::uint32_t top = std::get<FaceDirection>(up->wanted).face;
-        const std::uint32_t other = std::get<FaceDirection>(side->wanted).face;
-        if (other == top || other + top == k_faces + 1) {
-          constraint.error("yaw", fmt::format("face {} of die {} is not at the side when {} is up",
-                                              other, die + 1, top));
         }
       }
     }

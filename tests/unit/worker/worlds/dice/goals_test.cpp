@@ -135,6 +135,60 @@ TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
   }
 }
 
+TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
+  // Goal: only what no throw can meet is called a contradiction. Method: random dice, and pairs of
+  // goals that lie by random shares of their tolerances beside what these dice did.
+  constexpr double k_side_m = 0.016;
+  for (const std::uint64_t draw : property::cases(2000)) {
+    random::Stream stream = testing::stream_of(6, draw);
+    const auto number = [&](double low, double high) {
+      return random::Uniform(low, high).draw(stream);
+    };
+    const auto somewhere = [&](double reach) {
+      return Vec3(number(-reach, reach), number(-reach, reach), number(-reach, reach));
+    };
+    DieView die{.position_m = somewhere(0.1),
+                .orientation = random::UniformRotation{}.draw(stream),
+                .velocity_mps = somewhere(2)};
+    const auto turned = [&] {
+      return math::composed(math::quaternion_of_rotation_vector(somewhere(0.3)), die.orientation);
+    };
+    const auto goal = [&](int sort) -> Goal {
+      const Vec3 centre_m = die.position_m + somewhere(0.004);
+      const Vec2 place_m(centre_m.x(), centre_m.y());
+      const auto face = static_cast<std::uint32_t>(number(1, 6.999));
+      switch (sort) {
+        case 0:
+          return goal_of(Place{.centre_m = place_m});
+        case 1:
+          return goal_of(Region{.low_m = place_m, .high_m = place_m + Vec2(0.01, 0.02)});
+        case 2:
+          return goal_of(FaceDirection{
+              .face = face,
+              .direction = math::rotated(turned(), vector_of(direction_of_face(face, 0)))});
+        case 3:
+          return goal_of(Turn{turned()});
+        default:
+          return goal_of(Velocity{die.velocity_mps + somewhere(0.1)});
+      }
+    };
+    const auto first = static_cast<int>(number(0, 4.999));
+    Goal a = goal(first);
+    Goal b = goal(number(0, 1) < 0.5 ? first : static_cast<int>(number(0, 4.999)));
+    for (Goal* one : {&a, &b})
+      one->tolerance = distance(*one, die) * (1 + 1e-9) + 1e-12;
+    EXPECT_EQ(contradiction_of(a, b, k_side_m), "");
+    // Two dice that lie side by side.
+    const Vec3 away(k_side_m * std::cos(number(0, 6.3)), k_side_m, 0);
+    if (first > 1) continue;
+    die.position_m += away;
+    Goal other = goal(first);
+    other.tolerance = distance(other, die) * (1 + 1e-9) + 1e-12;
+    other.die = 1;
+    EXPECT_EQ(contradiction_of(a, other, k_side_m), "");
+  }
+}
+
 TEST(DiceGoals, MarginalsAreDirectSums) {
   // Goal: the same for any orientation, with several dice. Method: random ones; exponentials by the
   // standard library.

@@ -81,7 +81,7 @@ TEST(DiceRequest, GoalsAreArraysOfTables) {
       "[[constraint.place]]\nx_mm = 30\ny_mm = -20\nsigma_mm = 4\ntolerance_mm = 8\nat_s = 1.5\n"
       "[[constraint.region]]\ndie = 2\nx_low_mm = 1\nx_high_mm = 2\ny_low_mm = 3\ny_high_mm = 4\n"
       "[[constraint.face]]\ndie = 2\nup = 2\ntolerance_deg = 30\n"
-      "[[constraint.yaw]]\nface = 2\nyaw_deg = 90\n"
+      "[[constraint.yaw]]\nface = 5\nyaw_deg = 90\n"
       "[[constraint.orientation]]\nqw = 0\nqz = 0.5\n"
       "[[constraint.velocity]]\nz_mps = -1\nat_s = 0.1\n"
       "[[constraint.before]]\ntime_s = 1.25\nsigma_s = 0.5\n";
@@ -160,7 +160,18 @@ TEST(DiceRequest, SlipsAreNamed) {
   EXPECT_THAT(complaint("[[constraint.face]]\ntolerance_deg = 45"), HasSubstr("to 44 degrees"));
   EXPECT_THAT(complaint("[[constraint.orientation]]\nqw = 0"), HasSubstr("too small"));
   EXPECT_THAT(complaint("[[constraint.face]]\nup = 6\n[[constraint.yaw]]\nface = 1"),
-              HasSubstr("face 1 of die 1 is not at the side when 6 is up"));
+              HasSubstr("die 1 can't be turned both ways: they differ by 90 degrees"));
+  EXPECT_THAT(
+      complaint("[[constraint.place]]\nx_mm = 9\n[[constraint.region]]\nx_high_mm = -9"),
+      HasSubstr("r.toml:5:1: 'die' in [[constraint.region]]: die 1 can't be in both places: "
+                "they are 18 mm apart, and the tolerances add up to 5 mm; line 3 has "
+                "[[constraint.place]]"));
+  const std::string here = "[[constraint.place]]\ntolerance_mm = 2\ndie = ";
+  EXPECT_THAT(complaint("dice = 2\n" + here + "1\n" + here + "2"),
+              HasSubstr("at most 4 mm apart, and a die is 16 mm wide"));
+  EXPECT_EQ(complaint("dice = 2\n" + here + "1\n" + here + "2\nx_mm = 5"), "");
+  EXPECT_EQ(complaint("dice = 2\n" + here + "1\nat_s = 0.5\n" + here + "2\nat_s = 0.5"), "");
+  EXPECT_EQ(complaint(here + "1\nat_s = 0.5\n" + here + "1\nx_mm = 90"), "");
   EXPECT_THAT(complaint("[sampler]\nchange_all = 0.5"), HasSubstr("add up to 1.48"));
   EXPECT_EQ(complaint("[[constraint.face]]\nup = 6\n[[constraint.yaw]]\nface = 2"), "");
 }
