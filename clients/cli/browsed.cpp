@@ -120,7 +120,7 @@ Browsed browse_archives(const std::vector<std::string>& paths) {
       if (error.exit_code() == base::ExitCode::interrupted) throw;
       leave_out(error);
     } catch (const std::bad_alloc&) {
-      leave_out({base::ExitCode::bad_archive,
+      leave_out({base::ExitCode::environment,
                  fmt::format("{}: browsing it takes more memory than there is", path)});
     }
   }

@@ -11,6 +11,7 @@
 
 #include "clients/plot/png.h"
 #include "common/base/error.h"
+#include "common/base/memory.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 // Pango loads fonts in a thread of its own, and it and fontconfig keep them until the process ends:
@@ -33,6 +34,8 @@ using Context = std::unique_ptr<cairo_t, ReleaseContext>;
   g_clear_error(&error);
   throw base::Error(fmt::format("the picture can't be drawn: {}", reason));
 }
+
+constexpr std::size_t k_drawing_bytes = std::size_t{128} << 20U;
 
 /// How quick_png_of compresses: rows as they are, which suits flat colours.
 constexpr int k_quick_level = 2;
@@ -90,6 +93,8 @@ Surface white_surface(int columns, int rows) {
 }
 
 SvgDocument::SvgDocument(std::string_view svg) {
+  // Fonts and all: librsvg, pango and fontconfig crash where there is less.
+  base::require_memory(k_drawing_bytes);
   GError* error = nullptr;
   RsvgHandle* handle =
       rsvg_handle_new_from_data(reinterpret_cast<const guint8*>(svg.data()), svg.size(), &error);

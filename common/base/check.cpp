@@ -4,6 +4,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
+
+#include "common/base/error.h"
+#include "common/base/memory.h"
 
 namespace sleight::base {
 namespace {
@@ -33,6 +37,10 @@ void tell_listener(const std::string& place, const std::string& words) {
   std::string reason = "no exception";
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
+  } catch (const std::bad_alloc&) {
+    // Libraries allocate where nothing may be thrown; and no bug of ours is to be told.
+    std::fprintf(stderr, "%s\n", k_too_little_memory);
+    std::_Exit(static_cast<int>(ExitCode::environment));
   } catch (const std::exception& failure) {
     reason = failure.what();
   } catch (...) {

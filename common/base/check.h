@@ -41,7 +41,8 @@ void set_bug_listener(BugListener listener);
 std::string command_line(int argc, const char* const* argv);
 
 /// From now on an exception that nobody catches is printed, with the notes, before the process
-/// aborts. Call it first thing in a main.
+/// aborts; where it is std::bad_alloc it ends with ExitCode::environment. Call it first thing in a
+/// main.
 void report_uncaught_exceptions();
 
 namespace detail {

@@ -2,21 +2,31 @@
 
 #include <fmt/format.h>
 
+#include <new>
+
 namespace sleight::archive::hdf5 {
 namespace {
 
 /// What was wrong at the bottom of HDF5's error stack, where the cause is; then empties the stack.
+/// Throws std::bad_alloc where it is memory.
 std::string innermost_reason() {
-  std::string reason;
+  struct Found {
+    std::string reason{};
+    bool is_memory = false;
+  } found;
   H5Ewalk2(
       H5E_DEFAULT, H5E_WALK_UPWARD,
       [](unsigned depth, const H5E_error2_t* error, void* out) -> herr_t {
-        if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(out) = error->desc;
+        if (depth != 0) return 0;
+        Found& innermost = *static_cast<Found*>(out);
+        if (error->desc != nullptr) innermost.reason = error->desc;
+        innermost.is_memory = error->maj_num == H5E_RESOURCE && error->min_num == H5E_NOSPACE;
         return 0;
       },
-      &reason);
+      &found);
   H5Eclear2(H5E_DEFAULT);
-  return reason.empty() ? "HDF5 gives no reason" : reason;
+  if (found.is_memory) throw std::bad_alloc();
+  return found.reason.empty() ? "HDF5 gives no reason" : found.reason;
 }
 
 bool start_library() {

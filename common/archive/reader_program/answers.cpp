@@ -46,9 +46,10 @@ bool say_all(std::span<const std::byte> bytes) {
   return true;
 }
 
-bool refuse(std::uint32_t number, std::string_view reason) {
+bool refuse(std::uint32_t number, std::string_view reason,
+            std::uint8_t type = remote::k_of_archive) {
   reason = reason.substr(0, remote::k_refusal_bytes_max);
-  return say({.number = number, .kind = AnswerKind::refusal, .bytes = reason.size()},
+  return say({.number = number, .kind = AnswerKind::refusal, .type = type, .bytes = reason.size()},
              std::as_bytes(std::span<const char>(reason)));
 }
 
@@ -64,7 +65,8 @@ bool or_refuse(std::uint32_t number, std::uint64_t memory_bytes, const Work& wor
     return refuse(number, reason);
   } catch (const std::bad_alloc&) {
     return refuse(number,
-                  fmt::format("reading it takes more than {} bytes of memory", memory_bytes));
+                  fmt::format("reading it takes more than {} bytes of memory", memory_bytes),
+                  remote::k_of_memory);
   }
 }
 

@@ -55,6 +55,7 @@ enum class AnswerKind : std::uint8_t { contents = 1, values = 2, refusal = 3 };
 /// The type of a refusal.
 inline constexpr std::uint8_t k_of_archive = 0;
 inline constexpr std::uint8_t k_of_environment = 1;
+inline constexpr std::uint8_t k_of_memory = 2;  ///< there is too little for it
 
 /// What every answer begins with.
 struct AnswerHead {

@@ -143,26 +143,32 @@ std::vector<char*> pointers_of(std::vector<std::string>& words) {
   return pointers;
 }
 
-std::string why_it_ended(int status, const ReaderLimits& limits) {
+ReaderEnd why_it_ended(int status, const ReaderLimits& limits) {
   if (!WIFSIGNALED(status)) {
-    return fmt::format(
-        "the process that read it ended early with code {}: the file is damaged or hostile",
-        WEXITSTATUS(status));
+    return {.words = fmt::format(
+                "the process that read it ended early with code {}: the file is damaged or hostile",
+                WEXITSTATUS(status)),
+            .is_abrupt = true};
   }
   const int signal = WTERMSIG(status);
   if (signal == SIGXCPU) {
-    return fmt::format(
-        "reading it takes more than {} s of processor time: the file is damaged or hostile",
-        limits.cpu_s);
+    return {.words = fmt::format("reading it takes more than {} s of processor time: the file is "
+                                 "damaged or hostile",
+                                 limits.cpu_s)};
   }
   if (signal == SIGSYS) {
-    return "the process that read it tried what reading doesn't need, and was ended: the file is "
-           "damaged or hostile";
+    return {.words =
+                "the process that read it tried what reading doesn't need, and was ended: the "
+                "file is damaged or hostile"};
   }
-  if (signal == SIGKILL)
-    return "the process that read it was killed, by somebody or for want of memory";
-  return fmt::format("the process that read it crashed ({}): the file is damaged or hostile",
-                     ::strsignal(signal));
+  if (signal == SIGKILL) {
+    return {.words = "the process that read it was killed, by somebody or for want of memory",
+            .exit_code = base::ExitCode::environment};
+  }
+  return {
+      .words = fmt::format("the process that read it crashed ({}): the file is damaged or hostile",
+                           ::strsignal(signal)),
+      .is_abrupt = true};
 }
 
 }  // namespace
@@ -261,7 +267,7 @@ bool ReaderProcess::has_unasked_words() const {
   return ::poll(&watched, 1, 0) > 0 && (watched.revents & POLLIN) != 0;
 }
 
-std::string ReaderProcess::end() {
+ReaderEnd ReaderProcess::end() {
   const auto latest = std::chrono::steady_clock::now() + k_ending;
   int status = 0;
   pid_t got = 0;
@@ -271,13 +277,15 @@ std::string ReaderProcess::end() {
       while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
       }
       id_ = -1;
-      return "the process that read it fell silent: the file is damaged or hostile";
+      return {.words = "the process that read it fell silent: the file is damaged or hostile"};
     }
     ::poll(nullptr, 0, k_look_every_ms);
   }
   id_ = -1;
   // A program that ignores its children's ends isn't told how they ended.
-  if (got < 0) return "the process that read it has ended: the file is damaged or hostile";
+  if (got < 0)
+    return {.words = "the process that read it has ended: the file is damaged or hostile",
+            .is_abrupt = true};
   return why_it_ended(status, limits_);
 }
 

@@ -21,6 +21,7 @@
 #include <string>
 
 #include "common/base/descriptor.h"
+#include "common/base/error.h"
 
 namespace sleight::archive::remote {
 
@@ -34,6 +35,12 @@ struct ReaderLimits {
 
 /// How far an answer came.
 enum class Received { all, ended, late };
+
+struct ReaderEnd {
+  std::string words{};  ///< for people
+  base::ExitCode exit_code = base::ExitCode::bad_archive;
+  bool is_abrupt = false;  ///< as for want of memory
+};
 
 class ReaderProcess {
  public:
@@ -54,9 +61,9 @@ class ReaderProcess {
   /// Whether it says, or has said, what nobody has asked for.
   bool has_unasked_words() const;
 
-  /// Ends the process if it doesn't end by itself at once, and says why it is no more, for people.
+  /// Ends the process if it doesn't end by itself at once, and says why it is no more.
   /// REQUIRES: once, and nothing else afterwards.
-  std::string end();
+  ReaderEnd end();
 
   pid_t id() const { return id_; }
 

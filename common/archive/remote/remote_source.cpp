@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -71,7 +72,7 @@ class RemoteSource final : public Source {
     const std::uint64_t total = element_count(*asked.spec);
     CHECK_LE(first, total);
     CHECK_LE(count, total - first);
-    if (!process_) throw base::Error(base::ExitCode::bad_archive, failure_);
+    if (!process_) throw base::Error(failure_);
     ask({.number = ++asked_, .dataset = asked.number, .first = first, .count = count});
     const AnswerHead head = receive_head();
     if (head.kind != AnswerKind::values || head.type != static_cast<std::uint8_t>(asked.spec->type))
@@ -99,14 +100,30 @@ class RemoteSource final : public Source {
   };
 
   /// Gives the reader up, for this reason.
-  [[noreturn]] void fail(std::string_view reason) const {
+  [[noreturn]] void fail(std::string_view reason,
+                         base::ExitCode code = base::ExitCode::bad_archive) const {
     process_.reset();
-    failure_ = fmt::format("{}: {}", path_, reason);
-    throw base::Error(base::ExitCode::bad_archive, failure_);
+    failure_ = base::Error(code, fmt::format("{}: {}", path_, reason));
+    throw base::Error(failure_);
+  }
+
+  /// Where this process, and with it the reader, has less memory than a reader may use, nothing is
+  /// said of the file.
+  void fail_for_want_of_memory() const {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_max >= limits_.address_space_bytes)
+      return;
+    fail(fmt::format("too little memory to read it: this process may have {} MB (ulimit -v)",
+                     limit.rlim_max / 1'000'000),
+         base::ExitCode::environment);
   }
 
   [[noreturn]] void fail_of(Received how_far) const {
-    if (how_far == Received::ended) fail(std::string(process_->end()));
+    if (how_far == Received::ended) {
+      const ReaderEnd end = process_->end();
+      if (end.is_abrupt) fail_for_want_of_memory();
+      fail(end.words, end.exit_code);
+    }
     fail(fmt::format("reading it takes more than {} s: the file is damaged or hostile",
                      limits_.timeout_s));
   }
@@ -131,10 +148,12 @@ class RemoteSource final : public Source {
       fail("its reader answers another question than it was asked");
     if (head.kind != AnswerKind::refusal) return head;
     const bool is_of_environment = head.type == k_of_environment && asked_ == 0;
-    if (head.bytes > k_refusal_bytes_max || (head.type != k_of_archive && !is_of_environment))
+    if (head.bytes > k_refusal_bytes_max ||
+        (head.type != k_of_archive && head.type != k_of_memory && !is_of_environment))
       fail("its reader refuses in a way that there isn't");
     std::string reason(head.bytes, '\0');
     receive(std::as_writable_bytes(std::span<char>(reason)));
+    if (head.type == k_of_memory) fail_for_want_of_memory();
     throw base::Error(is_of_environment ? base::ExitCode::environment : base::ExitCode::bad_archive,
                       fmt::format("{}: {}", path_, shown_text(reason)));
   }
@@ -174,7 +193,7 @@ class RemoteSource final : public Source {
   std::vector<Group> groups_;
   std::map<std::string, Numbered> datasets_;      ///< by path
   mutable std::optional<ReaderProcess> process_;  ///< none once it has failed
-  mutable std::string failure_;
+  mutable base::Error failure_{""};
   mutable std::uint32_t asked_ = 0;  ///< questions so far
 };
 

@@ -203,7 +203,7 @@ TEST_F(Remote, AKilledReaderIsNamed) {
     ::usleep(1000);
   }
   EXPECT_FALSE(is_heard);
-  EXPECT_THAT(process.end(), HasSubstr("was killed, by somebody"));
+  EXPECT_THAT(process.end().words, HasSubstr("was killed, by somebody"));
 }
 
 TEST_F(Remote, LiesAboutContentsAreFound) {
