@@ -23,6 +23,7 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/output_beside.h"
 
 namespace sleight::cli {
 namespace {
@@ -184,9 +185,7 @@ void draw_frames(const FrameArtist& artist, plot::Film& film, std::size_t count,
 class FolderBeside {
  public:
   explicit FolderBeside(const std::string& folder)
-      : place_(fs::path(folder).lexically_normal().string()) {
-    while (place_.size() > 1 && place_.ends_with('/'))
-      place_.pop_back();
+      : place_(base::where_links_lead(fs::path(folder).lexically_normal().string())) {
     std::error_code none;
     if (fs::exists(place_, none) && !(fs::is_directory(place_, none) && fs::is_empty(place_, none)))
       refuse_used();
@@ -279,7 +278,7 @@ std::size_t write_mp4(const scene::Scene& scene, const ShownAnimation& animation
   const std::size_t count = frame_count(animation.motion, options.fps);
   const FrameArtist artist(scene, animation, options.look);
   plot::Film film(artist.still(), options.scale);
-  OutputBeside beside(path);
+  base::OutputBeside beside(path);
   Ffmpeg ffmpeg({.output = beside.path(),
                  .columns = film.columns(),
                  .rows = film.rows(),

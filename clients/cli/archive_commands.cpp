@@ -24,6 +24,7 @@
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
+#include "common/base/output_beside.h"
 #include "common/json/value.h"
 
 namespace sleight::cli {
@@ -217,20 +218,6 @@ json::Value as_json(const std::string& path, const Facts& facts) {
   return json;
 }
 
-void export_to_file(const archive::Source& source, const ExportOptions& options,
-                    const std::string& path) {
-  errno = 0;
-  std::ofstream file(path);
-  if (file) {
-    archive::export_csv(source, options.table, file, options.animations);
-    file.close();
-  }
-  if (!file) {
-    throw base::Error(fmt::format("{}: can't write it: {}", options.output,
-                                  errno != 0 ? std::strerror(errno) : "is the disk full?"));
-  }
-}
-
 }  // namespace
 
 int archive_info(const std::string& path, bool json) {
@@ -273,9 +260,10 @@ int archive_export_csv(const ExportOptions& options) {
     return k_ok;
   }
   refuse_same_file(options.path, options.output);
-  OutputBeside output(options.output);
-  export_to_file(*archive::remote::open_remote(options.path), options, output.path());
-  output.put_in_place();
+  const auto source = archive::remote::open_remote(options.path);
+  base::write_output(options.output, [&](std::ostream& file) {
+    archive::export_csv(*source, options.table, file, options.animations);
+  });
   return k_ok;
 }
 

@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <sstream>
-#include <thread>
 
 #include "clients/browse/agreement.h"
 #include "clients/browse/groups.h"
@@ -22,6 +21,7 @@
 #include "clients/cli/text_table.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
+#include "common/base/cores.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 
@@ -137,8 +137,7 @@ void compare_looks(const Browsed& browsed, std::size_t groups, Comparison& compa
     comparison.groups.push_back(std::move(compared));
   }
   const browse::Sketches sketches(tested, archives[0].index.scene);
-  comparison.test = browse::neighbour_test(
-      sketches.matrix(std::max(1U, std::thread::hardware_concurrency())), set_of);
+  comparison.test = browse::neighbour_test(sketches.matrix(base::cores_here()), set_of);
 }
 
 Json spread_json(const Spread& spread) {

@@ -354,13 +354,23 @@ void judge_draws(Judged& judged, const archive::Summary& summary) {
 
 }  // namespace
 
+std::string why_not_diagnosed(const archive::Source& source, const archive::Summary& summary) {
+  if (summary.finds.found > 0 && summary.scans == 0) {
+    return fmt::format("its {} animations were found by search and are no draws",
+                       summary.finds.found);
+  }
+  const archive::Group* learnt = archive::find_group(source, archive::k_tempering);
+  const bool has_weights = learnt != nullptr && find_dataset(*learnt, "log_weight") != nullptr;
+  if (has_weights && method_of(summary.request_text) == request::Method::sequential)
+    return "its draws are islands', independent and weighted; sleight archive info tells the odds";
+  return {};
+}
+
 Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
   const archive::Summary summary = archive::summary_of(source);
-  if (summary.finds.found > 0 && summary.scans == 0) {
+  if (const std::string reason = why_not_diagnosed(source, summary); !reason.empty()) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: there is nothing to diagnose: its {} animations were found "
-                                  "by search and are no draws",
-                                  source.name(), summary.finds.found));
+                      fmt::format("{}: there is nothing to diagnose: {}", source.name(), reason));
   }
   if (summary.chains == 0 || summary.scans == 0) {
     throw base::Error(base::ExitCode::bad_archive, source.name() + ": it has no scans");
@@ -371,14 +381,6 @@ Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
   diagnosis.chains = summary.chains;
   diagnosis.scans = summary.scans;
   const std::optional<request::Method> method = method_of(summary.request_text);
-  const archive::Group* learnt = archive::find_group(source, archive::k_tempering);
-  const bool has_weights = learnt != nullptr && find_dataset(*learnt, "log_weight") != nullptr;
-  if (method == request::Method::sequential && has_weights) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: there is nothing to diagnose: its draws are islands', "
-                                  "independent and weighted; sleight archive info tells the odds",
-                                  source.name()));
-  }
   const std::vector<Round> rounds =
       rounds_of(source, summary.chains,
                 burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));

@@ -34,6 +34,7 @@
 #include "clients/cli/scalar_draws.h"
 #include "clients/cli/tempering.h"
 #include "common/archive/model.h"
+#include "common/archive/summary.h"
 
 namespace sleight::cli {
 
@@ -148,6 +149,10 @@ struct Diagnosis {
   bool mixed() const { return reasons.empty(); }
 };
 
+/// Why an archive's draws are nothing that chains could have mixed; empty: they are chains'.
+std::string why_not_diagnosed(const archive::Source& source, const archive::Summary& summary);
+
+/// Throws base::Error(usage) where why_not_diagnosed says why.
 Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules);
 
 }  // namespace sleight::cli

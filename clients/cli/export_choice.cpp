@@ -46,9 +46,7 @@ std::vector<AnimationId> chosen(const archive::Source& source, const ExportChoic
   const bool is_selected = !choice.select.empty() || choice.representatives;
   std::vector<AnimationId> ids = is_selected ? selected(source, choice) : animation_ids(source);
   if (ids.empty() && !choice.select.empty()) refuse(source, "no animation is meant by --select");
-  if (ids.empty()) {
-    throw base::Error(fmt::format("{}: it holds no animation; run more scans", source.name()));
-  }
+  if (ids.empty()) refuse(source, "it holds no animation; run more scans");
   if (is_bounded && ids.size() > k_export_max && !choice.all && !choice.representatives) {
     refuse(source, fmt::format("{} {} animations, more than {}; name some with --ids, --select or "
                                "--representatives, or give --all",

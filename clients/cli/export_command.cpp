@@ -27,6 +27,7 @@
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
+#include "common/base/output_beside.h"
 #include "common/json/value.h"
 
 namespace sleight::cli {
@@ -95,6 +96,9 @@ void check(const ExportAnimationsOptions& options) {
                                    format));
   }
   if (format != "glb" && options.together) refuse_usage("--together is for --format glb");
+  if (options.output == "-")
+    refuse_usage(
+        "-o -: only a table goes to standard output (--format csv); name a file or folder");
   if (options.together && !is_file_of(options.output, format))
     refuse_usage(
         fmt::format("{}: --together makes one file; its name must end with .glb", options.output));
@@ -126,8 +130,8 @@ class GlbExport {
         scene_(required_scene(source)),
         extras_(extras_of(source)) {}
 
-  /// All as clips of one file. `place`: where to write.
-  WrittenFile write_one(std::span<const AnimationId> ids, const std::string& place) {
+  /// All as clips of one file.
+  WrittenFile write_one(std::span<const AnimationId> ids) {
     ExportProgress progress(ids.size());
     gltf::Document document{.scene = scene_, .extras = extras_};
     WrittenFile written{.path = options_.output, .ids = {}};
@@ -136,12 +140,12 @@ class GlbExport {
       written.ids.push_back(id.text);
       progress.done(written.ids.size());
     }
-    put(document, place, written);
+    put(document, written);
     return written;
   }
 
-  /// A file each, written in `beside` and then renamed into the output folder.
-  std::vector<WrittenFile> write_each(std::span<const AnimationId> ids, const std::string& beside) {
+  /// A file each, in the output folder.
+  std::vector<WrittenFile> write_each(std::span<const AnimationId> ids) {
     ExportProgress progress(ids.size());
     const std::string run_id = archive::summary_of(source_).run_id;
     const auto name_of = [&](const AnimationId& id) {
@@ -154,12 +158,7 @@ class GlbExport {
       gltf::Document document{.scene = scene_, .extras = extras_};
       document.clips.push_back(clip_of(source_, scene_, id));
       WrittenFile written{.path = options_.output + "/" + name_of(id), .ids = {id.text}};
-      const std::string place = beside + "/" + name_of(id);
-      put(document, place, written);
-      std::error_code failed;
-      fs::rename(place, written.path, failed);
-      if (failed)
-        throw base::Error(fmt::format("{}: can't write it: {}", written.path, failed.message()));
+      put(document, written);
       all.push_back(std::move(written));
       progress.done(all.size());
     }
@@ -167,13 +166,13 @@ class GlbExport {
   }
 
  private:
-  void put(const gltf::Document& document, const std::string& place, WrittenFile& written) {
+  void put(const gltf::Document& document, WrittenFile& written) {
     const auto glb = gltf::glb_of(document, {.fps = options_.fps});
     if (!glb) {
       throw base::Error(
           fmt::format("{}: animation {} {}", source_.name(), written.ids.front(), glb.error()));
     }
-    write_export(place, written.path, [&](std::ostream& file) { file << glb.value().bytes; });
+    base::write_output(written.path, [&](std::ostream& file) { file << glb.value().bytes; });
     written.bytes = glb.value().bytes.size();
   }
 
@@ -210,21 +209,21 @@ void require_one(std::span<const AnimationId> ids, const ExportAnimationsOptions
       ids.size(), options.format == "glb" ? "add --together for clips of one file, or " : ""));
 }
 
-/// Step two, of one file: `place` is where to write it.
+/// Step two, of one file.
 std::vector<WrittenFile> write_one_file(const archive::Source& source,
                                         const ExportAnimationsOptions& options,
-                                        std::span<const AnimationId> ids,
-                                        const std::string& place) {
+                                        std::span<const AnimationId> ids) {
   if (options.format == "glb") {
     require_one(ids, options);
-    return {GlbExport(source, options).write_one(ids, place)};
+    return {GlbExport(source, options).write_one(ids)};
   }
   WrittenFile written{.path = options.output, .ids = {}};
   for (const AnimationId& id : ids)
     written.ids.push_back(id.text);
-  write_export(place, options.output, [&](std::ostream& file) {
+  base::write_output(options.output, [&](std::ostream& file) {
     write_animations_csv(source, ids, options.table, file);
     written.bytes = static_cast<std::uint64_t>(std::max<std::streamoff>(0, file.tellp()));
+    Interruption::check();
   });
   return {written};
 }
@@ -295,6 +294,7 @@ std::vector<std::string> export_views() {
 int export_animations(const ExportAnimationsOptions& given) {
   ExportAnimationsOptions options = given;
   if (options.format.empty()) options.format = format_of(options.output);
+  if (options.format == "csv" && options.output == "-") options.output.clear();
   check(options);
   if (!options.output.empty()) refuse_same_file(options.path, options.output);
   return with_results([&] {
@@ -307,16 +307,11 @@ int export_animations(const ExportAnimationsOptions& given) {
       tell(options, write_films(*source, options));
     } else if (is_file_of(options.output, options.format)) {
       if (!is_pipe_for(options)) refuse_others_file(options.output, options.force);
-      OutputBeside output(options.output);
-      const auto written =
-          write_one_file(*source, options, choose(*source, options), output.path());
-      Interruption::check();
-      output.put_in_place();
-      tell(options, written);
+      tell(options, write_one_file(*source, options, choose(*source, options)));
     } else {
       const std::vector<AnimationId> ids = choose(*source, options);
-      const Workshop workshop(options.output);
-      tell(options, GlbExport(*source, options).write_each(ids, workshop.path()));
+      make_export_folder(options.output);
+      tell(options, GlbExport(*source, options).write_each(ids));
     }
     return k_ok;
   });

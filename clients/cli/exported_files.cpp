@@ -1,8 +1,5 @@
 #include "clients/cli/exported_files.h"
 
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cctype>
 #include <cerrno>
 #include <cmath>
@@ -17,6 +14,7 @@
 #include "clients/browse/index.h"
 #include "clients/cli/interruption.h"
 #include "common/base/error.h"
+#include "common/base/output_beside.h"
 
 namespace sleight::cli {
 namespace {
@@ -45,7 +43,8 @@ std::string export_name(const std::string& run_id, const std::string& id) {
   return fmt::format("{}-{}", letters.empty() ? "run" : letters, id);
 }
 
-void make_export_folder(const std::string& path) {
+void make_export_folder(const std::string& given) {
+  const std::string path = base::where_links_lead(given);
   std::error_code failed;
   fs::create_directories(path, failed);
   if (!failed && fs::is_directory(path)) return;
@@ -64,32 +63,6 @@ void refuse_others_file(const std::string& path, bool force) {
       fmt::format("{}: it is there already, and sleight did not make it, or can't tell; give "
                   "--force to replace it",
                   path));
-}
-
-void write_export(const std::string& place, const std::string& shown,
-                  const std::function<void(std::ostream&)>& write) {
-  errno = 0;
-  std::ofstream file(place, std::ios::binary);
-  if (file) {
-    write(file);
-    file.close();
-  }
-  if (file) return;
-  throw base::Error(fmt::format("{}: can't write it: {}", shown,
-                                errno != 0 ? std::strerror(errno) : "is the disk full?"));
-}
-
-Workshop::Workshop(const std::string& output)
-    : path_(fmt::format("{}/.sleight-export.{}", output, ::getpid())) {
-  make_export_folder(output);
-  // One that is there already, or a link, is not ours.
-  if (::mkdir(path_.c_str(), S_IRWXU) != 0)
-    throw base::Error(fmt::format("{}: can't make this folder: {}", path_, std::strerror(errno)));
-}
-
-Workshop::~Workshop() {
-  std::error_code none;
-  fs::remove_all(path_, none);
 }
 
 void ExportProgress::done(std::size_t count, std::size_t frames, std::size_t of) {

@@ -55,7 +55,7 @@ std::string sha256_of_file(const std::string& path) {
 /// How a fetch goes, on a terminal's stderr.
 class FetchPrinter {
  public:
-  explicit FetchPrinter(bool quiet) : shows_(!quiet && width_of(stderr).has_value()) {}
+  explicit FetchPrinter(bool quiet) : shows_(!quiet && line_.can_renew()) {}
   ~FetchPrinter() { clear(); }
   FetchPrinter(const FetchPrinter&) = delete;
   FetchPrinter& operator=(const FetchPrinter&) = delete;
@@ -78,19 +78,13 @@ class FetchPrinter {
       line += fmt::format("  {:.1f} MB/s  {} left", rate / 1e6,
                           events::clock_time(as_double(file.size - bytes) / rate));
     }
-    const std::size_t width = width_of(stderr).value_or(80) - 1;
-    std::fputs(fmt::format("\r{}\x1b[K", std::string_view(line).substr(0, width)).c_str(), stderr);
-    std::fflush(stderr);
-    is_open_ = true;
+    line_.show(line);
   }
-  void clear() {
-    if (is_open_) std::fputs("\r\x1b[K", stderr);
-    is_open_ = false;
-  }
+  void clear() { line_.clear(); }
 
  private:
+  RenewedLine line_{stderr};
   bool shows_;
-  bool is_open_ = false;
   base::SteadyClock clock_;
   std::string sha256_;
   std::uint64_t first_bytes_ = 0;
@@ -110,10 +104,10 @@ Standing standing_of(const std::string& path, const rpc::FileView& file) {
   return Standing::other;
 }
 
-/// A folder, a device, a link: what no file may take the place of.
+/// A folder, a device: what no file may take the place of.
 bool is_no_file(const std::string& path) {
   std::error_code none;
-  const fs::file_status status = fs::symlink_status(path, none);
+  const fs::file_status status = fs::status(path, none);
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "clients/cli/browsed_json.h"
@@ -14,6 +13,7 @@
 #include "clients/cli/terminal.h"
 #include "clients/cli/text_table.h"
 #include "clients/plot/save.h"
+#include "common/base/cores.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 
@@ -95,9 +95,8 @@ browse::Groups groups_of(const std::vector<Picked>& picked, std::uint64_t groups
                                   entries.size(), browse::k_full_matrix_max));
   }
   if (entries.empty()) return {};
-  return browse::groups_of(
-      entries, picked.front().archive->index.scene,
-      {.groups = groups, .by = by, .threads = std::max(1U, std::thread::hardware_concurrency())});
+  return browse::groups_of(entries, picked.front().archive->index.scene,
+                           {.groups = groups, .by = by, .threads = base::cores_here()});
 }
 
 int group_animations(const GroupsOptions& options) {

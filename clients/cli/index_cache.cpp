@@ -1,9 +1,9 @@
 #include "clients/cli/index_cache.h"
 
-#include <thread>
 #include <utility>
 
 #include "clients/browse/index_bytes.h"
+#include "common/base/cores.h"
 #include "common/base/version.h"
 
 namespace sleight::cli {
@@ -21,7 +21,7 @@ bool is_worth_keeping(const browse::Index& index) {
 std::optional<KeptIndex> kept_index(const std::string& archive) {
   const auto bytes = cached(archive, k_index_ending);
   if (!bytes) return std::nullopt;
-  auto index = browse::index_of(bytes->content(), std::thread::hardware_concurrency());
+  auto index = browse::index_of(bytes->content(), base::cores_here());
   if (!index) return std::nullopt;
   return KeptIndex{.index = *std::move(index), .of = bytes->of};
 }

@@ -25,6 +25,7 @@ namespace {
                     : chain                         ? "try another chain or run more scans"
                                                     : "run more scans";
   throw base::Error(
+      base::ExitCode::usage,
       fmt::format("{}: it holds no satisfying animation{} to draw; {}", source.name(), whose, why));
 }
 

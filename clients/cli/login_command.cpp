@@ -12,6 +12,7 @@
 #include "clients/cli/output.h"
 #include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
+#include "clients/cli/terminal.h"
 #include "common/access/certificates.h"
 #include "common/access/token_text.h"
 #include "common/base/error.h"
@@ -67,7 +68,7 @@ std::string token_given(const LoginOptions& options) {
   std::string text;
   if (!options.token_file.empty()) {
     text = base::read_text_file(options.token_file, k_token_file_bytes_max);
-  } else if (::isatty(STDIN_FILENO) != 0) {
+  } else if (is_typed()) {
     std::fputs("Token: ", stderr);
     const WithoutEcho hidden;
     text = line_of_stdin();

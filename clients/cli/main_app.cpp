@@ -59,7 +59,7 @@ struct RequestHelpArguments {
 
 void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& action) {
   CLI::App* check = app.add_subcommand("check", "Check a request; print it with every key");
-  check->add_option("request", arguments.path, "The direction request")
+  check->add_option("request", arguments.path, "The direction request; -: standard input")
       ->required()
       ->type_name("REQUEST.toml");
   add_sets_option(*check, arguments.sets);

@@ -49,17 +49,32 @@ schema::Hello hello_of(const request::DirectionRequest& request) {
           .threads = 1};
 }
 
+std::string as_rank_0_has_it(std::string text) {
+  std::uint64_t bytes = text.size();
+  MPI_Bcast(&bytes, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+  text.resize(bytes);
+  MPI_Bcast(text.data(), static_cast<int>(bytes), MPI_CHAR, 0, MPI_COMM_WORLD);
+  return text;
+}
+
+/// Rank 0's, on all ranks, which call it at the same point: others may have no such file, and no
+/// standard input.
+cli::GivenRequest as_rank_0_has_it(const cli::GivenRequest& given) {
+  return {.name = as_rank_0_has_it(given.name), .text = as_rank_0_has_it(given.text)};
+}
+
 struct Rank0End {
   int code = 0;
   bool all_have_left = true;  ///< no other rank is still there
 };
 
 Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi, cli::EndReport& end_report) {
-  check_arguments(arguments);
+  cli::GivenRequest given = given_request(arguments);
+  if (with_mpi) given = as_rank_0_has_it(given);
   coordinator::catch_stop_signals();
   run::Catalogue catalogue = worlds_of_program();
-  if (arguments.print_request) return {.code = print_request(catalogue, arguments)};
-  const auto request = read_request_file(catalogue, arguments);
+  if (arguments.print_request) return {.code = print_request(catalogue, given, arguments)};
+  const auto request = read_request(catalogue, given, arguments);
   if (!request) return {.code = static_cast<int>(base::ExitCode::bad_request)};
   const base::SteadyClock clock;
   const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
@@ -84,12 +99,13 @@ void run_other_rank(DirectArguments arguments) {
   // Signals reach every rank; only rank 0 decides what to make of them.
   coordinator::ignore_stop_signals();
   arguments.errors_elsewhere = true;
+  const cli::GivenRequest given = as_rank_0_has_it(cli::GivenRequest());
+  if (arguments.print_request) return;
   run::Catalogue catalogue = worlds_of_program();
   const base::SteadyClock clock;
-  const auto request = read_request_file(catalogue, arguments);
+  const auto request = read_request(catalogue, given, arguments);
   if (!request) {
-    run::refuse((arguments.request_path.empty() ? "--word" : arguments.request_path) +
-                " has errors there");
+    run::refuse(given.name + " has errors there");
     return;
   }
   const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());

@@ -174,7 +174,7 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
   command->add_flag("--json", options.json, "What was written, as JSON");
   command->footer(
       "Examples:\n"
-      "  sleight export ball.h5 --ids 0.250 -o ball.glb\n"
+      "  sleight export ball.h5 --ids c0.250 -o ball.glb\n"
       "  sleight export die.h5 --select 'die 1 in z 60mm.. during 0.2s..' -o throws\n"
       "  sleight export die.h5 --representatives 12 --together -o kinds.glb\n"
       "  sleight export hi.h5 --ids find.0 -o hi.mp4\n"

@@ -11,6 +11,7 @@
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/output_beside.h"
 #include "common/json/value.h"
 #include "common/request/direction_request.h"
 #include "common/store/run_store.h"
@@ -53,7 +54,9 @@ void refuse_unusable_output(const DeriveArguments& arguments,
 
 }  // namespace
 
-int derive(const DeriveArguments& arguments) {
+int derive(const DeriveArguments& given) {
+  DeriveArguments arguments = given;
+  arguments.output = base::where_links_lead(given.output);
   std::string folder = arguments.folder;
   while (folder.size() > 1 && folder.ends_with('/'))
     folder.pop_back();

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "clients/cli/main_worlds.h"
 #include "common/base/clock.h"
+#include "common/base/cores.h"
 #include "common/base/error.h"
 #include "service/coordinator/local_crew.h"
 #include "service/coordinator/stop_signal.h"
@@ -18,13 +18,13 @@ namespace {
 constexpr int k_bad_request = static_cast<int>(base::ExitCode::bad_request);
 
 int direct(const DirectArguments& arguments, cli::EndReport& end_report) {
-  check_arguments(arguments);
+  const cli::GivenRequest given = given_request(arguments);
   coordinator::catch_stop_signals();
   run::Catalogue catalogue = worlds_of_program();
-  if (arguments.print_request) return print_request(catalogue, arguments);
-  const auto request = read_request_file(catalogue, arguments);
+  if (arguments.print_request) return print_request(catalogue, given, arguments);
+  const auto request = read_request(catalogue, given, arguments);
   if (!request) return k_bad_request;
-  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t cores = base::cores_here();
   const base::SteadyClock clock;
   const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
   const sampling::BlockRunner runner(*worker, clock);
@@ -49,7 +49,8 @@ int check_request(const std::string& path, const std::vector<std::string>& sets)
   DirectArguments arguments;
   arguments.request_path = path;
   arguments.sets = sets;
-  const auto request = read_request_file(catalogue, arguments);
+  const auto request =
+      read_request(catalogue, cli::given_request(path, {}, std::nullopt), arguments);
   if (!request) return k_bad_request;
   fmt::print("{}", request::normalised_text(*request));
   return static_cast<int>(base::ExitCode::ok);

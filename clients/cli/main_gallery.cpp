@@ -88,7 +88,7 @@ void add_gallery_command(CLI::App& app, gallery::CommandOptions& options, const 
       "  sleight gallery hi.h5 --save hi_gallery\n"
       "  ssh -L 8475:127.0.0.1:8475 cluster sleight gallery runs/hi.h5 --no-browser");
   command->callback(
-      [&] { action = [&] { return gallery::show_gallery(options, service_called(), rules); }; });
+      [&] { action = [&] { return gallery::show_gallery(options, service_called, rules); }; });
 }
 
 }  // namespace sleight::programs

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
+#include <system_error>
 #include <variant>
 
 #include "clients/cli/failure_counts.h"
@@ -15,6 +17,8 @@
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/memory.h"
+#include "common/base/output_beside.h"
 #include "common/base/version.h"
 #include "common/config/quantities.h"
 #include "common/events/progress.h"
@@ -28,10 +32,6 @@
 
 namespace sleight::programs {
 namespace {
-
-constexpr std::size_t k_request_file_bytes_max = 1U << 20U;
-/// Of a word where it names a request.
-constexpr std::size_t k_shown_word_characters_max = 40;
 
 /// A line on stderr; where that is lost, the exit code still tells. What others wrote (names of
 /// files, of archives' bodies) must not steer a terminal.
@@ -201,9 +201,9 @@ void note_what_repeats(int argc, const char* const* argv, const std::string& lau
 }
 
 void add_run_options(CLI::App& app, DirectArguments& arguments) {
-  CLI::Option* request =
-      app.add_option("request", arguments.request_path, "The direction request, a TOML file")
-          ->type_name("REQUEST.toml");
+  CLI::Option* request = app.add_option("request", arguments.request_path,
+                                        "The direction request, a TOML file; -: standard input")
+                             ->type_name("REQUEST.toml");
   app.add_option("--word", arguments.word, "In place of a request: balls that spell this")
       ->excludes(request)
       ->type_name("WORD");
@@ -293,43 +293,14 @@ double parse_duration_s(const std::string& text) {
                     fmt::format("--time-limit: '{}' is not a time; say 20s, 5m or 1.5h", text));
 }
 
-void check_arguments(const DirectArguments& arguments) {
-  if (arguments.request_path.empty() && arguments.word.empty())
-    throw base::Error(base::ExitCode::usage, "REQUEST.toml or --word WORD is required");
-  if (!request::is_utf8(arguments.word))
-    throw base::Error(base::ExitCode::usage, "--word: expected UTF-8 text");
-  if (arguments.output.empty() && !arguments.print_request)
+cli::GivenRequest given_request(const DirectArguments& arguments) {
+  const bool is_given = !arguments.request_path.empty() || !arguments.word.empty();
+  if (is_given && arguments.output.empty() && !arguments.print_request)
     throw base::Error(base::ExitCode::usage, "-o OUTPUT.h5 is required");
-}
-
-std::string request_of_word(const std::string& word, const std::optional<request::Asked>& asked) {
-  std::string text =
-      fmt::format("[world]\nname = \"spelling\"\nword = {}\n", request::toml_string(word));
-  if (!asked) return text;
-  const request::Answer answer = asked->answer.value_or(request::Answer::takes);
-  return text + fmt::format("\n[stop]\n{} = {}\n",
-                            answer == request::Answer::takes   ? "takes"
-                            : answer == request::Answer::found ? "found"
-                                                               : "independent_solutions",
-                            asked->number);
+  return cli::given_request(arguments.request_path, arguments.word, arguments.answer.asked());
 }
 
 namespace {
-
-/// What the errors of a request call it, and its text.
-struct Source {
-  std::string name;
-  std::string text;
-};
-
-Source source_of(const DirectArguments& arguments) {
-  if (arguments.request_path.empty()) {
-    return {.name = "--word " + request::printable(arguments.word, k_shown_word_characters_max),
-            .text = request_of_word(arguments.word, arguments.answer.asked())};
-  }
-  return {.name = arguments.request_path,
-          .text = base::read_text_file(arguments.request_path, k_request_file_bytes_max)};
-}
 
 using Read = base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>;
 
@@ -353,23 +324,23 @@ std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet
 }
 
 /// `asked` where an option replaces the request's [stop].
-Read read(run::Catalogue& catalogue, const Source& source, std::optional<request::Asked> asked,
-          const DirectArguments& arguments) {
+Read read(run::Catalogue& catalogue, const cli::GivenRequest& given,
+          std::optional<request::Asked> asked, const DirectArguments& arguments) {
   const auto sets = request::plain_sets(arguments.sets);
   if (!sets) return sets.error();
   if (const auto twice = given_twice(sets.value(), arguments)) return std::vector{*twice};
-  return request::read_request_with(source.text, source.name, catalogue.bindings(), sets.value(),
+  return request::read_request_with(given.text, given.name, catalogue.bindings(), sets.value(),
                                     asked);
 }
 
 }  // namespace
 
-std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
-                                                           const DirectArguments& arguments) {
-  Source source = source_of(arguments);
+std::optional<request::DirectionRequest> read_request(run::Catalogue& catalogue,
+                                                      cli::GivenRequest given,
+                                                      const DirectArguments& arguments) {
   const auto asked = arguments.request_path.empty() ? std::nullopt : arguments.answer.asked();
-  if (asked) source.name += " with " + arguments.answer.words();
-  Read read_one = read(catalogue, source, asked, arguments);
+  if (asked) given.name += " with " + arguments.answer.words();
+  Read read_one = read(catalogue, given, asked, arguments);
   if (!read_one) {
     for (const request::Diagnostic& error : read_one.error()) {
       if (!arguments.errors_elsewhere) complain(request::to_string(error));
@@ -378,22 +349,23 @@ std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catal
   }
   request::DirectionRequest request = std::move(read_one).value();
   if (arguments.seed) request = request::with_seed(std::move(request), *arguments.seed);
-  base::add_repeat_note(fmt::format("request {}, world {}, seed {}, version {}", source.name,
+  base::add_repeat_note(fmt::format("request {}, world {}, seed {}, version {}", given.name,
                                     request.world, request.sampler.seed, base::version()));
   return request;
 }
 
-int print_request(run::Catalogue& catalogue, const DirectArguments& arguments) {
-  const auto request = read_request_file(catalogue, arguments);
+int print_request(run::Catalogue& catalogue, const cli::GivenRequest& given,
+                  const DirectArguments& arguments) {
+  const auto request = read_request(catalogue, given, arguments);
   if (!request) return static_cast<int>(base::ExitCode::bad_request);
   const bool is_short = arguments.request_path.empty() && arguments.sets.empty() && !arguments.seed;
-  fmt::print("{}", is_short ? source_of(arguments).text : request::normalised_text(*request));
+  fmt::print("{}", is_short ? given.text : request::normalised_text(*request));
   return static_cast<int>(base::ExitCode::ok);
 }
 
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
-                   const DirectArguments& arguments, coordinator::Crew& crew,
-                   cli::EndReport& end_report) {
+                   DirectArguments arguments, coordinator::Crew& crew, cli::EndReport& end_report) {
+  arguments.output = base::where_links_lead(arguments.output);
   const base::SteadyClock clock;
   const bool is_of_chains = request.sampler.method != request::Method::sequential &&
                             request.sampler.start == request::Start::prior;
@@ -453,7 +425,18 @@ int report_failure(const std::string& program) {
     complain(fmt::format("{}: {}", program, error.what()));
     if (error.exit_code() == base::ExitCode::bug) std::fputs(base::repeat_notes().c_str(), stderr);
     return static_cast<int>(error.exit_code());
+  } catch (const std::bad_alloc&) {
+    complain(fmt::format("{}: {}", program, base::k_too_little_memory));
+    return static_cast<int>(base::ExitCode::environment);
   } catch (const std::exception& error) {
+    // Threads are refused so.
+    const auto* failed = dynamic_cast<const std::system_error*>(&error);
+    if (failed != nullptr && (failed->code() == std::errc::resource_unavailable_try_again ||
+                              failed->code() == std::errc::not_enough_memory)) {
+      complain(fmt::format("{}: {}; or there are too many processes (ulimit -u)", program,
+                           base::k_too_little_memory));
+      return static_cast<int>(base::ExitCode::environment);
+    }
     complain(fmt::format("{}: unexpected: {}", program, error.what()));
     std::fputs(base::repeat_notes().c_str(), stderr);
     return static_cast<int>(base::ExitCode::bug);

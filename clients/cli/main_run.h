@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clients/cli/end_report.h"
+#include "clients/cli/given_request.h"
 #include "common/request/direction_request.h"
 #include "service/coordinator/run.h"
 #include "worker/run/catalogue.h"
@@ -51,7 +52,7 @@ struct DirectArguments {
   run::WorkerResources resources() const { return {.cache_bytes_max = cache_mb << 20U}; }
 };
 
-/// From now on a bug is reported with what repeats it: the command line, and from read_request_file
+/// From now on a bug is reported with what repeats it: the command line, and from read_request
 /// on the request and its seed. `launcher` stands before the command ("mpirun -n 3 "). For a main's
 /// first line.
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher = {});
@@ -67,25 +68,23 @@ void build_batch_app(CLI::App& app, DirectArguments& arguments);
 /// Seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for anything else.
 double parse_duration_s(const std::string& text);
 
-/// Throws base::Error(usage) where there is no request, or no output for it.
-void check_arguments(const DirectArguments& arguments);
-
-/// The shortest request for a word.
-std::string request_of_word(const std::string& word, const std::optional<request::Asked>& asked);
+/// The request's text, which is read once. Throws base::Error: usage where there is no request, or
+/// no output for it.
+cli::GivenRequest given_request(const DirectArguments& arguments);
 
 /// --print-request: shows the request, and returns the exit code.
-int print_request(run::Catalogue& catalogue, const DirectArguments& arguments);
+int print_request(run::Catalogue& catalogue, const cli::GivenRequest& given,
+                  const DirectArguments& arguments);
 
-/// Reads and checks the request, or makes that of a word; prints every error to stderr. None when
-/// there were any.
-std::optional<request::DirectionRequest> read_request_file(run::Catalogue& catalogue,
-                                                           const DirectArguments& arguments);
+/// Reads and checks the request; prints every error to stderr. None when there were any.
+std::optional<request::DirectionRequest> read_request(run::Catalogue& catalogue,
+                                                      cli::GivenRequest given,
+                                                      const DirectArguments& arguments);
 
 /// Runs a read request with the given crew, with progress on stderr and a summary on stdout.
 /// Returns the exit code.
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
-                   const DirectArguments& arguments, coordinator::Crew& crew,
-                   cli::EndReport& end_report);
+                   DirectArguments arguments, coordinator::Crew& crew, cli::EndReport& end_report);
 
 /// Ends the process while threads compute what nobody waits for.
 [[noreturn]] void leave_at_once(int code);

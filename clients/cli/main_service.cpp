@@ -50,16 +50,15 @@ void add_jobs(CLI::App& command, cli::JobsOptions& options) {
 
 /// The worlds of this program, for requests that are changed before they are sent.
 cli::RequestTexts request_texts() {
-  return {
-      .of_word = request_of_word,
-      .normalised = [](std::string_view text, std::string_view file,
-                       std::span<const request::KeySet> sets, std::optional<request::Asked> asked)
-          -> base::Result<std::string, std::vector<request::Diagnostic>> {
-        run::Catalogue catalogue = worlds_of_program();
-        const auto read = request::read_request_with(text, file, catalogue.bindings(), sets, asked);
-        if (!read) return read.error();
-        return request::normalised_text(read.value());
-      }};
+  return {.normalised = [](std::string_view text, std::string_view file,
+                           std::span<const request::KeySet> sets,
+                           std::optional<request::Asked> asked)
+              -> base::Result<std::string, std::vector<request::Diagnostic>> {
+    run::Catalogue catalogue = worlds_of_program();
+    const auto read = request::read_request_with(text, file, catalogue.bindings(), sets, asked);
+    if (!read) return read.error();
+    return request::normalised_text(read.value());
+  }};
 }
 
 void add_submit(CLI::App& app, Action& action) {
@@ -73,9 +72,10 @@ void add_submit(CLI::App& app, Action& action) {
         return cli::submit(socket, given, request_texts());
       },
       options);
-  CLI::Option* request =
-      command->add_option("request", options->request_path, "The direction request, a TOML file")
-          ->type_name("REQUEST.toml");
+  CLI::Option* request = command
+                             ->add_option("request", options->request_path,
+                                          "The direction request, a TOML file; -: standard input")
+                             ->type_name("REQUEST.toml");
   command->add_option("--word", options->word, "In place of a request: balls that spell this")
       ->excludes(request)
       ->type_name("WORD");

@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <iostream>
 #include <system_error>
 
@@ -32,22 +31,24 @@ void refuse_usage(const std::string& words) {
 }
 
 void flush_stdout() {
-  std::cout.flush();
   if (std::fflush(stdout) != 0) fail_results(std::strerror(errno));
   if (std::ferror(stdout) != 0 || !std::cout) fail_results("an earlier write failed");
 }
 
 int with_results(const std::function<int()>& work) {
   int code = 0;
+  // Where a write fails the reason is known, not at the end.
+  std::cout.exceptions(std::ios::badbit);
   try {
     code = work();
   } catch (const std::system_error& error) {
-    // The formatting library throws when a print fails.
+    // The formatting library throws when a print fails, and so does the stream.
+    const int reason = errno;
     if (std::ferror(stdout) == 0) throw;
     // A signal came while a reader kept us waiting.
     if (error.code() == std::errc::interrupted)
       return static_cast<int>(base::ExitCode::interrupted);
-    fail_results(error.code().message());
+    fail_results(std::strerror(reason));
   }
   // Of what was interrupted some may be lost, and its exit code says so.
   if (code == static_cast<int>(base::ExitCode::interrupted)) {
@@ -76,29 +77,6 @@ void refuse_same_file(const std::string& archive, const std::string& output) {
   if (from.st_dev != to.st_dev || from.st_ino != to.st_ino) return;
   throw base::Error(base::ExitCode::usage,
                     fmt::format("{}: this is the archive itself; give another output", output));
-}
-
-OutputBeside::OutputBeside(const std::string& path) : place_(path) {
-  std::error_code none;
-  if (std::filesystem::exists(place_, none)) {
-    if (!std::filesystem::is_regular_file(place_, none)) return;
-    // A link stays a link: what it points to is replaced.
-    const std::filesystem::path target = std::filesystem::canonical(place_, none);
-    if (!none) place_ = target.string();
-  }
-  beside_ = fmt::format("{}.tmp.{}", place_, ::getpid());
-}
-
-OutputBeside::~OutputBeside() {
-  if (!beside_.empty()) ::unlink(beside_.c_str());
-}
-
-void OutputBeside::put_in_place() {
-  if (beside_.empty()) return;
-  if (std::rename(beside_.c_str(), place_.c_str()) != 0) {
-    throw base::Error(fmt::format("{}: can't write it: {}", place_, std::strerror(errno)));
-  }
-  beside_.clear();
 }
 
 }  // namespace sleight::cli

@@ -31,24 +31,4 @@ void occupy_standard_streams();
 /// whatever path or link.
 void refuse_same_file(const std::string& archive, const std::string& output);
 
-/// A file that is written beside its place and renamed when it is whole. A pipe or device is
-/// written in place.
-class OutputBeside {
- public:
-  explicit OutputBeside(const std::string& path);
-  OutputBeside(const OutputBeside&) = delete;
-  OutputBeside& operator=(const OutputBeside&) = delete;
-  /// Removes what has not been put in place.
-  ~OutputBeside();
-
-  /// Where to write.
-  const std::string& path() const { return beside_.empty() ? place_ : beside_; }
-  /// Throws base::Error(environment) when the file can't be renamed.
-  void put_in_place();
-
- private:
-  std::string place_;
-  std::string beside_;  ///< empty: written in place, or already put there
-};
-
 }  // namespace sleight::cli

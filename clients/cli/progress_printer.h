@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 
+#include "clients/cli/terminal.h"
 #include "common/events/progress.h"
 
 namespace sleight::cli {
@@ -21,20 +22,18 @@ class ProgressPrinter {
   /// What goes on where there are no scans to count: elsewhere than on a terminal too if it lasts.
   void say(const std::string& phase);
   /// Takes the renewed line away, so that another line can take its place.
-  void clear();
+  void clear() { line_.clear(); }
   /// Ends the renewed line, so that what follows begins on a new one.
-  void finish();
+  void finish() { line_.finish(); }
 
  private:
-  void renew(const std::string& line);
   void put_plain(const std::string& line);
 
   std::string name_;
   std::FILE* stream_;
+  RenewedLine line_;
   double plain_line_every_s_;
-  bool terminal_;
   std::chrono::steady_clock::time_point plain_line_at_;  ///< the last; at first the beginning
-  bool line_open_ = false;
   double shown_s_ = 0;
   bool said_found_ = false;
 };

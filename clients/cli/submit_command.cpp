@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <map>
 #include <thread>
 #include <utility>
@@ -26,8 +25,6 @@ constexpr std::size_t k_option_characters_max = 60;  // that an error shows
 
 using Diagnostics = std::vector<request::Diagnostic>;
 
-/// Of a word where it names a request.
-constexpr std::size_t k_shown_word_characters_max = 40;
 /// A server that is killed between call and answer is waited for so long; then people decide.
 constexpr double k_away_s_max = 30;
 constexpr double k_first_wait_s = 0.05;
@@ -43,9 +40,7 @@ std::uint64_t memory_of(const std::string& text) {
 
 std::string job_name(const SubmitOptions& options) {
   std::string name = options.name;
-  if (name.empty())
-    name = options.word.empty() ? std::filesystem::path(options.request_path).stem().string()
-                                : options.word;
+  if (name.empty()) name = short_name_of(options.request_path, options.word);
   // A name is for people: a file's may be anything.
   name = request::printable(name, name.size());
   if (!options.name.empty() && name.size() > rpc::k_name_bytes_max) {
@@ -185,19 +180,6 @@ int submit_with(rpc::Client& client, const SubmitOptions& options, const GivenRe
 
 }  // namespace
 
-GivenRequest given_request(const SubmitOptions& options, const RequestTexts& texts) {
-  if (options.request_path.empty() && options.word.empty())
-    throw base::Error(base::ExitCode::usage, "REQUEST.toml or --word WORD is required");
-  if (!request::is_utf8(options.word))
-    throw base::Error(base::ExitCode::usage, "--word: expected UTF-8 text");
-  if (!options.word.empty()) {
-    return {.name = "--word " + request::printable(options.word, k_shown_word_characters_max),
-            .text = texts.of_word(options.word, options.asked)};
-  }
-  return {.name = options.request_path,
-          .text = base::read_text_file(options.request_path, rpc::k_request_bytes_max)};
-}
-
 base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& options,
                                                          const GivenRequest& given,
                                                          const RequestTexts& texts) {
@@ -260,7 +242,7 @@ std::string submitted_text(const rpc::Submitted& submitted, const std::string& n
 int submit(const std::string& socket, const SubmitOptions& options, const RequestTexts& texts) {
   if (options.watch && options.wait)
     throw base::Error(base::ExitCode::usage, "--watch waits already; leave --wait out");
-  const GivenRequest given = given_request(options, texts);
+  const GivenRequest given = given_request(options.request_path, options.word, options.asked);
   auto submission = submission_of(options, given, texts);
   if (!submission) return print_diagnostics(submission.error());
   rpc::Submission asked = std::move(submission).value();

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "clients/cli/given_request.h"
 #include "common/base/result.h"
 #include "common/request/diagnostic.h"
 #include "common/request/sets.h"
@@ -41,9 +42,6 @@ struct SubmitOptions {
 
 /// Requests as the worlds of a program have them; its main gives these.
 struct RequestTexts {
-  /// The shortest request for a word.
-  std::function<std::string(const std::string& word, const std::optional<request::Asked>& asked)>
-      of_word{};
   /// The normalised text of a request with these sets, as request::read_request_with reads it; or
   /// what is wrong.
   std::function<base::Result<std::string, std::vector<request::Diagnostic>>(
@@ -51,15 +49,6 @@ struct RequestTexts {
       std::optional<request::Asked> asked)>
       normalised;
 };
-
-/// A request as it was given: what errors call it, and its text.
-struct GivenRequest {
-  std::string name{};
-  std::string text{};
-};
-
-/// Reads the file, or makes the text of the word. Throws base::Error.
-GivenRequest given_request(const SubmitOptions& options, const RequestTexts& texts);
 
 /// All jobs of a submission, without its key; or what is wrong with sets or request. Throws
 /// base::Error(usage) where it is more than a submission may be.

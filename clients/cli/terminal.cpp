@@ -1,32 +1,58 @@
 #include "clients/cli/terminal.h"
 
+#include <fmt/format.h>
 #include <pwd.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <charconv>
 #include <vector>
+
+#include "common/base/terminal.h"
 
 namespace sleight::cli {
 namespace {
 
 constexpr std::size_t k_entry_bytes = 16384;
 
-/// The terminal's name for people who pipe through a pager, as other programs have it.
-constexpr std::size_t k_width_unknown = 80;
-
 }  // namespace
 
 std::optional<std::size_t> width_of(std::FILE* stream) {
-  const int descriptor = ::fileno(stream);
-  if (::isatty(descriptor) != 1) return std::nullopt;
-  winsize window{};
-  const bool known = ::ioctl(descriptor, TIOCGWINSZ, &window) == 0 && window.ws_col > 0;
-  return known ? window.ws_col : k_width_unknown;
+  const auto terminal = base::terminal_at(::fileno(stream));
+  return terminal ? std::optional(terminal->columns) : std::nullopt;
+}
+
+RenewedLine::RenewedLine(std::FILE* stream) : stream_(stream) {
+  const auto terminal = base::terminal_at(::fileno(stream));
+  can_renew_ = terminal && terminal->has_escapes;
+}
+
+void RenewedLine::show(std::string_view line) {
+  // A line that wraps can't be renewed: cut it to the terminal's width, which may have changed.
+  const std::size_t width = width_of(stream_).value_or(2) - 1;
+  // Carriage return, then clear to the end of the line.
+  std::fputs(fmt::format("\r{}\x1b[K", line.substr(0, width)).c_str(), stream_);
+  std::fflush(stream_);
+  is_open_ = true;
+}
+
+void RenewedLine::clear() {
+  if (!is_open_) return;
+  std::fputs("\r\x1b[K", stream_);
+  std::fflush(stream_);
+  is_open_ = false;
+}
+
+void RenewedLine::finish() {
+  if (is_open_) std::fputs("\n", stream_);
+  is_open_ = false;
+}
+
+bool is_typed() {
+  return base::terminal_at(STDIN_FILENO).has_value();
 }
 
 bool can_ask() {
-  return ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1;
+  return is_typed() && width_of(stderr).has_value();
 }
 
 bool ask(const std::string& question) {

@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "clients/cli/service_call.h"
+#include "clients/cli/terminal.h"
 #include "clients/gallery_server/answers.h"
 #include "clients/gallery_server/gallery.h"
 #include "clients/gallery_server/job_follower.h"
@@ -129,14 +130,14 @@ void say_how_to_open(const web::Server& server, const CommandOptions& options,
                  server.port(), host_name());
     }
     fmt::print("The link lets one browser in{}. Ctrl-C ends the gallery.\n",
-               ::isatty(STDIN_FILENO) != 0 ? "; Enter makes another" : "");
+               cli::is_typed() ? "; Enter makes another" : "");
   }
   std::fflush(stdout);
 }
 
 /// Waits for Ctrl-C or SIGTERM; Enter on a terminal makes another link.
 void wait_for_end(web::Server& server, int signals) {
-  const bool is_asked = ::isatty(STDIN_FILENO) != 0;
+  const bool is_asked = cli::is_typed();
   std::array<pollfd, 2> waited{
       {{.fd = signals, .events = POLLIN, .revents = 0},
        {.fd = is_asked ? STDIN_FILENO : -1, .events = POLLIN, .revents = 0}}};
@@ -156,12 +157,12 @@ void wait_for_end(web::Server& server, int signals) {
 
 }  // namespace
 
-int show_gallery(const CommandOptions& options, const std::string& socket,
+int show_gallery(const CommandOptions& options, const std::function<std::string()>& service_called,
                  const cli::Rules& rules) {
-  if (!options.save.empty()) return save_archives(options, socket, rules);
+  if (!options.save.empty()) return save_archives(options, service_called, rules);
   // Threads that answer take and give back whole indexes: each would keep a heap of its own.
   ::mallopt(M_ARENA_MAX, 2);
-  const NamedArchives shown(options.paths, socket);
+  const NamedArchives shown(options.paths, service_called);
   auto files = std::make_shared<const web::StaticFiles>(page_folder());
 
   // Before any thread begins, so that all have it: signals come to the descriptor alone.
@@ -189,7 +190,7 @@ int show_gallery(const CommandOptions& options, const std::string& socket,
   std::vector<std::unique_ptr<JobFollower>> followers;
   for (const NamedArchives::Job& job : shown.jobs()) {
     followers.push_back(std::make_unique<JobFollower>(
-        socket, job.id, job.path,
+        shown.service(), job.id, job.path,
         [&gallery, path = job.path](bool goes_on, const std::string& words) {
           gallery.set_live(path, goes_on, words);
         }));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct CommandOptions {
   std::string save{};  ///< a folder for a saved gallery, instead of serving; empty: none
 };
 
-/// `socket`: the service's. Serves until Ctrl-C or SIGTERM; returns the exit code. Throws
-/// base::Error. REQUIRES: no other thread runs.
-int show_gallery(const CommandOptions& options, const std::string& socket, const cli::Rules& rules);
+/// `service_called`: the service's place, asked where there are jobs. Serves until Ctrl-C or
+/// SIGTERM; returns the exit code. Throws base::Error. REQUIRES: no other thread runs.
+int show_gallery(const CommandOptions& options, const std::function<std::string()>& service_called,
+                 const cli::Rules& rules);
 
 }  // namespace sleight::gallery

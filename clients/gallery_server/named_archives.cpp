@@ -26,7 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-rpc::JobId job_of(const std::string& text, const std::string& socket) {
+rpc::JobId job_of(const std::string& text, std::string& service,
+                  const std::function<std::string()>& service_called) {
   const auto names = cli::job_names_of(std::span(&text, 1));
   if (!names) {
     throw base::Error(base::ExitCode::environment,
@@ -38,7 +39,8 @@ rpc::JobId job_of(const std::string& text, const std::string& socket) {
                       fmt::format("{}: names several jobs; name each by its number", text));
   }
   // Asked here, so that a job that isn't there, and no service, are said at once.
-  cli::with_service(socket, [&](rpc::Client& client) {
+  if (service.empty()) service = service_called();
+  cli::with_service(service, [&](rpc::Client& client) {
     client.status(*job);
     return 0;
   });
@@ -86,13 +88,14 @@ void remove_abandoned_folders(const std::string& temporary) {
   }
 }
 
-NamedArchives::NamedArchives(const std::vector<std::string>& texts, const std::string& socket) {
+NamedArchives::NamedArchives(const std::vector<std::string>& texts,
+                             const std::function<std::string()>& service_called) {
   for (const std::string& text : texts) {
     std::error_code failure;
     if (fs::exists(text, failure)) {
       paths_.push_back(text);
     } else {
-      jobs_.push_back({.id = job_of(text, socket)});
+      jobs_.push_back({.id = job_of(text, service_, service_called)});
       paths_.emplace_back();
     }
   }

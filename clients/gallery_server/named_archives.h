@@ -4,6 +4,7 @@
 // removed by the next gallery of the same user.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,12 @@ class NamedArchives {
   };
 
   /// A text that is no file here and reads as a job's number is a job, which the service is asked
-  /// for. Throws base::Error: environment where a name is neither, usage where it is several jobs,
-  /// no_server and others of the service.
-  /// What is there and can't be read is told on the page. REQUIRES: no other thread runs.
-  NamedArchives(const std::vector<std::string>& texts, const std::string& socket);
+  /// for; `service_called` is asked then alone, so that files need no service. Throws base::Error:
+  /// environment where a name is neither, usage where it is several jobs, no_server and others of
+  /// the service. What is there and can't be read is told on the page. REQUIRES: no other thread
+  /// runs.
+  NamedArchives(const std::vector<std::string>& texts,
+                const std::function<std::string()>& service_called);
   ~NamedArchives();  ///< removes the folder
   NamedArchives(const NamedArchives&) = delete;
   NamedArchives& operator=(const NamedArchives&) = delete;
@@ -34,10 +37,13 @@ class NamedArchives {
   /// In the order of the texts, jobs' files among them.
   const std::vector<std::string>& paths() const { return paths_; }
   const std::vector<Job>& jobs() const { return jobs_; }
+  /// What is called for the jobs; empty: there are none.
+  const std::string& service() const { return service_; }
 
  private:
   std::vector<std::string> paths_;
   std::vector<Job> jobs_;
+  std::string service_;
   std::string folder_;     ///< empty: there are no jobs
   base::Descriptor lock_;  ///< of the folder
 };

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "clients/browse/groups.h"
 #include "clients/browse/query.h"
 #include "clients/gallery_server/refused.h"
+#include "common/base/cores.h"
 #include "common/json/value.h"
 
 namespace sleight::gallery {
@@ -129,9 +129,8 @@ browse::Groups groups_among(const Snapshot& snapshot, const std::vector<std::siz
   std::vector<const browse::Entry*> of;
   for (const std::size_t entry : entries)
     of.push_back(&all[entry]);
-  return browse::groups_of(
-      of, snapshot.index().scene,
-      {.groups = groups, .by = by, .threads = std::max(1U, std::thread::hardware_concurrency())});
+  return browse::groups_of(of, snapshot.index().scene,
+                           {.groups = groups, .by = by, .threads = base::cores_here()});
 }
 
 std::string why_no_shares(const Snapshot& snapshot) {

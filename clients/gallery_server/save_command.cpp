@@ -62,9 +62,9 @@ std::vector<SavedArchive> read_archives(const std::vector<std::string>& paths) {
 }
 
 /// Brings the archives of jobs here: a job that has none of its own yet gives what it committed.
-void fetch_jobs(const std::vector<NamedArchives::Job>& jobs, const std::string& socket) {
-  for (const NamedArchives::Job& job : jobs) {
-    cli::with_service(socket, [&](rpc::Client& client) {
+void fetch_jobs(const NamedArchives& named) {
+  for (const NamedArchives::Job& job : named.jobs()) {
+    cli::with_service(named.service(), [&](rpc::Client& client) {
       const cli::Interrupts interrupts(&client);
       try {
         client.fetch_file({.job = job.id, .kind = rpc::FetchKind::archive}, job.path);
@@ -80,11 +80,11 @@ void fetch_jobs(const std::vector<NamedArchives::Job>& jobs, const std::string& 
 
 }  // namespace
 
-int save_archives(const CommandOptions& options, const std::string& socket,
+int save_archives(const CommandOptions& options, const std::function<std::string()>& service_called,
                   const cli::Rules& rules) {
   return cli::with_results([&] {
-    const NamedArchives named(options.paths, socket);
-    fetch_jobs(named.jobs(), socket);
+    const NamedArchives named(options.paths, service_called);
+    fetch_jobs(named);
     const cli::Interruption interruption;
     std::vector<SavedArchive> archives = read_archives(named.paths());
     cli::ProgressPrinter printer("saving " + options.save, stderr);

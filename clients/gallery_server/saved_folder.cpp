@@ -12,6 +12,7 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/output_beside.h"
 #include "common/json/value.h"
 
 namespace sleight::gallery {
@@ -106,12 +107,8 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
 
 /// Absolute, where links lead, without a slash at its end.
 fs::path resolved(const std::string& folder) {
-  fs::path place = fs::weakly_canonical(fs::absolute(folder));
-  if (!place.has_filename()) place = place.parent_path();
-  if (!fs::is_symlink(fs::symlink_status(place))) return place;
-  throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: is a link that leads nowhere; remove it, or name a new folder",
-                                place.string()));
+  const fs::path place = fs::weakly_canonical(fs::absolute(base::where_links_lead(folder)));
+  return place.has_filename() ? place : place.parent_path();
 }
 
 fs::path folder_of_our_own(const fs::path& parent) {

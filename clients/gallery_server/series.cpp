@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "clients/cli/diagnosis.h"
 #include "clients/cli/sampling_method.h"
 #include "clients/cli/scalar_draws.h"
 #include "clients/cli/tempering.h"
@@ -354,7 +355,8 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
   }
   for (const std::string& name : paired(source))
     add(std::string(k_pair_prefix) + name, title_of(name), "pair", "prior against posterior");
-  add("diagnosis", "have the chains mixed?", "table", "diagnosis");
+  if (cli::why_not_diagnosed(source, summary).empty())
+    add("diagnosis", "have the chains mixed?", "table", "diagnosis");
   return titles;
 }
 

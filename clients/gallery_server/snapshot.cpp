@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 #include "common/archive/kept_motions.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/base/check.h"
+#include "common/base/cores.h"
 #include "common/base/error.h"
 
 namespace sleight::gallery {
@@ -147,7 +147,7 @@ const browse::AlikeSet& Snapshot::alike() const {
     std::vector<const browse::Entry*> all;
     for (const browse::Entry& entry : read_.index.entries)
       all.push_back(&entry);
-    alike_.emplace(all, read_.index.scene, std::max(1U, std::thread::hardware_concurrency()));
+    alike_.emplace(all, read_.index.scene, base::cores_here());
   });
   return *alike_;
 }

@@ -4,38 +4,24 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
+#include <ostream>
 #include <span>
 
 #include "clients/plot/png.h"
 #include "clients/plot/svg.h"
 #include "common/base/error.h"
+#include "common/base/output_beside.h"
 
 namespace sleight::plot {
 
 namespace {
 
 void write_whole(const std::string& path, std::span<const std::byte> bytes) {
-  const std::string part = path + ".part";
-  std::ofstream file(part, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  std::error_code failure;
-  if (!file) {
-    failure = std::error_code(errno, std::generic_category());
-  } else {
-    std::filesystem::rename(part, path, failure);
-  }
-  if (!failure) return;
-  std::error_code ignored;
-  std::filesystem::remove(part, ignored);
-  throw base::Error(
-      fmt::format("{}: the picture can't be written: {}; does the folder exist and "
-                  "has the disk room?",
-                  path, failure.message()));
+  base::write_output(path, [&](std::ostream& file) {
+    file.write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+  });
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ struct TerminalOptions {
 std::string to_terminal(const Panel& panel, const TerminalOptions& options);
 
 /// The options that fit what the file descriptor is connected to: its size (the default where it
-/// is no terminal), colours on a terminal unless NO_COLOR is set or TERM is "dumb", Unicode where
+/// is no terminal), colours on a terminal that has escapes unless NO_COLOR is set, Unicode where
 /// the locale's variables say UTF-8. Reads the environment; changes nothing.
 TerminalOptions detect_terminal(int file_descriptor);
 

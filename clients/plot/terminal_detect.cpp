@@ -1,11 +1,9 @@
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
 
 #include "clients/plot/terminal.h"
+#include "common/base/terminal.h"
 
 namespace sleight::plot {
 
@@ -36,14 +34,12 @@ bool names_utf8(std::string_view locale) {
 TerminalOptions detect_terminal(int file_descriptor) {
   TerminalOptions options;
   options.unicode = names_utf8(locale_name());
-  if (isatty(file_descriptor) == 0) return options;
-  winsize size{};
-  if (ioctl(file_descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 1) {
-    options.columns = size.ws_col;
-    // One row is left for the prompt that follows.
-    options.rows = size.ws_row - 1U;
-  }
-  options.color = environment("NO_COLOR").empty() && environment("TERM") != "dumb";
+  const auto terminal = base::terminal_at(file_descriptor);
+  if (!terminal) return options;
+  options.columns = terminal->columns;
+  // One row is left for the prompt that follows.
+  options.rows = terminal->rows - 1;
+  options.color = environment("NO_COLOR").empty() && terminal->has_escapes;
   return options;
 }
 

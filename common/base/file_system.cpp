@@ -164,18 +164,30 @@ void write_text_file(FileSystem& files, const std::string& path, std::string_vie
   check(file->close());
 }
 
+namespace {
+
+std::string read_whole(std::FILE* file, const std::string& name, std::size_t bytes_max) {
+  std::string text(bytes_max + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file));
+  if (std::ferror(file) != 0) fail("read it", name);
+  if (text.size() > bytes_max) {
+    throw Error(
+        fmt::format("{}: larger than the {} bytes that such a file may have", name, bytes_max));
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string read_text_file(const std::string& path, std::size_t bytes_max) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"),
                                                              &std::fclose);
   if (!file) fail("open it", path);
-  std::string text(bytes_max + 1, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  if (std::ferror(file.get()) != 0) fail("read it", path);
-  if (text.size() > bytes_max) {
-    throw Error(
-        fmt::format("{}: larger than the {} bytes that such a file may have", path, bytes_max));
-  }
-  return text;
+  return read_whole(file.get(), path, bytes_max);
+}
+
+std::string read_standard_input(std::size_t bytes_max) {
+  return read_whole(stdin, "standard input", bytes_max);
 }
 
 }  // namespace sleight::base

@@ -79,5 +79,7 @@ void write_text_file(FileSystem& files, const std::string& path, std::string_vie
 
 /// The whole of a text file. Throws base::Error when it can't be read or exceeds `bytes_max`.
 std::string read_text_file(const std::string& path, std::size_t bytes_max);
+/// The same of standard input, to its end.
+std::string read_standard_input(std::size_t bytes_max);
 
 }  // namespace sleight::base

@@ -1,6 +1,5 @@
 // The shell of settings.h: this process's environment, machine and file.
 #include <fmt/format.h>
-#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/cores.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/config/settings.h"
@@ -30,18 +30,13 @@ std::optional<ConfigFile> file_here(const Surroundings& surroundings) {
 }  // namespace
 
 Surroundings surroundings_here() {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  const bool is_known = ::sched_getaffinity(0, sizeof(cores), &cores) == 0;
-  const long online = ::sysconf(_SC_NPROCESSORS_ONLN);
   const long pages = ::sysconf(_SC_PHYS_PAGES);
   const long page_bytes = ::sysconf(_SC_PAGESIZE);
   return {.variable = [](std::string_view name) -> std::optional<std::string> {
             const char* text = std::getenv(std::string(name).c_str());
             return text == nullptr ? std::nullopt : std::optional<std::string>(text);
           },
-          .cores = static_cast<std::uint64_t>(
-              std::max(is_known ? static_cast<long>(CPU_COUNT(&cores)) : online, 1L)),
+          .cores = base::cores_here(),
           .memory_bytes = static_cast<std::uint64_t>(std::max(pages, 0L)) *
                           static_cast<std::uint64_t>(std::max(page_bytes, 0L))};
 }

@@ -205,9 +205,13 @@ void Binder::text(std::string_view key, std::string& value, const TextOptions& o
     if (found != nullptr && character_count(*found) <= options.characters_max) {
       value = *found;
     } else {
-      refuse(*given_value, found == nullptr
-                               ? ""
-                               : fmt::format(", which has {} characters", character_count(*found)));
+      std::string hint;
+      if (found != nullptr) {
+        hint = fmt::format(", which has {} characters", character_count(*found));
+      } else if (!std::holds_alternative<Unwanted>(given_value->held)) {
+        hint = fmt::format("; a string stands in quotes: \"{}\"", description(*given_value));
+      }
+      refuse(*given_value, hint);
     }
   }
   keys_.back().value = toml_string(value);

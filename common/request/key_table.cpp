@@ -9,24 +9,52 @@
 namespace sleight::request {
 namespace {
 
-using Row = std::array<std::string, 5>;
+constexpr std::size_t k_columns = 5;
+using Row = std::array<std::string, k_columns>;
+
+/// Longer ones, of many names, stand in the last column.
+constexpr std::size_t k_range_characters_max = 24;
+constexpr std::size_t k_help_characters = 60;
 
 Row row_of(const KeySpec& spec) {
   const std::string fallback = spec.presence == Presence::required   ? "required"
                                : spec.presence == Presence::optional ? "none"
                                                                      : spec.fallback;
-  return {spec.key, spec.unit.empty() ? "-" : spec.unit, spec.range, fallback, spec.help};
+  const bool is_long = spec.range.size() > k_range_characters_max;
+  return {spec.key, spec.unit.empty() ? "-" : spec.unit, is_long ? "below" : spec.range, fallback,
+          is_long ? fmt::format("{}: {}", spec.help, spec.range) : spec.help};
 }
 
-/// Columns as wide as their widest entry, two spaces apart; the last one is not padded.
-std::string aligned(const std::vector<Row>& rows, const Row& widest) {
+/// The next line of `text`, which loses it: as many words as fit, one at least.
+std::string_view next_line(std::string_view& text, std::size_t characters_max) {
+  std::size_t end = text.size();
+  if (end > characters_max) {
+    end = text.rfind(' ', characters_max);
+    if (end == std::string_view::npos) end = std::min(text.find(' '), text.size());
+  }
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+/// Columns as wide as their widest entry, two spaces apart; the last one goes on below itself.
+std::string aligned(const std::vector<Row>& rows) {
+  std::array<std::size_t, k_columns> widest{};
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i)
+      widest[i] = std::max(widest[i], row[i].size());
+  }
   std::string text;
   for (const Row& row : rows) {
     text += ' ';
     for (std::size_t i = 0; i + 1 < row.size(); ++i) {
-      text += fmt::format(" {:<{}} ", row[i], widest[i].size());
+      text += fmt::format(" {:<{}} ", row[i], widest[i]);
     }
-    text += ' ' + row.back() + '\n';
+    const std::size_t indent = text.size() - text.rfind('\n') - 1;
+    std::string_view help = row.back();
+    text += fmt::format(" {}\n", next_line(help, k_help_characters));
+    while (!help.empty())
+      text += fmt::format("{:{}} {}\n", "", indent, next_line(help, k_help_characters));
   }
   return text;
 }
@@ -64,22 +92,12 @@ std::string key_table(const WorldBinding& world) {
   std::stable_partition(sections.begin(), sections.end(),
                         [](const SectionKeys& keys) { return keys.name != "sampler"; });
   const Row title{"key", "unit", "range", "default", "what it is"};
-  Row widest = title;
-  for (const SectionKeys& section : sections) {
-    for (const KeySpec& spec : section.keys) {
-      const Row row = row_of(spec);
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        if (row[i].size() > widest[i].size()) widest[i] = row[i];
-      }
-    }
-  }
   std::string text = fmt::format("{}: {}\n", world.name, world.summary);
   for (const SectionKeys& section : sections) {
-    std::vector<Row> rows;
+    std::vector<Row> rows{title};
     for (const KeySpec& spec : section.keys)
       rows.push_back(row_of(spec));
-    text +=
-        fmt::format("\n[{}]\n{}{}", section.name, aligned({title}, widest), aligned(rows, widest));
+    text += fmt::format("\n[{}]\n{}", section.name, aligned(rows));
   }
   return text;
 }

@@ -16,6 +16,7 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
+#include "common/base/output_beside.h"
 
 namespace sleight::rpc {
 namespace {
@@ -52,8 +53,10 @@ std::string hash_of_file(const std::string& path) {
 
 }  // namespace
 
-PartFile::PartFile(std::string path, FileView view)
-    : path_(std::move(path)), part_(part_of(path_, view.sha256)), view_(std::move(view)) {
+PartFile::PartFile(const std::string& path, FileView view)
+    : path_(base::where_links_lead(path)),
+      part_(part_of(path_, view.sha256)),
+      view_(std::move(view)) {
   descriptor_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor_ < 0) throw failed("write", part_);
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {

@@ -18,8 +18,9 @@ namespace sleight::rpc {
 
 class PartFile {
  public:
-  /// Opens the part, and reads what is there of it. Throws base::Error, as do the others.
-  PartFile(std::string path, FileView view);
+  /// Opens the part, and reads what is there of it. Links of `path` are followed. Throws
+  /// base::Error, as do the others.
+  PartFile(const std::string& path, FileView view);
   /// Leaves the part for the next attempt, if anything came.
   ~PartFile();
   PartFile(const PartFile&) = delete;

@@ -52,11 +52,18 @@ bool nobody_can_write(const std::string& path) {
   return ::access((path + "-wal").c_str(), F_OK) != 0 && ::access(folder.c_str(), W_OK) != 0;
 }
 
+/// SQLite itself would make it for its owner alone to write, whatever the umask says; the files
+/// that it makes beside this one have its mode.
+void make_file(const std::string& path) {
+  const int made = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (made >= 0) ::close(made);
+}
+
 /// Whether the disk has locks at all; Lustre may be mounted without, NFS may lack its lock server.
-/// Makes the file if need be, as SQLite would. REQUIRES: this process has no connection to it,
-/// which would lose its locks when this descriptor is closed.
+/// REQUIRES: this process has no connection to the file, which would lose its locks when this
+/// descriptor is closed.
 bool has_file_locks(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor < 0) return true;  // SQLite says why
   struct flock asked {};
   asked.l_type = F_WRLCK;
@@ -169,6 +176,7 @@ Database::Database(const std::string& path, Access access)
   const std::string name = is_still ? uri_of(path) + "?immutable=1" : path;
   is_exclusive_ = access == Access::read_write &&
                   base::network_file_system(base::directory_of(path)).has_value();
+  if (access == Access::read_write) make_file(path);
   const char* const disk = is_exclusive_ && !has_file_locks(path) ? "unix-none" : nullptr;
   sqlite3* connection = nullptr;
   const int code =

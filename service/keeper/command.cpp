@@ -1,4 +1,5 @@
 #include "service/keeper/command.h"
+#include "common/base/cores.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -8,7 +9,6 @@
 #include <filesystem>
 #include <string_view>
 #include <system_error>
-#include <thread>
 
 namespace sleight::keeper {
 namespace {
@@ -66,7 +66,7 @@ std::string obstacle_of(const AttemptSpec& spec, const Programs& programs) {
   if (programs.mpirun.empty()) {
     return "there is no mpirun on the PATH: install Open MPI, or run the job without ranks";
   }
-  const std::uint32_t cores = std::max(1U, std::thread::hardware_concurrency());
+  const std::uint32_t cores = base::cores_here();
   if (spec.ranks > cores && !spec.oversubscribe)
     return fmt::format("{} ranks, and this machine has {} cores", spec.ranks, cores);
   return {};

@@ -23,22 +23,18 @@ namespace {
 
 /// Texts in place of worlds: a normalised text has what it was made of.
 RequestTexts texts() {
-  return {
-      .of_word =
-          [](const std::string& word, const std::optional<request::Asked>& asked) {
-            return asked ? fmt::format("{} x{}", word, asked->number) : word;
-          },
-      .normalised = [](std::string_view text, std::string_view file,
-                       std::span<const request::KeySet> sets, std::optional<request::Asked> asked)
-          -> base::Result<std::string, std::vector<request::Diagnostic>> {
-        if (text == "bad")
-          return std::vector{request::Diagnostic{std::string(file), {3, 9}, "no such key"}};
-        std::string normalised(text);
-        for (const request::KeySet& set : sets)
-          normalised += " " + set.text;
-        if (asked) normalised += fmt::format(" n={}", asked->number);
-        return normalised;
-      }};
+  return {.normalised = [](std::string_view text, std::string_view file,
+                           std::span<const request::KeySet> sets,
+                           std::optional<request::Asked> asked)
+              -> base::Result<std::string, std::vector<request::Diagnostic>> {
+    if (text == "bad")
+      return std::vector{request::Diagnostic{std::string(file), {3, 9}, "no such key"}};
+    std::string normalised(text);
+    for (const request::KeySet& set : sets)
+      normalised += " " + set.text;
+    if (asked) normalised += fmt::format(" n={}", asked->number);
+    return normalised;
+  }};
 }
 
 rpc::Submission made(const SubmitOptions& options, const GivenRequest& given) {
@@ -81,9 +77,10 @@ TEST(Submit, SetsAndNumberAreApplied) {
   EXPECT_EQ(of_file.jobs.front().request, "text sampler.seed=3 n=7");
   EXPECT_FALSE(of_file.is_group);
   const SubmitOptions word{.word = "HI", .asked = request::Asked{.number = 7}, .asked_by = "-n 7"};
-  const GivenRequest given = given_request(word, texts());
+  const GivenRequest given = given_request("", word.word, word.asked);
   EXPECT_EQ(given.name, "--word HI");
-  EXPECT_EQ(made(word, given).jobs.front().request, "HI x7");
+  EXPECT_EQ(made(word, given).jobs.front().request,
+            "[world]\nname = \"spelling\"\nword = \"HI\"\n\n[stop]\ntakes = 7\n");
   EXPECT_EQ(made(word, given).jobs.front().name, "HI");
 }
 
@@ -140,9 +137,9 @@ TEST(Submit, MoreThanASubmissionTakesIsRefused) {
   throws({.request_path = "hi.toml", .sets = {"sampler.seed=1..4"}}, std::string(800'000, 'x'));
   throws({.request_path = "hi.toml", .memory = "much"}, "text");
   throws({.request_path = "hi.toml", .memory = "0"}, "text");
-  EXPECT_THROW(given_request({}, texts()), base::Error);
-  EXPECT_THROW(given_request({.word = "\xff"}, texts()), base::Error);
-  EXPECT_THROW(given_request({.request_path = "/no/such/file.toml"}, texts()), base::Error);
+  EXPECT_THROW(given_request("", "", {}), base::Error);
+  EXPECT_THROW(given_request("", "\xff", {}), base::Error);
+  EXPECT_THROW(given_request("/no/such/file.toml", "", {}), base::Error);
 }
 
 TEST(Submit, NamesFitTheService) {

@@ -215,7 +215,7 @@ TEST_F(SavedGallery, NamesTheArchiveThatCantBeRead) {
 
 TEST_F(SavedGallery, TakesNothingElsesPlace) {
   // Goal: only a saved gallery, or nothing, is replaced. Method: a folder with a file; a file; an
-  // empty folder; a gallery; a name with a slash behind it; a link that leads nowhere.
+  // empty folder; a gallery; a name with a slash behind it; a link, which stays.
   fs::create_directories(path("mine"));
   std::ofstream(path("mine/letter.txt")) << "dear";
   EXPECT_EQ(refusal_of([&] { save(options("mine")); }).first, base::ExitCode::conflict);
@@ -223,13 +223,16 @@ TEST_F(SavedGallery, TakesNothingElsesPlace) {
   std::ofstream(path("file")) << "a file";
   EXPECT_EQ(refusal_of([&] { save(options("file")); }).first, base::ExitCode::conflict);
   fs::create_symlink(path("nowhere"), path("link"));
-  EXPECT_EQ(refusal_of([&] { save(options("link")); }).first, base::ExitCode::conflict);
+  save(options("link"));
+  save(options("link/"));
+  EXPECT_EQ(fs::read_symlink(path("link")), path("nowhere"));
   fs::create_directories(path("empty"));
   save(options("empty"));
   save(options("empty"));
   save(options("empty/"));
   save(options("new/"));
   EXPECT_EQ(files_in(path("new")), files_in(path("empty")));
+  EXPECT_EQ(files_in(path("nowhere")), files_in(path("empty")));
   EXPECT_EQ(fs::status(path("new")).permissions(), fs::status(path("page")).permissions());
 }
 

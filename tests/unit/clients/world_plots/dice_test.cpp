@@ -249,7 +249,7 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
       .animations = 0, .position_m = {}, .velocity_mps = {}, .offsets = {}, .offset_squares = {}};
   EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(none), small_prior(), {}); },
                        "no satisfying animation"),
-            base::ExitCode::environment);
+            base::ExitCode::usage);
   EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(), small_prior(), 2); }, "no chain 2"),
             base::ExitCode::usage);
 }

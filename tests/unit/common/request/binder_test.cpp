@@ -132,7 +132,8 @@ TEST(BinderText, CountsCharactersNotBytes) {
             "f:2:8: 'word' in [s]: expected a string of at most 3 characters, found the string "
             "\"four\", which has 4 characters\n");
   EXPECT_EQ(bound("[s]\nword = 4", bind),
-            "f:2:8: 'word' in [s]: expected a string of at most 3 characters, found 4\n");
+            "f:2:8: 'word' in [s]: expected a string of at most 3 characters, found 4; a string "
+            "stands in quotes: \"4\"\n");
 }
 
 enum class Colour { red, green };

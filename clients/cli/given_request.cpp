@@ -1,0 +1,52 @@
+#include "clients/cli/given_request.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "clients/cli/output.h"
+#include "common/base/file_system.h"
+#include "common/request/document.h"
+#include "common/request/text.h"
+
+namespace sleight::cli {
+namespace {
+
+/// Of a word where it names a request.
+constexpr std::size_t k_shown_word_characters_max = 40;
+constexpr const char* k_standard_input = "-";
+
+std::string request_of_word(const std::string& word, const std::optional<request::Asked>& asked) {
+  std::string text =
+      fmt::format("[world]\nname = \"spelling\"\nword = {}\n", request::toml_string(word));
+  if (!asked) return text;
+  const request::Answer answer = asked->answer.value_or(request::Answer::takes);
+  return text + fmt::format("\n[stop]\n{} = {}\n",
+                            answer == request::Answer::takes   ? "takes"
+                            : answer == request::Answer::found ? "found"
+                                                               : "independent_solutions",
+                            asked->number);
+}
+
+}  // namespace
+
+GivenRequest given_request(const std::string& path, const std::string& word,
+                           const std::optional<request::Asked>& asked) {
+  if (path.empty() && word.empty()) refuse_usage("REQUEST.toml or --word WORD is required");
+  if (!request::is_utf8(word)) refuse_usage("--word: expected UTF-8 text");
+  if (path.empty()) {
+    return {.name = "--word " + request::printable(word, k_shown_word_characters_max),
+            .text = request_of_word(word, asked)};
+  }
+  if (path == k_standard_input)
+    return {.name = "standard input",
+            .text = base::read_standard_input(request::k_request_bytes_max)};
+  return {.name = path, .text = base::read_text_file(path, request::k_request_bytes_max)};
+}
+
+std::string short_name_of(const std::string& path, const std::string& word) {
+  if (path.empty()) return word;
+  return path == k_standard_input ? "request" : std::filesystem::path(path).stem().string();
+}
+
+}  // namespace sleight::cli
