@@ -158,7 +158,9 @@ std::vector<std::size_t> evenly_chosen(std::span<const Entry* const> entries, st
   std::vector<std::pair<std::string, std::size_t>> hashed;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const AnimationName& name = entries[i]->name;
-    hashed.emplace_back(hash::sha256_hex(name.run + "\n" + short_text(name)), i);
+    // As names once were, so that an archive has the groups that it had.
+    const std::string text = name.is_find ? short_text(name) : short_text(name).substr(1);
+    hashed.emplace_back(hash::sha256_hex(name.run + "\n" + text), i);
   }
   std::ranges::sort(hashed);
   hashed.resize(std::min(hashed.size(), count));

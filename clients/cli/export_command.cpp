@@ -241,7 +241,7 @@ void refuse_taken_place(const std::string& place, const ExportAnimationsOptions&
   if (options.format == "png" && fs::exists(place, none) && !fs::is_empty(place, none)) {
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: something is there already, and frames want a folder of "
-                                  "their own",
+                                  "their own; remove it, or name another folder",
                                   place));
   }
   refuse_others_file(place, options.force);

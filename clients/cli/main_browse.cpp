@@ -118,7 +118,8 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
 void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
       .add_option("--ids", choice.ids,
-                  "These animations: CHAIN.DRAW, or find.NUMBER of a search's finds")
+                  "These animations: cCHAIN.DRAW, or find.NUMBER of a search's finds; RUN: may "
+                  "stand before")
       ->type_name("ID...");
   command
       .add_option("--select", choice.select,

@@ -19,9 +19,13 @@
 #include "clients/web/server_impl.h"
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/base/memory.h"
 
 namespace sleight::web {
 namespace {
+
+/// Its stack, and room for what it begins with.
+constexpr std::size_t k_thread_bytes = std::size_t{16} << 20U;
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
@@ -115,6 +119,8 @@ Server::Impl::Impl(ServerOptions wanted, Handler answering)
   accept_when_ready(*listener);
   comment_streams();
   const WithoutSignals guarded;
+  // A pool waits for ever for the threads that it has where another can't be made.
+  base::require_memory(options.threads * k_thread_bytes);
   pool = std::make_unique<asio::thread_pool>(options.threads);
   loop_thread = std::thread([this] { loop.run(); });
 }

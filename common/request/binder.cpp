@@ -209,7 +209,10 @@ void Binder::text(std::string_view key, std::string& value, const TextOptions& o
       if (found != nullptr) {
         hint = fmt::format(", which has {} characters", character_count(*found));
       } else if (!std::holds_alternative<Unwanted>(given_value->held)) {
-        hint = fmt::format("; a string stands in quotes: \"{}\"", description(*given_value));
+        const bool is_set = given_value->place == k_no_place;
+        hint = fmt::format("; a string stands in quotes: {}\"{}\"{}",
+                           is_set ? fmt::format("--set '{}.{}=", section_name_, key) : "",
+                           description(*given_value), is_set ? "'" : "");
       }
       refuse(*given_value, hint);
     }

@@ -151,7 +151,7 @@ class Export(ProgramTest):
                 extras = model.json["animations"][0]["extras"]
                 self.assertEqual(extras["id"], one)
                 nth = next(i for i in range(len(group["chain"]))
-                           if one == f"{group['chain'][i]}.{group['draw'][i]}")
+                           if one == f"c{group['chain'][i]}.{group['draw'][i]}")
                 self.assertEqual(extras["log_prior"], group["log_prior"][nth])
                 self.assertEqual(extras["lineage"], group["lineage"][nth])
                 self.assertEqual(extras["in_proportion"], bool(group["in_proportion"][nth]))
@@ -324,7 +324,7 @@ class Export(ProgramTest):
                 (5, "can't make this folder", [archive, "-o", archive / "folder"]),
                 (5, "no.h5: can't open it", [self.path("no.h5"), "-o", output]),
                 (6, "", [none, "-o", output]),
-                (5, "holds no animation", [self.path("none.h5"), "-o", output])]:
+                (2, "holds no animation", [self.path("none.h5"), "-o", output])]:
             self.refused(code, words, *args)
         self.assertFalse(output.exists())
 

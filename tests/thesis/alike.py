@@ -76,7 +76,7 @@ def main():
                     ways["chains"] = chains
                     for by in [2, 3, 4, 5, 6]:
                         ways[f"falls by {by} or more"] = falls(archive, chains, draws, by)
-            ids = [f"{chain}.{draw}" for chain, draw in zip(chains, draws)]
+            ids = [f"c{chain}.{draw}" for chain, draw in zip(chains, draws)]
             for way, labels in ways.items():
                 sets = len(set(labels))
                 indices, shuffled = [], []

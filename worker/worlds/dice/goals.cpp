@@ -93,7 +93,8 @@ std::optional<double> angle_at_odds(const Goal& a, const Goal& b) {
 
 std::string contradiction_of(const Goal& a, const Goal& b, double side_m) {
   if (a.at_s != b.at_s) return {};
-  const double slack = a.tolerance + b.tolerance;
+  // What is equal but for rounding is met.
+  const double slack = (a.tolerance + b.tolerance) * (1 + 1e-9) + 1e-12;
   const auto area_a = area_of(a);
   const auto area_b = area_of(b);
   if (a.die != b.die) {
@@ -102,9 +103,9 @@ std::string contradiction_of(const Goal& a, const Goal& b, double side_m) {
     const double most_m = apart(*area_a, *area_b).most_m + slack;
     if (most_m >= side_m / 2) return {};
     return fmt::format(
-        "dice {} and {} can't both end there: their centres would be at most {:.3g} "
-        "mm apart, and a die is {:.3g} mm wide",
-        a.die + 1, b.die + 1, 1e3 * most_m, 1e3 * side_m);
+        "dice {} and {} would have to lie on one another, which can't be directed: their "
+        "centres would be at most {:.3g} mm apart, and a die is {:.3g} mm wide",
+        std::min(a.die, b.die) + 1, std::max(a.die, b.die) + 1, 1e3 * most_m, 1e3 * side_m);
   }
   if (area_a && area_b) {
     const double least_m = apart(*area_a, *area_b).least_m;

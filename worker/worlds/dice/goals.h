@@ -103,6 +103,7 @@ struct Judgement {
 };
 
 /// Why no throw of dice with these sides meets both, for people; empty where only a throw can tell.
+/// Dice that would have to lie on one another at the end are refused too: stacks are not directed.
 std::string contradiction_of(const Goal& a, const Goal& b, double side_m);
 
 /// The times at which goals look, ascending, each once.

@@ -1,5 +1,6 @@
 #include "worker/worlds/dice/request.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -435,6 +436,11 @@ void GoalBinder::bind_motion() {
             "tolerance_s", keys.goal.tolerance,
             {.minimum = 0, .maximum = 100, .unit = "s", .help = "a throw within it satisfies"});
         keys.goal.wanted = RestBefore{keys.time_s};
+        const auto first = std::ranges::min_element(world.dice, {}, &DieStart::start_s);
+        const double start_s = world.dice.at(keys.goal.die).start_s - first->start_s;
+        if (keys.time_s + keys.goal.tolerance < start_s)
+          table.error("time_s",
+                      fmt::format("die {} starts {:.3g} s after the first one", keys.die, start_s));
       });
 }
 

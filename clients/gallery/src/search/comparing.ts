@@ -35,7 +35,8 @@ export async function evenlyChosen(
 ): Promise<number[]> {
   const hashed: { hash: string; entry: number }[] = [];
   for (const entry of entries) {
-    hashed.push({ hash: sha256Hex(`${index.run}\n${index.names[entry]!}`), entry });
+    // As names once were: "0.250".
+    hashed.push({ hash: sha256Hex(`${index.run}\n${index.names[entry]!.replace(/^c/, "")}`), entry });
     if (turns.isDue()) await turns.take();
   }
   hashed.sort((a, b) => a.hash < b.hash ? -1 : 1);

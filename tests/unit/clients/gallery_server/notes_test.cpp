@@ -100,7 +100,7 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   Notes notes(path("notes"));
   Json stars = Json::object();
   for (int i = 0; i < 5000; ++i)
-    stars[fmt::format("0.{}", i)] = {{"star", true}};
+    stars[fmt::format("c0.{}", i)] = {{"star", true}};
   EXPECT_EQ(notes.change(run, stars).size(), 5000U);
   EXPECT_EQ(Notes(path("notes")).of_run(run).size(), 5000U);
   Json off = stars;
@@ -111,7 +111,7 @@ TEST_F(NotesTest, ManyAreChangedAtOnceOrNone) {
   EXPECT_EQ(notes.of_run(run)["c0.0"]["star"], true);
   Json more = Json::object();
   for (std::size_t i = 0; i <= k_notes_max - 5000; ++i)
-    more[fmt::format("1.{}", i)] = {{"hidden", true}};
+    more[fmt::format("c1.{}", i)] = {{"hidden", true}};
   EXPECT_THROW(notes.change(run, more), base::Error);
 #ifndef SLEIGHT_SANITIZED
   if (property::of_tier(0, 1) == 1) {

@@ -169,6 +169,11 @@ TEST(DiceRequest, SlipsAreNamed) {
   const std::string here = "[[constraint.place]]\ntolerance_mm = 2\ndie = ";
   EXPECT_THAT(complaint("dice = 2\n" + here + "1\n" + here + "2"),
               HasSubstr("at most 4 mm apart, and a die is 16 mm wide"));
+  EXPECT_THAT(complaint("[[world.die]]\nstart_s = 1\n[[world.die]]\nstart_s = 4\n"
+                        "[[constraint.before]]\ndie = 2\n[[constraint.before]]"),
+              HasSubstr("r.toml:7:1: 'time_s' in [[constraint.before]]: die 2 starts 3 s after"));
+  // Equal but for rounding.
+  EXPECT_EQ(complaint(here + "1\nx_mm = 30\n" + here + "1\nx_mm = 34"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\n" + here + "2\nx_mm = 5"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\nat_s = 0.5\n" + here + "2\nat_s = 0.5"), "");
   EXPECT_EQ(complaint(here + "1\nat_s = 0.5\n" + here + "1\nx_mm = 90"), "");
