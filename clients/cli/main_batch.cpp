@@ -4,12 +4,14 @@
 #include <mpi.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include "clients/cli/end_with_mpirun.h"
 #include "clients/cli/main_run.h"
@@ -49,11 +51,22 @@ schema::Hello hello_of(const request::DirectionRequest& request) {
           .threads = 1};
 }
 
+/// From rank 0. That may wait for whoever types the request: the others sleep meanwhile, as
+/// MPI_Bcast would not.
+void broadcast(void* data, std::uint64_t count, MPI_Datatype type) {
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Ibcast(data, static_cast<int>(count), type, 0, MPI_COMM_WORLD, &request);
+  for (int is_done = 0; is_done == 0;) {
+    MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
+    if (is_done == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 std::string as_rank_0_has_it(std::string text) {
   std::uint64_t bytes = text.size();
-  MPI_Bcast(&bytes, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+  broadcast(&bytes, 1, MPI_UINT64_T);
   text.resize(bytes);
-  MPI_Bcast(text.data(), static_cast<int>(bytes), MPI_CHAR, 0, MPI_COMM_WORLD);
+  broadcast(text.data(), bytes, MPI_CHAR);
   return text;
 }
 

@@ -26,7 +26,7 @@ class NamedArchives {
   /// A text that is no file here and reads as a job's number is a job, which the service is asked
   /// for; `service_called` is asked then alone, so that files need no service. Throws base::Error:
   /// environment where a name is neither, usage where it is several jobs, no_server and others of
-  /// the service. What is there and can't be read is told on the page. REQUIRES: no other thread
+  /// the service. The page names what can't be read. REQUIRES: no other thread
   /// runs.
   NamedArchives(const std::vector<std::string>& texts,
                 const std::function<std::string()>& service_called);
