@@ -175,7 +175,7 @@ class ImportSleight(bpy.types.Operator, ImportHelper):
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     fps: IntProperty(name="Frame rate", description="Frames a second", default=24, min=1, max=1000)
     ids: StringProperty(name="Animations", default="",
-                        description="Of an archive: ids such as c0.250 or find.3; empty: all")
+                        description="Ids such as c0.250 or find.3, where an archive is chosen; empty: all")
     however_many: BoolProperty(name="More than 100", default=False,
                                description="Of an archive: all, however many there are")
     whole_frames: BoolProperty(name="Keys on whole frames", default=False,

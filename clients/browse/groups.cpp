@@ -1,5 +1,7 @@
 #include "clients/browse/groups.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -159,7 +161,8 @@ std::vector<std::size_t> evenly_chosen(std::span<const Entry* const> entries, st
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const AnimationName& name = entries[i]->name;
     // As names once were, so that an archive has the groups that it had.
-    const std::string text = name.is_find ? short_text(name) : short_text(name).substr(1);
+    const std::string text =
+        name.is_find ? short_text(name) : fmt::format("{}.{}", name.chain, name.draw);
     hashed.emplace_back(hash::sha256_hex(name.run + "\n" + text), i);
   }
   std::ranges::sort(hashed);

@@ -20,7 +20,7 @@ struct GivenRequest {
 GivenRequest given_request(const std::string& path, const std::string& word,
                            const std::optional<request::Asked>& asked);
 
-/// Of a request: a file's name without its ending, the word, or "request".
+/// What a job of it is called: the file's name without its ending, the word, or "request".
 std::string short_name_of(const std::string& path, const std::string& word);
 
 }  // namespace sleight::cli

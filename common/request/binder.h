@@ -199,6 +199,9 @@ class Binder {
   /// is at odds. The message follows `'key' in [section]: `.
   void error(std::string_view key, std::string_view message);
 
+  /// Whether no key that was read so far has an error.
+  bool is_sound() const { return invalid_.empty(); }
+
   /// Of the section's or table's head in the file; 0: the file has none.
   std::uint32_t line() const { return section_ == nullptr ? 0 : section_->place.line; }
 

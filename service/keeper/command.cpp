@@ -1,5 +1,4 @@
 #include "service/keeper/command.h"
-#include "common/base/cores.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,6 +8,8 @@
 #include <filesystem>
 #include <string_view>
 #include <system_error>
+
+#include "common/base/cores.h"
 
 namespace sleight::keeper {
 namespace {

@@ -7,30 +7,14 @@ import io
 import json
 import os
 import pty
-import re
 import subprocess
-import termios
-import time
 
 import harness
 from harness import MPIRUN, ProgramTest, program, run, sleight
+from test_export import BALL
 
-BALL = """
-[world]
-name = "ball_2d"
-[constraint]
-tolerance_diameters = 5
-sigma_diameters = 5
-[sampler]
-method = "metropolis_hastings"
-chains = 2
-seed = 3
-[stop]
-scans = 60
-[output]
-keep_per_lineage = 1000
-min_distance = 0.001
-"""
+# A chain that finds draws 3, 11 and 30.
+REQUEST = BALL.replace("seed = 1", "seed = 3")
 # Enough to begin with, and too little to go on: of the address space, in kB, each.
 SHORT_OF_MEMORY_KB = [115_000, 125_000, 135_000, 150_000]
 
@@ -42,7 +26,7 @@ class FieldReports(ProgramTest):
         cls.kept.setUp()
         cls.addClassCleanup(cls.kept.doCleanups)
         cls.request = cls.kept.path("ball.toml")
-        cls.request.write_text(BALL)
+        cls.request.write_text(REQUEST)
         cls.archive = cls.kept.path("ball.h5")
         cls.kept.direct(cls.request, cls.archive)
 
@@ -130,6 +114,7 @@ class FieldReports(ProgramTest):
         self.assertEqual(json.loads(told)["workers"], 1)
 
     def test_too_little_memory_is_told_as_that(self):
+        refused = 0
         for kb in SHORT_OF_MEMORY_KB:
             for command in (f"plot '{self.archive}' -o x.png", f"export '{self.archive}' --all --together -o x.glb",
                             f"direct '{self.request}' -q -o m.h5"):
@@ -139,10 +124,12 @@ class FieldReports(ProgramTest):
                 with self.subTest(command, kb=kb):
                     self.assertIn(result.returncode, (0, 5), result.stderr)
                     if result.returncode == 5: self.assertIn("memory", result.stderr)
+                    refused += result.returncode == 5
+        self.assertGreater(refused, 0)
 
     def test_requests_from_standard_input(self):
         digest = self.digest(self.archive)
-        text = BALL.encode()
+        text = REQUEST.encode()
         given = lambda command: subprocess.run([str(part) for part in command], input=text, capture_output=True,
                                                env=harness.environment())
         for number, name in enumerate(["-", "/dev/stdin"]):
@@ -180,7 +167,7 @@ class FieldReports(ProgramTest):
     def test_terminals_without_escapes_get_none(self):
         self.assertIn(b"\x1b[K", self.on_a_terminal("xterm"))
         plain = self.on_a_terminal("dumb")
-        self.assertIn(b"3,000", plain.replace(b"3000", b"3,000"))
+        self.assertIn(b"of 3,000 scans", plain)
         self.assertNotIn(b"\x1b", plain)
 
     def test_what_goes_to_standard_output(self):

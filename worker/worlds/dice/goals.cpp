@@ -73,10 +73,10 @@ Apart apart(const Region& a, const Region& b) {
 }
 
 /// By how much the angles that two goals want differ whatever the die does; none of other goals.
-std::optional<double> angle_at_odds(const Goal& a, const Goal& b) {
+std::optional<double> turn_difference(const Goal& a, const Goal& b) {
   const auto* turn = std::get_if<Turn>(&a.wanted);
   const auto* face = std::get_if<FaceDirection>(&b.wanted);
-  if (turn == nullptr && std::holds_alternative<Turn>(b.wanted)) return angle_at_odds(b, a);
+  if (turn == nullptr && std::holds_alternative<Turn>(b.wanted)) return turn_difference(b, a);
   if (turn != nullptr && face != nullptr)
     return angle_between(normal_of(turn->orientation, face->face, 0), face->direction);
   if (turn != nullptr && std::holds_alternative<Turn>(b.wanted))
@@ -115,12 +115,12 @@ std::string contradiction_of(const Goal& a, const Goal& b, double side_m) {
         "add up to {:.3g} mm",
         a.die + 1, 1e3 * least_m, 1e3 * slack);
   }
-  if (const auto odds_rad = angle_at_odds(a, b); odds_rad && *odds_rad > slack) {
+  if (const auto differ_rad = turn_difference(a, b); differ_rad && *differ_rad > slack) {
     constexpr double k_deg_per_rad = 57.295779513082321;
     return fmt::format(
         "die {} can't be turned both ways: they differ by {:.3g} degrees, and the "
         "tolerances add up to {:.3g}",
-        a.die + 1, k_deg_per_rad * *odds_rad, k_deg_per_rad * slack);
+        a.die + 1, k_deg_per_rad * *differ_rad, k_deg_per_rad * slack);
   }
   const auto* velocity_a = std::get_if<Velocity>(&a.wanted);
   const auto* velocity_b = std::get_if<Velocity>(&b.wanted);

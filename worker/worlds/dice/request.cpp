@@ -223,7 +223,7 @@ struct GoalKeys {
 
 /// Where a goal stands.
 struct GoalPlace {
-  std::string name;  ///< "constraint.place"
+  std::string name;  ///< "[constraint.place]"
   std::uint32_t line = 0;
 };
 
@@ -280,8 +280,8 @@ struct GoalBinder {
                             [&](Binder& table, Keys& keys) {
                               bind_die(table, keys);
                               bind(table, keys);
-                              // Once more without a table, for the keys.
-                              if (table.line() == 0) return;
+                              // Without a table it is for the keys; one slip is told once.
+                              if (table.line() == 0 || !table.is_sound()) return;
                               refuse_contradictions(table, keys.goal);
                               goals.push_back(keys.goal);
                               places.push_back({table.section_name(), table.line()});

@@ -172,6 +172,10 @@ TEST(DiceRequest, SlipsAreNamed) {
   EXPECT_THAT(complaint("[[world.die]]\nstart_s = 1\n[[world.die]]\nstart_s = 4\n"
                         "[[constraint.before]]\ndie = 2\n[[constraint.before]]"),
               HasSubstr("r.toml:7:1: 'time_s' in [[constraint.before]]: die 2 starts 3 s after"));
+  Parameters twice;
+  const auto slip = read(twice, "[[constraint.face]]\nup = 2\n[[constraint.face]]\nup = 7");
+  ASSERT_FALSE(slip.ok());
+  EXPECT_EQ(slip.error().size(), 1U);
   // Equal but for rounding.
   EXPECT_EQ(complaint(here + "1\nx_mm = 30\n" + here + "1\nx_mm = 34"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\n" + here + "2\nx_mm = 5"), "");
