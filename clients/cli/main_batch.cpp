@@ -85,12 +85,12 @@ Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi, cli::EndRep
   cli::GivenRequest given = given_request(arguments);
   if (with_mpi) given = as_rank_0_has_it(given);
   coordinator::catch_stop_signals();
-  run::Catalogue catalogue = worlds_of_program();
+  const run::Catalogue catalogue = worlds_of_program();
   if (arguments.print_request) return {.code = print_request(catalogue, given, arguments)};
   const auto request = read_request(catalogue, given, arguments);
   if (!request) return {.code = static_cast<int>(base::ExitCode::bad_request)};
   const base::SteadyClock clock;
-  const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
+  const auto worker = catalogue.world_of(*request).make_worker(*request, arguments.resources());
   const sampling::BlockRunner runner(*worker, clock);
   if (!with_mpi) {
     coordinator::LocalCrew crew(runner, 1);
@@ -114,14 +114,14 @@ void run_other_rank(DirectArguments arguments) {
   arguments.errors_elsewhere = true;
   const cli::GivenRequest given = as_rank_0_has_it(cli::GivenRequest());
   if (arguments.print_request) return;
-  run::Catalogue catalogue = worlds_of_program();
+  const run::Catalogue catalogue = worlds_of_program();
   const base::SteadyClock clock;
   const auto request = read_request(catalogue, given, arguments);
   if (!request) {
     run::refuse(given.name + " has errors there");
     return;
   }
-  const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
+  const auto worker = catalogue.world_of(*request).make_worker(*request, arguments.resources());
   const sampling::BlockRunner runner(*worker, clock);
   run::serve(runner, hello_of(*request));
 }

@@ -71,7 +71,7 @@ int derive(const DeriveArguments& given) {
                     "with that version",
                     folder, stored.results_version, stored.program_version, results_version()));
   }
-  run::Catalogue catalogue = worlds_of_program();
+  const run::Catalogue catalogue = worlds_of_program();
   const auto read = request::read_request(stored.request_text, folder, catalogue.bindings());
   if (!read) {
     throw base::Error(fmt::format("{}: damaged: its request can't be read: {}", folder,
@@ -82,10 +82,10 @@ int derive(const DeriveArguments& given) {
                          request);
 
   // Where the run stands, and its archive.
-  const run::WorldEntry& world = catalogue.world(request.world);
+  const run::WorldEntry& world = catalogue.world_of(request);
   const auto plan = run::make_plan(request, world);
   request::Cut cut = coordinator::committed_cut(folder, *plan);
-  const auto reader = world.make_reader();
+  const auto reader = world.make_reader(request);
   const std::function<std::unique_ptr<plan::Plan>(const request::Cut&)> plan_of =
       [&](const request::Cut& at) { return run::make_plan(request, world, at); };
   base::PosixFileSystem files;

@@ -20,13 +20,13 @@ constexpr int k_bad_request = static_cast<int>(base::ExitCode::bad_request);
 int direct(const DirectArguments& arguments, cli::EndReport& end_report) {
   const cli::GivenRequest given = given_request(arguments);
   coordinator::catch_stop_signals();
-  run::Catalogue catalogue = worlds_of_program();
+  const run::Catalogue catalogue = worlds_of_program();
   if (arguments.print_request) return print_request(catalogue, given, arguments);
   const auto request = read_request(catalogue, given, arguments);
   if (!request) return k_bad_request;
   const std::size_t cores = base::cores_here();
   const base::SteadyClock clock;
-  const auto worker = catalogue.world(request->world).make_worker(*request, arguments.resources());
+  const auto worker = catalogue.world_of(*request).make_worker(*request, arguments.resources());
   const sampling::BlockRunner runner(*worker, clock);
   const std::size_t threads = arguments.threads > 0 ? arguments.threads : cores;
   coordinator::LocalCrew crew(runner, static_cast<std::uint32_t>(threads));
@@ -45,7 +45,7 @@ int direct(const DirectArguments& arguments) {
 int check_request(const std::string& path, const std::vector<std::string>& sets) {
   if (path.empty())
     throw base::Error(base::ExitCode::usage, "check: the name of REQUEST.toml is empty");
-  run::Catalogue catalogue = worlds_of_program();
+  const run::Catalogue catalogue = worlds_of_program();
   DirectArguments arguments;
   arguments.request_path = path;
   arguments.sets = sets;
@@ -57,7 +57,7 @@ int check_request(const std::string& path, const std::vector<std::string>& sets)
 }
 
 int print_keys(const std::string& world) {
-  run::Catalogue catalogue = worlds_of_program();
+  const run::Catalogue catalogue = worlds_of_program();
   for (const request::WorldBinding& binding : catalogue.bindings()) {
     if (world.empty()) {
       fmt::print("{}  {}\n", binding.name, binding.summary);

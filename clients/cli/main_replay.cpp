@@ -71,13 +71,13 @@ void print_json(const failure_file::FailureFile& file, const run::SimulationEnd&
 
 int replay(const std::string& path, bool json) {
   const failure_file::FailureFile file = read_file(path);
-  run::Catalogue catalogue = worlds_of_program();
+  const run::Catalogue catalogue = worlds_of_program();
   const auto request = request::read_request(file.request_text, path, catalogue.bindings());
   if (!request) {
     throw base::Error(base::ExitCode::bad_request, request::to_string(request.error().front()));
   }
   const std::optional<run::SimulationEnd> end =
-      catalogue.world(request.value().world).simulate(file.failed.failure.state);
+      catalogue.world_of(request.value()).simulate(request.value(), file.failed.failure.state);
   if (!end) {
     throw base::Error(base::ExitCode::bad_request,
                       fmt::format("{}: 'state' is no state of the world '{}' with this request",

@@ -324,7 +324,7 @@ std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet
 }
 
 /// `asked` where an option replaces the request's [stop].
-Read read(run::Catalogue& catalogue, const cli::GivenRequest& given,
+Read read(const run::Catalogue& catalogue, const cli::GivenRequest& given,
           std::optional<request::Asked> asked, const DirectArguments& arguments) {
   const auto sets = request::plain_sets(arguments.sets);
   if (!sets) return sets.error();
@@ -335,7 +335,7 @@ Read read(run::Catalogue& catalogue, const cli::GivenRequest& given,
 
 }  // namespace
 
-std::optional<request::DirectionRequest> read_request(run::Catalogue& catalogue,
+std::optional<request::DirectionRequest> read_request(const run::Catalogue& catalogue,
                                                       cli::GivenRequest given,
                                                       const DirectArguments& arguments) {
   const auto asked = arguments.request_path.empty() ? std::nullopt : arguments.answer.asked();
@@ -354,7 +354,7 @@ std::optional<request::DirectionRequest> read_request(run::Catalogue& catalogue,
   return request;
 }
 
-int print_request(run::Catalogue& catalogue, const cli::GivenRequest& given,
+int print_request(const run::Catalogue& catalogue, const cli::GivenRequest& given,
                   const DirectArguments& arguments) {
   const auto request = read_request(catalogue, given, arguments);
   if (!request) return static_cast<int>(base::ExitCode::bad_request);
@@ -375,11 +375,11 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
         "the run ends by independent solutions alone: a chain that never arrives keeps it going; "
         "scans under [stop] bound it, and --time-limit a session");
   }
-  const run::WorldEntry& world = catalogue.world(request.world);
+  const run::WorldEntry& world = catalogue.world_of(request);
   const bool in_proportion = request.stop.independent_solutions.has_value();
-  if (const std::string past = world.past_effort(); in_proportion && !past.empty())
+  if (const std::string past = world.past_effort(request); in_proportion && !past.empty())
     logging::info(past);
-  const auto reader = world.make_reader();
+  const auto reader = world.make_reader(request);
   if (!reader->layout().warning.empty()) logging::warn(reader->layout().warning);
   const auto plan = run::make_plan(request, world, {});
   base::PosixFileSystem files;

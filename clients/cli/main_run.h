@@ -73,11 +73,11 @@ double parse_duration_s(const std::string& text);
 cli::GivenRequest given_request(const DirectArguments& arguments);
 
 /// --print-request: shows the request, and returns the exit code.
-int print_request(run::Catalogue& catalogue, const cli::GivenRequest& given,
+int print_request(const run::Catalogue& catalogue, const cli::GivenRequest& given,
                   const DirectArguments& arguments);
 
 /// Reads and checks the request; prints every error to stderr. None when there were any.
-std::optional<request::DirectionRequest> read_request(run::Catalogue& catalogue,
+std::optional<request::DirectionRequest> read_request(const run::Catalogue& catalogue,
                                                       cli::GivenRequest given,
                                                       const DirectArguments& arguments);
 

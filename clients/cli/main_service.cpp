@@ -54,7 +54,7 @@ cli::RequestTexts request_texts() {
                            std::span<const request::KeySet> sets,
                            std::optional<request::Asked> asked)
               -> base::Result<std::string, std::vector<request::Diagnostic>> {
-    run::Catalogue catalogue = worlds_of_program();
+    const run::Catalogue catalogue = worlds_of_program();
     const auto read = request::read_request_with(text, file, catalogue.bindings(), sets, asked);
     if (!read) return read.error();
     return request::normalised_text(read.value());

@@ -94,7 +94,7 @@ int serve(const config::Settings& settings) {
         "as root every job would be root's; start the daemon as a user of its own, or "
         "with --allow-root if this machine is there for nothing else");
   }
-  run::Catalogue catalogue = worlds_of_program();
+  const run::Catalogue catalogue = worlds_of_program();
   const System system = system_of(settings);
   // Before the options: GCC 12 destroys an aggregate's members twice where a later one's
   // initialiser throws.

@@ -277,6 +277,16 @@ bool leaves_sampler_open(const Binder& sampler) {
   return leaves_open_but(sampler, "");
 }
 
+WorldSections world_sections(SectionBinders& sections) {
+  return {.world = sections.world, .constraint = sections.constraint, .sampler = sections.sampler};
+}
+
+void let_world_choose(SectionBinders& sections, DirectionRequest& request,
+                      const WorldBinding& world) {
+  WorldSections of_world = world_sections(sections);
+  world.serve_best(of_world, request.sampler, request.stop, request.parameters);
+}
+
 /// A request that asks for finds or takes and nothing else wants a search, and so does one that
 /// leaves all open.
 void settle_method(SectionBinders& sections, DirectionRequest& request, const WorldBinding& world) {
@@ -297,7 +307,7 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
     request.stop.takes = k_solutions_asked_for;
     sections.stop.settle("takes", fmt::format("{}", k_solutions_asked_for));
   }
-  world.serve_best(sections.constraint, sections.sampler, request.sampler, request.stop);
+  let_world_choose(sections, request, world);
   CHECK(request.sampler.relax_scans.has_value());
 }
 
@@ -310,7 +320,7 @@ void settle_default(SectionBinders& sections, DirectionRequest& request,
   const bool names_islands = request.stop.odds && request.sampler.method == Method::sequential;
   if (!leaves_open_but(sections.sampler, names_islands ? "method" : "") || !world.serve_best)
     return;
-  world.serve_best(sections.constraint, sections.sampler, request.sampler, request.stop);
+  let_world_choose(sections, request, world);
   if (request.stop.found || !request.stop.independent_solutions) return;
   request.stop.found = request.stop.independent_solutions;
   sections.stop.settle("found", fmt::format("{}", *request.stop.found));
@@ -459,7 +469,8 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
   bind_output(sections.output, request.output);
   if (chosen == nullptr) return nullptr;
   request.world = chosen->name;
-  chosen->bind(sections.world, sections.constraint, sections.sampler);
+  WorldSections of_world = world_sections(sections);
+  request.parameters = chosen->bind(of_world);
   settle_method(sections, request, *chosen);
   check_stages(sections, request, *chosen, worlds);
   check_takes(sections, request);

@@ -26,8 +26,8 @@ struct SectionBinders {
   }
 };
 
-/// Binds all keys: the common ones to `request`, those of the world that [world] names to its own
-/// parameters. Where the name is missing or unknown, no world's keys are bound and null comes back.
+/// Binds all keys to `request`: the common ones, and those of the world that [world] names. Returns
+/// that world; null if the name is missing or unknown, and then no world's keys are bound.
 const WorldBinding* bind_sections(SectionBinders& sections, std::span<const WorldBinding> worlds,
                                   DirectionRequest& request);
 

@@ -19,9 +19,10 @@
 //   3. normalised_text is canonical: every key with its value, in a fixed order; reading it again
 //      gives an equal request and the same text. It depends on values alone, not on how the file
 //      wrote them, nor on its comments and order.
-// Values; thread-safe as such. read_request is not while it writes into the worlds' parameters.
+// Values; thread-safe as such.
 #pragma once
 
+#include <any>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -31,6 +32,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/check.h"
 #include "common/base/result.h"
 #include "common/request/binder.h"
 #include "common/request/diagnostic.h"
@@ -108,23 +110,57 @@ struct StopRule {
   friend bool operator==(const StopRule&, const StopRule&) = default;
 };
 
-/// A world as a request sees it.
+/// The sections that have keys of the world's.
+struct WorldSections {
+  Binder& world;
+  Binder& constraint;
+  Binder& sampler;
+};
+
+/// A world as a request sees it. Its parameters are of a type that only the world knows; bind_world
+/// makes a binding from functions that name the type.
 struct WorldBinding {
   std::string name;     ///< of `name` in [world]
   std::string summary;  ///< one line for help
-  /// Sets the world's parameters, which the function refers to, to their defaults, then binds its
-  /// keys to them. Afterwards they hold the request's values.
-  std::function<void(Binder& world, Binder& constraint, Binder& sampler)> bind;
+  /// Returns the world's parameters, bound to its keys: they have the request's values.
+  std::function<std::any(WorldSections& sections)> bind;
   /// It can be searched, and sampled by islands (worker/sampling/stages.h).
   bool acts_in_stages = false;
-  /// What serves it best where a request leaves the sampler open, a seed aside: sets parameters,
-  /// and settles their keys. It may depend on which stop rules are given, and must go with them;
-  /// not on their numbers, so that a longer run goes on with a shorter one. None: every key's own
-  /// default.
-  std::function<void(Binder& constraint, Binder& sampler, SamplerParameters& parameters,
-                     const StopRule& stop)>
+  /// Chooses the sampler where a request leaves it open (a seed aside): sets parameters and settles
+  /// their keys. The choice may depend on which stop rules are given, but not on their numbers, so
+  /// that a longer run continues a shorter one. None: every key has its own default.
+  std::function<void(WorldSections& sections, SamplerParameters& sampler, const StopRule& stop,
+                     std::any& parameters)>
       serve_best{};
 };
+
+/// A binding whose `bind` fills a default-constructed Parameters.
+template <class Parameters>
+WorldBinding bind_world(std::string name, std::string summary,
+                        void (*bind)(WorldSections& sections, Parameters& parameters)) {
+  return {.name = std::move(name),
+          .summary = std::move(summary),
+          .bind = [bind](WorldSections& sections) -> std::any {
+            Parameters parameters;
+            bind(sections, parameters);
+            return parameters;
+          }};
+}
+
+/// The same for a world that acts in stages and chooses its sampler.
+template <class Parameters>
+WorldBinding bind_world(std::string name, std::string summary,
+                        void (*bind)(WorldSections& sections, Parameters& parameters),
+                        void (*serve_best)(WorldSections& sections, SamplerParameters& sampler,
+                                           const StopRule& stop, Parameters& parameters)) {
+  WorldBinding binding = bind_world(std::move(name), std::move(summary), bind);
+  binding.acts_in_stages = true;
+  binding.serve_best = [serve_best](WorldSections& sections, SamplerParameters& sampler,
+                                    const StopRule& stop, std::any& parameters) {
+    serve_best(sections, sampler, stop, std::any_cast<Parameters&>(parameters));
+  };
+  return binding;
+}
 
 /// Of a run of chains; a search, or the odds, show enough beside fewer.
 inline constexpr std::uint32_t k_prior_draws = 1000;
@@ -155,8 +191,22 @@ struct DirectionRequest {
   StopRule stop;
   OutputParameters output;
   std::vector<NormalisedSection> sections;  ///< all five and their tables, the world's included
-  friend bool operator==(const DirectionRequest&, const DirectionRequest&) = default;
+  std::any parameters;                      ///< the world's own: parameters_of
+
+  /// `parameters` has no comparison and needs none: `sections` has the same values.
+  friend bool operator==(const DirectionRequest& a, const DirectionRequest& b) {
+    return a.world == b.world && a.sampler == b.sampler && a.stop == b.stop &&
+           a.output == b.output && a.sections == b.sections;
+  }
 };
+
+/// The parameters of the request's world. REQUIRES: Parameters is that world's type.
+template <class Parameters>
+const Parameters& parameters_of(const DirectionRequest& request) {
+  const auto* parameters = std::any_cast<Parameters>(&request.parameters);
+  CHECK(parameters != nullptr);
+  return *parameters;
+}
 
 inline constexpr std::uint32_t k_chains_max = 65536;
 inline constexpr std::uint32_t k_replicas_max = 256;
@@ -201,8 +251,7 @@ struct Asked {
   std::uint32_t number = k_solutions_asked_for;
 };
 
-/// Reads a request. `file` is named in the errors and not opened. The chosen world's parameters
-/// then hold the request's values; on errors they hold some of them.
+/// Reads a request. `file` is named in the errors and not opened.
 /// REQUIRES: worlds is not empty, its names are distinct; asked->number at least 1, at most
 /// k_independent_solutions_max.
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request(
@@ -246,7 +295,7 @@ struct SectionKeys {
   std::vector<KeySpec> keys;
 };
 
-/// Every key of a request for this world. Its parameters are set to their defaults.
+/// Every key of a request for this world.
 std::vector<SectionKeys> request_keys(const WorldBinding& world);
 
 /// request_keys as an aligned table for a terminal: key, unit, range, default, help.

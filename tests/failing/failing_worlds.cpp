@@ -15,9 +15,9 @@ run::Catalogue worlds_of_program() {
                              &ball_2d::make_state_reader>;
   using PucksEntry = run::EntryOf<failing::Pucks, failing::PuckParameters, &failing::pucks_binding,
                                   &failing::make_pucks_reader>;
-  std::vector<run::Catalogue::Named> worlds;
-  worlds.push_back({"ball_2d", std::make_unique<Entry>()});
-  worlds.push_back({"pucks", std::make_unique<PucksEntry>()});
+  std::vector<std::unique_ptr<run::WorldEntry>> worlds;
+  worlds.push_back(std::make_unique<Entry>());
+  worlds.push_back(std::make_unique<PucksEntry>());
   return run::Catalogue(std::move(worlds));
 }
 

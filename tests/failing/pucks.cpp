@@ -180,23 +180,22 @@ std::vector<double> Pucks::outcome_values(const PuckMotion& motion) const {
   return {motion.second_rest_m};
 }
 
-request::WorldBinding pucks_binding(PuckParameters& parameters) {
-  return {
+request::WorldBinding pucks_binding() {
+  return request::bind_world<PuckParameters>(
       "pucks", "a puck that is pushed along the ice, and another that must rest at a place",
-      [&parameters](request::Binder& world, request::Binder& constraint,
-                    request::Binder& /*sampler*/) {
-        parameters = PuckParameters{};
-        world.number("friction", parameters.friction,
-                     {.minimum = 0.001, .maximum = 10, .help = "between pucks and ice, sliding"});
+      [](request::WorldSections& sections, PuckParameters& parameters) {
+        sections.world.number(
+            "friction", parameters.friction,
+            {.minimum = 0.001, .maximum = 10, .help = "between pucks and ice, sliding"});
         const auto length = [&](const char* key, double& value, double minimum, const char* help) {
-          constraint.number(key, value,
-                            {.minimum = minimum, .maximum = 100, .unit = "m", .help = help});
+          sections.constraint.number(
+              key, value, {.minimum = minimum, .maximum = 100, .unit = "m", .help = help});
         };
         length("target_m", parameters.target_m, -100, "where the second puck should rest");
         length("sigma_m", parameters.sigma_m, 1e-6, "standard deviation about it");
         length("tolerance_m", parameters.tolerance_m, 1e-6,
                "an animation within it of the target is satisfied");
-      }};
+      });
 }
 
 std::unique_ptr<archive::StateReader> make_pucks_reader(const PuckParameters& parameters) {

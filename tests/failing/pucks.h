@@ -76,7 +76,7 @@ class Pucks {
 
 static_assert(sampling::ScalesProposals<Pucks>);
 
-request::WorldBinding pucks_binding(PuckParameters& parameters);
+request::WorldBinding pucks_binding();
 std::unique_ptr<archive::StateReader> make_pucks_reader(const PuckParameters& parameters);
 
 }  // namespace sleight::failing

@@ -123,7 +123,7 @@ int main_of(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (!folder.empty()) std::filesystem::create_directories(folder);
 
-  run::Catalogue catalogue;
+  const run::Catalogue catalogue;
   const auto read = request::read_request(base::read_text_file(path, request::k_request_bytes_max),
                                           path, catalogue.bindings());
   if (!read) {
@@ -133,7 +133,7 @@ int main_of(int argc, char** argv) {
   const request::DirectionRequest& request = read.value();
   fmt::print("{}, seed {}, sleight {}\n", path, request.sampler.seed, base::version());
   for (const double beta : {0.0, 1.0}) {
-    const auto worker = catalogue.world(request.world).make_worker(request);
+    const auto worker = catalogue.world_of(request).make_worker(request);
     const Tally tally = run_chains({.worker = *worker,
                                     .seed = request.sampler.seed,
                                     .inverse_temperature = beta,

@@ -27,22 +27,17 @@
 namespace sleight {
 namespace {
 
-/// A request together with what the worlds read of it.
+/// A request, or what is wrong with it.
 struct Reading {
-  worlds::ball_2d::Parameters ball_2d;
-  worlds::spelling::Parameters spelling;
-  worlds::dice::Parameters dice;
-  request::toy::Parameters toy;
   std::vector<request::DirectionRequest> request;  ///< one, or none
   std::vector<request::Diagnostic> errors;
 };
 
 Reading read(std::string_view text) {
   Reading reading;
-  const std::array worlds{worlds::ball_2d::request_binding(reading.ball_2d),
-                          worlds::spelling::request_binding(reading.spelling),
-                          worlds::dice::request_binding(reading.dice),
-                          request::toy::binding(reading.toy)};
+  const std::array worlds{worlds::ball_2d::request_binding(),
+                          worlds::spelling::request_binding(), worlds::dice::request_binding(),
+                          request::toy::binding()};
   auto request = request::read_request(text, "fuzz.toml", worlds);
   if (request) {
     reading.request.push_back(std::move(request).value());
@@ -52,6 +47,22 @@ Reading read(std::string_view text) {
   return reading;
 }
 
+void check_parameters(const request::DirectionRequest& again,
+                      const request::DirectionRequest& given) {
+  const auto are_same = [&]<class Parameters>(std::string_view world) {
+    if (given.world != world) return;
+    CHECK(
+        same(request::parameters_of<Parameters>(again), request::parameters_of<Parameters>(given)));
+  };
+  are_same.operator()<worlds::ball_2d::Parameters>("ball_2d");
+  are_same.operator()<worlds::spelling::Parameters>("spelling");
+  are_same.operator()<worlds::dice::Parameters>("dice");
+  if (given.world == "toy") {
+    CHECK(request::parameters_of<request::toy::Parameters>(again) ==
+          request::parameters_of<request::toy::Parameters>(given));
+  }
+}
+
 void check_round_trip(const Reading& given) {
   const request::DirectionRequest& request = given.request.front();
   const std::string normal = normalised_text(request);
@@ -59,10 +70,7 @@ void check_round_trip(const Reading& given) {
   CHECK_EQ(again.request.size(), 1U);
   CHECK(again.request.front() == request);
   CHECK_EQ(normalised_text(again.request.front()), normal);
-  CHECK(same(again.ball_2d, given.ball_2d));
-  CHECK(same(again.spelling, given.spelling));
-  CHECK(same(again.dice, given.dice));
-  CHECK(again.toy == given.toy);
+  check_parameters(again.request.front(), request);
 
   const bool searches = request.sampler.method == request::Method::search;
   const bool relaxes = request.sampler.relax_scans.has_value();

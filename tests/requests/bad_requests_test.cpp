@@ -47,8 +47,7 @@ std::vector<fs::path> files_with(const fs::path& folder, const std::string& exte
 
 /// The errors as the command line prints them; empty for a good request.
 std::string errors_of(const fs::path& request_file) {
-  worlds::ball_2d::Parameters parameters;
-  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(parameters)};
+  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding()};
   const auto request =
       request::read_request(contents(request_file), request_file.filename().string(), known);
   std::string lines;
@@ -114,12 +113,9 @@ TEST(Corpus, CheckFailsWhereItShould) {
 TEST(ShippedRequests, AreReadWithoutErrors) {
   const auto files = files_with(SLEIGHT_REQUESTS, ".toml");
   EXPECT_FALSE(files.empty());
-  worlds::ball_2d::Parameters ball;
-  worlds::dice::Parameters dice;
-  worlds::spelling::Parameters spelling;
-  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(ball),
-                                                 worlds::dice::request_binding(dice),
-                                                 worlds::spelling::request_binding(spelling)};
+  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(),
+                                                 worlds::dice::request_binding(),
+                                                 worlds::spelling::request_binding()};
   for (const fs::path& file : files) {
     const auto request = request::read_request(contents(file), file.filename().string(), known);
     EXPECT_TRUE(request) << file << ": " << (request ? "" : to_string(request.error().front()));
@@ -128,12 +124,12 @@ TEST(ShippedRequests, AreReadWithoutErrors) {
 
 // requests/hi.toml spells out the defaults too, but for what a chain is asked to do.
 TEST(ShippedRequests, HiSpellsOutTheDefaults) {
-  worlds::spelling::Parameters parameters;
-  const std::vector<request::WorldBinding> known{worlds::spelling::request_binding(parameters)};
+  const std::vector<request::WorldBinding> known{worlds::spelling::request_binding()};
   const auto request =
       request::read_request(contents(fs::path(SLEIGHT_REQUESTS) / "hi.toml"), "hi.toml", known);
   ASSERT_TRUE(request) << to_string(request.error().front());
-  EXPECT_EQ(parameters.pattern, worlds::spelling::hi());
+  EXPECT_EQ(request::parameters_of<worlds::spelling::Parameters>(request.value()).pattern,
+            worlds::spelling::hi());
   const std::string full = normalised_text(request.value());
   const auto bare = request::read_request(
       "[world]\nname = \"spelling\"\n[sampler]\nmethod = \"metropolis_hastings\"\nchains = "
@@ -149,8 +145,7 @@ TEST(ShippedRequests, HiSpellsOutTheDefaults) {
 
 // requests/ball_2d.toml spells out the thesis's numbers: they are the defaults, bit for bit.
 TEST(ShippedRequests, Ball2dSpellsOutTheDefaults) {
-  worlds::ball_2d::Parameters spelled_out;
-  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding(spelled_out)};
+  const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding()};
   const auto request = request::read_request(contents(fs::path(SLEIGHT_REQUESTS) / "ball_2d.toml"),
                                              "ball_2d.toml", known);
   ASSERT_TRUE(request);

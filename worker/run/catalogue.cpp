@@ -78,25 +78,26 @@ ChainWorkerOptions worker_options(const request::DirectionRequest& request,
 }
 
 Catalogue::Catalogue() {
-  worlds_.push_back({"ball_2d", std::make_unique<Ball2dEntry>()});
-  worlds_.push_back({"dice", std::make_unique<DiceEntry>()});
-  worlds_.push_back({"spelling", std::make_unique<SpellingEntry>()});
+  worlds_.push_back(std::make_unique<Ball2dEntry>());
+  worlds_.push_back(std::make_unique<DiceEntry>());
+  worlds_.push_back(std::make_unique<SpellingEntry>());
 }
 
-Catalogue::Catalogue(std::vector<Named> worlds) : worlds_(std::move(worlds)) {}
+Catalogue::Catalogue(std::vector<std::unique_ptr<WorldEntry>> worlds)
+    : worlds_(std::move(worlds)) {}
 
-std::vector<request::WorldBinding> Catalogue::bindings() {
+std::vector<request::WorldBinding> Catalogue::bindings() const {
   std::vector<request::WorldBinding> all;
-  for (const Named& world : worlds_)
-    all.push_back(world.entry->binding());
+  for (const auto& world : worlds_)
+    all.push_back(world->binding());
   return all;
 }
 
-const WorldEntry& Catalogue::world(std::string_view name) const {
-  for (const Named& world : worlds_) {
-    if (world.name == name) return *world.entry;
+const WorldEntry& Catalogue::world_of(const request::DirectionRequest& request) const {
+  for (const auto& world : worlds_) {
+    if (world->binding().name == request.world) return *world;
   }
-  base::check_failed("a world of this name", name);
+  base::check_failed("a world of this name", request.world);
 }
 
 namespace {
@@ -115,8 +116,9 @@ sampling::StopRule stop_of(const request::DirectionRequest& request,
   return rule;
 }
 
-sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,
+sampling::LadderOptions ladder_of(const request::DirectionRequest& request,
                                   const WorldEntry& world) {
+  const request::SamplerParameters& sampler = request.sampler;
   return {.seed = sampler.seed,
           .chain = {},
           .first_ladder =
@@ -125,7 +127,7 @@ sampling::LadderOptions ladder_of(const request::SamplerParameters& sampler,
           .levels_chosen = !sampler.replicas,
           .levels_max = request::k_chosen_replicas_max,
           .ladder_adapts = true,
-          .has_scale = world.kinds_with_scale(),
+          .has_scale = world.kinds_with_scale(request),
           .round_scans = sampler.round_scans,
           .anneal_scans = sampler.anneal_scans.value_or(0),
           .starts_by_search = sampler.start == request::Start::search};
@@ -172,7 +174,7 @@ std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& requ
             sampling::JudgedChainsOptions{.seed = sampler.seed,
                                           .chains = sampler.chains,
                                           .round_scans = sampler.round_scans,
-                                          .judged = world.burn_in_values(),
+                                          .judged = world.burn_in_values(request),
                                           .scans = stop.scans,
                                           .independent_solutions = stop.independent_solutions});
       }
@@ -200,13 +202,13 @@ std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& requ
     }
     case request::Method::parallel_tempering:
       return std::make_unique<sampling::ParallelTempering>(sampling::ParallelTemperingOptions{
-          .ladders = sampler.chains, .ladder = ladder_of(sampler, world), .stop = stop});
+          .ladders = sampler.chains, .ladder = ladder_of(request, world), .stop = stop});
     case request::Method::simulated_tempering:
     case request::Method::tempered_transitions:
     case request::Method::annealed_importance:
       return std::make_unique<sampling::BurntInChains>(sampling::BurntInOptions{
           .chains = sampler.chains,
-          .ladder = ladder_of(sampler, world),
+          .ladder = ladder_of(request, world),
           .burn_in_rounds = sampler.burn_in_rounds.value_or(request::k_burn_in_rounds),
           .stop = stop,
           .go_on = go_on_with(sampler)});
@@ -221,7 +223,7 @@ std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
                                       const std::optional<request::Cut>& cut) {
   const request::SamplerParameters& sampler = request.sampler;
   const auto search = [&](std::uint64_t finds) {
-    return sampling::SearchLanes(sampler.seed, finds, world.stage_names());
+    return sampling::SearchLanes(sampler.seed, finds, world.stage_names(request));
   };
   std::unique_ptr<plan::Plan> plan;
   if (sampler.relax_scans) {

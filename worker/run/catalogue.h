@@ -33,46 +33,42 @@ struct SimulationEnd {
   double log_constraint = 0;  ///< of one that was carried out
 };
 
-/// One world; its parameters are those of the request read last through binding().
-/// Not thread-safe; what make_worker and make_reader return is.
+/// One world. Thread-safe. REQUIRES of each request: it was read by this world's binding.
 class WorldEntry {
  public:
   virtual ~WorldEntry() = default;
-  virtual request::WorldBinding binding() = 0;
+  virtual request::WorldBinding binding() const = 0;
   virtual std::unique_ptr<plan::UnitWorker> make_worker(
       const request::DirectionRequest& request, const WorkerResources& resources = {}) const = 0;
-  virtual std::unique_ptr<archive::StateReader> make_reader() const = 0;
-  /// What the simulation of a state comes to, as a run's worker makes it; nothing if these bytes
-  /// are no state of this world.
-  virtual std::optional<SimulationEnd> simulate(base::BytesView state) const = 0;
+  virtual std::unique_ptr<archive::StateReader> make_reader(
+      const request::DirectionRequest& request) const = 0;
+  /// Simulates a state as a run's worker does; none if the bytes are no state of this world.
+  virtual std::optional<SimulationEnd> simulate(const request::DirectionRequest& request,
+                                                base::BytesView state) const = 0;
   /// By kind of proposal: whether it has a size that can be tuned.
-  virtual std::vector<bool> kinds_with_scale() const = 0;
-  /// What chains that start from a search are judged by; empty of a world that can't be searched.
-  virtual std::vector<sampling::BurnInValue> burn_in_values() const = 0;
+  virtual std::vector<bool> kinds_with_scale(const request::DirectionRequest& request) const = 0;
+  /// The values that judge chains which start from a search; empty if it can't be searched.
+  virtual std::vector<sampling::BurnInValue> burn_in_values(
+      const request::DirectionRequest& request) const = 0;
   /// For people: what solutions in proportion took before; empty where that is not told.
-  virtual std::string past_effort() const = 0;
-  /// By stage, for people: "ball 3 of 16"; empty of a world that can't be searched.
-  virtual std::vector<std::string> stage_names() const = 0;
+  virtual std::string past_effort(const request::DirectionRequest& request) const = 0;
+  /// By stage, for people: "ball 3 of 16"; empty if it can't be searched.
+  virtual std::vector<std::string> stage_names(const request::DirectionRequest& request) const = 0;
 };
 
 class Catalogue {
  public:
-  struct Named {
-    std::string name;
-    std::unique_ptr<WorldEntry> entry;
-  };
-
   /// All worlds, in alphabetical order.
   Catalogue();
   /// These worlds, for tests.
-  explicit Catalogue(std::vector<Named> worlds);
-  /// Bindings of all worlds, for read_request and help; they write into this catalogue.
-  std::vector<request::WorldBinding> bindings();
-  /// REQUIRES: a world of that name.
-  const WorldEntry& world(std::string_view name) const;
+  explicit Catalogue(std::vector<std::unique_ptr<WorldEntry>> worlds);
+  /// Bindings of all worlds, for read_request and help.
+  std::vector<request::WorldBinding> bindings() const;
+  /// REQUIRES: the request was read with these bindings.
+  const WorldEntry& world_of(const request::DirectionRequest& request) const;
 
  private:
-  std::vector<Named> worlds_;
+  std::vector<std::unique_ptr<WorldEntry>> worlds_;
 };
 
 /// The plan of a request's sampling method; with a cut, of a run that ends there instead of by the

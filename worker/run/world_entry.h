@@ -25,22 +25,24 @@ std::vector<bool> kinds_with_scale_of(const T& world) {
   return kinds;
 }
 
-/// A world and its parameters; what its folder calls request_binding and make_state_reader.
-template <class World, class Parameters, request::WorldBinding (*k_binding)(Parameters&),
+/// A world, and what its folder calls request_binding and make_state_reader.
+template <class World, class Parameters, request::WorldBinding (*k_binding)(),
           std::unique_ptr<archive::StateReader> (*k_reader)(const Parameters&)>
 class EntryOf final : public WorldEntry {
  public:
-  request::WorldBinding binding() override { return k_binding(parameters_); }
+  request::WorldBinding binding() const override { return k_binding(); }
   std::unique_ptr<plan::UnitWorker> make_worker(const request::DirectionRequest& request,
                                                 const WorkerResources& resources) const override {
-    return std::make_unique<ChainWorker<World>>(World(parameters_),
+    return std::make_unique<ChainWorker<World>>(world_of(request),
                                                 worker_options(request, resources));
   }
-  std::unique_ptr<archive::StateReader> make_reader() const override {
-    return k_reader(parameters_);
+  std::unique_ptr<archive::StateReader> make_reader(
+      const request::DirectionRequest& request) const override {
+    return k_reader(request::parameters_of<Parameters>(request));
   }
-  std::optional<SimulationEnd> simulate(base::BytesView state) const override {
-    const World world(parameters_);
+  std::optional<SimulationEnd> simulate(const request::DirectionRequest& request,
+                                        base::BytesView state) const override {
+    const World world = world_of(request);
     auto decoded = world.decode(state);
     if (!decoded) return std::nullopt;
     const auto sample = sampling::evaluate(world, std::move(*decoded));
@@ -48,22 +50,23 @@ class EntryOf final : public WorldEntry {
                          .log_prior = sample.log_prior,
                          .log_constraint = sample.log_constraint};
   }
-  std::vector<bool> kinds_with_scale() const override {
-    return kinds_with_scale_of(World(parameters_));
+  std::vector<bool> kinds_with_scale(const request::DirectionRequest& request) const override {
+    return kinds_with_scale_of(world_of(request));
   }
-  std::vector<sampling::BurnInValue> burn_in_values() const override {
-    if constexpr (StagedWorld<World>) return World(parameters_).burn_in_values();
+  std::vector<sampling::BurnInValue> burn_in_values(
+      const request::DirectionRequest& request) const override {
+    if constexpr (StagedWorld<World>) return world_of(request).burn_in_values();
     return {};
   }
-  std::string past_effort() const override {
-    const World world(parameters_);
+  std::string past_effort(const request::DirectionRequest& request) const override {
+    const World world = world_of(request);
     if constexpr (requires { world.past_effort(); }) return world.past_effort();
     return {};
   }
-  std::vector<std::string> stage_names() const override {
+  std::vector<std::string> stage_names(const request::DirectionRequest& request) const override {
     std::vector<std::string> names;
     if constexpr (StagedWorld<World>) {
-      const World world(parameters_);
+      const World world = world_of(request);
       for (std::uint32_t stage = 0; stage < world.stages(); ++stage)
         names.push_back(world.stage_name(stage));
     }
@@ -71,7 +74,9 @@ class EntryOf final : public WorldEntry {
   }
 
  private:
-  Parameters parameters_;
+  static World world_of(const request::DirectionRequest& request) {
+    return World(request::parameters_of<Parameters>(request));
+  }
 };
 
 }  // namespace sleight::run

@@ -11,7 +11,6 @@
 #include "common/base/clock.h"
 #include "common/motion/path.h"
 #include "common/request/direction_request.h"
-#include "common/request/world_parameters.h"
 #include "common/scene/scene.h"
 #include "worker/run/catalogue.h"
 #include "worker/worlds/dice/dice.h"
@@ -136,10 +135,10 @@ rounds = {}
 ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& options) {
   ThrownDie die{.wish = wish, .seed = options.seed + nth};
   const std::string text = die_request(wish, die.seed, options);
-  run::Catalogue catalogue;
+  const run::Catalogue catalogue;
   const request::DirectionRequest request =
       request::read_request(text, "figure 2.13", catalogue.bindings()).value();
-  const run::WorldEntry& entry = catalogue.world("dice");
+  const run::WorldEntry& entry = catalogue.world_of(request);
   const std::unique_ptr<plan::Plan> plan = run::make_plan(request, entry);
   const std::unique_ptr<plan::UnitWorker> worker = entry.make_worker(request);
   const base::SteadyClock clock;
@@ -147,7 +146,7 @@ ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& 
   const std::optional<base::Bytes> state = first_satisfying(*plan, *worker, die);
   die.elapsed_s = clock.now_s() - begin_s;
   if (state) {
-    const dice::Dice world(request::world_parameters(text, &dice::request_binding).value());
+    const dice::Dice world(request::parameters_of<dice::Parameters>(request));
     die.motion = motion_of(world, *state, nth, static_cast<std::uint32_t>(dice_wishes().size()));
   }
   return die;

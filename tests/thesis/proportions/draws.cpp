@@ -25,11 +25,9 @@ class Run {
  public:
   explicit Run(const std::string& text) {
     request_ = read(text, catalogue_.bindings());
-    spelling::Parameters parameters;
-    const std::vector<request::WorldBinding> alone{spelling::request_binding(parameters)};
-    read(text, alone);
-    world_ = std::make_unique<spelling::StagedSpelling>(parameters);
-    const run::WorldEntry& entry = catalogue_.world("spelling");
+    world_ = std::make_unique<spelling::StagedSpelling>(
+        request::parameters_of<spelling::Parameters>(request_));
+    const run::WorldEntry& entry = catalogue_.world_of(request_);
     plan_ = run::make_plan(request_, entry);
     worker_ = entry.make_worker(request_);
   }
@@ -80,7 +78,7 @@ class Run {
     return std::move(request.value());
   }
 
-  run::Catalogue catalogue_;
+  const run::Catalogue catalogue_;
   request::DirectionRequest request_;
   std::unique_ptr<spelling::StagedSpelling> world_;
   std::unique_ptr<plan::Plan> plan_;

@@ -63,17 +63,17 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
                      .help = "and by an angle uniform between minus and plus this"});
 }
 
+void bind(request::WorldSections& sections, Parameters& parameters) {
+  bind_world(sections.world, parameters.world);
+  bind_constraint(sections.constraint, parameters.constraint);
+  bind_proposal(sections.sampler, parameters.proposal);
+}
+
 }  // namespace
 
-request::WorldBinding request_binding(Parameters& parameters) {
-  return {
-      "ball_2d", "a ball that bounces on a table in two dimensions and lands near a target",
-      [&parameters](request::Binder& world, request::Binder& constraint, request::Binder& sampler) {
-        parameters = Parameters{};
-        bind_world(world, parameters.world);
-        bind_constraint(constraint, parameters.constraint);
-        bind_proposal(sampler, parameters.proposal);
-      }};
+request::WorldBinding request_binding() {
+  return request::bind_world<Parameters>(
+      "ball_2d", "a ball that bounces on a table in two dimensions and lands near a target", &bind);
 }
 
 }  // namespace sleight::worlds::ball_2d

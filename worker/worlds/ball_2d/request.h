@@ -8,8 +8,7 @@
 
 namespace sleight::worlds::ball_2d {
 
-/// The world "ball_2d", bound to `parameters`, which must outlive the binding. Reading a request
-/// sets every one of them. Not thread-safe for the same `parameters`.
-request::WorldBinding request_binding(Parameters& parameters);
+/// The world "ball_2d"; its requests have the world's Parameters (request::parameters_of).
+request::WorldBinding request_binding();
 
 }  // namespace sleight::worlds::ball_2d

@@ -510,6 +510,16 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
     sampler.error("change_all", fmt::format("the shares add up to {:.6g}, not to 1", sum));
 }
 
+void bind(request::WorldSections& sections, Parameters& parameters) {
+  bind_world(sections.world, parameters.world);
+  sections.constraint.choice<Numbering>(
+      "numbering", parameters.numbering, k_numbering_names,
+      "free: dice are numbered after the throw, as suits best; fixed: before");
+  GoalBinder{sections.constraint, parameters.world, parameters.goals}.bind_all();
+  check_faces(sections.constraint, parameters);
+  bind_proposal(sections.sampler, parameters.proposal);
+}
+
 /// Of the chain that relaxes a find. docs/MEASUREMENTS has what was measured.
 constexpr std::uint32_t k_relax_scans = 2;
 
@@ -539,9 +549,9 @@ void settle_tempering(request::Settled& settled, std::uint32_t dice,
 
 /// What serves a request that leaves the sampler open; docs/SAMPLING, "Without a sampler", tells it
 /// to people.
-void serve_best(Binder& sampler, request::SamplerParameters& sampling,
-                const request::StopRule& stop, const Parameters& parameters) {
-  request::Settled settled(sampler);
+void serve_best(request::WorldSections& sections, request::SamplerParameters& sampling,
+                const request::StopRule& stop, Parameters& parameters) {
+  request::Settled settled(sections.sampler);
   const auto dice = static_cast<std::uint32_t>(parameters.world.dice.size());
   if (stop.takes) {
     settle_relaxing(settled, dice, sampling);
@@ -554,23 +564,9 @@ void serve_best(Binder& sampler, request::SamplerParameters& sampling,
 
 }  // namespace
 
-request::WorldBinding request_binding(Parameters& parameters) {
-  return {"dice", "dice thrown on a bumpy table that come to rest as is wanted",
-          [&parameters](Binder& world, Binder& constraint, Binder& sampler) {
-            parameters = Parameters{};
-            bind_world(world, parameters.world);
-            constraint.choice<Numbering>(
-                "numbering", parameters.numbering, k_numbering_names,
-                "free: dice are numbered after the throw, as suits best; fixed: before");
-            GoalBinder{constraint, parameters.world, parameters.goals}.bind_all();
-            check_faces(constraint, parameters);
-            bind_proposal(sampler, parameters.proposal);
-          },
-          /*acts_in_stages=*/true,
-          [&parameters](Binder& /*constraint*/, Binder& sampler,
-                        request::SamplerParameters& sampling, const request::StopRule& stop) {
-            serve_best(sampler, sampling, stop, parameters);
-          }};
+request::WorldBinding request_binding() {
+  return request::bind_world<Parameters>(
+      "dice", "dice thrown on a bumpy table that come to rest as is wanted", &bind, &serve_best);
 }
 
 }  // namespace sleight::worlds::dice

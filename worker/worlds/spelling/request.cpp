@@ -468,16 +468,15 @@ void settle_proposals(request::Settled& settled, const Moves& moves, ProposalPar
 
 /// What serves a request that leaves the sampler open. docs/SAMPLING says how the numbers were
 /// found.
-void serve_best(request::Binder& constraint, request::Binder& sampler,
-                request::SamplerParameters& sampling, const request::StopRule& stop,
-                Parameters& parameters) {
-  request::Settled settled(sampler);
+void serve_best(request::WorldSections& sections, request::SamplerParameters& sampling,
+                const request::StopRule& stop, Parameters& parameters) {
+  request::Settled settled(sections.sampler);
   const std::uint32_t balls = parameters.pattern.count();
   // So strict that most of what is drawn satisfies: a missing ball weighs as much as their number,
   // times e^6. Few balls relax sooner where it weighs less.
   const double strict = std::round(6 + math::log(balls));
   const bool is_loose = stop.takes && balls <= k_balls_by_islands_max;
-  settle_log_lambda(constraint, parameters, is_loose ? strict - 1 : strict);
+  settle_log_lambda(sections.constraint, parameters, is_loose ? strict - 1 : strict);
   // Judged chains find out for themselves how many rounds they take, and tell no odds.
   if (stop.takes) {
     settle_relaxing(settled, balls, sampling);
@@ -494,28 +493,24 @@ void serve_best(request::Binder& constraint, request::Binder& sampler,
   settle_proposals(settled, stop.takes ? moves_that_relax(parameters.world) : Moves{}, p);
 }
 
+void bind(request::WorldSections& sections, Parameters& parameters) {
+  bind_pattern(sections.world, parameters.pattern);
+  bind_world(sections.world, parameters.world);
+  sections.constraint.number("log_lambda", parameters.constraint.log_lambda,
+                             {.minimum = 0,
+                              .maximum = 100,
+                              .help = "p_c = lambda^k for k filled bins; the natural logarithm"});
+  bind_proposal(sections.sampler, parameters.proposal);
+  if (sections.world.valid("word") && sections.world.valid("bitmap"))
+    check_memory(sections.sampler, parameters.pattern.count());
+}
+
 }  // namespace
 
-request::WorldBinding request_binding(Parameters& parameters) {
-  return {
-      "spelling", "balls dropped into a box of bins that come to rest in designated ones",
-      [&parameters](request::Binder& world, request::Binder& constraint, request::Binder& sampler) {
-        parameters = Parameters{};
-        bind_pattern(world, parameters.pattern);
-        bind_world(world, parameters.world);
-        constraint.number("log_lambda", parameters.constraint.log_lambda,
-                          {.minimum = 0,
-                           .maximum = 100,
-                           .help = "p_c = lambda^k for k filled bins; the natural logarithm"});
-        bind_proposal(sampler, parameters.proposal);
-        if (world.valid("word") && world.valid("bitmap"))
-          check_memory(sampler, parameters.pattern.count());
-      },
-      /*acts_in_stages=*/true,
-      [&parameters](request::Binder& constraint, request::Binder& sampler,
-                    request::SamplerParameters& sampling, const request::StopRule& stop) {
-        serve_best(constraint, sampler, sampling, stop, parameters);
-      }};
+request::WorldBinding request_binding() {
+  return request::bind_world<Parameters>(
+      "spelling", "balls dropped into a box of bins that come to rest in designated ones", &bind,
+      &serve_best);
 }
 
 }  // namespace sleight::worlds::spelling

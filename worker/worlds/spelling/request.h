@@ -8,8 +8,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// The world "spelling", bound to `parameters`, which must outlive the binding. Reading a request
-/// sets every one of them. Not thread-safe for the same `parameters`.
-request::WorldBinding request_binding(Parameters& parameters);
+/// The world "spelling"; its requests have the world's Parameters (request::parameters_of).
+request::WorldBinding request_binding();
 
 }  // namespace sleight::worlds::spelling

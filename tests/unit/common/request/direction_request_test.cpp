@@ -16,8 +16,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-DirectionRequest read(std::string_view text, toy::Parameters& parameters) {
-  const std::array worlds{toy::binding(parameters)};
+DirectionRequest read(std::string_view text) {
+  const std::array worlds{toy::binding()};
   auto request = read_request(text, "r.toml", worlds);
   if (!request) {
     for (const auto& d : request.error())
@@ -25,11 +25,6 @@ DirectionRequest read(std::string_view text, toy::Parameters& parameters) {
     return {};
   }
   return std::move(request).value();
-}
-
-DirectionRequest read(std::string_view text) {
-  toy::Parameters parameters;
-  return read(text, parameters);
 }
 
 constexpr std::string_view k_least = "[world]\nname = 'toy'\n[stop]\nscans = 10\n";
@@ -66,15 +61,14 @@ prior_draws = 1000
 )";
 
 TEST(ReadRequest, SetsWhatIsGiven) {
-  toy::Parameters parameters;
   const DirectionRequest request = read(
       "[world]\nname='toy'\nballs=9\nspinning=false\nsurface='wood'\ntilt_deg=-90\n"
       "[constraint]\nword='OK'\n[sampler]\nmethod='metropolis_hastings'\nchains=65536\nseed="
       "9223372036854775807\nstep=0\n"
       "iterations_per_scan=7\nround_scans=8\n[stop]\nscans=1_000_000_000_000\nrounds=3\n"
       "independent_solutions=65536\n[output]\nthin=2\nkeep_max=0\nkeep_per_lineage=0\n"
-      "min_distance=1\n",
-      parameters);
+      "min_distance=1\n");
+  const auto& parameters = parameters_of<toy::Parameters>(request);
   EXPECT_EQ(parameters.balls, 9U);
   EXPECT_FALSE(parameters.spinning);
   EXPECT_EQ(parameters.surface, toy::Surface::wood);
@@ -83,14 +77,6 @@ TEST(ReadRequest, SetsWhatIsGiven) {
             (SamplerParameters{Method::metropolis_hastings, 65536, {}, {}, k_seed_max, 7, 8}));
   EXPECT_EQ(request.stop, (StopRule{k_scans_max, 3, 65536}));
   EXPECT_EQ(request.output, (OutputParameters{2, 0, 0, 1.0}));
-}
-
-TEST(ReadRequest, DoesNotCarryValuesFromOneFileToTheNext) {
-  toy::Parameters parameters;
-  read("[world]\nname='toy'\nballs=9\n[stop]\nscans=1", parameters);
-  EXPECT_EQ(parameters.balls, 9U);
-  read(k_least, parameters);
-  EXPECT_EQ(parameters.balls, 3U);
 }
 
 TEST(ReadRequest, NamesTheWorlds) {
@@ -128,9 +114,7 @@ TEST(ReadRequest, ASearchHasFewKeys) {
   // Goal: what says nothing of a search is refused where it is given, and not repeated where it
   // isn't. Method: the keys of a search, one by one; its normalised text.
   const std::string least = "[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n";
-  toy::Parameters parameters;
-  toy::Parameters others;
-  const std::array worlds{toy::binding(others), toy::staged_binding(parameters)};
+  const std::array worlds{toy::binding(), toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
     auto request = read_request(text, "r.toml", worlds);
     EXPECT_TRUE(request.ok()) << text;
@@ -172,8 +156,7 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
   // Goal: the rule stands by itself or with others, for sequential alone, within its range, and
   // reads back. Method: each, in a world that acts in stages.
   const std::string islands = "[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n";
-  toy::Parameters parameters;
-  const std::array worlds{toy::staged_binding(parameters)};
+  const std::array worlds{toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
     auto request = read_request(text, "r.toml", worlds);
     EXPECT_TRUE(request.ok()) << text;
@@ -229,8 +212,7 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
 TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
   // Goal: what tours do not go with is an error that says why; what they go with reads back.
   // Method: each key and rule, in a world that acts in stages.
-  toy::Parameters parameters;
-  const std::array worlds{toy::staged_binding(parameters)};
+  const std::array worlds{toy::staged_binding()};
   const auto staged_errors = [&](const std::string& method, const std::string& rest) {
     std::vector<std::string> lines;
     const auto request = read_request(
@@ -255,8 +237,7 @@ TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
 TEST(ReadRequest, FindsAskedForStayFinds) {
   // Goal: so many solutions of a request that asks for finds alone are finds, beside other rules
   // both. Method: with the sampler left open, and with chains.
-  toy::Parameters parameters;
-  const std::array worlds{toy::staged_binding(parameters)};
+  const std::array worlds{toy::staged_binding()};
   const auto rules_of = [&](const std::string& text) {
     return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, Asked{.number = 4})
         .value()
@@ -271,8 +252,7 @@ TEST(ReadRequest, FindsAskedForStayFinds) {
 TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
   // Goal: who asks for nothing gets five takes, who asks for so many that many, unless [stop] or
   // the command line asks for finds or proportions; the text says all of it. Method: each.
-  toy::Parameters parameters;
-  const std::array worlds{toy::relaxing_binding(parameters)};
+  const std::array worlds{toy::relaxing_binding()};
   const auto read_with = [&](const std::string& text, std::optional<Asked> asked) {
     auto request = read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, asked);
     EXPECT_TRUE(request.ok()) << text;
@@ -284,7 +264,7 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
                               "relax_scans = 3\nstep = 0.5\n\n[stop]\ntakes = 5\n\n"
                               "[output]\nkeep_max = 5000\nprior_draws = 100\n"));
   EXPECT_EQ(read_request(text, "c.toml", worlds).value(), open);
-  EXPECT_EQ(parameters.step, 0.5);
+  EXPECT_EQ(parameters_of<toy::Parameters>(open).step, 0.5);
   EXPECT_EQ(read_with("", Asked{.number = 3}).stop.takes, 3U);
   EXPECT_EQ(read_with("[stop]\ntakes = 9\n", Asked{.number = 3}).stop.takes, 3U);
   const StopRule found{{}, {}, {}, 3};
@@ -318,8 +298,7 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
   // Goal: a cut of islands has the rules that hang on them beside its scans, one of other methods
   // its scans alone. Method: all rules at once, of both.
-  toy::Parameters parameters;
-  const std::array worlds{toy::staged_binding(parameters)};
+  const std::array worlds{toy::staged_binding()};
   const auto cut_of = [&](const std::string& method, const std::string& rules) {
     const auto request = read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
                                           "'\n[stop]\nscans = 5000\n" + rules,
@@ -339,8 +318,7 @@ TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
 }
 
 TEST(ReadRequest, SolutionsAskedForReplaceTheRules) {
-  toy::Parameters parameters;
-  const std::array worlds{toy::binding(parameters)};
+  const std::array worlds{toy::binding()};
   const std::string text = "[world]\nname='toy'\n[stop]\nscans = 7\nrounds = 2\n";
   const DirectionRequest request = read(text);
   const DirectionRequest other = read_request(text, "r.toml", worlds, Asked{.number = 9}).value();
@@ -421,13 +399,13 @@ TEST(WithSeed, IsAsIfTheFileHadIt) {
 TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
   // Goal: tables of a section are part of a request as its keys are: values, errors with their
   // places, the canonical text, identity. Method: a good request, and one slip each.
-  toy::Parameters parameters;
-  const std::array worlds{toy::binding(parameters)};
+  const std::array worlds{toy::binding()};
   const std::string pegs = "[[world.peg]]\ny_m = 2\n[[world.peg]]\nx_m = 3\n";
   const std::string text = "[world]\nname = 'toy'\n" + pegs + "[stop]\nscans = 1\n";
   const auto request = read_request(text, "r.toml", worlds);
   ASSERT_TRUE(request);
-  EXPECT_EQ(parameters.pegs, (std::vector<toy::Peg>{{0.5, 2.0}, {3, {}}}));
+  EXPECT_EQ(parameters_of<toy::Parameters>(request.value()).pegs,
+            (std::vector<toy::Peg>{{0.5, 2.0}, {3, {}}}));
   const std::string normal = normalised_text(request.value());
   EXPECT_THAT(normal, testing::HasSubstr("surface = \"felt\"\n\n[[world.peg]]\nx_m = 0.5\n"
                                          "y_m = 2.0\n\n[[world.peg]]\nx_m = 3.0\n\n[constraint]"));
@@ -450,9 +428,8 @@ TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
 }
 
 TEST(RequestKeys, ListEveryKeyOnce) {
-  toy::Parameters parameters;
   std::string keys;
-  for (const SectionKeys& section : request_keys(toy::binding(parameters))) {
+  for (const SectionKeys& section : request_keys(toy::binding())) {
     keys += section.name + ":";
     for (const KeySpec& spec : section.keys)
       keys += " " + spec.key;

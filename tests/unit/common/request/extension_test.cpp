@@ -14,8 +14,7 @@ namespace sleight::request::extension_test {
 using testing::HasSubstr;
 
 DirectionRequest read(const std::string& text) {
-  toy::Parameters parameters;
-  const std::array worlds{toy::binding(parameters)};
+  const std::array worlds{toy::binding()};
   auto request = read_request(text, "r.toml", worlds);
   if (!request) {
     for (const auto& d : request.error())
@@ -54,8 +53,7 @@ TEST(Extension, TakesThePlaceOfOtherRules) {
 }
 
 TEST(Extension, MoreTakesAreTakes) {
-  toy::Parameters parameters;
-  const std::array worlds{toy::relaxing_binding(parameters)};
+  const std::array worlds{toy::relaxing_binding()};
   const auto with = [&](const std::string& stop) {
     return read_request("[world]\nname = 'staged'\n" + stop, "r.toml", worlds).value();
   };
@@ -78,8 +76,7 @@ TEST(Extension, IsLonger) {
 TEST(Extension, LeavesValuesToTheReader) {
   const auto text = extended_text(request_with("scans = 10"), {.scans = k_scans_max + 1});
   ASSERT_TRUE(text.ok());
-  toy::Parameters parameters;
-  const std::array worlds{toy::binding(parameters)};
+  const std::array worlds{toy::binding()};
   EXPECT_FALSE(read_request(text.value(), "r.toml", worlds).ok());
 }
 

@@ -34,8 +34,7 @@ std::string read(const Texts& texts, std::string_view file = k_file) {
       told += line + '\n';
     return told;
   }
-  toy::Parameters parameters;
-  const std::array worlds{toy::binding(parameters)};
+  const std::array worlds{toy::binding()};
   const auto request = read_request_with(file, "r.toml", worlds, sets.value());
   if (request) return normalised_text(request.value());
   for (const std::string& line : lines_of(request.error()))

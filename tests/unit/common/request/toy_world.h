@@ -35,56 +35,53 @@ struct Parameters {
 inline constexpr std::array k_surfaces{Named<Surface>{"felt", Surface::felt},
                                        Named<Surface>{"wood", Surface::wood}};
 
-inline WorldBinding binding(Parameters& p, std::string name = "toy") {
-  return {std::move(name), "a world for tests",
-          [&p](Binder& world, Binder& constraint, Binder& sampler) {
-            p = Parameters{};
-            world.number("height_m", p.height_m,
-                         {.minimum = 0, .above_minimum = true, .maximum = 100, .unit = "m"});
-            world.angle_deg("tilt_deg", p.tilt_rad, {.minimum = -90, .maximum = 90});
-            world.integer("balls", p.balls, {.minimum = 1, .maximum = 9, .help = "how many"});
-            world.boolean("spinning", p.spinning, "whether they spin");
-            world.choice("surface", p.surface, std::span<const Named<Surface>>(k_surfaces),
-                         "what they roll on");
-            world.tables<Peg>("peg", p.pegs, {.count_max = 3, .help = "what they hit"},
-                              [](Binder& table, Peg& peg) {
-                                table.number("x_m", peg.x_m, {.minimum = 0, .maximum = 9});
-                                table.optional_number("y_m", peg.y_m, {.maximum = 9});
-                                if (peg.y_m == peg.x_m) table.error("y_m", "is x_m");
-                              });
-            constraint.text("word", p.word, {.characters_max = 4, .help = "what they spell"});
-            constraint.number("lambda", p.lambda, {});
-            sampler.number("step", p.step, {.minimum = 0, .maximum = 1, .below_maximum = true});
-            if (p.word.empty() && constraint.valid("word")) {
-              constraint.error("word", "nothing to spell");
-            }
-          }};
+inline void bind(WorldSections& sections, Parameters& p) {
+  auto& [world, constraint, sampler] = sections;
+  world.number("height_m", p.height_m,
+               {.minimum = 0, .above_minimum = true, .maximum = 100, .unit = "m"});
+  world.angle_deg("tilt_deg", p.tilt_rad, {.minimum = -90, .maximum = 90});
+  world.integer("balls", p.balls, {.minimum = 1, .maximum = 9, .help = "how many"});
+  world.boolean("spinning", p.spinning, "whether they spin");
+  world.choice("surface", p.surface, std::span<const Named<Surface>>(k_surfaces),
+               "what they roll on");
+  world.tables<Peg>("peg", p.pegs, {.count_max = 3, .help = "what they hit"},
+                    [](Binder& table, Peg& peg) {
+                      table.number("x_m", peg.x_m, {.minimum = 0, .maximum = 9});
+                      table.optional_number("y_m", peg.y_m, {.maximum = 9});
+                      if (peg.y_m == peg.x_m) table.error("y_m", "is x_m");
+                    });
+  constraint.text("word", p.word, {.characters_max = 4, .help = "what they spell"});
+  constraint.number("lambda", p.lambda, {});
+  sampler.number("step", p.step, {.minimum = 0, .maximum = 1, .below_maximum = true});
+  if (p.word.empty() && constraint.valid("word")) constraint.error("word", "nothing to spell");
+}
+
+inline WorldBinding binding(std::string name = "toy") {
+  return bind_world<Parameters>(std::move(name), "a world for tests", &bind);
 }
 
 /// The same as a world that acts in stages.
-inline WorldBinding staged_binding(Parameters& p) {
-  WorldBinding staged = binding(p, "staged");
+inline WorldBinding staged_binding() {
+  WorldBinding staged = binding("staged");
   staged.acts_in_stages = true;
   return staged;
 }
 
 /// The same as one that relaxes finds for three scans, by steps of half.
-inline WorldBinding relaxing_binding(Parameters& p) {
-  WorldBinding relaxing = staged_binding(p);
-  relaxing.serve_best = [&p](Binder&, Binder& sampler, SamplerParameters& sampling,
-                             const StopRule& stop) {
-    if (!stop.takes) return;
-    Settled settled(sampler);
-    settled.count("relax_scans", sampling.relax_scans, 3);
-    settled.number("step", p.step, 0.5);
-  };
-  return relaxing;
+inline WorldBinding relaxing_binding() {
+  return bind_world<Parameters>(
+      "staged", "a world for tests", &bind,
+      [](WorldSections& sections, SamplerParameters& sampler, const StopRule& stop, Parameters& p) {
+        if (!stop.takes) return;
+        Settled settled(sections.sampler);
+        settled.count("relax_scans", sampler.relax_scans, 3);
+        settled.number("step", p.step, 0.5);
+      });
 }
 
 /// Errors as the command line prints them, one in each element; empty for a good request.
 inline std::vector<std::string> errors_of(std::string_view text) {
-  Parameters parameters;
-  const std::array worlds{binding(parameters), binding(parameters, "toy_2")};
+  const std::array worlds{binding(), binding("toy_2")};
   const auto request = read_request(text, "r.toml", worlds);
   std::vector<std::string> errors;
   if (!request) {

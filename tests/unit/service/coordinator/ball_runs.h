@@ -38,12 +38,12 @@ class BallRuns : public archive::testing::Scratch {
 
   static RunSummary session_on(base::FileSystem& files, const std::string& request_text,
                                const RunOptions& options, std::uint32_t threads = 1) {
-    run::Catalogue catalogue;
+    const run::Catalogue catalogue;
     auto request = request::read_request(request_text, "request.toml", catalogue.bindings());
     EXPECT_TRUE(request.ok());
-    const run::WorldEntry& world = catalogue.world(request.value().world);
+    const run::WorldEntry& world = catalogue.world_of(request.value());
     const auto worker = world.make_worker(request.value());
-    const auto reader = world.make_reader();
+    const auto reader = world.make_reader(request.value());
     const auto plan = run::make_plan(request.value(), world);
     const base::SteadyClock clock;
     const sampling::BlockRunner runner(*worker, clock);

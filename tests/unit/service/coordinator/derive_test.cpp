@@ -44,10 +44,10 @@ class DeriveArchive : public testing::BallRuns {
   /// Derives the archive of a run so far, as a program does that knows its folder alone.
   static std::string derived(const std::string& text, const std::string& output,
                              const std::string& place, const std::function<bool()>& stop = {}) {
-    run::Catalogue catalogue;
+    const run::Catalogue catalogue;
     const auto request = request::read_request(text, "request.toml", catalogue.bindings()).value();
-    const run::WorldEntry& world = catalogue.world(request.world);
-    const auto reader = world.make_reader();
+    const run::WorldEntry& world = catalogue.world_of(request);
+    const auto reader = world.make_reader(request);
     const std::function<std::unique_ptr<plan::Plan>(const request::Cut&)> plan_of =
         [&](const request::Cut& cut) { return run::make_plan(request, world, cut); };
     base::PosixFileSystem files;
@@ -125,7 +125,7 @@ TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
   // Goal: checkpoints, the archive at the end and one derived later simulate each kept animation
   // once between them. Method: count motions of a run with checkpoints as often as possible, of a
   // longer one that goes on from it, and of an archive derived afterwards.
-  run::Catalogue catalogue;
+  const run::Catalogue catalogue;
   const auto read = [&](const std::string& stop) {
     return request::read_request(
                "[world]\nname = \"spelling\"\nbitmap = \"#.#\"\n[sampler]\nseed = 5\n"
@@ -137,10 +137,10 @@ TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
   std::optional<CountingReader> counted;
   std::unique_ptr<archive::StateReader> plain;
   const auto run_once = [&](const request::DirectionRequest& request, double time_limit_s) {
-    const run::WorldEntry& world = catalogue.world(request.world);
+    const run::WorldEntry& world = catalogue.world_of(request);
     const auto worker = world.make_worker(request);
     if (!counted) {
-      plain = world.make_reader();
+      plain = world.make_reader(request);
       counted.emplace(*plain);
     }
     const auto plan = run::make_plan(request, world);

@@ -279,7 +279,7 @@ TEST_F(RunRequest, IdentityIsWhatDecidesTheStoredResults) {
   // Goal: requests share a run exactly when their stored results agree. Method: change one key at a
   // time.
   const auto identity = [](const std::string& text) {
-    run::Catalogue catalogue;
+    const run::Catalogue catalogue;
     return run_identity(request::read_request(text, "r", catalogue.bindings()).value());
   };
   const std::string base = identity(request_text("scans = 5"));

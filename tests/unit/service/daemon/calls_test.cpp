@@ -90,8 +90,7 @@ class CallsTest : public ::testing::Test {
   }
 
   std::filesystem::path state_;
-  request::toy::Parameters parameters_;
-  std::array<request::WorldBinding, 1> worlds_{request::toy::binding(parameters_)};
+  std::array<request::WorldBinding, 1> worlds_{request::toy::binding()};
   std::unique_ptr<rpc::Loop> loop_;
   std::unique_ptr<JobRunner> runner_;
   base::PosixFileSystem files_;

@@ -31,7 +31,7 @@ constexpr const char* k_request = R"(
   thin = 4
 )";
 
-request::DirectionRequest read(Catalogue& catalogue, const std::string& text) {
+request::DirectionRequest read(const Catalogue& catalogue, const std::string& text) {
   auto request = request::read_request(text, "r.toml", catalogue.bindings());
   EXPECT_TRUE(request.ok());
   return std::move(request).value();
@@ -39,23 +39,25 @@ request::DirectionRequest read(Catalogue& catalogue, const std::string& text) {
 
 TEST(Catalogue, ListsItsWorldsInOrder) {
   // Goal: help and errors list worlds alphabetically, each with a line about it. Method: sorted.
-  Catalogue catalogue;
+  const Catalogue catalogue;
   const std::vector<request::WorldBinding> worlds = catalogue.bindings();
   ASSERT_FALSE(worlds.empty());
   EXPECT_TRUE(std::is_sorted(worlds.begin(), worlds.end(),
                              [](const auto& a, const auto& b) { return a.name < b.name; }));
   for (const request::WorldBinding& world : worlds) {
     EXPECT_FALSE(world.summary.empty());
-    EXPECT_EQ(catalogue.world(world.name).make_reader()->layout().world, world.name);
+    const auto request = read(catalogue, "[world]\nname = \"" + world.name + "\"\n");
+    EXPECT_EQ(catalogue.world_of(request).make_reader(request)->layout().world, world.name);
   }
 }
 
 TEST(Catalogue, WorkerFollowsTheRequest) {
   // Goal: every key that decides results of a unit reaches the worker. Method: the catalogue's
   // worker and one made by hand give the same; with another value of any key it would differ.
-  Catalogue catalogue;
+  const Catalogue catalogue;
   const request::DirectionRequest request = read(catalogue, k_request);
-  const auto worker = catalogue.world("ball_2d").make_worker(request);
+  read(catalogue, "[world]\nname = \"ball_2d\"\n");  // what is read later changes nothing
+  const auto worker = catalogue.world_of(request).make_worker(request);
   worlds::ball_2d::Parameters parameters;
   parameters.world.restitution = 0.5;
   const ChainWorkerOptions options{.iterations_per_scan = 2, .thin = 4};
@@ -77,14 +79,14 @@ TEST(Catalogue, WorkerFollowsTheRequest) {
 TEST(Catalogue, PlanFollowsTheRequest) {
   // Goal: chains, rounds and all three stop rules reach the plan. Method: totals, and the first
   // unit of a plan that must wait for a round's end.
-  Catalogue catalogue;
+  const Catalogue catalogue;
   request::DirectionRequest request = read(catalogue, k_request);
-  EXPECT_EQ(make_plan(request, catalogue.world(request.world))->scans_total(), 3U * 30U);
+  EXPECT_EQ(make_plan(request, catalogue.world_of(request))->scans_total(), 3U * 30U);
   request.stop.scans = 7;
-  EXPECT_EQ(make_plan(request, catalogue.world(request.world))->scans_total(), 3U * 7U);
+  EXPECT_EQ(make_plan(request, catalogue.world_of(request))->scans_total(), 3U * 7U);
   request.stop = {};
   request.stop.independent_solutions = 2;
-  const auto plan = make_plan(request, catalogue.world(request.world));
+  const auto plan = make_plan(request, catalogue.world_of(request));
   EXPECT_EQ(plan->scans_total(), std::nullopt);
   EXPECT_EQ(plan->next_unit(1000)->scans, 10U);
 }
@@ -92,9 +94,9 @@ TEST(Catalogue, PlanFollowsTheRequest) {
 TEST(Catalogue, UnitsHaveTheRequestsSeed) {
   // Goal: the seed reaches whatever draws numbers, in each method, through its units. Method: all
   // units of a short run of each, with and without annealing.
-  Catalogue catalogue;
+  const Catalogue catalogue;
   request::DirectionRequest request = read(catalogue, k_request);
-  const auto worker = catalogue.world(request.world).make_worker(request);
+  const auto worker = catalogue.world_of(request).make_worker(request);
   request.sampler.burn_in_rounds = 1;
   for (const request::Method method :
        {request::Method::metropolis_hastings, request::Method::parallel_tempering,
@@ -103,8 +105,7 @@ TEST(Catalogue, UnitsHaveTheRequestsSeed) {
     for (const std::uint64_t anneal_scans : {0U, 5U}) {
       request.sampler.method = method;
       request.sampler.anneal_scans = anneal_scans;
-      const auto plan =
-          make_plan(request, catalogue.world(request.world), request::Cut{.scans = 40});
+      const auto plan = make_plan(request, catalogue.world_of(request), request::Cut{.scans = 40});
       std::map<plan::ReplicaKey, base::Bytes> states;
       while (const auto unit = plan->next_unit(10)) {
         ASSERT_EQ(unit->seed, 9U);
@@ -121,7 +122,7 @@ TEST(Catalogue, WhatItChoosesReadsBack) {
   // Goal: what serves a request without a sampler goes with whatever stop rules it has, and repeats
   // the run exactly when read again. Method: each subset of the rules, for a short and a long word
   // and the other worlds; a request that is refused is refused for its rules alone.
-  Catalogue catalogue;
+  const Catalogue catalogue;
   const std::vector<std::pair<std::string, bool>> worlds{
       {"name = \"spelling\"\nword = \"HI\"", true},
       {"name = \"spelling\"\nword = \"ACM\"", true},

@@ -22,15 +22,13 @@ using testing::stream_of;
 constexpr std::uint64_t k_seed = 77;
 
 TEST(Ball2d, DefaultsAreTheThesis) {
-  // Goal: a request that gives no numbers is the example of thesis 2.4.1. Method: read one, over
-  // parameters that held something else.
-  Parameters read;
-  read.world.collisions = 40;
-  read.proposal.change_probability = 0.1;
-  const std::array worlds{request_binding(read)};
+  // Goal: a request that gives no numbers is the example of thesis 2.4.1. Method: read
+  // one.
+  const std::array worlds{request_binding()};
   const auto request =
       request::read_request("[world]\nname = \"ball_2d\"\n[stop]\nscans = 1\n", "r", worlds);
   ASSERT_TRUE(request.ok());
+  const auto& read = request::parameters_of<Parameters>(request.value());
   for (const Parameters& p : {read, Parameters{}}) {
     EXPECT_EQ(p.world.drop_height_diameters, 4.5);
     EXPECT_EQ(p.world.collisions, 5U);

@@ -18,13 +18,15 @@ const std::string k_plain_chains = "method = \"metropolis_hastings\"\n";
 
 base::Result<request::DirectionRequest, std::vector<request::Diagnostic>> read(
     Parameters& parameters, const std::string& keys) {
-  const std::array worlds{request_binding(parameters)};
+  const std::array worlds{request_binding()};
   // A sampler that is left open would be the world's choice.
   const std::string open = keys.find("[sampler]") == std::string::npos
                                ? "\n[sampler]\nmethod = \"parallel_tempering\""
                                : "";
-  return request::read_request(
+  auto request = request::read_request(
       "[world]\nname = \"spelling\"\n" + keys + open + "\n[stop]\nscans = 1\n", "r.toml", worlds);
+  if (request.ok()) parameters = request::parameters_of<Parameters>(request.value());
+  return request;
 }
 
 /// The first diagnostic's text; empty if there is none.
@@ -35,10 +37,8 @@ std::string complaint(const std::string& keys) {
 }
 
 TEST(SpellingRequest, DefaultsAreTheThesis) {
-  // Goal: a request that gives no keys is the thesis's HI. Method: read one over other parameters.
+  // Goal: a request that gives no keys is the thesis's HI. Method: read one.
   Parameters parameters;
-  parameters.world.bin_m = 1;
-  parameters.pattern = pattern_of_word("X", Font::rows_5).value();
   ASSERT_TRUE(read(parameters, "").ok());
   const Parameters defaults;
   EXPECT_EQ(parameters.pattern, hi());
@@ -65,10 +65,11 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   // Goal: what is chosen is in the normalised text, which repeats it; it hangs on the word and on
   // which rules there are, not on their numbers; what is given stays. Method: words of either kind.
   Parameters parameters;
-  const std::array worlds{request_binding(parameters)};
+  const std::array worlds{request_binding()};
   const auto chosen = [&](const std::string& text) {
     auto request = request::read_request("[world]\nname = \"spelling\"\n" + text, "r.toml", worlds);
     EXPECT_TRUE(request.ok()) << text;
+    parameters = request::parameters_of<Parameters>(request.value());
     return std::move(request).value();
   };
   const auto islands = chosen("word = \"HI\"\n[stop]\nindependent_solutions = 7\n");
@@ -127,8 +128,7 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
 
 TEST(SpellingRequest, IslandsHaveAStatedMemory) {
   // Goal: particles that would take more than is stated are refused. Method: boxes full of balls.
-  Parameters parameters;
-  const std::array worlds{request_binding(parameters)};
+  const std::array worlds{request_binding()};
   const auto complaint_of = [&](std::uint32_t columns, std::uint32_t particles) {
     std::string bitmap;
     for (std::uint32_t row = 0; row < 12; ++row)
