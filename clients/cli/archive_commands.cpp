@@ -8,12 +8,12 @@
 #include <optional>
 #include <vector>
 
-#include "clients/cli/archive_odds.h"
-#include "clients/cli/dumped_json.h"
-#include "clients/cli/failure_counts.h"
-#include "clients/cli/output.h"
-#include "clients/cli/sampling_method.h"
-#include "clients/cli/trace.h"
+#include "clients/analysis/archive_odds.h"
+#include "clients/analysis/archive_rows.h"
+#include "clients/analysis/failure_counts.h"
+#include "clients/analysis/sampling_method.h"
+#include "clients/terminal/dumped_json.h"
+#include "clients/terminal/output.h"
 #include "common/archive/csv.h"
 #include "common/archive/digest/digest.h"
 #include "common/archive/digest/verify.h"
@@ -37,11 +37,11 @@ struct Sum {
 
 /// Over a whole dataset of /sample_stats, without holding it.
 Sum sum_of(const archive::Source& source, std::string_view dataset) {
-  const std::uint64_t count = stats_size(source, dataset);
+  const std::uint64_t count = analysis::stats_size(source, dataset);
   Sum sum;
-  for (std::uint64_t first = 0; first < count; first += k_batch) {
-    const archive::Values values =
-        source.read(archive::k_sample_stats, dataset, first, std::min(k_batch, count - first));
+  for (std::uint64_t first = 0; first < count; first += analysis::k_batch) {
+    const archive::Values values = source.read(archive::k_sample_stats, dataset, first,
+                                               std::min(analysis::k_batch, count - first));
     if (const auto* doubles = std::get_if<std::vector<double>>(&values)) {
       for (const double value : *doubles) {
         if (std::isnan(value)) continue;
@@ -69,7 +69,8 @@ struct Plausibility {
 /// The numbers of a dataset of /finds but NaNs, which a damaged file may have.
 std::vector<double> numbers_of_finds(const archive::Source& source, std::string_view dataset,
                                      std::uint64_t count) {
-  std::vector<double> numbers = read_rows(source, archive::k_finds, dataset, 1, {.count = count});
+  std::vector<double> numbers =
+      analysis::read_rows(source, archive::k_finds, dataset, 1, {.count = count});
   std::erase_if(numbers, [](double number) { return std::isnan(number); });
   return numbers;
 }
@@ -97,7 +98,7 @@ struct Facts {
   archive::Summary summary;
   double satisfied = 0;   ///< share of all scans
   double acceptance = 0;  ///< mean over scans with proposals
-  std::optional<ArchiveOdds> odds{};
+  std::optional<analysis::ArchiveOdds> odds{};
   std::optional<Plausibility> finds{};
   bool has_one_lineage = false;  ///< of each chain, whose method has no way to another one
 };
@@ -107,10 +108,10 @@ Facts facts_of(const archive::Source& source) {
   facts.finds = plausibility_of(source, facts.summary);
   const std::uint64_t scans = facts.summary.chains * facts.summary.scans;
   if (scans == 0) return facts;
-  const auto method = method_of(facts.summary.request_text);
-  facts.has_one_lineage =
-      method == request::Method::metropolis_hastings && !draws_are_burnt_in(source, method);
-  facts.odds = odds_of(source, facts.summary);
+  const auto method = analysis::method_of(facts.summary.request_text);
+  facts.has_one_lineage = method == request::Method::metropolis_hastings &&
+                          !analysis::draws_are_burnt_in(source, method);
+  facts.odds = analysis::odds_of(source, facts.summary);
   facts.satisfied = sum_of(source, "satisfied").value / static_cast<double>(scans);
   const Sum acceptance = sum_of(source, "acceptance_rate");
   if (acceptance.count > 0) facts.acceptance = acceptance.mean();
@@ -199,7 +200,7 @@ json::Value as_json(const std::string& path, const Facts& facts) {
                    {"found", summary.finds.found},
                    {"relax_scans", summary.finds.relax_scans},
                    {"finds_kept", summary.finds.animations},
-                   {"failed_simulations", failures_json(summary.failures)},
+                   {"failed_simulations", analysis::failures_json(summary.failures)},
                    {"failed_animations", summary.failed_animations},
                    {"version", summary.inference_library_version},
                    {"results_version", summary.results_version},
@@ -220,48 +221,48 @@ json::Value as_json(const std::string& path, const Facts& facts) {
 int archive_info(const std::string& path, bool json) {
   const Facts facts = facts_of(*archive::remote::open_remote(path));
   if (json) {
-    fmt::print("{}\n", dumped(as_json(path, facts)));
+    fmt::print("{}\n", terminal::dumped(as_json(path, facts)));
   } else {
     print_for_people(path, facts);
   }
-  return k_ok;
+  return terminal::k_ok;
 }
 
 int archive_digest(const std::string& path, bool json) {
   const std::string digest = archive::digest(*archive::remote::open_remote(path));
   if (json) {
-    fmt::print("{}\n", dumped({{"archive", path}, {"digest", digest}}));
+    fmt::print("{}\n", terminal::dumped({{"archive", path}, {"digest", digest}}));
   } else {
     fmt::print("{}\n", digest);
   }
-  return k_ok;
+  return terminal::k_ok;
 }
 
 int archive_verify(const std::string& path, bool json) {
   const std::vector<std::string> findings = archive::verify(*archive::remote::open_remote(path));
   if (json) {
-    fmt::print("{}\n",
-               dumped({{"archive", path}, {"ok", findings.empty()}, {"findings", findings}}));
+    fmt::print("{}\n", terminal::dumped(
+                           {{"archive", path}, {"ok", findings.empty()}, {"findings", findings}}));
   } else {
     for (const std::string& finding : findings)
       fmt::print("{}: {}\n", path, finding);
     if (findings.empty()) fmt::print("{}: ok\n", path);
   }
-  return findings.empty() ? k_ok : k_bad_archive;
+  return findings.empty() ? terminal::k_ok : k_bad_archive;
 }
 
 int archive_export_csv(const ExportOptions& options) {
   if (options.output.empty() || options.output == "-") {
     archive::export_csv(*archive::remote::open_remote(options.path), options.table, std::cout,
                         options.animations);
-    return k_ok;
+    return terminal::k_ok;
   }
-  refuse_same_file(options.path, options.output);
+  terminal::refuse_same_file(options.path, options.output);
   const auto source = archive::remote::open_remote(options.path);
   base::write_output(options.output, [&](std::ostream& file) {
     archive::export_csv(*source, options.table, file, options.animations);
   });
-  return k_ok;
+  return terminal::k_ok;
 }
 
 }  // namespace sleight::cli

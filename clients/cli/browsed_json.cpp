@@ -15,21 +15,21 @@ Json number_json(double number) {
   return std::isfinite(number) ? Json(number) : Json(nullptr);
 }
 
-Json archives_json(const Browsed& browsed) {
+Json archives_json(const browse::Browsed& browsed) {
   Json json{{"archives", Json::array()}, {"left_out", Json::array()}};
-  for (const BrowsedArchive& archive : browsed.archives) {
+  for (const browse::BrowsedArchive& archive : browsed.archives) {
     json["archives"].push_back({{"path", archive.path},
                                 {"run_id", archive.index.run_id},
                                 {"world", archive.index.world},
                                 {"animations", archive.index.entries.size() + archive.twice},
                                 {"in_an_archive_before", archive.twice}});
   }
-  for (const LeftOut& left : browsed.left_out)
+  for (const browse::LeftOut& left : browsed.left_out)
     json["left_out"].push_back({{"path", left.path}, {"reason", left.reason}});
   return json;
 }
 
-Json animation_json(const Browsed& browsed, const Picked& picked) {
+Json animation_json(const browse::Browsed& browsed, const browse::Picked& picked) {
   const browse::Entry& entry = *picked.entry;
   Json json{{"id", name_among(browsed, entry.name)},
             {"archive", picked.archive->path},
@@ -44,7 +44,7 @@ Json animation_json(const Browsed& browsed, const Picked& picked) {
   return json;
 }
 
-Json names_json(const BrowsedArchive& archive) {
+Json names_json(const browse::BrowsedArchive& archive) {
   Json json{{"path", archive.path},
             {"bodies", Json::array()},
             {"things", Json::array()},

@@ -2,18 +2,18 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/diagnosis_report.h"
-#include "clients/cli/dumped_json.h"
+#include "clients/analysis/diagnosis_report.h"
+#include "clients/terminal/dumped_json.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 
 namespace sleight::cli {
 
-int diagnose_archive(const std::string& path, bool json, const Rules& rules) {
-  const Diagnosis diagnosis = diagnosis_of(*archive::remote::open_remote(path), rules);
+int diagnose_archive(const std::string& path, bool json, const analysis::Rules& rules) {
+  const analysis::Diagnosis diagnosis = diagnosis_of(*archive::remote::open_remote(path), rules);
   if (json) {
-    fmt::print("{}\n", dumped(as_json(path, diagnosis)));
+    fmt::print("{}\n", terminal::dumped(as_json(path, diagnosis)));
   } else {
     fmt::print("{}", for_people(path, diagnosis));
   }

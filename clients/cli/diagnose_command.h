@@ -5,11 +5,11 @@
 
 #include <string>
 
-#include "clients/cli/diagnosis.h"
+#include "clients/analysis/diagnosis.h"
 
 namespace sleight::cli {
 
 /// Returns the exit code: not_mixed (7) with the reasons printed, or ok. Throws base::Error.
-int diagnose_archive(const std::string& path, bool json, const Rules& rules);
+int diagnose_archive(const std::string& path, bool json, const analysis::Rules& rules);
 
 }  // namespace sleight::cli

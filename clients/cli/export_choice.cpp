@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "clients/browse/archives/browsed.h"
 #include "clients/browse/groups.h"
-#include "clients/cli/browsed.h"
 #include "clients/cli/groups_command.h"
 #include "common/base/error.h"
 
@@ -16,23 +16,24 @@ namespace {
   throw base::Error(base::ExitCode::usage, fmt::format("{}: {}", source.name(), reason));
 }
 
-std::vector<AnimationId> selected(const archive::Source& source, const ExportChoice& choice) {
-  Browsed browsed;
+std::vector<browse::AnimationId> selected(const archive::Source& source,
+                                          const ExportChoice& choice) {
+  browse::Browsed browsed;
   browsed.archives.push_back(
       {.path = source.name(), .index = index_of(source, source.name(), choice.file)});
-  const std::vector<Picked> meant = picked(browsed, {.select = choice.select});
+  const std::vector<browse::Picked> meant = picked(browsed, {.select = choice.select});
   const auto id_of = [](const browse::Entry& entry) {
-    return AnimationId{
+    return browse::AnimationId{
         .is_find = entry.name.is_find, .row = entry.row, .text = browse::short_text(entry.name)};
   };
-  std::vector<AnimationId> ids;
+  std::vector<browse::AnimationId> ids;
   if (choice.representatives && !meant.empty()) {
     const browse::Groups groups =
         groups_of(meant, *choice.representatives, browse::Grouping::medoids);
     for (const browse::AlikeGroup& group : groups.groups)
       ids.push_back(id_of(*meant[group.representative].entry));
   } else {
-    for (const Picked& one : meant)
+    for (const browse::Picked& one : meant)
       ids.push_back(id_of(*one.entry));
   }
   return ids;
@@ -40,11 +41,12 @@ std::vector<AnimationId> selected(const archive::Source& source, const ExportCho
 
 }  // namespace
 
-std::vector<AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
-                                bool is_bounded) {
-  if (!choice.ids.empty()) return animations_of(source, choice.ids);
+std::vector<browse::AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
+                                        bool is_bounded) {
+  if (!choice.ids.empty()) return browse::animations_of(source, choice.ids);
   const bool is_selected = !choice.select.empty() || choice.representatives;
-  std::vector<AnimationId> ids = is_selected ? selected(source, choice) : animation_ids(source);
+  std::vector<browse::AnimationId> ids =
+      is_selected ? selected(source, choice) : browse::animation_ids(source);
   if (ids.empty() && !choice.select.empty()) refuse(source, "no animation is meant by --select");
   if (ids.empty()) refuse(source, "it holds no animation; run more scans");
   if (is_bounded && ids.size() > k_export_max && !choice.all && !choice.representatives) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/animation_ids.h"
-#include "clients/cli/index_cache.h"
+#include "clients/browse/archives/animation_ids.h"
+#include "clients/browse/archives/index_cache.h"
 #include "common/archive/model.h"
 
 namespace sleight::cli {
@@ -23,13 +23,13 @@ struct ExportChoice {
   std::optional<std::size_t> representatives{};
   bool all = false;  ///< all of them, however many
   /// The archive's file as it was before it was opened, for index_cache.h; none: it does without.
-  std::optional<FileState> file{};
+  std::optional<browse::FileState> file{};
 };
 
 /// In the archive's order, ids in theirs, representatives with those of large groups first; at
 /// least one. Throws base::Error: usage where a query can't be understood (its place is marked),
 /// no animation is meant, or more than k_export_max are and may not be (`is_bounded`).
-std::vector<AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
-                                bool is_bounded);
+std::vector<browse::AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
+                                        bool is_bounded);
 
 }  // namespace sleight::cli

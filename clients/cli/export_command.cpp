@@ -13,16 +13,16 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/animation_ids.h"
-#include "clients/cli/dumped_json.h"
+#include "clients/browse/archives/animation_ids.h"
+#include "clients/browse/archives/index_cache.h"
+#include "clients/browse/archives/kept_animations.h"
 #include "clients/cli/exported_animations.h"
 #include "clients/cli/exported_files.h"
 #include "clients/cli/film_export.h"
-#include "clients/cli/index_cache.h"
-#include "clients/cli/interruption.h"
-#include "clients/cli/kept_animations.h"
-#include "clients/cli/output.h"
 #include "clients/export/document.h"
+#include "clients/terminal/dumped_json.h"
+#include "clients/terminal/interruption.h"
+#include "clients/terminal/output.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
@@ -46,7 +46,7 @@ bool is_film(const std::string& format) {
 /// Also what is no number, which lies in no range and outside none.
 void check_range(const char* option, double value, double low, double high) {
   if (value >= low && value <= high) return;
-  refuse_usage(fmt::format("{} {}: it must be from {} to {}", option, value, low, high));
+  terminal::refuse_usage(fmt::format("{} {}: it must be from {} to {}", option, value, low, high));
 }
 
 /// "mp4" of "a/b.MP4"; "" of what has no ending.
@@ -72,9 +72,9 @@ void refuse_other_ending(const ExportAnimationsOptions& options) {
   const bool is_right = is_file_of(options.output, options.format) && options.format != "png";
   if (is_right || std::ranges::find(k_files, ending) == k_files.end()) return;
   if (options.format == "png")
-    refuse_usage(fmt::format("{}: frames go into a folder; its name must not end with .{}",
-                             options.output, ending));
-  refuse_usage(
+    terminal::refuse_usage(fmt::format(
+        "{}: frames go into a folder; its name must not end with .{}", options.output, ending));
+  terminal::refuse_usage(
       fmt::format("{}: a file of --format {} ends with .{}; a folder for a file each must "
                   "not end with .{}",
                   options.output, options.format, options.format, ending));
@@ -85,39 +85,42 @@ void check(const ExportAnimationsOptions& options) {
   const std::string& format = options.format;
   const ExportChoice& choice = options.choice;
   if (!choice.ids.empty() && (!choice.select.empty() || choice.representatives))
-    refuse_usage("--ids names animations itself: leave out --select and --representatives");
-  if (choice.all && !choice.ids.empty()) refuse_usage("--all and --ids contradict each other");
-  if (format != "csv" && options.table != "animations") refuse_usage("--table is for --format csv");
+    terminal::refuse_usage(
+        "--ids names animations itself: leave out --select and --representatives");
+  if (choice.all && !choice.ids.empty())
+    terminal::refuse_usage("--all and --ids contradict each other");
+  if (format != "csv" && options.table != "animations")
+    terminal::refuse_usage("--table is for --format csv");
   if (format != "csv" && options.output.empty()) {
-    refuse_usage(format == "png"
-                     ? std::string("say where to with -o: a folder for a folder of frames each")
-                     : fmt::format("say where to with -o: a file OUT.{}, or a folder for a file "
-                                   "each",
-                                   format));
+    terminal::refuse_usage(
+        format == "png" ? std::string("say where to with -o: a folder for a folder of frames each")
+                        : fmt::format("say where to with -o: a file OUT.{}, or a folder for a file "
+                                      "each",
+                                      format));
   }
-  if (format != "glb" && options.together) refuse_usage("--together is for --format glb");
+  if (format != "glb" && options.together) terminal::refuse_usage("--together is for --format glb");
   if (options.output == "-")
-    refuse_usage(
+    terminal::refuse_usage(
         "-o -: only a table goes to standard output (--format csv); name a file or folder");
   if (options.together && !is_file_of(options.output, format))
-    refuse_usage(
+    terminal::refuse_usage(
         fmt::format("{}: --together makes one file; its name must end with .glb", options.output));
   if (format == "csv" && !options.output.empty() && !is_file_of(options.output, format))
-    refuse_usage(fmt::format("{}: a table's name must end with .csv", options.output));
+    terminal::refuse_usage(fmt::format("{}: a table's name must end with .csv", options.output));
   if ((format == "csv" || format == "svg") && options.fps)
-    refuse_usage("--fps is for --format glb, png and mp4");
+    terminal::refuse_usage("--fps is for --format glb, png and mp4");
   if (format != "png" && format != "mp4" && (options.view != "both" || options.scale != 1))
-    refuse_usage("--view and --scale are for --format png and mp4");
+    terminal::refuse_usage("--view and --scale are for --format png and mp4");
   if (options.json && options.output.empty())
-    refuse_usage("--json tells which files were written; name one with -o");
+    terminal::refuse_usage("--json tells which files were written; name one with -o");
   refuse_other_ending(options);
   if (options.fps) check_range("--fps", *options.fps, k_export_fps_min, k_export_fps_max);
   check_range("--scale", options.scale, 1 / k_film_scale_max, k_film_scale_max);
 }
 
 /// Step one: which animations. A table grows by a line for each, all else by a file.
-std::vector<AnimationId> choose(const archive::Source& source,
-                                const ExportAnimationsOptions& options) {
+std::vector<browse::AnimationId> choose(const archive::Source& source,
+                                        const ExportAnimationsOptions& options) {
   return chosen(source, options.choice, options.format != "csv");
 }
 
@@ -127,15 +130,15 @@ class GlbExport {
   GlbExport(const archive::Source& source, const ExportAnimationsOptions& options)
       : source_(source),
         options_(options),
-        scene_(required_scene(source)),
+        scene_(browse::required_scene(source)),
         extras_(extras_of(source)) {}
 
   /// All as clips of one file.
-  WrittenFile write_one(std::span<const AnimationId> ids) {
+  WrittenFile write_one(std::span<const browse::AnimationId> ids) {
     ExportProgress progress(ids.size());
     gltf::Document document{.scene = scene_, .extras = extras_};
     WrittenFile written{.path = options_.output, .ids = {}};
-    for (const AnimationId& id : ids) {
+    for (const browse::AnimationId& id : ids) {
       document.clips.push_back(clip_of(source_, scene_, id));
       written.ids.push_back(id.text);
       progress.done(written.ids.size());
@@ -145,16 +148,16 @@ class GlbExport {
   }
 
   /// A file each, in the output folder.
-  std::vector<WrittenFile> write_each(std::span<const AnimationId> ids) {
+  std::vector<WrittenFile> write_each(std::span<const browse::AnimationId> ids) {
     ExportProgress progress(ids.size());
     const std::string run_id = archive::summary_of(source_).run_id;
-    const auto name_of = [&](const AnimationId& id) {
+    const auto name_of = [&](const browse::AnimationId& id) {
       return export_name(run_id, id.text) + ".glb";
     };
-    for (const AnimationId& id : ids)
+    for (const browse::AnimationId& id : ids)
       refuse_others_file(options_.output + "/" + name_of(id), options_.force);
     std::vector<WrittenFile> all;
-    for (const AnimationId& id : ids) {
+    for (const browse::AnimationId& id : ids) {
       gltf::Document document{.scene = scene_, .extras = extras_};
       document.clips.push_back(clip_of(source_, scene_, id));
       WrittenFile written{.path = options_.output + "/" + name_of(id), .ids = {id.text}};
@@ -192,9 +195,9 @@ void tell(const ExportAnimationsOptions& options, const std::vector<WrittenFile>
     files.push_back({{"path", written.path}, {"ids", written.ids}, {"bytes", written.bytes}});
   }
   if (options.json) {
-    fmt::print("{}\n", dumped({{"archive", options.path},
-                               {"format", options.format},
-                               {"written", std::move(files)}}));
+    fmt::print("{}\n", terminal::dumped({{"archive", options.path},
+                                         {"format", options.format},
+                                         {"written", std::move(files)}}));
     return;
   }
   fmt::print("{}: {} animation{}, {} file{}, {:.1f} MB\n", options.output, animations,
@@ -202,9 +205,9 @@ void tell(const ExportAnimationsOptions& options, const std::vector<WrittenFile>
              static_cast<double>(bytes) / 1e6);
 }
 
-void require_one(std::span<const AnimationId> ids, const ExportAnimationsOptions& options) {
+void require_one(std::span<const browse::AnimationId> ids, const ExportAnimationsOptions& options) {
   if (ids.size() == 1 || options.together) return;
-  refuse_usage(fmt::format(
+  terminal::refuse_usage(fmt::format(
       "{}: one file can't hold {} animations by themselves; {}give a folder", options.output,
       ids.size(), options.format == "glb" ? "add --together for clips of one file, or " : ""));
 }
@@ -212,18 +215,18 @@ void require_one(std::span<const AnimationId> ids, const ExportAnimationsOptions
 /// Step two, of one file.
 std::vector<WrittenFile> write_one_file(const archive::Source& source,
                                         const ExportAnimationsOptions& options,
-                                        std::span<const AnimationId> ids) {
+                                        std::span<const browse::AnimationId> ids) {
   if (options.format == "glb") {
     require_one(ids, options);
     return {GlbExport(source, options).write_one(ids)};
   }
   WrittenFile written{.path = options.output, .ids = {}};
-  for (const AnimationId& id : ids)
+  for (const browse::AnimationId& id : ids)
     written.ids.push_back(id.text);
   base::write_output(options.output, [&](std::ostream& file) {
     write_animations_csv(source, ids, options.table, file);
     written.bytes = static_cast<std::uint64_t>(std::max<std::streamoff>(0, file.tellp()));
-    Interruption::check();
+    terminal::Interruption::check();
   });
   return {written};
 }
@@ -250,17 +253,17 @@ void refuse_taken_place(const std::string& place, const ExportAnimationsOptions&
 /// Pictures and films, which put themselves in their places when they are whole.
 std::vector<WrittenFile> write_films(const archive::Source& source,
                                      const ExportAnimationsOptions& options) {
-  const std::vector<AnimationId> ids = choose(source, options);
+  const std::vector<browse::AnimationId> ids = choose(source, options);
   const bool is_one = options.format != "png" && is_file_of(options.output, options.format);
   if (is_one) require_one(ids, options);
   if (!is_one) make_export_folder(options.output);
   const std::string run_id = archive::summary_of(source).run_id;
   const std::string ending = options.format == "png" ? "" : "." + options.format;
-  const auto place_of = [&](const AnimationId& id) {
+  const auto place_of = [&](const browse::AnimationId& id) {
     return is_one ? options.output
                   : fmt::format("{}/{}{}", options.output, export_name(run_id, id.text), ending);
   };
-  for (const AnimationId& id : ids)
+  for (const browse::AnimationId& id : ids)
     refuse_taken_place(place_of(id), options);
   const FilmExport films(source, {.format = options.format,
                                   .fps = options.fps.value_or(k_film_fps),
@@ -268,7 +271,7 @@ std::vector<WrittenFile> write_films(const archive::Source& source,
                                   .scale = options.scale});
   ExportProgress progress(ids.size());
   std::vector<WrittenFile> all;
-  for (const AnimationId& id : ids) {
+  for (const browse::AnimationId& id : ids) {
     all.push_back(films.write(id, place_of(id), [&](std::size_t done, std::size_t of) {
       progress.done(all.size(), done, of);
     }));
@@ -296,10 +299,10 @@ int export_animations(const ExportAnimationsOptions& given) {
   if (options.format.empty()) options.format = format_of(options.output);
   if (options.format == "csv" && options.output == "-") options.output.clear();
   check(options);
-  if (!options.output.empty()) refuse_same_file(options.path, options.output);
-  return with_results([&] {
-    const Interruption interruption;
-    options.choice.file = state_of_file(options.path);
+  if (!options.output.empty()) terminal::refuse_same_file(options.path, options.output);
+  return terminal::with_results([&] {
+    const terminal::Interruption interruption;
+    options.choice.file = browse::state_of_file(options.path);
     const auto source = archive::remote::open_remote(options.path);
     if (options.output.empty()) {
       write_animations_csv(*source, choose(*source, options), options.table, std::cout);
@@ -309,11 +312,11 @@ int export_animations(const ExportAnimationsOptions& given) {
       if (!is_pipe_for(options)) refuse_others_file(options.output, options.force);
       tell(options, write_one_file(*source, options, choose(*source, options)));
     } else {
-      const std::vector<AnimationId> ids = choose(*source, options);
+      const std::vector<browse::AnimationId> ids = choose(*source, options);
       make_export_folder(options.output);
       tell(options, GlbExport(*source, options).write_each(ids));
     }
-    return k_ok;
+    return terminal::k_ok;
   });
 }
 

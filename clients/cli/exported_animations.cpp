@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "clients/analysis/archive_rows.h"
+#include "clients/browse/archives/kept_animations.h"
 #include "clients/browse/reading.h"
-#include "clients/cli/interruption.h"
-#include "clients/cli/kept_animations.h"
-#include "clients/cli/trace.h"
+#include "clients/terminal/interruption.h"
 #include "common/archive/csv.h"
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
@@ -46,12 +46,12 @@ struct CsvRows {
 };
 
 /// In the order of ids, which are of one group; no columns where there are none.
-CsvRows rows_of(const archive::Source& source, std::span<const AnimationId> ids,
+CsvRows rows_of(const archive::Source& source, std::span<const browse::AnimationId> ids,
                 const std::string& table) {
   CsvRows rows;
   if (ids.empty()) return rows;
   std::vector<std::uint64_t> numbers;
-  for (const AnimationId& id : ids)
+  for (const browse::AnimationId& id : ids)
     numbers.push_back(id.row);
   std::string in_archive = table;
   if (ids.front().is_find) in_archive = table == "animations" ? "finds" : "find_" + table;
@@ -65,7 +65,8 @@ CsvRows rows_of(const archive::Source& source, std::span<const AnimationId> ids,
   const std::string column = table == "segments" ? "segment_count" : "point_count";
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const double count =
-        read_rows(source, group_of(ids[i]), column, 1, {.first = ids[i].row, .count = 1}).front();
+        analysis::read_rows(source, group_of(ids[i]), column, 1, {.first = ids[i].row, .count = 1})
+            .front();
     rows.counts[i] = count > 0 ? static_cast<std::uint64_t>(count) : 0;
   }
   return rows;
@@ -102,17 +103,18 @@ gltf::Extras extras_of(const archive::Source& source) {
 }
 
 gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
-                   const AnimationId& id) {
+                   const browse::AnimationId& id) {
   const std::string_view group_name = group_of(id);
   const archive::KeptMotions motions(source, group_name);
-  KeptAnimation kept = kept_animation(source, motions, id.row, scene, id.text);
+  browse::KeptAnimation kept = browse::kept_animation(source, motions, id.row, scene, id.text);
   gltf::Clip clip{.name = id.text,
                   .motion = std::move(kept.motion),
                   .own = std::move(kept.own),
                   .offsets_m = std::move(kept.offsets_m),
                   .extras = {{"id", id.text}}};
   const auto whole = [&](const char* name) {
-    const double number = read_rows(source, group_name, name, 1, {.first = id.row, .count = 1})[0];
+    const double number =
+        analysis::read_rows(source, group_name, name, 1, {.first = id.row, .count = 1})[0];
     clip.extras.push_back({name, static_cast<std::int64_t>(number)});
   };
   if (id.is_find) {
@@ -137,7 +139,7 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
                        browse::k_number_elements_max + 1);
     if (width > browse::k_number_elements_max) continue;
     std::vector<double> values =
-        read_rows(source, group_name, spec.name, width, {.first = id.row, .count = 1});
+        analysis::read_rows(source, group_name, spec.name, width, {.first = id.row, .count = 1});
     // A world may call an outcome as we call a fact.
     const bool is_taken = std::ranges::count(clip.extras, spec.name, &gltf::Extra::key) > 0;
     const std::string key = (is_taken ? "outcome_" : "") + spec.name;
@@ -150,12 +152,12 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
   return clip;
 }
 
-void write_animations_csv(const archive::Source& source, std::span<const AnimationId> ids,
+void write_animations_csv(const archive::Source& source, std::span<const browse::AnimationId> ids,
                           const std::string& table, std::ostream& out) {
   CHECK(!ids.empty());
-  std::vector<AnimationId> of_chains;
-  std::vector<AnimationId> finds;
-  for (const AnimationId& id : ids)
+  std::vector<browse::AnimationId> of_chains;
+  std::vector<browse::AnimationId> finds;
+  for (const browse::AnimationId& id : ids)
     (id.is_find ? finds : of_chains).push_back(id);
   CsvRows from_chains = rows_of(source, of_chains, table);
   CsvRows from_finds = rows_of(source, finds, table);
@@ -172,8 +174,8 @@ void write_animations_csv(const archive::Source& source, std::span<const Animati
   const std::vector<std::size_t> places_of_finds = places_in(from_finds.columns, columns);
   std::size_t next_of_chains = 0;
   std::size_t next_of_finds = 0;
-  for (const AnimationId& id : ids) {
-    Interruption::check();
+  for (const browse::AnimationId& id : ids) {
+    terminal::Interruption::check();
     CsvRows& rows = id.is_find ? from_finds : from_chains;
     std::size_t& nth = id.is_find ? next_of_finds : next_of_chains;
     for (const std::string& line : lines_of(rows, nth++)) {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "clients/browse/index.h"
-#include "clients/cli/interruption.h"
+#include "clients/terminal/interruption.h"
 #include "common/base/error.h"
 #include "common/base/output_beside.h"
 
@@ -64,7 +64,7 @@ void refuse_others_file(const std::string& path, bool force) {
 }
 
 void ExportProgress::done(std::size_t count, std::size_t frames, std::size_t of) {
-  Interruption::check();
+  terminal::Interruption::check();
   const auto now = std::chrono::steady_clock::now();
   if (now - told_ < k_progress_every || count == all_) return;
   told_ = now;

@@ -31,7 +31,7 @@ void make_export_folder(const std::string& path);
 void refuse_others_file(const std::string& path, bool force);
 
 /// Tells stderr how far an export is, now and then, where it takes long: a line a second at most.
-/// Throws what Interruption::check does.
+/// Throws what terminal::Interruption::check does.
 class ExportProgress {
  public:
   explicit ExportProgress(std::size_t all) : all_(all) {}

@@ -14,10 +14,11 @@
 #include <utility>
 
 #include "clients/cli/job_text.h"
-#include "clients/cli/selected_jobs.h"
-#include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
-#include "clients/cli/terminal.h"
+#include "clients/service_client/selected_jobs.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/interruption.h"
+#include "clients/terminal/terminal.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/events/progress.h"
@@ -83,7 +84,7 @@ class FetchPrinter {
   void clear() { line_.clear(); }
 
  private:
-  RenewedLine line_{stderr};
+  terminal::RenewedLine line_{stderr};
   bool shows_;
   base::SteadyClock clock_;
   std::string sha256_;
@@ -116,12 +117,12 @@ bool is_no_file(const std::string& path) {
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: is there already and is no plain file; -o names another "
                                   "place",
-                                  shown(path)));
+                                  terminal::shown(path)));
   }
   throw base::Error(base::ExitCode::conflict,
                     fmt::format("{}: is there already, with other content; --force replaces it, -o "
                                 "names another place",
-                                shown(path)));
+                                terminal::shown(path)));
 }
 
 /// Watches the pieces of a job's files come in.
@@ -132,7 +133,7 @@ class Arrivals {
 
   /// A FetchProgress: false where the place is taken. Before the first piece is written.
   bool arrived(const rpc::FileView& file, std::uint64_t bytes) {
-    if (Interrupts::requested()) return false;
+    if (terminal::Interruption::requested()) return false;
     const std::string path = path_of(file);
     const bool is_first_look = looked_at_.insert(path).second;
     if (is_first_look && is_no_file(path)) {
@@ -145,7 +146,7 @@ class Arrivals {
       if (standing == Standing::same && is_file_) same_ = path;
       if (!taken_.empty() || !same_.empty()) return false;
     }
-    printer_.show(shown(path), file, bytes);
+    printer_.show(terminal::shown(path), file, bytes);
     bytes_[path] = file.size;
     return true;
   }
@@ -208,12 +209,12 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
     if (arrivals.same().empty()) {
       // What a job that goes on has given is not the last word.
       const bool is_of_now = is_file && !rpc::is_settled(job.state);
-      fmt::print("{}  {}{}\n", shown(path), size_text(arrivals.bytes_of(path)),
+      fmt::print("{}  {}{}\n", terminal::shown(path), size_text(arrivals.bytes_of(path)),
                  is_of_now
                      ? fmt::format(", as of now: job {} is {}", job.id, rpc::name_of(job.state))
                      : "");
     } else {
-      fmt::print("{}  is here already, with the same content\n", shown(path));
+      fmt::print("{}  is here already, with the same content\n", terminal::shown(path));
     }
   }
   if (brought.paths.empty() && !brought.interrupted) fmt::print("job {}: no files\n", ask.job);
@@ -234,13 +235,13 @@ void make_folder(const std::string& path) {
     throw base::Error(fmt::format("{}: can't make the folder: {}", path, failure.message()));
 }
 
-int fetch_all(rpc::Client& client, const FetchOptions& options, std::span<const JobName> names,
-              const ArchiveCheck& check) {
+int fetch_all(rpc::Client& client, const FetchOptions& options,
+              std::span<const service_client::JobName> names, const ArchiveCheck& check) {
   const rpc::FetchAsk ask = fetch_ask_of(options);
   const std::vector<rpc::JobView> jobs = views_of(client, names);
   const bool several = !is_single_job(names);
   const auto* group = names.size() == 1 ? std::get_if<rpc::GroupId>(&names.front()) : nullptr;
-  const Interrupts interrupts(&client);
+  const terminal::Interruption interruption([&client] { client.interrupt(); });
   std::vector<Brought> all;
   base::ExitCode code = base::ExitCode::ok;
   for (const rpc::JobView& job : jobs) {
@@ -254,20 +255,21 @@ int fetch_all(rpc::Client& client, const FetchOptions& options, std::span<const 
     } catch (const rpc::RefusedError& error) {
       // One job without an archive yet keeps the others' from nobody.
       if (!several) throw;
-      complain(fmt::format("sleight: job {}: {}", job.id, words_of(error.refusal())));
-      if (code == base::ExitCode::ok) code = exit_code_of(error.refusal().kind);
+      terminal::complain(
+          fmt::format("sleight: job {}: {}", job.id, service_client::words_of(error.refusal())));
+      if (code == base::ExitCode::ok) code = service_client::exit_code_of(error.refusal().kind);
       continue;
     } catch (const base::Error& error) {
       // Nor does a damaged one, or a place that is taken. Without a service all fail.
       if (!several || error.exit_code() == base::ExitCode::no_server ||
           dynamic_cast<const rpc::NoServer*>(&error) != nullptr)
         throw;
-      complain(fmt::format("sleight: {}", error.what()));
+      terminal::complain(fmt::format("sleight: {}", error.what()));
       if (code == base::ExitCode::ok) code = error.exit_code();
       continue;
     }
     if (all.back().interrupted) {
-      complain("stopped; the same command goes on from here");
+      terminal::complain("stopped; the same command goes on from here");
       code = base::ExitCode::interrupted;
       break;
     }
@@ -312,7 +314,7 @@ rpc::FetchAsk fetch_ask_of(const FetchOptions& options) {
     if (!ids) {
       throw base::Error(base::ExitCode::usage,
                         fmt::format("--recordings: '{}' are no ids; say 3,7,10..20, at most {}",
-                                    shown(options.recordings), rpc::k_fetch_ids_max));
+                                    terminal::shown(options.recordings), rpc::k_fetch_ids_max));
     }
     ask.ids = *std::move(ids);
   }
@@ -337,9 +339,9 @@ std::string place_of(const FetchOptions& options, rpc::JobId job, bool several,
 }
 
 int fetch(const std::string& socket, const FetchOptions& options, const ArchiveCheck& check) {
-  const std::vector<JobName> names = read_job_names(options.jobs);
+  const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
   static_cast<void>(fetch_ask_of(options));  // errors of usage before anything else
-  return with_service(
+  return service_client::with_service(
       socket, [&](rpc::Client& client) { return fetch_all(client, options, names, check); });
 }
 

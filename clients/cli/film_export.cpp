@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/animation_frames.h"
+#include "clients/browse/archives/kept_animations.h"
 #include "clients/cli/exported_animations.h"
-#include "clients/cli/kept_animations.h"
+#include "clients/pictures/animation_frames.h"
 #include "common/archive/summary.h"
 
 namespace sleight::cli {
@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-FrameViews views_called(const std::string& name) {
-  if (name == "above") return FrameViews::above;
-  return name == "front" ? FrameViews::front : FrameViews::both;
+pictures::FrameViews views_called(const std::string& name) {
+  if (name == "above") return pictures::FrameViews::above;
+  return name == "front" ? pictures::FrameViews::front : pictures::FrameViews::both;
 }
 
 std::uint64_t bytes_at(const std::string& place) {
@@ -33,20 +33,20 @@ std::uint64_t bytes_at(const std::string& place) {
 }  // namespace
 
 FilmExport::FilmExport(const archive::Source& source, FilmOptions options)
-    : source_(source), options_(std::move(options)), scene_(required_scene(source)) {}
+    : source_(source), options_(std::move(options)), scene_(browse::required_scene(source)) {}
 
-WrittenFile FilmExport::write(const AnimationId& id, const std::string& place,
+WrittenFile FilmExport::write(const browse::AnimationId& id, const std::string& place,
                               const std::function<void(std::size_t, std::size_t)>& progress) const {
   gltf::Clip clip = clip_of(source_, scene_, id);
   const std::string title = fmt::format("{} {}", archive::summary_of(source_).world, id.text);
-  const ShownAnimation shown{.title = title,
-                             .motion = std::move(clip.motion),
-                             .own = std::move(clip.own),
-                             .offsets_m = std::move(clip.offsets_m)};
-  const FramesOptions frames{.fps = options_.fps,
-                             .look = {.views = views_called(options_.view)},
-                             .scale = options_.scale,
-                             .progress = progress};
+  const pictures::ShownAnimation shown{.title = title,
+                                       .motion = std::move(clip.motion),
+                                       .own = std::move(clip.own),
+                                       .offsets_m = std::move(clip.offsets_m)};
+  const pictures::FramesOptions frames{.fps = options_.fps,
+                                       .look = {.views = views_called(options_.view)},
+                                       .scale = options_.scale,
+                                       .progress = progress};
   if (options_.format == "svg") {
     write_motion_svg(title, scene_, shown, place);
   } else if (options_.format == "png") {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "clients/cli/animation_ids.h"
+#include "clients/browse/archives/animation_ids.h"
 #include "clients/cli/exported_files.h"
 #include "common/archive/model.h"
 #include "common/scene/scene.h"
@@ -25,7 +25,7 @@ class FilmExport {
   FilmExport(const archive::Source& source, FilmOptions options);
 
   /// At this place, whole or not at all. `progress`: frames that are done, of how many.
-  WrittenFile write(const AnimationId& id, const std::string& place,
+  WrittenFile write(const browse::AnimationId& id, const std::string& place,
                     const std::function<void(std::size_t, std::size_t)>& progress) const;
 
  private:

@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "clients/cli/browsed_json.h"
-#include "clients/cli/dumped_json.h"
-#include "clients/cli/output.h"
-#include "clients/cli/terminal.h"
-#include "clients/cli/text_table.h"
+#include "clients/terminal/dumped_json.h"
+#include "clients/terminal/output.h"
+#include "clients/terminal/terminal.h"
+#include "clients/terminal/text_table.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 #include "common/request/nearest.h"
@@ -21,7 +21,7 @@ namespace sleight::cli {
 namespace {
 
 /// The number of this name; throws base::Error(usage) where the archive has none.
-std::size_t number_called(const std::string& name, const BrowsedArchive& archive) {
+std::size_t number_called(const std::string& name, const browse::BrowsedArchive& archive) {
   const auto& numbers = archive.index.numbers;
   const auto found = std::ranges::find(numbers, name, &browse::NumberName::name);
   if (found != numbers.end()) return static_cast<std::size_t>(found - numbers.begin());
@@ -36,16 +36,16 @@ std::size_t number_called(const std::string& name, const BrowsedArchive& archive
                        : "; `sleight find --names` lists them"));
 }
 
-void sort_picked(const std::string& name, bool descending, std::vector<Picked>& picked) {
-  std::vector<std::pair<double, Picked>> keyed;
-  for (const Picked& one : picked)
+void sort_picked(const std::string& name, bool descending, std::vector<browse::Picked>& picked) {
+  std::vector<std::pair<double, browse::Picked>> keyed;
+  for (const browse::Picked& one : picked)
     keyed.emplace_back(one.entry->numbers[number_called(name, *one.archive)], one);
   // What has no such number comes last, either way.
   std::ranges::stable_sort(keyed, [&](const auto& a, const auto& b) {
     if (std::isnan(a.first) || std::isnan(b.first)) return !std::isnan(a.first);
     return descending ? a.first > b.first : a.first < b.first;
   });
-  std::ranges::transform(keyed, picked.begin(), &std::pair<double, Picked>::second);
+  std::ranges::transform(keyed, picked.begin(), &std::pair<double, browse::Picked>::second);
 }
 
 /// As a word of its own: "end" is none of "ends in".
@@ -62,7 +62,7 @@ bool is_spoken_of(const std::string& name, const std::string& words) {
 }
 
 /// Names of numbers that a person asked about: in the queries, or to sort by.
-std::vector<std::string> asked_numbers(const FindOptions& options, const Browsed& browsed) {
+std::vector<std::string> asked_numbers(const FindOptions& options, const browse::Browsed& browsed) {
   std::string words = options.sort + " ";
   for (const auto* list : {&options.asked.where, &options.asked.in, &options.asked.not_in}) {
     for (const std::string& text : *list)
@@ -79,41 +79,41 @@ std::vector<std::string> asked_numbers(const FindOptions& options, const Browsed
   return names;
 }
 
-void print_table(const FindOptions& options, const Browsed& browsed,
-                 const std::vector<Picked>& shown) {
-  TextTable table{.columns = {{.head = "animation"},
-                              {.head = "log_prior", .to_the_right = true},
-                              {.head = "rest_s", .to_the_right = true},
-                              {.head = "events", .to_the_right = true}}};
+void print_table(const FindOptions& options, const browse::Browsed& browsed,
+                 const std::vector<browse::Picked>& shown) {
+  terminal::TextTable table{.columns = {{.head = "animation"},
+                                        {.head = "log_prior", .to_the_right = true},
+                                        {.head = "rest_s", .to_the_right = true},
+                                        {.head = "events", .to_the_right = true}}};
   const std::vector<std::string> names = asked_numbers(options, browsed);
   for (const std::string& name : names)
     table.columns.push_back({.head = name, .to_the_right = true, .rank = 1});
   table.columns.push_back({.head = "in proportion", .rank = 2});
   const bool has_archives = browsed.archives.size() > 1;
   if (has_archives) table.columns.push_back({.head = "archive", .rank = 3});
-  for (const Picked& one : shown) {
+  for (const browse::Picked& one : shown) {
     const browse::Entry& entry = *one.entry;
     std::vector<std::string> row{
-        name_among(browsed, entry.name), shown_number(entry.numbers[browse::k_log_prior]),
+        name_among(browsed, entry.name), browse::shown_number(entry.numbers[browse::k_log_prior]),
         fmt::format("{:.3f}", entry.end_s), fmt::format("{}", entry.events)};
     for (const std::string& name : names) {
       const auto& numbers = one.archive->index.numbers;
       const auto found = std::ranges::find(numbers, name, &browse::NumberName::name);
-      row.push_back(
-          found == numbers.end()
-              ? std::string()
-              : shown_number(entry.numbers[static_cast<std::size_t>(found - numbers.begin())]));
+      row.push_back(found == numbers.end()
+                        ? std::string()
+                        : browse::shown_number(
+                              entry.numbers[static_cast<std::size_t>(found - numbers.begin())]));
     }
     row.emplace_back(entry.in_proportion ? "yes" : "no");
     if (has_archives) row.push_back(one.archive->path);
     table.rows.push_back(std::move(row));
   }
-  fmt::print("{}", to_text(table, width_of(stdout)));
+  fmt::print("{}", to_text(table, terminal::width_of(stdout)));
 }
 
-int print_names(const FindOptions& options, const Browsed& browsed) {
+int print_names(const FindOptions& options, const browse::Browsed& browsed) {
   json::Value json = json::Value::array();
-  for (const BrowsedArchive& archive : browsed.archives) {
+  for (const browse::BrowsedArchive& archive : browsed.archives) {
     if (options.json) {
       json.push_back(names_json(archive));
       continue;
@@ -133,7 +133,7 @@ int print_names(const FindOptions& options, const Browsed& browsed) {
                  number.unit == "1" ? "" : fmt::format("  [{}]", number.unit));
     }
   }
-  if (options.json) fmt::print("{}\n", dumped(json));
+  if (options.json) fmt::print("{}\n", terminal::dumped(json));
   return static_cast<int>(base::ExitCode::ok);
 }
 
@@ -144,10 +144,10 @@ int find_animations(const FindOptions& options) {
     throw base::Error(base::ExitCode::usage, "--descending goes with --sort NUMBER");
   if (options.ids && options.json)
     throw base::Error(base::ExitCode::usage, "--ids and --json contradict each other");
-  return with_results([&] {
-    Browsed browsed = browse_archives(options.paths);
-    std::vector<Picked> found =
-        options.names ? std::vector<Picked>() : picked(browsed, options.asked);
+  return terminal::with_results([&] {
+    browse::Browsed browsed = browse::browse_archives(options.paths);
+    std::vector<browse::Picked> found =
+        options.names ? std::vector<browse::Picked>() : picked(browsed, options.asked);
     say_what_is_missing(browsed);
     if (options.names) return print_names(options, browsed);
     const std::size_t total = found.size();
@@ -158,13 +158,13 @@ int find_animations(const FindOptions& options) {
       json["found"] = total;
       json["of"] = browsed.animations();
       json["animations"] = json::Value::array();
-      for (const Picked& one : found)
+      for (const browse::Picked& one : found)
         json["animations"].push_back(animation_json(browsed, one));
-      fmt::print("{}\n", dumped(json));
+      fmt::print("{}\n", terminal::dumped(json));
       return static_cast<int>(base::ExitCode::ok);
     }
     if (options.ids) {
-      for (const Picked& one : found)
+      for (const browse::Picked& one : found)
         fmt::print("{}\n", name_among(browsed, one.entry->name));
       return static_cast<int>(base::ExitCode::ok);
     }

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/browsed.h"
+#include "clients/browse/archives/browsed.h"
 
 namespace sleight::cli {
 
 struct FindOptions {
   std::vector<std::string> paths{};
-  QueryOptions asked{};
+  browse::QueryOptions asked{};
   std::string sort{};       ///< a number's name; empty: in the archives' order
   bool descending = false;  ///< the greatest first
   std::uint64_t limit = 0;  ///< at most so many; 0: all

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "clients/cli/output.h"
+#include "clients/terminal/output.h"
 #include "common/base/file_system.h"
 #include "common/request/document.h"
 #include "common/request/text.h"
@@ -32,8 +32,9 @@ std::string request_of_word(const std::string& word, const std::optional<request
 
 GivenRequest given_request(const std::string& path, const std::string& word,
                            const std::optional<request::Asked>& asked) {
-  if (path.empty() && word.empty()) refuse_usage("REQUEST.toml or --word WORD is required");
-  if (!request::is_utf8(word)) refuse_usage("--word: expected UTF-8 text");
+  if (path.empty() && word.empty())
+    terminal::refuse_usage("REQUEST.toml or --word WORD is required");
+  if (!request::is_utf8(word)) terminal::refuse_usage("--word: expected UTF-8 text");
   if (path.empty()) {
     return {.name = "--word " + request::printable(word, k_shown_word_characters_max),
             .text = request_of_word(word, asked)};

@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "clients/cli/browsed_json.h"
-#include "clients/cli/dumped_json.h"
-#include "clients/cli/output.h"
-#include "clients/cli/picked_figure.h"
-#include "clients/cli/scene_view.h"
-#include "clients/cli/terminal.h"
-#include "clients/cli/text_table.h"
+#include "clients/pictures/picked_figure.h"
+#include "clients/pictures/scene_view.h"
 #include "clients/plot/save.h"
+#include "clients/terminal/dumped_json.h"
+#include "clients/terminal/output.h"
+#include "clients/terminal/terminal.h"
+#include "clients/terminal/text_table.h"
 #include "common/base/cores.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
@@ -20,31 +20,32 @@
 namespace sleight::cli {
 namespace {
 
-void print_groups(const Browsed& browsed, const std::vector<Picked>& picked,
+void print_groups(const browse::Browsed& browsed, const std::vector<browse::Picked>& picked,
                   const browse::Groups& groups) {
-  TextTable table{.columns = {{.head = "group", .to_the_right = true},
-                              {.head = "animations", .to_the_right = true},
-                              {.head = "stands for it"},
-                              {.head = "mean mm", .to_the_right = true},
-                              {.head = "most mm", .to_the_right = true},
-                              {.head = "log_prior", .to_the_right = true, .rank = 1},
-                              {.head = "rest_s", .to_the_right = true, .rank = 2}}};
+  terminal::TextTable table{.columns = {{.head = "group", .to_the_right = true},
+                                        {.head = "animations", .to_the_right = true},
+                                        {.head = "stands for it"},
+                                        {.head = "mean mm", .to_the_right = true},
+                                        {.head = "most mm", .to_the_right = true},
+                                        {.head = "log_prior", .to_the_right = true, .rank = 1},
+                                        {.head = "rest_s", .to_the_right = true, .rank = 2}}};
   const bool has_archives = browsed.archives.size() > 1;
   if (has_archives) table.columns.push_back({.head = "archive", .rank = 3});
   for (std::size_t i = 0; i < groups.groups.size(); ++i) {
     const browse::AlikeGroup& group = groups.groups[i];
-    const Picked& representative = picked[group.representative];
-    std::vector<std::string> row{fmt::format("{}", i + 1),
-                                 fmt::format("{}", group.members.size()),
-                                 name_among(browsed, representative.entry->name),
-                                 fmt::format("{:.1f}", k_mm_per_m * group.mean_m),
-                                 fmt::format("{:.1f}", k_mm_per_m * group.greatest_m),
-                                 shown_number(representative.entry->numbers[browse::k_log_prior]),
-                                 fmt::format("{:.3f}", representative.entry->end_s)};
+    const browse::Picked& representative = picked[group.representative];
+    std::vector<std::string> row{
+        fmt::format("{}", i + 1),
+        fmt::format("{}", group.members.size()),
+        name_among(browsed, representative.entry->name),
+        fmt::format("{:.1f}", pictures::k_mm_per_m * group.mean_m),
+        fmt::format("{:.1f}", pictures::k_mm_per_m * group.greatest_m),
+        browse::shown_number(representative.entry->numbers[browse::k_log_prior]),
+        fmt::format("{:.3f}", representative.entry->end_s)};
     if (has_archives) row.push_back(representative.archive->path);
     table.rows.push_back(std::move(row));
   }
-  fmt::print("{}", to_text(table, width_of(stdout)));
+  fmt::print("{}", to_text(table, terminal::width_of(stdout)));
   fmt::print("{} animation{} in {} group{}; mm: resemblance to the one that stands for the group\n",
              picked.size(), picked.size() == 1 ? "" : "s", groups.groups.size(),
              groups.groups.size() == 1 ? "" : "s");
@@ -54,7 +55,7 @@ void print_groups(const Browsed& browsed, const std::vector<Picked>& picked,
   }
 }
 
-json::Value groups_json(const Browsed& browsed, const std::vector<Picked>& picked,
+json::Value groups_json(const browse::Browsed& browsed, const std::vector<browse::Picked>& picked,
                         const browse::Groups& groups) {
   json::Value json = archives_json(browsed);
   json["animations"] = picked.size();
@@ -75,11 +76,11 @@ json::Value groups_json(const Browsed& browsed, const std::vector<Picked>& picke
 
 }  // namespace
 
-browse::Groups groups_of(const std::vector<Picked>& picked, std::uint64_t groups,
+browse::Groups groups_of(const std::vector<browse::Picked>& picked, std::uint64_t groups,
                          browse::Grouping by) {
   std::vector<const browse::Entry*> entries;
-  for (const Picked& one : picked) {
-    const BrowsedArchive& first = *picked.front().archive;
+  for (const browse::Picked& one : picked) {
+    const browse::BrowsedArchive& first = *picked.front().archive;
     if (!browse::are_comparable(first.index.scene, one.archive->index.scene)) {
       throw base::Error(base::ExitCode::usage,
                         fmt::format("{} and {} have other bodies: their animations can't be "
@@ -105,26 +106,26 @@ int group_animations(const GroupsOptions& options) {
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: a picture's name ends with .svg or .png", options.output));
   for (const std::string& path : options.paths) {
-    if (!options.output.empty()) refuse_same_file(path, options.output);
+    if (!options.output.empty()) terminal::refuse_same_file(path, options.output);
   }
-  return with_results([&] {
-    Browsed browsed = browse_archives(options.paths);
-    const std::vector<Picked> all = picked(browsed, options.asked);
+  return terminal::with_results([&] {
+    browse::Browsed browsed = browse::browse_archives(options.paths);
+    const std::vector<browse::Picked> all = picked(browsed, options.asked);
     say_what_is_missing(browsed);
     const browse::Groups groups = groups_of(
         all, options.groups,
         options.by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids);
     if (options.json) {
-      fmt::print("{}\n", dumped(groups_json(browsed, all, groups)));
+      fmt::print("{}\n", terminal::dumped(groups_json(browsed, all, groups)));
     } else if (all.empty()) {
       fmt::print("none of {} animations matches\n", browsed.animations());
     } else {
       print_groups(browsed, all, groups);
     }
     if (!options.output.empty() && !all.empty()) {
-      std::vector<PickedPanel> panels;
+      std::vector<pictures::PickedPanel> panels;
       for (const browse::AlikeGroup& group : groups.groups) {
-        if (panels.size() == k_picked_panels_max) break;
+        if (panels.size() == pictures::k_picked_panels_max) break;
         panels.push_back(
             {.picked = all[group.representative],
              .title = fmt::format("{} of {} are like {}", group.members.size(), all.size(),

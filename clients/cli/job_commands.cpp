@@ -11,12 +11,12 @@
 
 #include "clients/cli/job_text.h"
 #include "clients/cli/job_watch.h"
-#include "clients/cli/known_servers.h"
-#include "clients/cli/output.h"
-#include "clients/cli/selected_jobs.h"
-#include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
-#include "clients/cli/terminal.h"
+#include "clients/service_client/known_servers.h"
+#include "clients/service_client/selected_jobs.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/output.h"
+#include "clients/terminal/terminal.h"
 #include "common/base/error.h"
 #include "common/events/progress.h"
 
@@ -29,10 +29,10 @@ constexpr std::size_t k_asked_about_max = 10;
 rpc::JobState state_of(const std::string& text) {
   const auto state = rpc::job_state_of(text);
   if (state && *state != rpc::JobState::unknown) return *state;
-  refuse_usage(
+  terminal::refuse_usage(
       fmt::format("--state: '{}' is no state; there are queued, starting, running, yielding, "
                   "held, done, failed and cancelled",
-                  shown(text)));
+                  terminal::shown(text)));
 }
 
 /// Pages from the ask's on, until `count` jobs are there.
@@ -65,33 +65,34 @@ void print_page(const rpc::JobPage& page, const ListOptions& options) {
   }
   const bool with_users = std::ranges::any_of(
       page.jobs, [&](const rpc::JobView& job) { return job.user != page.jobs.front().user; });
-  fmt::print("{}", job_table(page.jobs, {.width = width_of(stdout),
+  fmt::print("{}", job_table(page.jobs, {.width = terminal::width_of(stdout),
                                          .with_users = with_users || !options.user.empty(),
-                                         .user_name = &name_of_user}));
+                                         .user_name = &terminal::name_of_user}));
   if (!page.cursor.empty()) {
     fmt::print("{} of {}; --all lists all, --after '{}' those that follow\n",
-               events::grouped(page.jobs.size()), events::grouped(page.total), shown(page.cursor));
+               events::grouped(page.jobs.size()), events::grouped(page.total),
+               terminal::shown(page.cursor));
   }
 }
 
 int complete(const std::string& socket) {
   // A shell shows what comes: whatever goes wrong, it gets nothing.
   try {
-    rpc::Client client(place_of(socket), {.call_s_max = 2});
+    rpc::Client client(service_client::place_of(socket), {.call_s_max = 2});
     for (const rpc::JobView& job : client.list({.count = rpc::k_page_jobs_max}).jobs)
       fmt::print("{}\n", completion_line(job));
   } catch (const std::exception&) {
-    return k_ok;
+    return terminal::k_ok;
   }
-  return k_ok;
+  return terminal::k_ok;
 }
 
 int touch_and_tell(
     const std::string& socket, const JobsOptions& options,
     const std::function<std::vector<rpc::Touched>(rpc::Client&, rpc::Target)>& call) {
-  const std::vector<JobName> names = read_job_names(options.jobs);
-  return with_service(socket, [&](rpc::Client& client) {
-    const TouchedJobs touched =
+  const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
+  return service_client::with_service(socket, [&](rpc::Client& client) {
+    const service_client::TouchedJobs touched =
         touch(names, [&](rpc::Target target) { return call(client, target); });
     if (options.json) {
       fmt::print("{}\n", indented(touched_json(touched.done, is_single_job(names))));
@@ -99,10 +100,11 @@ int touch_and_tell(
       for (const rpc::Touched& one : touched.done)
         fmt::print("{}\n", touched_line(one));
     }
-    int code = k_ok;
-    for (const RefusedName& one : touched.refused) {
-      complain(fmt::format("sleight: {}: {}", one.name, words_of(one.refusal)));
-      code = static_cast<int>(exit_code_of(one.refusal.kind));
+    int code = terminal::k_ok;
+    for (const service_client::RefusedName& one : touched.refused) {
+      terminal::complain(
+          fmt::format("sleight: {}: {}", one.name, service_client::words_of(one.refusal)));
+      code = static_cast<int>(service_client::exit_code_of(one.refusal.kind));
     }
     return code;
   });
@@ -117,8 +119,8 @@ std::vector<rpc::Touched> told(std::vector<rpc::Touched> touched, const std::str
 
 int watch_named(const std::string& socket, const JobsOptions& options, std::uint64_t from_number,
                 bool quiet) {
-  const std::vector<JobName> names = read_job_names(options.jobs);
-  return with_service(socket, [&](rpc::Client& client) {
+  const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
+  return service_client::with_service(socket, [&](rpc::Client& client) {
     return watch_jobs(client, views_of(client, names), from_number,
                       {.quiet = quiet, .json = options.json, .single = is_single_job(names)});
   });
@@ -165,15 +167,18 @@ rpc::ListAsk list_ask_of(const ListOptions& options) {
     ask.states.push_back(state_of(state));
   if (options.mine) ask.user = ::getuid();
   if (!options.user.empty()) {
-    if (options.mine) refuse_usage("--mine and --user: give one of them");
-    ask.user = user_of(options.user);
-    if (!ask.user) refuse_usage(fmt::format("--user: there is no user '{}'", shown(options.user)));
+    if (options.mine) terminal::refuse_usage("--mine and --user: give one of them");
+    ask.user = terminal::user_of(options.user);
+    if (!ask.user)
+      terminal::refuse_usage(
+          fmt::format("--user: there is no user '{}'", terminal::shown(options.user)));
   }
   if (!options.group.empty()) {
-    const std::vector<JobName> names = read_job_names(std::span(&options.group, 1));
+    const std::vector<service_client::JobName> names =
+        service_client::read_job_names(std::span(&options.group, 1));
     const auto* group = std::get_if<rpc::GroupId>(&names.front());
     if (group == nullptr)
-      refuse_usage(fmt::format("--group: '{}' is no group; say g5", options.group));
+      terminal::refuse_usage(fmt::format("--group: '{}' is no group; say g5", options.group));
     ask.group = *group;
   }
   return ask;
@@ -182,25 +187,25 @@ rpc::ListAsk list_ask_of(const ListOptions& options) {
 int list_jobs(const std::string& socket, const ListOptions& options) {
   if (options.complete) return complete(socket);
   const rpc::ListAsk ask = list_ask_of(options);
-  return with_service(socket, [&](rpc::Client& client) {
+  return service_client::with_service(socket, [&](rpc::Client& client) {
     print_page(read_pages(client, ask, options), options);
-    return k_ok;
+    return terminal::k_ok;
   });
 }
 
 int show_status(const std::string& socket, const StatusOptions& options) {
-  const std::vector<JobName> names = read_job_names(options.jobs);
-  return with_service(socket, [&](rpc::Client& client) {
+  const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
+  return service_client::with_service(socket, [&](rpc::Client& client) {
     const std::vector<rpc::JobView> jobs = views_of(client, names, options.history);
     if (options.json) {
       fmt::print("{}\n", indented(jobs_json(jobs, is_single_job(names), options.history)));
-      return k_ok;
+      return terminal::k_ok;
     }
     for (const rpc::JobView& job : jobs) {
       fmt::print("{}{}", &job == jobs.data() ? "" : "\n", job_text(job));
       if (options.history) fmt::print("{}", history_text(job));
     }
-    return k_ok;
+    return terminal::k_ok;
   });
 }
 
@@ -249,7 +254,8 @@ rpc::Extension extension_of(const ExtendOptions& options) {
   add(rpc::ExtendBy::rounds, options.rounds);
   add(rpc::ExtendBy::solutions, options.solutions);
   add(rpc::ExtendBy::odds, options.odds);
-  if (given.size() != 1) refuse_usage("give one of --scans, --rounds, --solutions and --odds");
+  if (given.size() != 1)
+    terminal::refuse_usage("give one of --scans, --rounds, --solutions and --odds");
   return given.front();
 }
 
@@ -261,13 +267,13 @@ int extend(const std::string& socket, const ExtendOptions& options) {
 }
 
 int delete_jobs(const std::string& socket, const DeleteOptions& options) {
-  const std::vector<JobName> names = read_job_names(options.jobs);
-  return with_service(socket, [&](rpc::Client& client) {
+  const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
+  return service_client::with_service(socket, [&](rpc::Client& client) {
     const std::vector<rpc::JobView> jobs = views_of(client, names);
     refuse_running_and_pinned(jobs);
-    if (!options.yes && can_ask() && !ask(question(jobs))) {
-      complain("nothing deleted");
-      return k_ok;
+    if (!options.yes && terminal::can_ask() && !terminal::ask(question(jobs))) {
+      terminal::complain("nothing deleted");
+      return terminal::k_ok;
     }
     // Job by job, even of groups: what was looked at is deleted, and nothing else.
     std::vector<rpc::Touched> touched;
@@ -276,7 +282,7 @@ int delete_jobs(const std::string& socket, const DeleteOptions& options) {
       if (!options.json) fmt::print("deleted {}\n", about(job));
     }
     if (options.json) fmt::print("{}\n", indented(touched_json(touched, is_single_job(names))));
-    return k_ok;
+    return terminal::k_ok;
   });
 }
 

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "clients/cli/service_call.h"
-#include "clients/cli/text_table.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/text_table.h"
 #include "common/events/progress.h"
 #include "common/request/text.h"
 
@@ -54,7 +54,7 @@ std::string unless_its_state(const rpc::JobView& job, const std::string& words) 
   for (const char c : words) {
     if (c != '.') plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   }
-  return plain == rpc::name_of(job.state) ? std::string() : shown_on_one_line(words);
+  return plain == rpc::name_of(job.state) ? std::string() : terminal::shown_on_one_line(words);
 }
 
 std::string reason_of(const rpc::JobView& job) {
@@ -65,7 +65,7 @@ std::string reason_of(const rpc::JobView& job) {
 std::string why(const rpc::JobView& job) {
   switch (job.state) {
     case rpc::JobState::queued:
-      return shown(job.not_yet.empty() ? job.reason : job.not_yet);
+      return terminal::shown(job.not_yet.empty() ? job.reason : job.not_yet);
     case rpc::JobState::yielding:
     case rpc::JobState::held:
     case rpc::JobState::failed:
@@ -113,7 +113,7 @@ std::string state_line(const rpc::JobView& job) {
 
 std::string queue_line(const rpc::JobView& job) {
   std::string line = job.place > 0 ? fmt::format("place {}", events::grouped(job.place)) : "";
-  if (!job.not_yet.empty()) line += (line.empty() ? "" : ": ") + shown(job.not_yet);
+  if (!job.not_yet.empty()) line += (line.empty() ? "" : ": ") + terminal::shown(job.not_yet);
   return line;
 }
 
@@ -204,14 +204,14 @@ std::string failures_text(std::span<const rpc::FailureCount> failures) {
   std::vector<std::string> parts;
   for (const rpc::FailureCount& failure : failures) {
     if (failure.count > 0)
-      parts.push_back(
-          fmt::format("{} {}", shown(failure.simulation), events::grouped(failure.count)));
+      parts.push_back(fmt::format("{} {}", terminal::shown(failure.simulation),
+                                  events::grouped(failure.count)));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look) {
-  TextTable table;
+  terminal::TextTable table;
   table.columns = {{.head = "ID", .to_the_right = true},
                    {.head = "NAME", .rank = 1},
                    {.head = "GROUP", .rank = 8},
@@ -227,15 +227,15 @@ std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look)
                    {.head = "FAILED", .rank = 4},
                    {.head = "WHY", .rank = 1}};
   for (const rpc::JobView& job : jobs) {
-    table.rows.push_back({fmt::format("{}", job.id), name_of_job(job),
-                          job.group ? fmt::format("g{}", *job.group) : "",
-                          look.with_users && look.user_name ? shown(look.user_name(job.user)) : "",
-                          state_name(job.state), job.place > 0 ? events::grouped(job.place) : "",
-                          scans_cell(job),
-                          count_of(job.solutions.found, job.solutions.found_wanted),
-                          count_of(job.solutions.in_proportion, job.solutions.in_proportion_wanted),
-                          rate_cell(job), time_left(job.left_s), time_left(job.solutions_left_s),
-                          failures_text(job.failures), why(job)});
+    table.rows.push_back(
+        {fmt::format("{}", job.id), name_of_job(job),
+         job.group ? fmt::format("g{}", *job.group) : "",
+         look.with_users && look.user_name ? terminal::shown(look.user_name(job.user)) : "",
+         state_name(job.state), job.place > 0 ? events::grouped(job.place) : "", scans_cell(job),
+         count_of(job.solutions.found, job.solutions.found_wanted),
+         count_of(job.solutions.in_proportion, job.solutions.in_proportion_wanted), rate_cell(job),
+         time_left(job.left_s), time_left(job.solutions_left_s), failures_text(job.failures),
+         why(job)});
   }
   return to_text(table, look.width);
 }
@@ -258,29 +258,30 @@ std::string job_text(const rpc::JobView& job) {
   lines.add("times", times_line(job));
   lines.add("spent", job.core_s > 0 ? events::clock_time(job.core_s) + " of processor time" : "");
   lines.add("kept", kept_line(job));
-  lines.add("archive", job.digest.empty() ? "" : "digest " + shown(job.digest));
-  lines.add("at the end", shown_on_one_line(job.end_words));
+  lines.add("archive", job.digest.empty() ? "" : "digest " + terminal::shown(job.digest));
+  lines.add("at the end", terminal::shown_on_one_line(job.end_words));
   for (const std::string& line : job.last_log_lines)
-    lines.add("log", shown(line));
-  lines.add("to repeat it", shown(job.repeat_command));
-  const std::string world =
-      job.name.empty() || job.name == job.world ? "" : fmt::format(" ({})", shown(job.world));
+    lines.add("log", terminal::shown(line));
+  lines.add("to repeat it", terminal::shown(job.repeat_command));
+  const std::string world = job.name.empty() || job.name == job.world
+                                ? ""
+                                : fmt::format(" ({})", terminal::shown(job.world));
   const std::string group = job.group ? fmt::format(", of group g{}", *job.group) : "";
   return fmt::format("job {}  {}{}{}\n", job.id, name_of_job(job), world, group) + lines.take();
 }
 
 std::string history_text(const rpc::JobView& job) {
-  TextTable table{.columns = {{.head = "NUMBER", .to_the_right = true},
-                              {.head = "TIME"},
-                              {.head = "STATE"},
-                              {.head = "START", .to_the_right = true},
-                              {.head = "REASON"}},
-                  .rows = {}};
+  terminal::TextTable table{.columns = {{.head = "NUMBER", .to_the_right = true},
+                                        {.head = "TIME"},
+                                        {.head = "STATE"},
+                                        {.head = "START", .to_the_right = true},
+                                        {.head = "REASON"}},
+                            .rows = {}};
   for (const rpc::StateChange& change : job.history) {
     table.rows.push_back({fmt::format("{}", change.number), local_time(change.time_s),
                           state_name(change.state),
                           change.attempt > 0 ? fmt::format("{}", change.attempt) : "",
-                          shown_on_one_line(change.reason)});
+                          terminal::shown_on_one_line(change.reason)});
   }
   return to_text(table, std::nullopt);
 }
@@ -303,7 +304,7 @@ std::string end_line(const rpc::JobView& job) {
 
 std::string touched_line(const rpc::Touched& touched) {
   std::string line = fmt::format("{} {}", touched.job, state_name(touched.state));
-  if (!touched.words.empty()) line += ": " + shown_on_one_line(touched.words);
+  if (!touched.words.empty()) line += ": " + terminal::shown_on_one_line(touched.words);
   return line;
 }
 

@@ -6,10 +6,11 @@
 #include <cstdio>
 #include <variant>
 
-#include "clients/cli/event_words.h"
 #include "clients/cli/job_text.h"
-#include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
+#include "clients/service_client/event_words.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/interruption.h"
 
 namespace sleight::cli {
 namespace {
@@ -69,9 +70,9 @@ WatchPrinter::WatchPrinter(std::span<const rpc::JobView> jobs, const WatchLook& 
   }
 }
 
-ProgressPrinter& WatchPrinter::printer(rpc::JobId job) {
+terminal::ProgressPrinter& WatchPrinter::printer(rpc::JobId job) {
   auto& printer = printers_[job];
-  if (!printer) printer = std::make_unique<ProgressPrinter>(names_[job], stderr);
+  if (!printer) printer = std::make_unique<terminal::ProgressPrinter>(names_[job], stderr);
   return *printer;
 }
 
@@ -87,7 +88,7 @@ bool WatchPrinter::changed(rpc::JobId job, const rpc::StateChange& change) {
   if (look_.json) {
     print_now(on_one_line(change_json(job, change)));
   } else {
-    print(job, words_of_change(change));
+    print(job, service_client::words_of_change(change));
   }
   return true;
 }
@@ -104,9 +105,9 @@ bool WatchPrinter::happened(const rpc::WatchedEvent& event) {
   if (const auto* progress = std::get_if<events::Progress>(&event.event->what)) {
     printer(event.job).show(*progress);
   } else if (const auto* phase = std::get_if<events::Phase>(&event.event->what)) {
-    printer(event.job).say(shown(phase->words));
+    printer(event.job).say(terminal::shown(phase->words));
   } else {
-    print(event.job, words_of_event(event.job, *event.event));
+    print(event.job, service_client::words_of_event(event.job, *event.event));
   }
   return true;
 }
@@ -123,27 +124,29 @@ bool WatchPrinter::settled(rpc::JobId job) {
 
 bool WatchPrinter::refused(rpc::JobId job, const rpc::Refusal& refusal) {
   finish();
-  complain(fmt::format("sleight: {}: {}", job, words_of(refusal)));
+  terminal::complain(fmt::format("sleight: {}: {}", job, service_client::words_of(refusal)));
   if (look_.json && !look_.quiet) {
     print_now(on_one_line({{"job", job.value},
                            {"number", 0},
                            {"kind", "refused"},
                            {"refusal", rpc::name_of(refusal.kind)},
-                           {"words", words_of(refusal)}}));
+                           {"words", service_client::words_of(refusal)}}));
   }
   states_.erase(job);
-  if (!refused_) refused_ = exit_code_of(refusal.kind);
+  if (!refused_) refused_ = service_client::exit_code_of(refusal.kind);
   return true;
 }
 
 bool WatchPrinter::lost(const std::string& words) {
   finish();
-  if (!look_.quiet) complain(fmt::format("the server is away, waiting for it: {}", shown(words)));
+  if (!look_.quiet)
+    terminal::complain(
+        fmt::format("the server is away, waiting for it: {}", terminal::shown(words)));
   return true;
 }
 
 bool WatchPrinter::found_again() {
-  if (!look_.quiet) complain("the server is back");
+  if (!look_.quiet) terminal::complain("the server is back");
   return true;
 }
 
@@ -172,15 +175,16 @@ int watch_jobs(rpc::Client& client, std::span<const rpc::JobView> jobs, std::uin
   for (const rpc::JobView& job : jobs)
     points.push_back({.job = job.id, .event = from_number - 1});
   WatchPrinter printer(jobs, look);
-  const EndsWithItsReader ends_with_its_reader;
-  const Interrupts interrupts(&client);
+  const terminal::EndsWithItsReader ends_with_its_reader;
+  const terminal::Interruption interruption([&client] { client.interrupt(); });
   const rpc::Waited how = client.watch(points, printer);
   printer.finish();
   if (how == rpc::Waited::interrupted) {
     const std::string ids = id_list(jobs);
-    complain(fmt::format("{} on. `sleight watch {}` shows {} again, `sleight cancel {}` ends {}.",
-                         jobs.size() == 1 ? "The job goes" : "The jobs go", ids,
-                         jobs.size() == 1 ? "it" : "them", ids, jobs.size() == 1 ? "it" : "them"));
+    terminal::complain(
+        fmt::format("{} on. `sleight watch {}` shows {} again, `sleight cancel {}` ends {}.",
+                    jobs.size() == 1 ? "The job goes" : "The jobs go", ids,
+                    jobs.size() == 1 ? "it" : "them", ids, jobs.size() == 1 ? "it" : "them"));
     return static_cast<int>(base::ExitCode::interrupted);
   }
   tell_the_end(client, jobs, look);

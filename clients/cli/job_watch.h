@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/progress_printer.h"
+#include "clients/terminal/progress_printer.h"
 #include "common/base/error.h"
 #include "common/rpc/client.h"
 
@@ -46,11 +46,11 @@ class WatchPrinter final : public rpc::WatchSink {
 
  private:
   void print(rpc::JobId job, const std::string& words);
-  ProgressPrinter& printer(rpc::JobId job);
+  terminal::ProgressPrinter& printer(rpc::JobId job);
 
   WatchLook look_;
   std::map<rpc::JobId, std::string> names_;
-  std::map<rpc::JobId, std::unique_ptr<ProgressPrinter>> printers_;
+  std::map<rpc::JobId, std::unique_ptr<terminal::ProgressPrinter>> printers_;
   std::map<rpc::JobId, rpc::JobState> states_;  ///< the newest
   std::optional<base::ExitCode> refused_;
 };

@@ -8,11 +8,11 @@
 #include <cctype>
 #include <cstdio>
 
-#include "clients/cli/known_servers.h"
-#include "clients/cli/output.h"
-#include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
-#include "clients/cli/terminal.h"
+#include "clients/service_client/known_servers.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/output.h"
+#include "clients/terminal/terminal.h"
 #include "common/access/certificates.h"
 #include "common/access/token_text.h"
 #include "common/base/error.h"
@@ -28,8 +28,8 @@ constexpr std::size_t k_token_file_bytes_max = 4096;
 access::ServerAddress address_of(const std::string& text) {
   const auto address = access::server_address_of(text);
   if (!address || address->port == 0) {
-    refuse_usage(
-        fmt::format("{}: is no address as render.example.org:{}", shown(text), access::k_port));
+    terminal::refuse_usage(fmt::format("{}: is no address as render.example.org:{}",
+                                       terminal::shown(text), access::k_port));
   }
   return *address;
 }
@@ -68,7 +68,7 @@ std::string token_given(const LoginOptions& options) {
   std::string text;
   if (!options.token_file.empty()) {
     text = base::read_text_file(options.token_file, k_token_file_bytes_max);
-  } else if (is_typed()) {
+  } else if (terminal::is_typed()) {
     std::fputs("Token: ", stderr);
     const WithoutEcho hidden;
     text = line_of_stdin();
@@ -78,7 +78,7 @@ std::string token_given(const LoginOptions& options) {
   std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
   if (!access::token_of(text)) {
     // Nothing of it is shown: it may be nearly right.
-    refuse_usage(
+    terminal::refuse_usage(
         "this is no token: one begins with sleight_ and has its check at the end; was all "
         "of it copied?");
   }
@@ -101,7 +101,7 @@ std::string digits_of_fingerprint(const std::string& text) {
   std::erase(digits, ':');
   if (digits.size() == 64 && digits.find_first_not_of("0123456789abcdef") == std::string::npos)
     return digits;
-  refuse_usage(
+  terminal::refuse_usage(
       "--fingerprint: it is SHA256: and 64 hexadecimal digits, as `sleight server status` on "
       "the service's machine shows it");
 }
@@ -111,7 +111,8 @@ void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (!options.ca_file.empty()) {
     service.certificate = base::read_text_file(options.ca_file, k_pem_bytes_max);
     if (access::certificates_in(service.certificate).empty())
-      refuse_usage(fmt::format("{}: has no certificate in PEM", shown(options.ca_file)));
+      terminal::refuse_usage(
+          fmt::format("{}: has no certificate in PEM", terminal::shown(options.ca_file)));
     return;
   }
   if (options.fingerprint.empty()) return;
@@ -127,7 +128,7 @@ void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   }
   const auto own_name = access::self_signed_name(pem);
   if (!own_name) {
-    refuse_usage(
+    terminal::refuse_usage(
         fmt::format("the certificate of {} is an authority's, which is not known by its "
                     "fingerprint: give --ca FILE with the authority's own, or neither where "
                     "the system trusts it",
@@ -161,11 +162,12 @@ int login(const LoginOptions& options) {
                     "--fingerprint {2}",
                     error.what(), name, access::fingerprint_of(pem)));
   } catch (const rpc::NoServer& error) {
-    throw base::Error(base::ExitCode::no_server, shown(error.what()));
+    throw base::Error(base::ExitCode::no_server, terminal::shown(error.what()));
   } catch (const rpc::RefusedError& error) {
-    throw base::Error(exit_code_of(error.refusal().kind), words_of(error.refusal()));
+    throw base::Error(service_client::exit_code_of(error.refusal().kind),
+                      service_client::words_of(error.refusal()));
   }
-  const std::string path = remember(service);
+  const std::string path = service_client::remember(service);
   const std::string name = access::text_of(address);
   if (options.json) {
     fmt::print("{}\n", indented({{"server", name}, {"file", path}}));
@@ -178,7 +180,7 @@ int login(const LoginOptions& options) {
 
 int logout(const std::string& text, bool json) {
   const access::ServerAddress address = address_of(text);
-  const bool was_known = forget(address);
+  const bool was_known = service_client::forget(address);
   if (json) {
     fmt::print("{}\n", indented({{"server", access::text_of(address)}, {"was_known", was_known}}));
   } else {

@@ -8,9 +8,10 @@
 #include <thread>
 #include <utility>
 
-#include "clients/cli/selected_jobs.h"
-#include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
+#include "clients/service_client/selected_jobs.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/interruption.h"
 #include "common/base/error.h"
 #include "common/request/text.h"
 
@@ -49,20 +50,20 @@ std::optional<rpc::LogPiece> next_piece(rpc::Client& client, const rpc::LogAsk& 
     return piece;
   } catch (const rpc::NoServer&) {
     if (++looks_in_vain > k_looks_in_vain_max) throw;
-    if (looks_in_vain == 1) complain("the server is away, waiting for it");
+    if (looks_in_vain == 1) terminal::complain("the server is away, waiting for it");
     return std::nullopt;
   }
 }
 
 int follow(rpc::Client& client, rpc::LogAsk ask, rpc::LogPiece piece, const LogsOptions& options,
            LogLines& lines) {
-  const Interrupts interrupts(nullptr);
+  const terminal::Interruption interruption;
   int looks_in_vain = 0;
-  while (!Interrupts::requested()) {
+  while (!terminal::Interruption::requested()) {
     const std::uint64_t next = piece.first + piece.text.size();
     if (piece.is_over && next >= piece.end) return static_cast<int>(base::ExitCode::ok);
     if (next >= piece.end) std::this_thread::sleep_for(k_log_look_again);
-    if (Interrupts::requested()) break;
+    if (terminal::Interruption::requested()) break;
     ask.from = next;
     auto more = next_piece(client, ask, looks_in_vain);
     if (!more) {
@@ -71,7 +72,7 @@ int follow(rpc::Client& client, rpc::LogAsk ask, rpc::LogPiece piece, const Logs
     }
     piece = *std::move(more);
     if (piece.first > next)
-      complain(fmt::format("{} bytes of the log are gone", piece.first - next));
+      terminal::complain(fmt::format("{} bytes of the log are gone", piece.first - next));
     if (!piece.text.empty()) print_piece(piece, options.json, lines);
   }
   return static_cast<int>(base::ExitCode::interrupted);
@@ -104,13 +105,14 @@ std::string LogLines::rest() {
 }
 
 int show_logs(const std::string& socket, const LogsOptions& options) {
-  const std::vector<JobName> names = read_job_names(std::span(&options.job, 1));
+  const std::vector<service_client::JobName> names =
+      service_client::read_job_names(std::span(&options.job, 1));
   const auto* job = std::get_if<rpc::JobId>(&names.front());
   if (job == nullptr) {
     throw base::Error(base::ExitCode::usage,
                       "logs shows one job at a time; `sleight list --group` names a group's");
   }
-  return with_service(socket, [&](rpc::Client& client) {
+  return service_client::with_service(socket, [&](rpc::Client& client) {
     const rpc::LogAsk ask{.job = *job, .lines = options.lines, .bytes_max = rpc::k_log_bytes_max};
     LogLines lines;
     const rpc::LogPiece piece = client.logs(ask);

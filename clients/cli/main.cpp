@@ -3,7 +3,7 @@
 
 #include "clients/cli/main_app.h"
 #include "clients/cli/main_run.h"
-#include "clients/cli/output.h"
+#include "clients/terminal/output.h"
 #include "common/base/error.h"
 #include "common/logging/log.h"
 
@@ -16,8 +16,8 @@ int main_of(int argc, char** argv) {
   build_app(app, line);
   note_what_repeats(argc, argv);
   try {
-    cli::occupy_standard_streams();
-    return cli::with_results([&] {
+    terminal::occupy_standard_streams();
+    return terminal::with_results([&] {
       try {
         app.parse(argc, argv);
       } catch (const CLI::ParseError& error) {

@@ -76,7 +76,7 @@ void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& ac
 }
 
 /// How `sleight diagnose` judges a scalar.
-cli::Verdict judge(std::string_view name, const cli::ScalarDraws& draws) {
+analysis::Verdict judge(std::string_view name, const analysis::ScalarDraws& draws) {
   // Where thin is longer than the judged scans, no state is archived of them.
   if (draws.draws == 0) return {};
   const sampling::Convergence found = sampling::convergence_of(
@@ -91,7 +91,7 @@ cli::Verdict judge(std::string_view name, const cli::ScalarDraws& draws) {
           .complaints = sampling::complaints(name, found)};
 }
 
-cli::Rules convergence_rules() {
+analysis::Rules convergence_rules() {
   return {.draws_min = sampling::k_draws_per_chain_min,
           .ess_wanted = sampling::ess_wanted,
           .judge = judge};
@@ -213,7 +213,7 @@ void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
 
 struct PlotArguments {
   cli::PlotOptions options;
-  cli::PlotsOfWorlds worlds = plots_of_program();
+  pictures::PlotsOfWorlds worlds = plots_of_program();
 };
 
 void add_plot(CLI::App& app, PlotArguments& arguments, Action& action) {
@@ -261,8 +261,8 @@ struct CommandLine::Arguments {
   DeriveArguments derive;
   DiagnoseArguments diagnose;
   BrowseArguments browse;
-  gallery::CommandOptions gallery;
-  cli::Rules rules = convergence_rules();
+  cli::CommandOptions gallery;
+  analysis::Rules rules = convergence_rules();
   PlotArguments plot;
   OwnArguments own;
 };

@@ -16,8 +16,8 @@
 #include "clients/cli/end_with_mpirun.h"
 #include "clients/cli/main_run.h"
 #include "clients/cli/main_worlds.h"
-#include "clients/cli/output.h"
 #include "clients/cli/results_version.h"
+#include "clients/terminal/output.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
@@ -154,7 +154,7 @@ int run_ranks(const DirectArguments& arguments, cli::EndReport& end_report, int*
   try {
     bool all_have_left = true;
     const int code = end_report.watch([&] {
-      return cli::with_results([&] {
+      return terminal::with_results([&] {
         const Rank0End end = run_rank_0(arguments, true, end_report);
         all_have_left = end.all_have_left;
         return end.code;
@@ -208,7 +208,7 @@ int main_of(int argc, char** argv) {
                                                         : cli::EndReport::Missing::tells_nothing);
     if (started_by_mpirun()) return run_ranks(arguments, end_report, &argc, &argv);
     return end_report.watch([&] {
-      return cli::with_results([&] { return run_rank_0(arguments, false, end_report).code; });
+      return terminal::with_results([&] { return run_rank_0(arguments, false, end_report).code; });
     });
   } catch (...) {
     return report_failure("sleight-batch");
@@ -219,7 +219,7 @@ int main_of(int argc, char** argv) {
 }  // namespace sleight::programs
 
 int main(int argc, char** argv) {
-  sleight::cli::occupy_standard_streams();
+  sleight::terminal::occupy_standard_streams();
   if (sleight::programs::started_by_mpirun()) sleight::cli::end_with_mpirun();
   return sleight::programs::main_of(argc, argv);
 }

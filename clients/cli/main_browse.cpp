@@ -20,7 +20,7 @@ constexpr const char* k_query_words =
     "  Paths are solved, not sampled. Lengths are metres and times seconds where no unit is "
     "said.\n\n";
 
-void add_asked(CLI::App& command, cli::QueryOptions& asked) {
+void add_asked(CLI::App& command, browse::QueryOptions& asked) {
   command.add_option("--where", asked.where, "Only animations of which this query is true")
       ->allow_extra_args(false)
       ->type_name("QUERY");

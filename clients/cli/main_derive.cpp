@@ -6,8 +6,8 @@
 #include <system_error>
 
 #include "clients/cli/main_worlds.h"
-#include "clients/cli/progress_printer.h"
 #include "clients/cli/results_version.h"
+#include "clients/terminal/progress_printer.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
@@ -92,7 +92,7 @@ int derive(const DeriveArguments& given) {
   std::string digest;
   if (cut.scans > 0 || cut.found > 0) {
     const base::SteadyClock clock;
-    cli::ProgressPrinter printer(request.world, stderr);
+    terminal::ProgressPrinter printer(request.world, stderr);
     coordinator::WritingWords words([&](const std::string& phase) { printer.say(phase); }, clock);
     coordinator::catch_stop_signals();
     try {

@@ -41,7 +41,7 @@ std::string fault_of_folder(const std::string& text) {
 
 }  // namespace
 
-void add_gallery_command(CLI::App& app, gallery::CommandOptions& options, const cli::Rules& rules,
+void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const analysis::Rules& rules,
                          Action& action) {
   CLI::App* command =
       app.add_subcommand("gallery", "Archives in the browser: a wall of animations, player, plots");
@@ -53,7 +53,7 @@ void add_gallery_command(CLI::App& app, gallery::CommandOptions& options, const 
   command
       ->add_option(
           "--port", options.port,
-          fmt::format("Listen there; without, on {} or any that is free", gallery::k_usual_port))
+          fmt::format("Listen there; without, on {} or any that is free", cli::k_usual_port))
       ->check(CLI::Range(1, 65535).description(""))
       ->type_name("PORT");
   command
@@ -88,7 +88,7 @@ void add_gallery_command(CLI::App& app, gallery::CommandOptions& options, const 
       "  sleight gallery hi.h5 --save hi_gallery\n"
       "  ssh -L 8475:127.0.0.1:8475 cluster sleight gallery runs/hi.h5 --no-browser");
   command->callback(
-      [&] { action = [&] { return gallery::show_gallery(options, service_called, rules); }; });
+      [&] { action = [&] { return cli::show_gallery(options, service_called, rules); }; });
 }
 
 }  // namespace sleight::programs

@@ -10,9 +10,9 @@
 #include <system_error>
 #include <variant>
 
-#include "clients/cli/failure_counts.h"
-#include "clients/cli/progress_printer.h"
+#include "clients/analysis/failure_counts.h"
 #include "clients/cli/results_version.h"
+#include "clients/terminal/progress_printer.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
@@ -123,27 +123,28 @@ std::string what_is_missing(const coordinator::RunSummary& summary) {
 void print_summary(const DirectArguments& arguments, const request::DirectionRequest& request,
                    const coordinator::RunSummary& summary) {
   if (arguments.json) {
-    const json::Value json{{"archive", summary.digest.empty() ? "" : arguments.output},
-                           {"end", name_of(summary.end)},
-                           {"world", request.world},
-                           {"chains", request.sampler.chains},
-                           {"seed", request.sampler.seed},
-                           {"scans", summary.scans},
-                           {"session", summary.epoch},
-                           {"session_scans", summary.progress.session_scans},
-                           {"session_satisfied", summary.progress.session_satisfied},
-                           {"found", summary.found},
-                           {"found_in_proportion", false},
-                           {"takes", summary.relaxed},
-                           {"independent_solutions", summary.progress.solutions},
-                           {"session_seconds", summary.progress.elapsed_s},
-                           {"session_simulations", summary.progress.session_simulations},
-                           {"workers", summary.progress.workers},
-                           {"failed_simulations", cli::failures_json(summary.progress.failures)},
-                           {"handling", handling_json(summary.handling)},
-                           {"version", base::version()},
-                           {"results_version", results_version()},
-                           {"digest", summary.digest}};
+    const json::Value json{
+        {"archive", summary.digest.empty() ? "" : arguments.output},
+        {"end", name_of(summary.end)},
+        {"world", request.world},
+        {"chains", request.sampler.chains},
+        {"seed", request.sampler.seed},
+        {"scans", summary.scans},
+        {"session", summary.epoch},
+        {"session_scans", summary.progress.session_scans},
+        {"session_satisfied", summary.progress.session_satisfied},
+        {"found", summary.found},
+        {"found_in_proportion", false},
+        {"takes", summary.relaxed},
+        {"independent_solutions", summary.progress.solutions},
+        {"session_seconds", summary.progress.elapsed_s},
+        {"session_simulations", summary.progress.session_simulations},
+        {"workers", summary.progress.workers},
+        {"failed_simulations", analysis::failures_json(summary.progress.failures)},
+        {"handling", handling_json(summary.handling)},
+        {"version", base::version()},
+        {"results_version", results_version()},
+        {"digest", summary.digest}};
     fmt::print("{}\n", json.dump(2));
     return;
   }
@@ -383,7 +384,7 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   if (!reader->layout().warning.empty()) logging::warn(reader->layout().warning);
   const auto plan = run::make_plan(request, world, {});
   base::PosixFileSystem files;
-  cli::ProgressPrinter printer(request.world, stderr);
+  terminal::ProgressPrinter printer(request.world, stderr);
   coordinator::RunOptions options{
       .output = arguments.output,
       .fresh = arguments.fresh,

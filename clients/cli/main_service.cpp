@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "clients/cli/fetch_command.h"
-#include "clients/cli/fetched_archive.h"
 #include "clients/cli/job_commands.h"
 #include "clients/cli/logs_command.h"
 #include "clients/cli/main_run.h"
@@ -16,6 +15,7 @@
 #include "clients/cli/main_worlds.h"
 #include "clients/cli/server_commands.h"
 #include "clients/cli/submit_command.h"
+#include "clients/service_client/fetched_archive.h"
 #include "common/config/settings.h"
 #include "common/request/direction_request.h"
 
@@ -265,7 +265,7 @@ void add_fetch(CLI::App& app, Action& action) {
   CLI::App* command = add_command(
       app, "fetch", "Bring jobs' archives here", action,
       [](const std::string& socket, const cli::FetchOptions& given) {
-        return cli::fetch(socket, given, cli::check_archive);
+        return cli::fetch(socket, given, service_client::check_archive);
       },
       options);
   command->add_option("jobs", options->jobs, k_jobs_help)->required()->type_name("JOB");

@@ -14,8 +14,8 @@
 #include "clients/cli/main_settings.h"
 #include "clients/cli/main_system.h"
 #include "clients/cli/main_worlds.h"
-#include "clients/cli/output.h"
 #include "clients/cli/results_version.h"
+#include "clients/terminal/output.h"
 #include "common/access/server_address.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
@@ -128,7 +128,7 @@ int main_of(int argc, char** argv) {
   std::vector<config::Given> given;
   build_daemon_app(app, given);
   try {
-    cli::occupy_standard_streams();
+    terminal::occupy_standard_streams();
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "clients/cli/server_process.h"
+#include "clients/service_client/server_process.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
@@ -31,7 +31,7 @@ backend::Options defaults_of(const config::SlurmDefaults& slurm) {
 /// The one that is given, else the one that is installed with this program.
 std::string script_of(const config::Settings& settings) {
   if (!settings.slurm.script.value.empty()) return settings.slurm.script.value;
-  const std::string bin = base::directory_of(cli::program_beside("sleight-keeper"));
+  const std::string bin = base::directory_of(service_client::program_beside("sleight-keeper"));
   return base::directory_of(bin) + "/share/sleight/slurm/direct.sbatch";
 }
 

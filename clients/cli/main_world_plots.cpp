@@ -8,8 +8,8 @@
 
 namespace sleight::programs {
 
-cli::PlotsOfWorlds plots_of_program() {
-  cli::PlotsOfWorlds plots;
+pictures::PlotsOfWorlds plots_of_program() {
+  pictures::PlotsOfWorlds plots;
   plots.push_back(std::make_unique<world_plots::Ball2d>());
   plots.push_back(std::make_unique<world_plots::Dice>());
   plots.push_back(std::make_unique<world_plots::Spelling>());

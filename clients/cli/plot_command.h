@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/world_plots.h"
+#include "clients/pictures/world_plots.h"
 
 namespace sleight::cli {
 
@@ -24,16 +24,16 @@ struct PlotOptions {
 };
 
 /// What can be asked for: of every world, then of single ones.
-std::vector<std::string> whats_of(const PlotsOfWorlds& worlds);
+std::vector<std::string> whats_of(const pictures::PlotsOfWorlds& worlds);
 
 /// What each of these is, for the help: "trace: ...; animations: ...; paths: ... (ball_2d)".
-std::string help_of_whats(const PlotsOfWorlds& worlds);
+std::string help_of_whats(const pictures::PlotsOfWorlds& worlds);
 
 /// Returns the exit code; throws base::Error. REQUIRES: one of whats_of is asked for.
-int plot_archive(const PlotOptions& options, const PlotsOfWorlds& worlds);
+int plot_archive(const PlotOptions& options, const pictures::PlotsOfWorlds& worlds);
 
 /// What it draws, as a value. `whole`: for a file, with more than a terminal has room for.
-Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
-                   const PlotsOfWorlds& worlds);
+pictures::Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
+                             const pictures::PlotsOfWorlds& worlds);
 
 }  // namespace sleight::cli

@@ -14,11 +14,11 @@
 #include <thread>
 
 #include "clients/cli/job_text.h"
-#include "clients/cli/known_servers.h"
-#include "clients/cli/output.h"
-#include "clients/cli/server_process.h"
-#include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
+#include "clients/service_client/known_servers.h"
+#include "clients/service_client/server_process.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/output.h"
 #include "common/base/clock.h"
 #include "common/base/error.h"
 #include "common/base/version.h"
@@ -37,7 +37,7 @@ constexpr std::size_t k_told_log_lines = 20;
 /// The daemon's words, none where none answers.
 std::optional<rpc::ServerView> server_at(const std::string& socket) {
   try {
-    rpc::Client client(place_of(socket), {.call_s_max = 5});
+    rpc::Client client(service_client::place_of(socket), {.call_s_max = 5});
     return client.info();
   } catch (const rpc::NoServer&) {
     return std::nullopt;
@@ -51,24 +51,25 @@ int tell_started(const rpc::ServerView& server, const std::string& socket, bool 
                                  {"socket", socket},
                                  {"state_folder", server.state_folder},
                                  {"already_running", was_running}}));
-    return k_ok;
+    return terminal::k_ok;
   }
   fmt::print("the server {}: pid {}, {}\n", was_running ? "runs already" : "runs", server.pid,
-             shown(socket));
+             terminal::shown(socket));
   if (was_running && !options.given.empty())
-    complain("it keeps its settings; `sleight server stop`, then start, gives it others");
-  return k_ok;
+    terminal::complain("it keeps its settings; `sleight server stop`, then start, gives it others");
+  return terminal::k_ok;
 }
 
-[[noreturn]] void fail_start(const ServerProcess& process, const std::string& what) {
-  std::string words = fmt::format("{}; its log is {}", what, shown(process.log_path()));
+[[noreturn]] void fail_start(const service_client::ServerProcess& process,
+                             const std::string& what) {
+  std::string words = fmt::format("{}; its log is {}", what, terminal::shown(process.log_path()));
   for (const std::string& line : process.log_lines(k_told_log_lines))
-    words += "\n  " + shown(line);
+    words += "\n  " + terminal::shown(line);
   throw base::Error(process.exit_code(), words);
 }
 
 /// Waits for the process that was started, or for another one that was faster.
-int wait_for_server(ServerProcess& process, const std::string& socket,
+int wait_for_server(service_client::ServerProcess& process, const std::string& socket,
                     const ServerStartOptions& options) {
   const base::SteadyClock clock;
   const double began_s = clock.now_s();
@@ -135,7 +136,7 @@ int tell_stopped(std::int64_t pid, bool json) {
     fmt::print("the server (pid {}) has ended; its jobs run on, and the next one takes them over\n",
                pid);
   }
-  return k_ok;
+  return terminal::k_ok;
 }
 
 std::string jobs_line(const rpc::ServerView& server) {
@@ -151,7 +152,8 @@ std::string jobs_line(const rpc::ServerView& server) {
 std::string limits_line(const rpc::ServerView& server) {
   std::vector<std::string> parts;
   for (const rpc::NamedLimit& limit : server.limits)
-    parts.push_back(fmt::format("{} {}", shown(limit.name), shown(limit.value)));
+    parts.push_back(
+        fmt::format("{} {}", terminal::shown(limit.name), terminal::shown(limit.value)));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -170,26 +172,26 @@ std::string server_text(const rpc::ServerView& server, const std::string& socket
   const auto add = [&](std::string_view head, const std::string& words) {
     if (!words.empty()) text += fmt::format("{:<12}{}\n", head, words);
   };
-  add("server",
-      fmt::format("pid {}, up {}, {}{}", server.pid, events::clock_time(server.up_s), shown(socket),
-                  server.draining ? "; draining: it starts no more jobs" : ""));
-  std::string version = shown(server.version);
+  add("server", fmt::format("pid {}, up {}, {}{}", server.pid, events::clock_time(server.up_s),
+                            terminal::shown(socket),
+                            server.draining ? "; draining: it starts no more jobs" : ""));
+  std::string version = terminal::shown(server.version);
   if (server.version != base::version())
     version += fmt::format(" (this sleight is {})", base::version());
-  add("version", fmt::format("{}, results {}", version, shown(server.results_version)));
-  add("state", shown(server.state_folder));
+  add("version", fmt::format("{}, results {}", version, terminal::shown(server.results_version)));
+  add("state", terminal::shown(server.state_folder));
   add("jobs", jobs_line(server));
   add("cores", fmt::format("{} of {} in use, backend {}", server.cores_used, server.cores,
-                           shown(server.backend)));
+                           terminal::shown(server.backend)));
   add("memory", fmt::format("{} of {} in use", size_text(server.memory_used_bytes),
                             size_text(server.memory_bytes)));
   add("disk", fmt::format("{} free, of which {} stay so", size_text(server.disk_free_bytes),
                           size_text(server.disk_reserve_bytes)));
-  add("keeps", shown(server.keeping_rule));
+  add("keeps", terminal::shown(server.keeping_rule));
   add("limits", limits_line(server));
   if (!server.address.empty()) {
-    add("listens", shown(server.address) + " over TLS");
-    add("certificate", shown(server.fingerprint));
+    add("listens", terminal::shown(server.address) + " over TLS");
+    add("certificate", terminal::shown(server.fingerprint));
   }
   add("clients", fmt::format("{} connection{}, {} watching", server.connections,
                              server.connections == 1 ? "" : "s", server.watchers));
@@ -200,10 +202,10 @@ int start_server(const ServerStartOptions& options) {
   const config::Settings settings = config::settings_here(options.given);
   const std::string& socket = settings.socket.value;
   if (const auto server = server_at(socket)) return tell_started(*server, socket, true, options);
-  const std::string program = program_beside("sleightd");
+  const std::string program = service_client::program_beside("sleightd");
   const std::vector<std::string> command = server_command(program, options.given);
-  if (options.foreground) become(command);
-  ServerProcess process(command, settings.state.value);
+  if (options.foreground) service_client::become(command);
+  service_client::ServerProcess process(command, settings.state.value);
   return wait_for_server(process, socket, options);
 }
 
@@ -223,11 +225,11 @@ int stop_server(const std::string& socket, bool json) {
     if (json) {
       fmt::print("{}\n", indented({{"pid", nullptr}, {"stopped", false}}));
     } else {
-      fmt::print("no server runs at {}\n", shown(socket));
+      fmt::print("no server runs at {}\n", terminal::shown(socket));
     }
-    return k_ok;
+    return terminal::k_ok;
   }
-  return with_service(socket, [&](rpc::Client& client) {
+  return service_client::with_service(socket, [&](rpc::Client& client) {
     client.stop();
     wait_until_gone(server->pid, socket);
     return tell_stopped(server->pid, json);
@@ -235,7 +237,7 @@ int stop_server(const std::string& socket, bool json) {
 }
 
 int drain_server(const std::string& socket, bool json) {
-  return with_service(socket, [&](rpc::Client& client) {
+  return service_client::with_service(socket, [&](rpc::Client& client) {
     client.drain();
     const rpc::ServerView server = client.info();
     if (json) {
@@ -245,12 +247,12 @@ int drain_server(const std::string& socket, bool json) {
           "the server starts no more jobs, and stops those that run in order; `sleight server "
           "status` shows what is left\n");
     }
-    return k_ok;
+    return terminal::k_ok;
   });
 }
 
 int show_server(const std::string& socket, bool json) {
-  return with_service(socket, [&](rpc::Client& client) {
+  return service_client::with_service(socket, [&](rpc::Client& client) {
     const rpc::ServerView server = client.info();
     if (json) {
       Json shape = to_json(server);
@@ -259,7 +261,7 @@ int show_server(const std::string& socket, bool json) {
     } else {
       fmt::print("{}", server_text(server, socket));
     }
-    return k_ok;
+    return terminal::k_ok;
   });
 }
 

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "clients/cli/job_watch.h"
-#include "clients/cli/selected_jobs.h"
-#include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
+#include "clients/service_client/selected_jobs.h"
+#include "clients/service_client/service_call.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/config/quantities.h"
@@ -34,8 +34,9 @@ std::uint64_t memory_of(const std::string& text) {
   if (text.empty()) return 0;
   const auto bytes = config::bytes_of(text);
   if (bytes && *bytes > 0) return *bytes;
-  throw base::Error(base::ExitCode::usage,
-                    fmt::format("--memory: '{}' is not a size; say 2 GB or 500 MB", shown(text)));
+  throw base::Error(
+      base::ExitCode::usage,
+      fmt::format("--memory: '{}' is not a size; say 2 GB or 500 MB", terminal::shown(text)));
 }
 
 std::string job_name(const SubmitOptions& options) {
@@ -115,15 +116,15 @@ void check_size(const rpc::Submission& submission) {
 
 int print_diagnostics(const Diagnostics& diagnostics) {
   for (const request::Diagnostic& error : diagnostics)
-    complain(request::to_string(error));
+    terminal::complain(request::to_string(error));
   return static_cast<int>(base::ExitCode::bad_request);
 }
 
 /// The service's errors of a text, which it knows by no name; fit for a terminal.
 Diagnostics named(Diagnostics diagnostics, const std::string& name) {
   for (request::Diagnostic& error : diagnostics) {
-    error.file = shown(name);
-    error.message = shown(error.message);
+    error.file = terminal::shown(name);
+    error.message = terminal::shown(error.message);
   }
   return diagnostics;
 }
@@ -154,7 +155,7 @@ void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool dr
   }
   std::fflush(stdout);
   if (draining)
-    complain(
+    terminal::complain(
         "the server is draining: it starts no job until `sleight server start` is given again");
 }
 
@@ -228,7 +229,8 @@ std::string submitted_text(const rpc::Submitted& submitted, const std::string& n
   std::string text = is_group ? fmt::format("group {} of {} job{}", id, submitted.jobs.size(),
                                             submitted.jobs.size() == 1 ? "" : "s")
                               : "job " + id;
-  text += fmt::format(" ({}){}\n", shown(name), submitted.was_known ? ", submitted before" : "");
+  text += fmt::format(" ({}){}\n", terminal::shown(name),
+                      submitted.was_known ? ", submitted before" : "");
   const auto add = [&](const std::string& command, const std::string& what) {
     text += fmt::format("  sleight {:<20}{}\n", command, what);
   };
@@ -247,7 +249,7 @@ int submit(const std::string& socket, const SubmitOptions& options, const Reques
   if (!submission) return print_diagnostics(submission.error());
   rpc::Submission asked = std::move(submission).value();
   asked.key = rpc::random_key();
-  return with_service(
+  return service_client::with_service(
       socket, [&](rpc::Client& client) { return submit_with(client, options, given, asked); });
 }
 

@@ -13,11 +13,11 @@
 #include <ctime>
 #include <system_error>
 
-#include "clients/cli/output.h"
-#include "clients/cli/service_call.h"
 #include "clients/cli/service_json.h"
-#include "clients/cli/terminal.h"
-#include "clients/cli/text_table.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/output.h"
+#include "clients/terminal/terminal.h"
+#include "clients/terminal/text_table.h"
 #include "common/access/token_text.h"
 #include "common/base/descriptor.h"
 #include "common/base/error.h"
@@ -68,13 +68,15 @@ class SecretFile {
       : path_(path),
         file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600)) {
     if (file_) return;
-    throw base::Error(errno == EEXIST ? base::ExitCode::conflict : base::ExitCode::environment,
-                      fmt::format("{}: {}", shown(path), std::system_category().message(errno)));
+    throw base::Error(
+        errno == EEXIST ? base::ExitCode::conflict : base::ExitCode::environment,
+        fmt::format("{}: {}", terminal::shown(path), std::system_category().message(errno)));
   }
   void write(const std::string& text) const {
     if (::write(file_.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
         ::fsync(file_.get()) != 0) {
-      throw base::Error(fmt::format("{}: {}", shown(path_), std::system_category().message(errno)));
+      throw base::Error(
+          fmt::format("{}: {}", terminal::shown(path_), std::system_category().message(errno)));
     }
   }
   void remove() const { static_cast<void>(::unlink(path_.c_str())); }
@@ -96,10 +98,10 @@ double validity_s_of(const std::string& text) {
     seconds = config::duration_s_of(text);
   }
   if (!seconds || *seconds > rpc::k_token_s_max) {
-    refuse_usage(
+    terminal::refuse_usage(
         fmt::format("--expires: '{}' is not a time such as 90d, 12h, or never; ten years are "
                     "the longest",
-                    shown(text)));
+                    terminal::shown(text)));
   }
   return *seconds;
 }
@@ -112,15 +114,17 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
   for (const std::string& name : options.scopes) {
     const auto scope = rpc::scope_of(name);
     if (!scope) {
-      refuse_usage(fmt::format("--scope: '{}' is none; there are read, submit, manage and operate",
-                               shown(name)));
+      terminal::refuse_usage(
+          fmt::format("--scope: '{}' is none; there are read, submit, manage and operate",
+                      terminal::shown(name)));
     }
     ask.scopes.add(*scope);
   }
   if (options.user) {
-    ask.for_user = user_of(*options.user);
+    ask.for_user = terminal::user_of(*options.user);
     if (!ask.for_user)
-      refuse_usage(fmt::format("--user: there is no user '{}' here", shown(*options.user)));
+      terminal::refuse_usage(
+          fmt::format("--user: there is no user '{}' here", terminal::shown(*options.user)));
   }
   ask.token = access::text_of(access::draw_token());
   std::optional<SecretFile> file;
@@ -130,23 +134,23 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
     file->write(ask.token + "\n");
   }
   try {
-    return with_service(called, [&](rpc::Client& client) {
+    return service_client::with_service(called, [&](rpc::Client& client) {
       const rpc::TokenView token = client.create_token(ask);
       if (options.json) {
         Json json = json_of(token);
         if (!file) json["token"] = ask.token;
         fmt::print("{}\n", indented(json));
-        return k_ok;
+        return terminal::k_ok;
       }
-      complain(fmt::format("token {} of {}, {}; may {}. It {} and can't be shown again.", token.id,
-                           name_of_user(token.user),
-                           token.expires_s > 0
-                               ? fmt::format("valid until {}", day_of(token.expires_s))
-                               : std::string("valid until it is revoked"),
-                           fmt::join(names_of(token.scopes), ", "),
-                           file ? "is in " + options.output : std::string("follows")));
+      terminal::complain(fmt::format("token {} of {}, {}; may {}. It {} and can't be shown again.",
+                                     token.id, terminal::name_of_user(token.user),
+                                     token.expires_s > 0
+                                         ? fmt::format("valid until {}", day_of(token.expires_s))
+                                         : std::string("valid until it is revoked"),
+                                     fmt::join(names_of(token.scopes), ", "),
+                                     file ? "is in " + options.output : std::string("follows")));
       if (!file) fmt::print("{}\n", ask.token);
-      return k_ok;
+      return terminal::k_ok;
     });
   } catch (...) {
     if (file) file->remove();
@@ -155,7 +159,7 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
 }
 
 int list_tokens(const std::string& called, bool all, bool json) {
-  return with_service(called, [&](rpc::Client& client) {
+  return service_client::with_service(called, [&](rpc::Client& client) {
     std::vector<rpc::TokenView> tokens = client.tokens();
     if (!all) {
       std::erase_if(tokens,
@@ -166,40 +170,42 @@ int list_tokens(const std::string& called, bool all, bool json) {
       for (const rpc::TokenView& token : tokens)
         list.push_back(json_of(token));
       fmt::print("{}\n", indented(list));
-      return k_ok;
+      return terminal::k_ok;
     }
     if (tokens.empty()) {
       fmt::print("no tokens\n");
-      return k_ok;
+      return terminal::k_ok;
     }
-    TextTable table{.columns = {{.head = "ID"},
-                                {.head = "USER", .rank = 3},
-                                {.head = "STATE"},
-                                {.head = "MAY", .rank = 1},
-                                {.head = "EXPIRES", .rank = 2},
-                                {.head = "LAST USED", .rank = 4},
-                                {.head = "FROM", .rank = 5},
-                                {.head = "NAME"}}};
+    terminal::TextTable table{.columns = {{.head = "ID"},
+                                          {.head = "USER", .rank = 3},
+                                          {.head = "STATE"},
+                                          {.head = "MAY", .rank = 1},
+                                          {.head = "EXPIRES", .rank = 2},
+                                          {.head = "LAST USED", .rank = 4},
+                                          {.head = "FROM", .rank = 5},
+                                          {.head = "NAME"}}};
     for (const rpc::TokenView& token : tokens) {
-      table.rows.push_back({shown(token.id), name_of_user(token.user), state_of_token(token),
+      table.rows.push_back({terminal::shown(token.id), terminal::name_of_user(token.user),
+                            state_of_token(token),
                             fmt::format("{}", fmt::join(names_of(token.scopes), " ")),
                             token.expires_s > 0 ? day_of(token.expires_s) : "never",
                             token.last_used_s > 0 ? day_of(token.last_used_s) : "never",
-                            shown(token.last_from), shown(token.name)});
+                            terminal::shown(token.last_from), terminal::shown(token.name)});
     }
-    fmt::print("{}", to_text(table, width_of(stdout)));
-    return k_ok;
+    fmt::print("{}", to_text(table, terminal::width_of(stdout)));
+    return terminal::k_ok;
   });
 }
 
 int revoke_tokens(const std::string& called, const TokenRevokeOptions& options) {
   for (const std::string& id : options.ids) {
     if (!access::is_token_id(id)) {
-      refuse_usage(fmt::format("'{}' is no id of a token; `sleight token list` shows them",
-                               shown(id.substr(0, 20))));
+      terminal::refuse_usage(
+          fmt::format("'{}' is no id of a token; `sleight token list` shows them",
+                      terminal::shown(id.substr(0, 20))));
     }
   }
-  return with_service(called, [&](rpc::Client& client) {
+  return service_client::with_service(called, [&](rpc::Client& client) {
     Json list = Json::array();
     auto code = base::ExitCode::ok;
     for (const std::string& id : options.ids) {
@@ -207,13 +213,14 @@ int revoke_tokens(const std::string& called, const TokenRevokeOptions& options) 
         const rpc::TokenView token = client.revoke_token(id);
         list.push_back(json_of(token));
         if (!options.json) {
-          fmt::print("token {} ({}) is revoked; its sessions end\n", shown(token.id),
-                     shown(token.name));
+          fmt::print("token {} ({}) is revoked; its sessions end\n", terminal::shown(token.id),
+                     terminal::shown(token.name));
         }
       } catch (const rpc::RefusedError& refused) {
         // The others are revoked all the same.
-        complain(fmt::format("sleight: {}: {}", id, words_of(refused.refusal())));
-        code = exit_code_of(refused.refusal().kind);
+        terminal::complain(
+            fmt::format("sleight: {}: {}", id, service_client::words_of(refused.refusal())));
+        code = service_client::exit_code_of(refused.refusal().kind);
       }
     }
     if (options.json) fmt::print("{}\n", indented(list));

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/diagnosis.h"
+#include "clients/analysis/diagnosis.h"
 #include "clients/gallery_server/gallery.h"
 #include "clients/gallery_server/notes.h"
 #include "clients/web/ask.h"
@@ -21,7 +21,7 @@ namespace sleight::gallery {
 class Answers {
  public:
   /// All must outlive it. `rules`: by which chains are judged.
-  Answers(const Gallery& gallery, Notes& notes, const cli::Rules& rules, std::string version)
+  Answers(const Gallery& gallery, Notes& notes, const analysis::Rules& rules, std::string version)
       : gallery_(gallery), notes_(notes), rules_(rules), version_(std::move(version)) {}
 
   web::Answer operator()(const web::Ask& ask) const;
@@ -39,7 +39,7 @@ class Answers {
 
   const Gallery& gallery_;
   Notes& notes_;
-  const cli::Rules& rules_;
+  const analysis::Rules& rules_;
   std::string version_;
 };
 

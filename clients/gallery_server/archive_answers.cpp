@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/diagnosis_report.h"
+#include "clients/analysis/diagnosis_report.h"
 #include "clients/gallery_server/meshes.h"
 #include "clients/gallery_server/packed.h"
 #include "clients/gallery_server/recording.h"
@@ -82,10 +82,11 @@ std::string several_animations(const Snapshot& snapshot, std::span<const std::st
   return packed.finish({{"generation", snapshot.generation()}, {"animations", std::move(heads)}});
 }
 
-Json diagnosis_json(const Snapshot& snapshot, const std::string& path, const cli::Rules& rules) {
+Json diagnosis_json(const Snapshot& snapshot, const std::string& path,
+                    const analysis::Rules& rules) {
   Json json;
   snapshot.read([&](const archive::Source& source) {
-    json = cli::as_json(path, cli::diagnosis_of(source, rules));
+    json = analysis::as_json(path, analysis::diagnosis_of(source, rules));
   });
   return json;
 }

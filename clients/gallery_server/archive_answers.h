@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "clients/cli/diagnosis.h"
+#include "clients/analysis/diagnosis.h"
 #include "clients/gallery_server/snapshot.h"
 #include "common/json/value.h"
 
@@ -30,6 +30,6 @@ std::string one_animation(const Snapshot& snapshot, std::string_view name);
 std::string several_animations(const Snapshot& snapshot, std::span<const std::string> names);
 /// As `sleight diagnose --json` says it. `path`: what it calls the archive.
 json::Value diagnosis_json(const Snapshot& snapshot, const std::string& path,
-                           const cli::Rules& rules);
+                           const analysis::Rules& rules);
 
 }  // namespace sleight::gallery

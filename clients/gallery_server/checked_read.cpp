@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/trace.h"
+#include "clients/analysis/archive_rows.h"
 #include "common/archive/format.h"
 #include "common/base/error.h"
 
@@ -25,7 +25,7 @@ std::vector<double> checked_numbers(const archive::Source& source, std::string_v
                       fmt::format("{}: {}: missing, or of another shape than expected",
                                   source.name(), archive::path_of(group, dataset)));
   }
-  return cli::as_doubles(source.read(group, dataset, first, count));
+  return analysis::as_doubles(source.read(group, dataset, first, count));
 }
 
 std::uint64_t prior_draws_of(const archive::Source& source) {

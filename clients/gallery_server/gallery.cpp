@@ -125,7 +125,7 @@ void Gallery::look_through_folders() {
 
 void Gallery::look_at(std::size_t archive) {
   Reading reading;
-  const std::optional<cli::FileState> file = cli::state_of_file(path_of(archive));
+  const std::optional<browse::FileState> file = browse::state_of_file(path_of(archive));
   {
     const std::lock_guard lock(mutex_);
     Shown& shown = *shown_[archive];
@@ -187,7 +187,7 @@ void Gallery::look_at(std::size_t archive) {
 }
 
 bool Gallery::show_outline(std::size_t archive, const Reading& reading) {
-  auto kept = cli::kept_outline(reading.path, reading.file);
+  auto kept = browse::kept_outline(reading.path, reading.file);
   if (!kept) return false;
   std::shared_ptr<const Snapshot> outline;
   try {

@@ -77,7 +77,7 @@ class Gallery {
     std::string live_words{};
     std::shared_ptr<const Snapshot> snapshot{};
     /// The last file that was tried; it is not tried again unless it changes.
-    std::optional<cli::FileState> tried{};
+    std::optional<browse::FileState> tried{};
     /// Of an outline: since when it is shown, and whether motions have been asked for.
     std::chrono::steady_clock::time_point outlined_at{};
     bool is_wanted = false;
@@ -91,7 +91,7 @@ class Gallery {
   /// What is to be read of an archive, and beside what.
   struct Reading {
     std::string path{};
-    cli::FileState file{};
+    browse::FileState file{};
     std::shared_ptr<const Snapshot> before{};
     /// What is shown of this file, whose generation the whole has.
     std::shared_ptr<const Snapshot> outline{};

@@ -6,9 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/event_words.h"
-#include "clients/cli/known_servers.h"
-#include "clients/cli/service_call.h"
+#include "clients/service_client/event_words.h"
+#include "clients/service_client/known_servers.h"
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/output.h"
 #include "common/base/error.h"
 #include "common/events/progress.h"
 #include "common/rpc/client.h"
@@ -28,7 +29,7 @@ class JobFollower::Sink final : public rpc::WatchSink {
   explicit Sink(JobFollower& follower) : follower_(follower) {}
 
   bool changed(rpc::JobId, const rpc::StateChange& change) override {
-    words_ = cli::shown(cli::words_of_change(change));
+    words_ = terminal::shown(service_client::words_of_change(change));
     follower_.say(true, words_);
     return true;
   }
@@ -36,7 +37,7 @@ class JobFollower::Sink final : public rpc::WatchSink {
     if (!event.event) return true;
     if (const auto* progress = std::get_if<events::Progress>(&event.event->what)) {
       const std::string name = fmt::format("job {} runs:", follower_.job_);
-      words_ = cli::shown(events::progress_line(name, *progress));
+      words_ = terminal::shown(events::progress_line(name, *progress));
       follower_.say(true, words_);
     }
     follower_.set_news(false);
@@ -47,7 +48,7 @@ class JobFollower::Sink final : public rpc::WatchSink {
     return true;
   }
   bool refused(rpc::JobId, const rpc::Refusal& refusal) override {
-    follower_.say(false, cli::shown_on_one_line(cli::words_of(refusal)));
+    follower_.say(false, terminal::shown_on_one_line(service_client::words_of(refusal)));
     follower_.set_news(true);
     return true;
   }
@@ -98,7 +99,7 @@ void JobFollower::set_news(bool has_ended) {
 }
 
 void JobFollower::watch() {
-  rpc::Client client(cli::place_of(socket_), {.away_s_max = k_away_s_max});
+  rpc::Client client(service_client::place_of(socket_), {.away_s_max = k_away_s_max});
   {
     const std::lock_guard lock(mutex_);
     watching_ = &client;
@@ -110,7 +111,7 @@ void JobFollower::watch() {
       client.watch(job_, 1, sink);
       break;
     } catch (const std::exception& error) {
-      say(true, cli::shown_on_one_line(error.what()));
+      say(true, terminal::shown_on_one_line(error.what()));
     }
     std::unique_lock lock(mutex_);
     if (changed_.wait_for(lock, k_pause, [this] { return is_over_; })) break;
@@ -124,14 +125,14 @@ std::string JobFollower::fetched(rpc::Client& client, rpc::FetchKind kind) {
     client.fetch_file({.job = job_, .kind = kind}, path_);
     return {};
   } catch (const rpc::RefusedError& refused) {
-    return cli::words_of(refused.refusal());
+    return service_client::words_of(refused.refusal());
   } catch (const base::Error& error) {
     return error.what();
   }
 }
 
 void JobFollower::fetch_forever() {
-  rpc::Client client(cli::place_of(socket_), {.away_s_max = k_away_s_max});
+  rpc::Client client(service_client::place_of(socket_), {.away_s_max = k_away_s_max});
   {
     const std::lock_guard lock(mutex_);
     fetching_ = &client;
@@ -152,7 +153,7 @@ void JobFollower::fetch_forever() {
     if (has_ended && !fault.empty()) fault = fetched(client, rpc::FetchKind::so_far);
     if (has_ended) {
       is_whole = true;
-      say(false, fault.empty() ? std::string() : cli::shown_on_one_line(fault));
+      say(false, fault.empty() ? std::string() : terminal::shown_on_one_line(fault));
     } else if (!fault.empty()) {
       // Nothing is committed yet, or the service is away: the watch says which. Then again.
       std::unique_lock lock(mutex_);

@@ -16,8 +16,8 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/job_names.h"
-#include "clients/cli/service_call.h"
+#include "clients/service_client/job_names.h"
+#include "clients/service_client/service_call.h"
 #include "common/base/error.h"
 #include "common/rpc/client.h"
 
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 rpc::JobId job_of(const std::string& text, std::string& service,
                   const std::function<std::string()>& service_called) {
-  const auto names = cli::job_names_of(std::span(&text, 1));
+  const auto names = service_client::job_names_of(std::span(&text, 1));
   if (!names) {
     throw base::Error(base::ExitCode::environment,
                       fmt::format("{}: there is no such archive or folder", text));
@@ -40,7 +40,7 @@ rpc::JobId job_of(const std::string& text, std::string& service,
   }
   // Asked here, so that a job that isn't there, and no service, are said at once.
   if (service.empty()) service = service_called();
-  cli::with_service(service, [&](rpc::Client& client) {
+  service_client::with_service(service, [&](rpc::Client& client) {
     client.status(*job);
     return 0;
   });

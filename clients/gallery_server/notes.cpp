@@ -13,11 +13,11 @@
 #include <fmt/format.h>
 
 #include "clients/browse/index.h"
-#include "clients/cli/output.h"
-#include "clients/cli/own_folder.h"
+#include "clients/terminal/output.h"
 #include "common/base/error.h"
 #include "common/base/file_system.h"
 #include "common/base/output_beside.h"
+#include "common/base/own_folder.h"
 
 namespace sleight::gallery {
 namespace {
@@ -29,23 +29,24 @@ constexpr const char* k_shared_folder = "sleight-notes";
 constexpr std::size_t k_file_bytes_max = 64U << 20U;
 
 std::string checked_text(const Json& json, const char* key, std::size_t bytes_max) {
-  if (!json.is_string()) cli::refuse_usage(fmt::format("{} is no text", key));
+  if (!json.is_string()) terminal::refuse_usage(fmt::format("{} is no text", key));
   const auto& text = json.text();
   if (text.size() > bytes_max)
-    cli::refuse_usage(fmt::format("{} has more than {} bytes", key, bytes_max));
+    terminal::refuse_usage(fmt::format("{} has more than {} bytes", key, bytes_max));
   return text;
 }
 
 bool flag_of(const Json& note, const char* key) {
   const auto* found = note.find(key);
   if (!found) return false;
-  if (!found->is_boolean()) cli::refuse_usage(fmt::format("{} is neither true nor false", key));
+  if (!found->is_boolean())
+    terminal::refuse_usage(fmt::format("{} is neither true nor false", key));
   return found->get<bool>();
 }
 
 /// As it is kept.
 Json checked(const Json& note) {
-  if (!note.is_object()) cli::refuse_usage("the note is no object");
+  if (!note.is_object()) terminal::refuse_usage("the note is no object");
   Json kept{{"star", flag_of(note, "star")},
             {"hidden", flag_of(note, "hidden")},
             {"tags", Json::array()},
@@ -53,7 +54,7 @@ Json checked(const Json& note) {
             {"changed", 0}};
   if (const auto* tags = note.find("tags"); tags) {
     if (!tags->is_array() || tags->size() > k_tags_max)
-      cli::refuse_usage(fmt::format("tags are no list, or more than {}", k_tags_max));
+      terminal::refuse_usage(fmt::format("tags are no list, or more than {}", k_tags_max));
     for (const Json& tag : tags->elements())
       kept["tags"].push_back(checked_text(tag, "a tag", k_tag_bytes_max));
   }
@@ -67,7 +68,7 @@ Json checked(const Json& note) {
 std::vector<std::string> tags_in(const Json& patch, const char* key) {
   const auto* found = patch.find(key);
   if (!found) return {};
-  if (!found->is_array()) cli::refuse_usage(fmt::format("{} is no list", key));
+  if (!found->is_array()) terminal::refuse_usage(fmt::format("{} is no list", key));
   std::vector<std::string> tags;
   for (const Json& tag : found->elements())
     tags.push_back(checked_text(tag, "a tag", k_tag_bytes_max));
@@ -75,7 +76,7 @@ std::vector<std::string> tags_in(const Json& patch, const char* key) {
 }
 
 Json patched(const Json& note, const Json& patch) {
-  if (!patch.is_object()) cli::refuse_usage("the change is no object");
+  if (!patch.is_object()) terminal::refuse_usage("the change is no object");
   Json whole = note;
   for (const char* key : {"star", "hidden", "note"})
     if (patch.contains(key)) whole[key] = patch[key];
@@ -136,7 +137,7 @@ std::string notes_folder(const std::string& archive) {
   std::error_code failure;
   const fs::path shared = fs::path(base::directory_of(archive)) / k_shared_folder;
   if (fs::is_directory(shared, failure)) return shared.string();
-  const auto own = cli::own_folder("XDG_DATA_HOME", ".local/share", "notes");
+  const auto own = base::own_folder("XDG_DATA_HOME", ".local/share", "notes");
   return own ? own->string() : std::string();
 }
 
@@ -149,7 +150,7 @@ Notes::Run& Notes::loaded(const std::string& run) {
   Run& known = runs_[run];
   if (folder_of(known).empty() || !is_run_word(run)) return known;
   const std::string file = file_of(run, known);
-  const std::optional<cli::FileState> now = cli::state_of_file(file);
+  const std::optional<browse::FileState> now = browse::state_of_file(file);
   if (!now || now == known.read) return known;
   known.read = now;
   try {
@@ -174,7 +175,7 @@ void Notes::write(const std::string& run, Run& to) {
     base::write_text_file(files, output.path(), file.dump(1) + "\n");
     files.sync_file(output.path());
     output.put_in_place();
-    to.read = cli::state_of_file(file_of(run, to));
+    to.read = browse::state_of_file(file_of(run, to));
     const bool is_any_unreadable =
         std::ranges::any_of(runs_, [](const auto& one) { return one.second.is_unreadable; });
     if (!is_any_unreadable) trouble_.clear();
@@ -195,8 +196,8 @@ void Notes::keep_in(const std::string& run, const std::string& folder) {
 }
 
 Json Notes::change(const std::string& run, const Json& patches) {
-  if (!is_run_word(run)) cli::refuse_usage("there is no such run");
-  if (!patches.is_object()) cli::refuse_usage("the changes are no object");
+  if (!is_run_word(run)) terminal::refuse_usage("there is no such run");
+  if (!patches.is_object()) terminal::refuse_usage("the changes are no object");
   const std::lock_guard lock(mutex_);
   Run& of = loaded(run);
   std::uint64_t changed = 0;
@@ -206,14 +207,14 @@ Json Notes::change(const std::string& run, const Json& patches) {
   std::size_t more = 0;
   for (const auto& [animation, patch] : patches.items()) {
     const auto name = name_today(animation);
-    if (!name) cli::refuse_usage("there is no such animation");
+    if (!name) terminal::refuse_usage("there is no such animation");
     Json& kept = now[*name];
     kept = patched(of.notes.value(*name, checked(Json::object())), patch);
     kept["changed"] = changed + 1;
     if (!says_nothing(kept) && !of.notes.contains(*name)) ++more;
   }
   if (more > 0 && of.notes.size() + more > k_notes_max)
-    cli::refuse_usage(fmt::format("a run has at most {} notes", k_notes_max));
+    terminal::refuse_usage(fmt::format("a run has at most {} notes", k_notes_max));
   for (const auto& [animation, kept] : now.items()) {
     if (says_nothing(kept)) {
       of.notes.erase(animation);

@@ -16,7 +16,7 @@
 #include <optional>
 #include <string>
 
-#include "clients/cli/index_cache.h"
+#include "clients/browse/archives/index_cache.h"
 #include "common/json/value.h"
 
 namespace sleight::gallery {
@@ -49,8 +49,8 @@ class Notes {
   struct Run {
     json::Value notes = json::Value::object();
     std::optional<std::string> folder{};
-    std::optional<cli::FileState> read{};  ///< the file's state when it was read or written
-    bool is_unreadable = false;            ///< then the file is left as it is
+    std::optional<browse::FileState> read{};  ///< the file's state when it was read or written
+    bool is_unreadable = false;               ///< then the file is left as it is
   };
   Run& loaded(const std::string& run);
   const std::string& folder_of(const Run& run) const { return run.folder ? *run.folder : folder_; }

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "clients/cli/service_call.h"
+#include "clients/service_client/service_call.h"
 #include "common/json/value.h"
 
 namespace sleight::gallery {
@@ -22,7 +22,7 @@ std::string nothing_to_show(const json::Value& state, const std::vector<std::str
             ? std::string()
             : fmt::format(" (left out: {}: {})", left_out[0]["name"].template get<std::string>(),
                           left_out[0]["reason"].template get<std::string>());
-    return cli::shown_on_one_line(fmt::format(
+    return terminal::shown_on_one_line(fmt::format(
         "{}: there is no archive (*.h5) to show{}; folders below are not searched: name "
         "an archive or its own folder, or wait until one comes",
         fmt::join(paths, ", "), besides));
@@ -35,7 +35,7 @@ std::string nothing_to_show(const json::Value& state, const std::vector<std::str
   const auto& first = archives[0];
   const std::string more =
       archives.size() == 1 ? std::string() : fmt::format(" (and {} more)", archives.size() - 1);
-  return cli::shown_on_one_line(fmt::format(
+  return terminal::shown_on_one_line(fmt::format(
       "there is nothing to show: {}: {}{}; name an archive that "
       "`sleight direct` made, or wait until it is replaced",
       first["name"].template get<std::string>(), first["words"].template get<std::string>(), more));

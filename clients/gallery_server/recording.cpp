@@ -49,7 +49,7 @@ void add_motion(Packed& to, const std::string& prefix, const motion::Animation& 
 }
 
 json::Value add_animation(Packed& to, const std::string& prefix, const std::string& name,
-                          const cli::KeptAnimation& animation, const scene::Scene& scene) {
+                          const browse::KeptAnimation& animation, const scene::Scene& scene) {
   add_motion(to, prefix, animation.motion);
   json::Value meshes = add_meshes(to, prefix, scene, own_features(scene, animation.own),
                                   animation.own, animation.offsets_m);

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "clients/cli/kept_animations.h"
+#include "clients/browse/archives/kept_animations.h"
 #include "clients/gallery_server/packed.h"
 #include "common/json/value.h"
 #include "common/motion/path.h"
@@ -21,6 +21,6 @@ void add_motion(Packed& to, const std::string& prefix, const motion::Animation& 
 /// The same and its own meshes; returns its head: "name", "end_s", "meshes", "columns" (the
 /// prefix).
 json::Value add_animation(Packed& to, const std::string& prefix, const std::string& name,
-                          const cli::KeptAnimation& animation, const scene::Scene& scene);
+                          const browse::KeptAnimation& animation, const scene::Scene& scene);
 
 }  // namespace sleight::gallery

@@ -65,7 +65,7 @@ std::vector<std::string> names_from(const Snapshot& snapshot, std::size_t first)
 }
 
 void plan_archive(Plan& plan, std::size_t number, const SavedArchive& archive,
-                  const cli::Rules& rules) {
+                  const analysis::Rules& rules) {
   const Snapshot& snapshot = *archive.snapshot;
   plan.archive = number;
   const auto at = [&](const std::string& name) { return fmt::format("{}/{}", number, name); };
@@ -138,7 +138,7 @@ std::string script_of(const std::string& path, const std::string& kind, const st
 }
 
 std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const SaveOptions& options,
-                           const cli::Rules& rules) {
+                           const analysis::Rules& rules) {
   Plan plan;
   for (std::size_t i = 0; i < archives.size(); ++i)
     plan_archive(plan, i, archives[i], rules);

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/diagnosis.h"
+#include "clients/analysis/diagnosis.h"
 #include "clients/gallery_server/snapshot.h"
 #include "common/base/error.h"
 
@@ -58,7 +58,7 @@ class UnreadableArchive : public base::Error {
 /// Returns the bytes that were written. Throws base::Error: conflict where something else is in the
 /// folder, environment where it can't be written; UnreadableArchive.
 std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const SaveOptions& options,
-                           const cli::Rules& rules);
+                           const analysis::Rules& rules);
 
 /// A script's line: sleightSaved("path", "json", "...").
 std::string script_of(const std::string& path, const std::string& kind, const std::string& text);

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/own_folder.h"
 #include "clients/web/keys.h"
 #include "common/base/descriptor.h"
+#include "common/base/own_folder.h"
 
 namespace sleight::gallery {
 namespace {
@@ -40,7 +40,7 @@ std::string secret_in(const fs::path& path) {
 }  // namespace
 
 std::string kept_secret(std::uint16_t port) {
-  const auto folder = cli::own_folder("XDG_STATE_HOME", ".local/state", "gallery");
+  const auto folder = base::own_folder("XDG_STATE_HOME", ".local/state", "gallery");
   if (!folder) return {};
   const fs::path path = *folder / fmt::format("{}.secret", port);
   if (std::string kept = secret_in(path); !kept.empty()) return kept;

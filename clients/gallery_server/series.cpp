@@ -11,14 +11,15 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/diagnosis.h"
-#include "clients/cli/sampling_method.h"
-#include "clients/cli/scalar_draws.h"
-#include "clients/cli/tempering.h"
-#include "clients/cli/trace.h"
+#include "clients/analysis/archive_rows.h"
+#include "clients/analysis/diagnosis.h"
+#include "clients/analysis/sampling_method.h"
+#include "clients/analysis/scalar_draws.h"
+#include "clients/analysis/tempering.h"
 #include "clients/gallery_server/checked_read.h"
 #include "clients/gallery_server/packed.h"
 #include "clients/gallery_server/refused.h"
+#include "clients/pictures/trace.h"
 #include "common/archive/format.h"
 #include "common/json/value.h"
 
@@ -54,7 +55,7 @@ std::string unit_of(const archive::Source& source, std::string_view group, std::
 /// Numbers along chains: what every world has, and its outcomes.
 std::vector<std::string> traced(const archive::Source& source) {
   std::vector<std::string> names{"log_constraint", "log_prior", "lp", "acceptance_rate"};
-  for (std::string& name : cli::outcome_names(source))
+  for (std::string& name : analysis::outcome_names(source))
     names.push_back(std::move(name));
   return names;
 }
@@ -95,7 +96,7 @@ std::optional<std::size_t> change_all_kind(const std::vector<std::string>& kinds
 
 Marks marks_of(const archive::Source& source, const archive::Summary& summary,
                std::uint64_t chain) {
-  const std::vector<std::string> kinds = cli::proposal_kinds(source);
+  const std::vector<std::string> kinds = analysis::proposal_kinds(source);
   const auto all = change_all_kind(kinds);
   const std::uint64_t draws = summary.scans;
   Marks marks;
@@ -127,7 +128,7 @@ Marks marks_of(const archive::Source& source, const archive::Summary& summary,
 std::string trace_of(const archive::Source& source, const archive::Summary& summary,
                      std::string_view name, std::uint64_t chain) {
   const std::vector<plot::Point> points =
-      cli::trace(source, name, {.chain = chain, .points_max = k_series_points_max}, 1);
+      pictures::trace(source, name, {.chain = chain, .points_max = k_series_points_max}, 1);
   std::vector<double> draw;
   std::vector<double> value;
   draw.reserve(points.size());
@@ -153,17 +154,18 @@ std::string trace_of(const archive::Source& source, const archive::Summary& summ
 }
 
 /// Rounds of the ladders; none where nothing was learnt by round.
-std::vector<cli::Round> rounds(const archive::Source& source, const archive::Summary& summary) {
+std::vector<analysis::Round> rounds(const archive::Source& source,
+                                    const archive::Summary& summary) {
   if (archive::find_group(source, archive::k_tempering) == nullptr) return {};
-  const auto method = cli::method_of(summary.request_text);
-  return cli::rounds_of(
+  const auto method = analysis::method_of(summary.request_text);
+  return analysis::rounds_of(
       source, summary.chains,
-      cli::burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
+      analysis::burns_in(method) ? std::nullopt : std::optional<std::uint64_t>(summary.scans));
 }
 
 std::string levels_of(const archive::Source& source, const archive::Summary& summary,
                       std::uint64_t chain) {
-  const std::vector<std::string> kinds = cli::proposal_kinds(source);
+  const std::vector<std::string> kinds = analysis::proposal_kinds(source);
   std::vector<double> round;
   std::vector<double> level;
   std::vector<double> inverse_temperature;
@@ -171,7 +173,7 @@ std::string levels_of(const archive::Source& source, const archive::Summary& sum
   std::vector<std::vector<double>> acceptance(kinds.size());
   const std::size_t count = rounds(source, summary).size();
   for (std::size_t i = 0; i < count; ++i) {
-    const cli::Ladder ladder = cli::ladder_of(source, chain, i);
+    const analysis::Ladder ladder = analysis::ladder_of(source, chain, i);
     for (std::size_t l = 0; l < ladder.inverse_temperature.size(); ++l) {
       round.push_back(static_cast<double>(i + 1));
       level.push_back(static_cast<double>(l));
@@ -202,7 +204,7 @@ std::string levels_of(const archive::Source& source, const archive::Summary& sum
 
 std::string rounds_table(const archive::Source& source, const archive::Summary& summary,
                          std::uint64_t chain) {
-  const std::vector<cli::Round> all = rounds(source, summary);
+  const std::vector<analysis::Round> all = rounds(source, summary);
   std::vector<double> round;
   std::vector<double> first_scan;
   std::vector<double> scans;
@@ -218,7 +220,7 @@ std::string rounds_table(const archive::Source& source, const archive::Summary& 
   const auto add = [&](std::string_view column, const char* dataset, bool is_rate) {
     std::vector<double> values;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const double value = cli::of_ladders(source, dataset, summary.chains, i)[chain];
+      const double value = analysis::of_ladders(source, dataset, summary.chains, i)[chain];
       values.push_back(is_rate ? value * scans[i] : value);
     }
     packed.add(column, values);
@@ -236,9 +238,9 @@ std::string rounds_table(const archive::Source& source, const archive::Summary& 
 
 std::string index_of(const archive::Source& source, const archive::Summary& summary,
                      std::uint64_t chain) {
-  const cli::IndexProcess process = cli::index_process_of(source, chain);
+  const analysis::IndexProcess process = analysis::index_process_of(source, chain);
   std::vector<double> begins;
-  for (const cli::Round& round : rounds(source, summary))
+  for (const analysis::Round& round : rounds(source, summary))
     begins.push_back(static_cast<double>(round.first_scan));
   Packed packed;
   packed.add("scan", process.scan);
@@ -355,7 +357,7 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
   }
   for (const std::string& name : paired(source))
     add(std::string(k_pair_prefix) + name, title_of(name), "pair", "prior against posterior");
-  if (cli::why_not_diagnosed(source, summary).empty())
+  if (analysis::why_not_diagnosed(source, summary).empty())
     add("diagnosis", "have the chains mixed?", "table", "diagnosis");
   return titles;
 }

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "clients/cli/browsed.h"
-#include "clients/cli/sampling_method.h"
+#include "clients/analysis/sampling_method.h"
+#include "clients/browse/archives/browsed.h"
 #include "clients/gallery_server/checked_read.h"
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
@@ -81,7 +81,7 @@ Facts facts_of(const archive::Source& source, const browse::ReadIndex& read) {
                           return entry.name.is_find || entry.in_proportion;
                         });
   facts.prior_log_prior = blind_throws(source);
-  facts.method = cli::method_word(summary.request_text);
+  facts.method = analysis::method_word(summary.request_text);
   if (summary.chains * summary.scans > k_counted_draws_max) return facts;
   const std::vector<LineageDraw> satisfied = satisfied_of(source, summary);
   facts.satisfied = satisfied.size();
@@ -99,7 +99,7 @@ Facts facts_of(const archive::Source& source, const browse::ReadIndex& read) {
 
 Snapshot::Snapshot(const std::string& path, const Options& options)
     : generation_(options.generation),
-      file_(options.file ? options.file : cli::state_of_file(path)),
+      file_(options.file ? options.file : browse::state_of_file(path)),
       source_(options.open ? options.open(path) : archive::remote::open_remote(path)) {
   if (options.outline != nullptr) {
     auto outline = index_of_outline(*source_, *options.outline);
@@ -110,7 +110,7 @@ Snapshot::Snapshot(const std::string& path, const Options& options)
   }
   if (!first_groups_) {
     CHECK(options.earlier == nullptr || !options.earlier->is_outline());
-    read_ = cli::read_index(
+    read_ = browse::read_index(
         *source_, path,
         {.file = file_,
          .earlier = options.earlier == nullptr ? nullptr : &options.earlier->read_.index,
@@ -159,7 +159,7 @@ browse::Groups Snapshot::first_groups() const {
 
 void Snapshot::keep_outline(const std::string& path) const {
   CHECK(!is_outline() && !is_beginning());
-  if (file_) cli::keep_outline(path, *file_, read_.index, first_groups());
+  if (file_) browse::keep_outline(path, *file_, read_.index, first_groups());
 }
 
 void Snapshot::read(const std::function<void(const archive::Source&)>& work) const {
@@ -167,14 +167,14 @@ void Snapshot::read(const std::function<void(const archive::Source&)>& work) con
   work(*source_);
 }
 
-cli::KeptAnimation Snapshot::animation(std::size_t entry) const {
+browse::KeptAnimation Snapshot::animation(std::size_t entry) const {
   const browse::Entry& of = read_.index.entries[entry];
   const std::string_view group = of.name.is_find ? archive::k_finds : archive::k_animations;
-  cli::KeptAnimation animation;
+  browse::KeptAnimation animation;
   read([&](const archive::Source& source) {
     const archive::KeptMotions motions(source, group);
-    animation = cli::kept_animation(source, motions, of.row, read_.index.scene,
-                                    browse::short_text(of.name));
+    animation = browse::kept_animation(source, motions, of.row, read_.index.scene,
+                                       browse::short_text(of.name));
   });
   return animation;
 }

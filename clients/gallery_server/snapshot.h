@@ -23,12 +23,12 @@
 #include <string_view>
 #include <vector>
 
+#include "clients/browse/archives/index_cache.h"
+#include "clients/browse/archives/kept_animations.h"
 #include "clients/browse/groups.h"
 #include "clients/browse/index.h"
 #include "clients/browse/outline.h"
 #include "clients/browse/reading.h"
-#include "clients/cli/index_cache.h"
-#include "clients/cli/kept_animations.h"
 #include "clients/gallery_server/shares.h"
 #include "common/archive/model.h"
 #include "common/archive/summary.h"
@@ -62,7 +62,7 @@ class Snapshot {
   struct Options {
     std::uint64_t generation = 1;
     /// The file as it was before it was opened; none: it is looked at.
-    std::optional<cli::FileState> file{};
+    std::optional<browse::FileState> file{};
     const Snapshot* earlier = nullptr;  ///< of the same place; what it has read is taken over
     /// So many of the first animations are enough, where all would have to be read; 0: all.
     std::uint64_t beginning_max = 0;
@@ -98,11 +98,11 @@ class Snapshot {
   /// Runs `work` with the archive; one at a time. Throws what it throws.
   void read(const std::function<void(const archive::Source&)>& work) const;
   /// An entry's motion and looks. Throws base::Error where the archive is damaged.
-  cli::KeptAnimation animation(std::size_t entry) const;
+  browse::KeptAnimation animation(std::size_t entry) const;
 
  private:
   std::uint64_t generation_;
-  std::optional<cli::FileState> file_;  ///< as it was before it was opened
+  std::optional<browse::FileState> file_;  ///< as it was before it was opened
   std::unique_ptr<archive::Source> source_;
   mutable std::mutex mutex_;
   browse::ReadIndex read_;

@@ -9,9 +9,10 @@
 #include <optional>
 #include <utility>
 
-#include "clients/cli/kept_animations.h"
-#include "clients/cli/request_numbers.h"
-#include "clients/cli/trace.h"
+#include "clients/analysis/archive_rows.h"
+#include "clients/analysis/request_numbers.h"
+#include "clients/browse/archives/kept_animations.h"
+#include "clients/pictures/trace.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
@@ -19,8 +20,8 @@
 namespace sleight::world_plots {
 namespace {
 
-using cli::RequestNumbers;
-using cli::Rows;
+using analysis::RequestNumbers;
+using analysis::Rows;
 
 constexpr const char* k_paths = "paths";
 
@@ -46,7 +47,7 @@ Asked asked_of(const archive::Source& source) {
                     .target = numbers.at("constraint", "target_diameters"),
                     .tolerance = numbers.at("constraint", "tolerance_diameters"),
                     .gravity_mps2 = numbers.at("world", "gravity_mps2"),
-                    .step = cli::scan_label(numbers)};
+                    .step = analysis::scan_label(numbers)};
   if (!(asked.diameter_m > 0 && asked.tolerance >= 0) || !std::isfinite(asked.diameter_m) ||
       !std::isfinite(asked.target) || !std::isfinite(asked.tolerance) ||
       !std::isfinite(asked.gravity_mps2)) {
@@ -73,22 +74,23 @@ std::vector<double> in_plane(const std::vector<double>& vectors) {
 }
 
 Segments read_segments(const archive::Source& source, std::size_t animation) {
-  const Rows rows = cli::segments_of(source, animation, k_hops_max);
-  if (rows.count == 0) cli::refuse_animation(source, animation, "has no motion");
+  const analysis::Rows rows = browse::segments_of(source, animation, k_hops_max);
+  if (rows.count == 0) browse::refuse_animation(source, animation, "has no motion");
   const std::vector<double> start_s =
-      cli::read_rows(source, archive::k_animations, "start_s", 1, rows);
+      analysis::read_rows(source, archive::k_animations, "start_s", 1, rows);
   const std::uint64_t hops = rows.count - 1;  // the last row is where the ball lies
   Segments segments{
       .duration_s = {},
-      .position_m = in_plane(cli::read_rows(source, archive::k_animations, "position_m", 3, rows)),
+      .position_m =
+          in_plane(analysis::read_rows(source, archive::k_animations, "position_m", 3, rows)),
       .velocity_mps =
-          in_plane(cli::read_rows(source, archive::k_animations, "velocity_mps", 3, rows)),
+          in_plane(analysis::read_rows(source, archive::k_animations, "velocity_mps", 3, rows)),
       .normal_rad = {std::numeric_limits<double>::quiet_NaN()}};
   for (std::size_t i = 0; i < hops; ++i)
     segments.duration_s.push_back(start_s[i + 1] - start_s[i]);
   if (hops == 0) return segments;
-  const std::vector<double> normals = cli::read_rows(source, archive::k_animations, "normal_rad",
-                                                     hops - 1, {.first = animation, .count = 1});
+  const std::vector<double> normals = analysis::read_rows(
+      source, archive::k_animations, "normal_rad", hops - 1, {.first = animation, .count = 1});
   segments.normal_rad.insert(segments.normal_rad.end(), normals.begin(), normals.end());
   return segments;
 }
@@ -153,7 +155,7 @@ plot::Panel path_panel(const Segments& segments, const Asked& asked) {
   return panel;
 }
 
-plot::Figure trace_figure(const archive::Source& source, const cli::DrawnPart& part) {
+plot::Figure trace_figure(const archive::Source& source, const pictures::DrawnPart& part) {
   const Asked asked = asked_of(source);
   plot::Panel landing{.title = "Where the ball lands",
                       .x_label = asked.step,
@@ -164,14 +166,15 @@ plot::Figure trace_figure(const archive::Source& source, const cli::DrawnPart& p
                                                 .label = "satisfied"});
   plot::Panel log_p{.title = "log p", .x_label = asked.step, .y_label = "log p"};
 
-  const std::vector<std::uint64_t> chains = cli::chains_to_draw(source, part.chain);
+  const std::vector<std::uint64_t> chains = pictures::chains_to_draw(source, part.chain);
   std::vector<double> all_landings;
   std::vector<double> all_log_p;
   for (std::size_t i = 0; i < chains.size(); ++i) {
-    const cli::TraceRange range{.chain = chains[i], .draws = part.draws};
+    const pictures::TraceRange range{.chain = chains[i], .draws = part.draws};
     const std::string label = fmt::format("chain {}", chains[i]);
-    std::vector<plot::Point> x = cli::trace(source, "landing_x_m", range, 1 / asked.diameter_m);
-    std::vector<plot::Point> lp = cli::trace(source, "lp", range, 1);
+    std::vector<plot::Point> x =
+        pictures::trace(source, "landing_x_m", range, 1 / asked.diameter_m);
+    std::vector<plot::Point> lp = pictures::trace(source, "lp", range, 1);
     append_values(x, all_landings);
     append_values(lp, all_log_p);
     landing.series.push_back(plot::Steps{
@@ -190,11 +193,11 @@ plot::Figure trace_figure(const archive::Source& source, const cli::DrawnPart& p
           .panels = {std::move(landing), std::move(log_p)}};
 }
 
-plot::Figure paths_figure(const archive::Source& source, const cli::DrawnPart& part) {
+plot::Figure paths_figure(const archive::Source& source, const pictures::DrawnPart& part) {
   const Asked asked = asked_of(source);
-  const std::vector<std::size_t> chosen = cli::choose_animations(source, part.chain, part.count);
-  const std::vector<double> chains = cli::of_animations(source, "chain");
-  const std::vector<double> scans = cli::of_animations(source, "draw");
+  const std::vector<std::size_t> chosen = browse::choose_animations(source, part.chain, part.count);
+  const std::vector<double> chains = browse::of_animations(source, "chain");
+  const std::vector<double> scans = browse::of_animations(source, "draw");
   const std::size_t columns = std::min(chosen.size(), k_columns_max);
   const std::size_t rows = (chosen.size() - 1) / columns + 1;
   plot::Figure figure{.title = "2D ball: paths that land at the target",
@@ -217,13 +220,13 @@ std::string Ball2d::world() const {
   return "ball_2d";
 }
 
-std::vector<cli::WorldPlots::Kind> Ball2d::kinds() const {
-  return {{.what = std::string(cli::k_trace)},
+std::vector<pictures::WorldPlots::Kind> Ball2d::kinds() const {
+  return {{.what = std::string(pictures::k_trace)},
           {.what = k_paths, .help = "the same as the thesis shows it"}};
 }
 
-cli::Picture Ball2d::draw(std::string_view what, const archive::Source& source,
-                          const cli::DrawnPart& part) const {
+pictures::Picture Ball2d::draw(std::string_view what, const archive::Source& source,
+                               const pictures::DrawnPart& part) const {
   return {.figure = what == k_paths ? paths_figure(source, part) : trace_figure(source, part)};
 }
 

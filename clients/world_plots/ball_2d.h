@@ -11,16 +11,16 @@
 #include <string_view>
 #include <vector>
 
-#include "clients/cli/world_plots.h"
+#include "clients/pictures/world_plots.h"
 
 namespace sleight::world_plots {
 
-class Ball2d final : public cli::WorldPlots {
+class Ball2d final : public pictures::WorldPlots {
  public:
   std::string world() const override;
   std::vector<Kind> kinds() const override;
-  cli::Picture draw(std::string_view what, const archive::Source& source,
-                    const cli::DrawnPart& part) const override;
+  pictures::Picture draw(std::string_view what, const archive::Source& source,
+                         const pictures::DrawnPart& part) const override;
 };
 
 }  // namespace sleight::world_plots

@@ -12,8 +12,9 @@
 #include <span>
 #include <utility>
 
-#include "clients/cli/kept_animations.h"
-#include "clients/cli/trace.h"
+#include "clients/analysis/archive_rows.h"
+#include "clients/browse/archives/kept_animations.h"
+#include "clients/pictures/trace.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
@@ -91,7 +92,7 @@ std::uint64_t dice_of(const archive::Source& source) {
 /// Three numbers of each die.
 std::vector<double> of_dice(const archive::Source& source, const std::string& name,
                             std::uint64_t dice) {
-  return cli::read_rows(source, archive::k_prior, name, 3, {.first = 0, .count = dice});
+  return analysis::read_rows(source, archive::k_prior, name, 3, {.first = 0, .count = dice});
 }
 
 /// Whether control points of blind throws have heights other than the mean.
@@ -113,8 +114,8 @@ bool is_table_random(const archive::Source& source) {
                     "it has {}; the archive of the whole run has them",
                     source.name(), draws));
   }
-  const std::vector<double> squares = cli::read_rows(source, archive::k_sample_stats_prior,
-                                                     k_squares, draws, {.first = 0, .count = 1});
+  const std::vector<double> squares = analysis::read_rows(
+      source, archive::k_sample_stats_prior, k_squares, draws, {.first = 0, .count = 1});
   return std::ranges::any_of(squares, [](double sum) { return sum > 0; });
 }
 
@@ -128,8 +129,8 @@ bool is_table_random(const archive::Source& source) {
 /// One variable of all animations.
 std::vector<double> read_all(const archive::Source& source, std::string_view variable,
                              std::uint64_t width) {
-  return cli::read_rows(source, archive::k_animations, variable, width,
-                        {.first = 0, .count = archive::summary_of(source).animations});
+  return analysis::read_rows(source, archive::k_animations, variable, width,
+                             {.first = 0, .count = archive::summary_of(source).animations});
 }
 
 /// No throw's scores are beyond.
@@ -164,7 +165,7 @@ std::vector<double> read_table(const archive::Source& source,
                                std::span<const std::size_t> animations, DicePlausibility& found) {
   found.offsets.resize(k_offset_bins);
   const std::vector<double> offsets = read_all(source, "offsets", k_offset_bins);
-  const std::vector<double> squares = cli::of_animations(source, "offset_squares");
+  const std::vector<double> squares = browse::of_animations(source, "offset_squares");
   std::vector<double> costs;
   for (const std::size_t row : animations) {
     double points = 0;
@@ -185,8 +186,8 @@ std::vector<double> read_table(const archive::Source& source,
 /// Animations' lineages, as numbers from 0; how many there are.
 std::size_t number_lineages(const archive::Source& source, std::span<const std::size_t> animations,
                             std::vector<std::size_t>& numbers) {
-  const std::vector<double> chain = cli::of_animations(source, "chain");
-  const std::vector<double> lineage = cli::of_animations(source, "lineage");
+  const std::vector<double> chain = browse::of_animations(source, "chain");
+  const std::vector<double> lineage = browse::of_animations(source, "lineage");
   std::map<std::pair<double, double>, std::size_t> seen;
   for (const std::size_t row : animations)
     numbers.push_back(seen.try_emplace({chain[row], lineage[row]}, seen.size()).first->second);
@@ -281,14 +282,14 @@ DicePrior dice_prior_of(const archive::Source& source) {
 
 DicePlausibility dice_plausibility(const archive::Source& source, const DicePrior& prior,
                                    std::optional<std::uint64_t> chain) {
-  if (cli::drawn_group(source) == archive::k_finds) {
+  if (browse::drawn_group(source) == archive::k_finds) {
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: its animations were found by search, not in the model's "
                                   "proportions: how plausible they are says nothing of others",
                                   source.name()));
   }
   const std::vector<std::size_t> animations =
-      cli::choose_animations(source, chain, std::numeric_limits<std::size_t>::max());
+      browse::choose_animations(source, chain, std::numeric_limits<std::size_t>::max());
   DicePlausibility found{.animations = animations.size()};
   std::vector<std::size_t> lineage_of;
   found.lineages = number_lineages(source, animations, lineage_of);
@@ -347,12 +348,12 @@ std::string Dice::world() const {
   return "dice";
 }
 
-std::vector<cli::WorldPlots::Kind> Dice::kinds() const {
+std::vector<pictures::WorldPlots::Kind> Dice::kinds() const {
   return {{.what = "plausibility", .help = "starts and tables beside blind throws'"}};
 }
 
-cli::Picture Dice::draw(std::string_view /*what*/, const archive::Source& source,
-                        const cli::DrawnPart& part) const {
+pictures::Picture Dice::draw(std::string_view /*what*/, const archive::Source& source,
+                             const pictures::DrawnPart& part) const {
   const DicePrior prior = dice_prior_of(source);
   if (prior.start.empty() && !prior.is_table_random) {
     throw base::Error(

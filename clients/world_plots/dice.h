@@ -20,7 +20,7 @@
 #include <string_view>
 #include <vector>
 
-#include "clients/cli/world_plots.h"
+#include "clients/pictures/world_plots.h"
 #include "clients/plot/figure.h"
 #include "common/archive/model.h"
 
@@ -92,12 +92,12 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
 std::string plausibility_words(const DicePlausibility& found);
 
 /// `plausibility`: these.
-class Dice final : public cli::WorldPlots {
+class Dice final : public pictures::WorldPlots {
  public:
   std::string world() const override;
   std::vector<Kind> kinds() const override;
-  cli::Picture draw(std::string_view what, const archive::Source& source,
-                    const cli::DrawnPart& part) const override;
+  pictures::Picture draw(std::string_view what, const archive::Source& source,
+                         const pictures::DrawnPart& part) const override;
 };
 
 }  // namespace sleight::world_plots

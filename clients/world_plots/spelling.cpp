@@ -5,8 +5,9 @@
 #include <cstdint>
 #include <utility>
 
-#include "clients/cli/request_numbers.h"
-#include "clients/cli/trace.h"
+#include "clients/analysis/archive_rows.h"
+#include "clients/analysis/request_numbers.h"
+#include "clients/pictures/trace.h"
 #include "common/archive/format.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
@@ -36,13 +37,13 @@ std::string Spelling::world() const {
   return "spelling";
 }
 
-std::vector<cli::WorldPlots::Kind> Spelling::kinds() const {
-  return {{.what = std::string(cli::k_trace)}};
+std::vector<pictures::WorldPlots::Kind> Spelling::kinds() const {
+  return {{.what = std::string(pictures::k_trace)}};
 }
 
-cli::Picture Spelling::draw(std::string_view /*what*/, const archive::Source& source,
-                            const cli::DrawnPart& part) const {
-  const cli::RequestNumbers numbers(archive::summary_of(source).request_text, source.name());
+pictures::Picture Spelling::draw(std::string_view /*what*/, const archive::Source& source,
+                                 const pictures::DrawnPart& part) const {
+  const analysis::RequestNumbers numbers(archive::summary_of(source).request_text, source.name());
   const double per_scan = numbers.find("sampler", "iterations_per_scan").value_or(1);
   const auto all = static_cast<double>(bins_to_fill(source));
   const std::string x_label = "iteration";
@@ -54,11 +55,11 @@ cli::Picture Spelling::draw(std::string_view /*what*/, const archive::Source& so
   plot::Panel log_p{.title = "log p", .x_label = x_label, .y_label = "log p"};
   filled.series.push_back(plot::HorizontalLine{
       .y = all, .label = fmt::format("all {}", all), .color = plot::palette::k_green});
-  const std::vector<std::uint64_t> chains = cli::chains_to_draw(source, part.chain);
+  const std::vector<std::uint64_t> chains = pictures::chains_to_draw(source, part.chain);
   for (std::size_t i = 0; i < chains.size(); ++i) {
-    const cli::TraceRange range{.chain = chains[i], .draws = part.draws};
+    const pictures::TraceRange range{.chain = chains[i], .draws = part.draws};
     const auto along = [&](const char* variable, std::string label) {
-      std::vector<plot::Point> points = cli::trace(source, variable, range, 1);
+      std::vector<plot::Point> points = pictures::trace(source, variable, range, 1);
       for (plot::Point& point : points)
         point.x *= per_scan;
       return plot::Steps{.points = std::move(points),

@@ -3,7 +3,7 @@
 
 namespace sleight::programs {
 
-cli::PlotsOfWorlds plots_of_program() {
+pictures::PlotsOfWorlds plots_of_program() {
   return {};
 }
 

@@ -35,9 +35,8 @@ struct Reading {
 
 Reading read(std::string_view text) {
   Reading reading;
-  const std::array worlds{worlds::ball_2d::request_binding(),
-                          worlds::spelling::request_binding(), worlds::dice::request_binding(),
-                          request::toy::binding()};
+  const std::array worlds{worlds::ball_2d::request_binding(), worlds::spelling::request_binding(),
+                          worlds::dice::request_binding(), request::toy::binding()};
   auto request = request::read_request(text, "fuzz.toml", worlds);
   if (request) {
     reading.request.push_back(std::move(request).value());

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "clients/cli/odds_doubts.h"
-#include "clients/cli/throw_odds.h"
+#include "clients/analysis/odds_doubts.h"
+#include "clients/analysis/throw_odds.h"
 #include "tests/statistical/support/run_serially.h"
 #include "tests/statistical/support/toy_worlds.h"
 #include "worker/sampling/ladder.h"
@@ -82,7 +82,7 @@ static_assert(run::World<Letters>);
 
 /// What the rounds of ladders say of one estimate.
 struct Series {
-  std::vector<std::vector<cli::LogEstimate>> rounds;  ///< by round, by ladder
+  std::vector<std::vector<analysis::LogEstimate>> rounds;  ///< by round, by ladder
   double exact = 0;
 };
 
@@ -112,8 +112,8 @@ Run run_ladders(const World& world, std::uint64_t seed, std::uint32_t ladders,
           .log_p = {.rounds = {}, .exact = world.log_p_satisfied()},
           .round_trips = {}};
   for (std::uint32_t r = 0; r < rounds; ++r) {
-    std::vector<cli::LogEstimate>& log_z = run.log_z.rounds.emplace_back();
-    std::vector<cli::LogEstimate>& log_p = run.log_p.rounds.emplace_back();
+    std::vector<analysis::LogEstimate>& log_z = run.log_z.rounds.emplace_back();
+    std::vector<analysis::LogEstimate>& log_p = run.log_p.rounds.emplace_back();
     std::vector<double>& trips = run.round_trips.emplace_back();
     for (const sampling::LadderRun& ladder : plan.ladders()) {
       const sampling::RoundReport& round = ladder.rounds()[r];
@@ -134,7 +134,7 @@ struct Coverage {
   int within_three = 0;
   double sum = 0;
 
-  void add(const cli::CombinedEstimate& estimate, double exact) {
+  void add(const analysis::CombinedEstimate& estimate, double exact) {
     const double z = (estimate.log.value - exact) / estimate.log.error;
     ++judged;
     within_one += std::abs(z) <= 1 ? 1 : 0;
@@ -154,12 +154,12 @@ struct Verdicts {
 /// Of a run that ends with each round in turn, but the first, which never has an error.
 void judge(Verdicts& verdicts, const Run& run, const Series& series) {
   for (std::size_t r = 1; r < series.rounds.size(); ++r) {
-    const cli::LadderFacts facts{.judged = series.rounds[r],
-                                 .before = series.rounds[r - 1],
-                                 .round_trips = run.round_trips[r],
-                                 .round = "the round"};
-    const cli::CombinedEstimate estimate = cli::combined(facts.judged);
-    if (cli::doubts_of(facts).empty()) {
+    const analysis::LadderFacts facts{.judged = series.rounds[r],
+                                      .before = series.rounds[r - 1],
+                                      .round_trips = run.round_trips[r],
+                                      .round = "the round"};
+    const analysis::CombinedEstimate estimate = analysis::combined(facts.judged);
+    if (analysis::doubts_of(facts).empty()) {
       verdicts.trusted.add(estimate, series.exact);
     } else if (std::isfinite(estimate.log.error)) {
       verdicts.doubted.add(estimate, series.exact);

@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "clients/cli/animation_figures.h"
+#include "clients/pictures/animation_figures.h"
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/motion/path.h"
@@ -156,11 +156,11 @@ plot::Figure dice_composite(const std::vector<ThrownDie>& dice, const DiceOption
   std::vector<motion::Segment> segments;
   for (const ThrownDie& die : dice)
     segments.insert(segments.end(), die.motion.begin(), die.motion.end());
-  const cli::ShownAnimation animation{
+  const pictures::ShownAnimation animation{
       .title = "a composite of single animations",
       .motion = motion::Animation::of(segments, dice.size()).value()};
-  return cli::animation_figure("Six dice, each thrown by itself onto a table of its own",
-                               composite_scene(dice, options), {animation});
+  return pictures::animation_figure("Six dice, each thrown by itself onto a table of its own",
+                                    composite_scene(dice, options), {animation});
 }
 
 }  // namespace sleight::thesis

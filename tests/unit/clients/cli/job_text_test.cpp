@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/event_words.h"
+#include "clients/service_client/event_words.h"
 
 namespace sleight::cli {
 namespace {
@@ -133,9 +133,9 @@ TEST_F(JobText, NothingOfTheServiceSteersTheTerminal) {
         job_text(job) + history_text(job) + end_line(job) +
         job_table(jobs, {.with_users = true, .user_name = [&](std::uint32_t) { return evil; }}) +
         touched_line({.job = {1}, .state = state, .words = evil}) + completion_line(job) +
-        words_of_event({1}, {.what = events::Phase{evil}}) +
-        words_of_event({1}, {.what = events::RunEnd{.words = evil}}) +
-        words_of_change(job.history.front());
+        service_client::words_of_event({1}, {.what = events::Phase{evil}}) +
+        service_client::words_of_event({1}, {.what = events::RunEnd{.words = evil}}) +
+        service_client::words_of_change(job.history.front());
     EXPECT_EQ(std::ranges::count(text, '\x1b'), 0);
     EXPECT_EQ(std::ranges::count(text, '\r'), 0);
     EXPECT_EQ(std::ranges::count(text, '\x7f'), 0);

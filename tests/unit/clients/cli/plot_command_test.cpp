@@ -10,23 +10,23 @@
 #include <utility>
 
 #include "common/base/error.h"
-#include "tests/unit/clients/cli/failures.h"
-#include "tests/unit/clients/cli/small_archive.h"
+#include "tests/archive/small_archive.h"
+#include "tests/support/refusals.h"
 
 namespace sleight::cli {
 namespace {
 
 using ::testing::ElementsAre;
 
-class MadeUpPlots final : public WorldPlots {
+class MadeUpPlots final : public pictures::WorldPlots {
  public:
   MadeUpPlots(std::string world, std::vector<Kind> kinds)
       : world_(std::move(world)), kinds_(std::move(kinds)) {}
 
   std::string world() const override { return world_; }
   std::vector<Kind> kinds() const override { return kinds_; }
-  Picture draw(std::string_view what, const archive::Source&,
-               const DrawnPart& part) const override {
+  pictures::Picture draw(std::string_view what, const archive::Source&,
+                         const pictures::DrawnPart& part) const override {
     return {.figure = {.title = world_ + "'s " + std::string(what)},
             .words = std::to_string(part.count)};
   }
@@ -37,12 +37,13 @@ class MadeUpPlots final : public WorldPlots {
 };
 
 /// Marbles have smoke and a trace of their own, rods smoke and mirrors.
-PlotsOfWorlds two_worlds() {
-  PlotsOfWorlds worlds;
+pictures::PlotsOfWorlds two_worlds() {
+  pictures::PlotsOfWorlds worlds;
   worlds.push_back(std::make_unique<MadeUpPlots>(
-      "marbles", std::vector<WorldPlots::Kind>{{"trace", ""}, {"smoke", "what burns"}}));
+      "marbles", std::vector<pictures::WorldPlots::Kind>{{"trace", ""}, {"smoke", "what burns"}}));
   worlds.push_back(std::make_unique<MadeUpPlots>(
-      "rods", std::vector<WorldPlots::Kind>{{"smoke", "what glows"}, {"mirrors", "what shines"}}));
+      "rods", std::vector<pictures::WorldPlots::Kind>{{"smoke", "what glows"},
+                                                      {"mirrors", "what shines"}}));
   return worlds;
 }
 
@@ -55,7 +56,7 @@ PlotOptions asking_for(std::string what) {
 }
 
 TEST(PlotCommand, WhatCanBeAskedForComesFromTheWorlds) {
-  const PlotsOfWorlds worlds = two_worlds();
+  const pictures::PlotsOfWorlds worlds = two_worlds();
   EXPECT_THAT(whats_of(worlds), ElementsAre("trace", "animations", "smoke", "mirrors"));
   EXPECT_THAT(whats_of({}), ElementsAre("trace", "animations"));
   EXPECT_EQ(help_of_whats(worlds),
@@ -64,9 +65,9 @@ TEST(PlotCommand, WhatCanBeAskedForComesFromTheWorlds) {
 }
 
 TEST(PlotCommand, AWorldDrawsWhatItHas) {
-  const PlotsOfWorlds worlds = two_worlds();
+  const pictures::PlotsOfWorlds worlds = two_worlds();
   const auto title = [&](const char* world, const char* what) {
-    return picture_of(BareArchive(world), asking_for(what), true, worlds).figure.title;
+    return picture_of(archive::BareArchive(world), asking_for(what), true, worlds).figure.title;
   };
   EXPECT_EQ(title("marbles", "trace"), "marbles's trace");
   EXPECT_EQ(title("marbles", "smoke"), "marbles's smoke");
@@ -74,15 +75,17 @@ TEST(PlotCommand, AWorldDrawsWhatItHas) {
   // A trace that is everyone's.
   EXPECT_EQ(title("rods", "trace"), "rods");
   EXPECT_EQ(title("gas", "trace"), "gas");
-  EXPECT_EQ(picture_of(BareArchive("rods"), asking_for("mirrors"), true, worlds).words, "7");
+  EXPECT_EQ(picture_of(archive::BareArchive("rods"), asking_for("mirrors"), true, worlds).words,
+            "7");
 }
 
 TEST(PlotCommand, WhatAnArchiveCannotHaveIsSaid) {
-  const PlotsOfWorlds worlds = two_worlds();
+  const pictures::PlotsOfWorlds worlds = two_worlds();
   const auto refused = [&](const char* world, const char* what, const char* words) {
-    EXPECT_EQ(
-        failure_of([&] { picture_of(BareArchive(world), asking_for(what), true, worlds); }, words),
-        base::ExitCode::usage);
+    EXPECT_EQ(tests::failure_of(
+                  [&] { picture_of(archive::BareArchive(world), asking_for(what), true, worlds); },
+                  words),
+              base::ExitCode::usage);
   };
   refused("gas", "smoke",
           "smoke can be drawn of marbles and rods archives only, and small.h5 is of the world gas");

@@ -1,6 +1,6 @@
 // Goal: a server in the background answers when its start returns, and one that can't begin says
 // why. Method: small scripts in the server's place.
-#include "clients/cli/server_process.h"
+#include "clients/service_client/server_process.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -16,7 +16,7 @@
 namespace sleight::cli {
 namespace {
 
-bool ends(ServerProcess& process) {
+bool ends(service_client::ServerProcess& process) {
   for (int i = 0; i < 1000 && process.is_running(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return !process.is_running();
@@ -27,10 +27,11 @@ TEST(ServerProcess, LeavesItsWordsInTheLog) {
   // the folder its owner's alone. Method: a shell in its place, twice.
   const ScratchFolder scratch;
   const std::string folder = scratch / "deep/state";
-  ServerProcess first({"/bin/sh", "-c", "echo first; exit 0"}, folder);
+  service_client::ServerProcess first({"/bin/sh", "-c", "echo first; exit 0"}, folder);
   ASSERT_TRUE(ends(first));
   EXPECT_EQ(first.exit_code(), base::ExitCode::environment) << "an end is no success";
-  ServerProcess second({"/bin/sh", "-c", "echo one; echo two >&2; echo three; exit 4"}, folder);
+  service_client::ServerProcess second(
+      {"/bin/sh", "-c", "echo one; echo two >&2; echo three; exit 4"}, folder);
   ASSERT_TRUE(ends(second));
   EXPECT_EQ(second.exit_code(), base::ExitCode::conflict);
   EXPECT_EQ(second.log_lines(2), (std::vector<std::string>{"two", "three"}));
@@ -46,7 +47,7 @@ TEST(ServerProcess, IsASessionOfItsOwnWithNothingInherited) {
   const ScratchFolder scratch;
   int ends_of_pipe[2];
   ASSERT_EQ(::pipe(ends_of_pipe), 0);
-  ServerProcess process(
+  service_client::ServerProcess process(
       {"/bin/sh", "-c", "cut -d' ' -f6 /proc/$$/stat; echo $$; ls /proc/$$/fd | tr '\\n' ' '"},
       scratch / "state");
   ASSERT_TRUE(ends(process));
@@ -62,12 +63,12 @@ TEST(ServerProcess, SaysWhatIsMissing) {
   // Goal: no daemon beside this program, and a state folder that can't be made, are errors with the
   // path in them.
   try {
-    static_cast<void>(program_beside("no-such-daemon"));
+    static_cast<void>(service_client::program_beside("no-such-daemon"));
     FAIL() << "no error";
   } catch (const base::Error& error) {
     EXPECT_NE(std::string(error.what()).find("no-such-daemon"), std::string::npos);
   }
-  EXPECT_THROW(ServerProcess({"/bin/true"}, "/dev/null/state"), base::Error);
+  EXPECT_THROW(service_client::ServerProcess({"/bin/true"}, "/dev/null/state"), base::Error);
 }
 
 TEST(ServerCommand, HandsSettingsOn) {

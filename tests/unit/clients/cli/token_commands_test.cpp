@@ -11,7 +11,7 @@
 #include <fstream>
 #include <string>
 
-#include "clients/cli/known_servers.h"
+#include "clients/service_client/known_servers.h"
 #include "common/access/token_text.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
@@ -153,22 +153,24 @@ TEST_F(TokenCommands, KnownServersAreTheirOwnersAlone) {
   ::setenv("XDG_CONFIG_HOME", folder_.c_str(), 1);
   const rpc::RemoteService service{
       .address = {.host = "render.example.org"}, .token = "t", .certificate = "c", .own_name = "n"};
-  const std::string path = remember(service);
-  const auto place = place_of("render.example.org");
+  const std::string path = service_client::remember(service);
+  const auto place = service_client::place_of("render.example.org");
   ASSERT_TRUE(std::holds_alternative<rpc::RemoteService>(place));
   EXPECT_EQ(std::get<rpc::RemoteService>(place).token, "t");
   EXPECT_EQ(std::get<rpc::RemoteService>(place).certificate, "c");
   EXPECT_EQ(std::get<rpc::RemoteService>(place).own_name, "n");
   ::chmod(path.c_str(), 0640);
-  EXPECT_EQ(failure([] { place_of("render.example.org"); }), base::ExitCode::environment);
+  EXPECT_EQ(failure([] { service_client::place_of("render.example.org"); }),
+            base::ExitCode::environment);
   ::chmod(path.c_str(), 0600);
   std::ofstream(path) << "{";
-  EXPECT_EQ(failure([] { place_of("render.example.org"); }), base::ExitCode::environment);
-  EXPECT_TRUE(forget(service.address));
-  EXPECT_FALSE(forget(service.address));
-  EXPECT_EQ(failure([] { place_of("render.example.org"); }), base::ExitCode::usage);
-  EXPECT_EQ(failure([] { place_of("../x"); }), base::ExitCode::usage);
-  EXPECT_EQ(std::get<std::string>(place_of("/run/socket")), "/run/socket");
+  EXPECT_EQ(failure([] { service_client::place_of("render.example.org"); }),
+            base::ExitCode::environment);
+  EXPECT_TRUE(service_client::forget(service.address));
+  EXPECT_FALSE(service_client::forget(service.address));
+  EXPECT_EQ(failure([] { service_client::place_of("render.example.org"); }), base::ExitCode::usage);
+  EXPECT_EQ(failure([] { service_client::place_of("../x"); }), base::ExitCode::usage);
+  EXPECT_EQ(std::get<std::string>(service_client::place_of("/run/socket")), "/run/socket");
   ::unsetenv("XDG_CONFIG_HOME");
 }
 

@@ -57,7 +57,7 @@ class AnswersTest : public archive::testing::Scratch {
 
   testing::ShownFiles files;
   Notes notes{""};
-  cli::Rules rules{};
+  analysis::Rules rules{};
   std::unique_ptr<Gallery> gallery;
   std::shared_ptr<const Snapshot> snapshot;
   std::unique_ptr<Answers> answers;

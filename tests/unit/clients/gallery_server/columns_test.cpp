@@ -56,8 +56,8 @@ TEST(Columns, HoldEachSegment) {
   for (const std::string_view group : {archive::k_animations, archive::k_finds}) {
     const archive::KeptMotions motions(memory, group);
     for (std::uint64_t nth = 0; nth < motions.count(); ++nth) {
-      const cli::KeptAnimation animation =
-          cli::kept_animation(memory, motions, nth, scene.value(), "it");
+      const browse::KeptAnimation animation =
+          browse::kept_animation(memory, motions, nth, scene.value(), "it");
       Packed packed;
       const auto head = add_animation(packed, "3:", "it", animation, scene.value());
       const std::string whole = packed.finish(head);

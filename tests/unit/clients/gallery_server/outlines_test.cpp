@@ -50,8 +50,8 @@ class OutlinesTest : public archive::testing::Scratch {
   /// As a gallery does with a large archive.
   void keep_outline() {
     const Snapshot whole(archive_, {.open = files_.opener()});
-    cli::keep_cached(
-        archive_, cli::k_outline_ending, *cli::state_of_file(archive_),
+    browse::keep_cached(
+        archive_, browse::k_outline_ending, *browse::state_of_file(archive_),
         browse::bytes_of(browse::outline_of(whole.index(), whole.first_groups()), base::version()));
   }
 
@@ -104,7 +104,7 @@ class OutlinesTest : public archive::testing::Scratch {
   std::atomic<int> opened_ = 0;
   std::atomic<bool> held_ = true;
   Notes notes_{""};
-  cli::Rules rules_{};
+  analysis::Rules rules_{};
 };
 
 TEST_F(OutlinesTest, SayWhatTheWholeSays) {

@@ -112,10 +112,10 @@ class SavedGallery : public archive::testing::Scratch {
 
   testing::ShownFiles files;
   // No plot of the made-up world is judged but by the diagnosis.
-  cli::Rules rules{
+  analysis::Rules rules{
       .draws_min = 4,
       .ess_wanted = [](std::size_t) { return 400.0; },
-      .judge = [](std::string_view, const cli::ScalarDraws&) { return cli::Verdict(); }};
+      .judge = [](std::string_view, const analysis::ScalarDraws&) { return analysis::Verdict(); }};
   std::shared_ptr<const Snapshot> snapshot;
 };
 
@@ -405,8 +405,8 @@ TEST(NothingToShow, IsSaidWhereNothingIsOrMayCome) {
   // gallery says them.
   using Ordered = json::Value;
   const auto is_said = [](const std::string& archives) {
-    return !nothing_to_show(Ordered::parse(R"({"left_out": [], "archives": [)" + archives + "]}"),
-                            {"results"})
+    return !gallery::nothing_to_show(
+                Ordered::parse(R"({"left_out": [], "archives": [)" + archives + "]}"), {"results"})
                 .empty();
   };
   const std::string bad =

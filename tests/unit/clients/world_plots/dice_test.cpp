@@ -13,18 +13,18 @@
 #include "clients/plot/svg.h"
 #include "common/base/error.h"
 #include "common/random/distributions.h"
+#include "tests/archive/small_archive.h"
 #include "tests/support/numbers.h"
-#include "tests/unit/clients/cli/failures.h"
-#include "tests/unit/clients/cli/panel_series.h"
-#include "tests/unit/clients/cli/small_archive.h"
+#include "tests/support/refusals.h"
+#include "tests/unit/clients/pictures/panel_series.h"
 #include "worker/worlds/dice/dice.h"
 
 namespace sleight::world_plots::dice_test {
 
-using cli::all_of;
-using cli::failure_of;
+using pictures::all_of;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using tests::failure_of;
 
 /// Counts by bin: of the outermost below, of those at -1 and 0 standard deviations, and of the
 /// outermost above.
@@ -80,7 +80,7 @@ struct Contents {
   std::vector<double> squares_of_throws{0, 3, 0};
 };
 
-class SmallArchive final : public cli::StoredArchive {
+class SmallArchive final : public archive::StoredArchive {
  public:
   explicit SmallArchive(const Contents& contents = {})
       : StoredArchive("dice", "[sampler]\nchains = 2\n", contents.animations) {
@@ -273,7 +273,8 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
   EXPECT_FALSE(dice_prior_of(SmallArchive({.has_prior = true, .squares_of_throws = {0, 0}}))
                    .is_table_random);
   // The whole picture is that of the same prior by hand.
-  const cli::Picture picture = Dice().draw("plausibility", SmallArchive({.has_prior = true}), {});
+  const pictures::Picture picture =
+      Dice().draw("plausibility", SmallArchive({.has_prior = true}), {});
   EXPECT_EQ(picture.words,
             plausibility_words(dice_plausibility(SmallArchive(), small_prior(), {})));
   EXPECT_EQ(picture.figure.panels.size(), 3U);

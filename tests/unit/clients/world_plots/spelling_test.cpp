@@ -6,19 +6,19 @@
 #include <gtest/gtest.h>
 
 #include "common/base/error.h"
-#include "tests/unit/clients/cli/failures.h"
-#include "tests/unit/clients/cli/panel_series.h"
-#include "tests/unit/clients/cli/small_archive.h"
+#include "tests/archive/small_archive.h"
+#include "tests/support/refusals.h"
+#include "tests/unit/clients/pictures/panel_series.h"
 
 namespace sleight::world_plots {
 namespace {
 
-using cli::all_of;
-using cli::failure_of;
+using pictures::all_of;
 using ::testing::ElementsAre;
+using tests::failure_of;
 
 /// Of two balls; ten iterations to a scan.
-class SmallArchive final : public cli::StoredArchive {
+class SmallArchive final : public archive::StoredArchive {
  public:
   explicit SmallArchive(bool has_balls = true)
       : StoredArchive("spelling", "[sampler]\niterations_per_scan = 10\n", 0) {
@@ -34,7 +34,8 @@ TEST(SpellingTrace, CountsIterations) {
   // series of one chain and of all.
   const Spelling spelling;
   const SmallArchive source;
-  const plot::Figure one = spelling.draw(cli::k_trace, source, {.chain = 0, .draws = 3}).figure;
+  const plot::Figure one =
+      spelling.draw(pictures::k_trace, source, {.chain = 0, .draws = 3}).figure;
   ASSERT_EQ(one.panels.size(), 2U);
   const auto steps = all_of<plot::Steps>(one.panels[0]);
   ASSERT_EQ(steps.size(), 1U);
@@ -44,11 +45,12 @@ TEST(SpellingTrace, CountsIterations) {
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_EQ(lines[0].y, 2);
   EXPECT_EQ(lines[0].label, "all 2");
-  const plot::Figure all = spelling.draw(cli::k_trace, source, {}).figure;
+  const plot::Figure all = spelling.draw(pictures::k_trace, source, {}).figure;
   EXPECT_EQ(all_of<plot::Steps>(all.panels[1]).size(), 2U);
-  EXPECT_EQ(failure_of([&] { spelling.draw(cli::k_trace, source, {.chain = 2}); }, "no chain 2"),
-            base::ExitCode::usage);
-  EXPECT_EQ(failure_of([&] { spelling.draw(cli::k_trace, SmallArchive(false), {}); },
+  EXPECT_EQ(
+      failure_of([&] { spelling.draw(pictures::k_trace, source, {.chain = 2}); }, "no chain 2"),
+      base::ExitCode::usage);
+  EXPECT_EQ(failure_of([&] { spelling.draw(pictures::k_trace, SmallArchive(false), {}); },
                        "/posterior/active: expected a number of each chain, draw and ball"),
             base::ExitCode::bad_archive);
 }

@@ -1,0 +1,114 @@
+#include "clients/analysis/run_counts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "clients/analysis/archive_rows.h"
+#include "common/archive/format.h"
+#include "common/base/error.h"
+
+namespace sleight::analysis {
+namespace {
+
+/// Refuses a dataset of /sample_stats whose type or dimensions are others.
+void check_shape(const archive::Source& source, std::string_view name, archive::ElementType type,
+                 const std::vector<std::uint64_t>& sizes) {
+  const archive::Group* stats = archive::find_group(source, archive::k_sample_stats);
+  const archive::DatasetSpec* spec = stats == nullptr ? nullptr : find_dataset(*stats, name);
+  if (spec == nullptr || spec->type != type ||
+      !std::ranges::equal(spec->dims, sizes, {}, &archive::Dimension::size)) {
+    throw base::Error(base::ExitCode::bad_archive,
+                      fmt::format("{}: {}: missing, or of another shape than expected",
+                                  source.name(), archive::path_of(archive::k_sample_stats, name)));
+  }
+}
+
+void make_distinct(std::vector<std::int64_t>& values) {
+  std::ranges::sort(values);
+  const auto rest = std::ranges::unique(values);
+  values.erase(rest.begin(), rest.end());
+}
+
+/// Distinct lineages of one chain's satisfied scans, in bounded memory.
+class Lineages {
+ public:
+  void add(std::int64_t lineage) {
+    if (more_ || (!seen_.empty() && seen_.back() == lineage)) return;
+    seen_.push_back(lineage);
+    if (seen_.size() < 2 * k_lineages_max) return;
+    make_distinct(seen_);
+    more_ = seen_.size() > k_lineages_max;
+  }
+  std::uint64_t count() {
+    make_distinct(seen_);
+    return seen_.size();
+  }
+  bool more() const { return more_; }
+
+ private:
+  std::vector<std::int64_t> seen_;
+  bool more_ = false;
+};
+
+}  // namespace
+
+RunCounts run_counts(const archive::Source& source, const Round& judged) {
+  const std::uint64_t chains = stats_size(source, "chain");
+  const std::uint64_t scans = stats_size(source, "draw");
+  check_shape(source, "satisfied", archive::ElementType::boolean, {chains, scans});
+  check_shape(source, "lineage", archive::ElementType::i64, {chains, scans});
+  RunCounts counts;
+  for (std::uint64_t chain = 0; chain < chains; ++chain) {
+    Lineages lineages;
+    for (std::uint64_t first = 0; first < scans; first += k_batch) {
+      const std::uint64_t count = std::min(k_batch, scans - first);
+      const auto read = [&](std::string_view name) {
+        return source.read(archive::k_sample_stats, name, chain * scans + first, count);
+      };
+      const auto satisfied = std::get<std::vector<std::int8_t>>(read("satisfied"));
+      const auto lineage = std::get<std::vector<std::int64_t>>(read("lineage"));
+      for (std::uint64_t i = 0; i < count; ++i) {
+        if (satisfied[i] == 0) continue;
+        const std::uint64_t scan = first + i;
+        ++counts.satisfied;
+        counts.satisfied_judged +=
+            scan >= judged.first_scan && scan - judged.first_scan < judged.scans ? 1 : 0;
+        lineages.add(lineage[i]);
+      }
+    }
+    counts.solutions += lineages.count();
+    counts.solutions_more = counts.solutions_more || lineages.more();
+  }
+  return counts;
+}
+
+std::vector<KindReport> kind_counts(const archive::Source& source, const Round& judged) {
+  const std::uint64_t chains = stats_size(source, "chain");
+  const std::uint64_t scans = stats_size(source, "draw");
+  std::vector<KindReport> reports;
+  for (std::string& name : proposal_kinds(source))
+    reports.push_back({.name = std::move(name)});
+  const std::uint64_t kinds = reports.size();
+  if (kinds == 0) return reports;
+  const std::uint64_t batch = std::max(k_batch / kinds, std::uint64_t{1});
+  const auto add = [&](std::string_view name, std::uint64_t KindReport::*sum) {
+    check_shape(source, name, archive::ElementType::i32, {chains, scans, kinds});
+    for (std::uint64_t chain = 0; chain < chains; ++chain) {
+      for (std::uint64_t done = 0; done < judged.scans; done += batch) {
+        const std::uint64_t rows = std::min(batch, judged.scans - done);
+        const auto values = std::get<std::vector<std::int32_t>>(
+            source.read(archive::k_sample_stats, name,
+                        (chain * scans + judged.first_scan + done) * kinds, rows * kinds));
+        for (std::size_t i = 0; i < values.size(); ++i)
+          reports[i % kinds].*sum += static_cast<std::uint64_t>(std::max(values[i], 0));
+      }
+    }
+  };
+  add("proposed", &KindReport::proposed);
+  add("accepted", &KindReport::accepted);
+  return reports;
+}
+
+}  // namespace sleight::analysis

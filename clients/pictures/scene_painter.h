@@ -1,0 +1,89 @@
+// Draws a scene and its animations into a panel. Private to animation_figures and animation_frames.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clients/pictures/animation_figures.h"
+#include "clients/pictures/scene_view.h"
+#include "clients/plot/figure.h"
+
+namespace sleight::pictures {
+
+inline constexpr double k_caption_px = 18;  ///< above a view
+inline constexpr double k_caption_size_px = 11.5;
+inline constexpr double k_between_px = 12;  ///< views
+
+/// What is to be seen, in millimetres.
+struct SceneExtent {
+  math::Vec3 low_mm{1e300, 1e300, 1e300};
+  math::Vec3 high_mm{-1e300, -1e300, -1e300};
+
+  void add(const math::Vec3& place_mm, double around_mm);
+  double width_mm() const { return high_mm.x() - low_mm.x(); }
+  double depth_mm() const { return high_mm.y() - low_mm.y(); }
+  double height_mm() const { return high_mm.z() - low_mm.z(); }
+};
+
+/// Of all that bodies do in the animations, what stands still but the ground, and goals.
+SceneExtent extent_of(const scene::Scene& scene, const std::vector<ShownAnimation>& animations);
+
+/// Whether all bodies move in planes of constant y: then the view from the front shows all.
+bool is_flat(const std::vector<ShownAnimation>& animations);
+
+/// Places a plane of the scene in a panel.
+struct SceneView {
+  Seen seen;
+  plot::Point origin;  ///< where the scene's origin is drawn
+  double px_per_mm = 1;
+
+  plot::Point at(const plot::Point& place_mm) const {
+    return {origin.x + px_per_mm * place_mm.x, origin.y + px_per_mm * place_mm.y};
+  }
+};
+
+/// Equally spaced from when a body enters until it rests, at most some hundred; then its rest.
+/// REQUIRES: it enters.
+std::vector<double> instants_of(const motion::Path& path);
+
+class ScenePainter {
+ public:
+  /// All are borrowed.
+  ScenePainter(const scene::Scene& scene, const SceneExtent& extent,
+               const ShownAnimation& animation, plot::Panel& panel);
+
+  void caption(const plot::Point& at, std::string words, plot::Anchor anchor = plot::Anchor::start);
+  /// What stands still, and goals.
+  void scenery(const SceneView& view);
+  /// The ways of all bodies, then the bodies at rest.
+  void ways(const SceneView& view);
+  /// The bodies as they are at a time, with their centres' ways since another.
+  void instant(const SceneView& view, double since_s, double time_s);
+
+ private:
+  void outline(const plot::Point& low, const plot::Point& high, const plot::Color& color,
+               double width_px = 1.4);
+  void line(std::vector<plot::Point> points, const plot::Color& color, double width_px);
+  void polygon(const SceneView& view, const std::vector<plot::Point>& corners_mm,
+               const plot::Color& color);
+  void surface(const SceneView& view, const scene::Part& part);
+  void ground(const SceneView& view, const scene::Part& part);
+  void fixed(const SceneView& view, const scene::Part& part);
+  void wanted(const SceneView& view, const scene::Part& part);
+  void way(const SceneView& view, const motion::Path& path);
+  void outlines(const SceneView& view, std::uint32_t body, const motion::Pose& pose,
+                const plot::Color& color);
+  void body(const SceneView& view, std::uint32_t body, const motion::Pose& pose);
+  std::vector<plot::Point> clipped(const SceneView& view,
+                                   std::vector<plot::Point> corners_mm) const;
+  bool is_in(const SceneView& view, const plot::Point& place_mm) const;
+  plot::Color color_of(std::uint32_t body) const;
+
+  const scene::Scene& scene_;
+  const SceneExtent& extent_;
+  const ShownAnimation& animation_;
+  plot::Panel& panel_;
+};
+
+}  // namespace sleight::pictures

@@ -1,0 +1,45 @@
+#include "clients/service_client/fetched_archive.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "clients/service_client/service_call.h"
+#include "clients/terminal/output.h"
+#include "common/archive/digest/verify.h"
+#include "common/archive/remote/remote_source.h"
+#include "common/archive/summary.h"
+#include "common/base/error.h"
+
+namespace sleight::service_client {
+
+void check_archive(const std::string& path, const rpc::JobView& job) {
+  const auto findings_of = [&](const archive::Source& source) {
+    std::vector<std::string> findings = archive::verify(source);
+    if (findings.empty() && job.state == rpc::JobState::done && !job.digest.empty()) {
+      // As stored, which is that of the content: it has been verified.
+      const std::string digest = archive::summary_of(source).content_digest;
+      if (digest != job.digest)
+        findings.push_back(fmt::format("its digest is {}, the job's {}", digest, job.digest));
+    }
+    for (const std::string& finding : findings)
+      terminal::complain(fmt::format("sleight: job {}: {}", job.id, terminal::shown(finding)));
+    return findings;
+  };
+  std::string words;
+  try {
+    if (findings_of(*archive::remote::open_remote(path)).empty()) return;
+  } catch (const base::Error& error) {
+    if (error.exit_code() != base::ExitCode::bad_archive) throw;
+    words = fmt::format(" ({})", error.what());
+  }
+  throw base::Error(
+      base::ExitCode::bad_archive,
+      fmt::format(
+          "job {}: its archive is damaged on the server's disk{}, and was not put in place; "
+          "`sleight fetch {} --so-far` has it made anew from what the run stored",
+          job.id, words, job.id));
+}
+
+}  // namespace sleight::service_client

@@ -1,0 +1,26 @@
+// How work is refused.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "common/base/error.h"
+
+namespace sleight::tests {
+
+/// The exit code of work that must fail with an error that has these words.
+inline base::ExitCode failure_of(const std::function<void()>& work, const std::string& words) {
+  try {
+    work();
+  } catch (const base::Error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(words));
+    return error.exit_code();
+  }
+  ADD_FAILURE() << "not refused: " << words;
+  return base::ExitCode::ok;
+}
+
+}  // namespace sleight::tests

@@ -1,0 +1,99 @@
+// Goal: ladders' estimates are put together on the log scale with the largest of three errors, and
+// are said in words that people read. Method: cases worked out by hand, at every change of unit.
+#include "clients/analysis/throw_odds.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/numbers.h"
+
+namespace sleight::analysis {
+namespace {
+
+CombinedEstimate combined_of(const std::vector<LogEstimate>& ladders) {
+  return combined(ladders);
+}
+
+TEST(Combined, TheErrorIsTheLargerOfTheTwo) {
+  // Values 1, 2, 3: mean 2, standard deviation 1, so 1/sqrt(3) between ladders.
+  const CombinedEstimate apart = combined_of({{1, 0.3}, {2, 0.3}, {3, 0.3}});
+  EXPECT_DOUBLE_EQ(apart.log.value, 2);
+  EXPECT_DOUBLE_EQ(apart.log.error, 1 / std::sqrt(3.0));
+  EXPECT_EQ(apart.error_from, ErrorFrom::between);
+  EXPECT_EQ(apart.ladders, 3U);
+  // Errors 3 and 4: 5/2 for the mean of two, though both have one value.
+  const CombinedEstimate alike = combined_of({{7, 3}, {7, 4}});
+  EXPECT_DOUBLE_EQ(alike.log.error, 2.5);
+  EXPECT_EQ(alike.error_from, ErrorFrom::jackknife);
+}
+
+TEST(Combined, ManyLaddersDoNotAverageAwayWhatAMeanOfLogsLacks) {
+  // Sixteen ladders, half of them 1 and half 3: variance 16/15, standard error between ladders
+  // 0.26; half the variance, which is what a mean of logs may lack, 0.53.
+  std::vector<LogEstimate> ladders(16, {1, 0.1});
+  for (std::size_t i = 8; i < 16; ++i)
+    ladders[i].value = 3;
+  const CombinedEstimate many = combined_of(ladders);
+  EXPECT_DOUBLE_EQ(many.log.value, 2);
+  EXPECT_NEAR(many.between_error, std::sqrt(1.0 / 15), 1e-12);
+  EXPECT_NEAR(many.own_error, 0.025, 1e-12);
+  EXPECT_NEAR(many.log.error, 8.0 / 15, 1e-12);
+  EXPECT_EQ(many.error_from, ErrorFrom::mean_of_logs);
+}
+
+TEST(Combined, OneLadderHasItsOwnError) {
+  const CombinedEstimate one = combined_of({{-4, 0.5}});
+  EXPECT_DOUBLE_EQ(one.log.error, 0.5);
+  EXPECT_EQ(one.error_from, ErrorFrom::jackknife);
+  const CombinedEstimate unknown = combined_of({{-4, k_nan}});
+  EXPECT_EQ(unknown.log.value, -4);
+  EXPECT_TRUE(std::isnan(unknown.log.error));
+  EXPECT_EQ(unknown.error_from, ErrorFrom::unknown);
+}
+
+TEST(Combined, LaddersWithoutAValueAreLeftOut) {
+  const CombinedEstimate some = combined_of({{-k_infinity, k_nan}, {-4, 0.5}, {k_nan, k_nan}});
+  EXPECT_EQ(some.log.value, -4);
+  EXPECT_EQ(some.ladders, 1U);
+  const CombinedEstimate none = combined_of({{-k_infinity, k_nan}});
+  EXPECT_EQ(none.ladders, 0U);
+  EXPECT_TRUE(std::isnan(none.log.value));
+  EXPECT_EQ(combined_of({}).ladders, 0U);
+  // An error that one ladder does not know is not taken for 0.
+  EXPECT_EQ(combined_of({{-4, 9}, {-5, k_nan}}).error_from, ErrorFrom::between);
+}
+
+TEST(ThrowOdds, AreAmongNaturalThrows) {
+  const ThrowOdds odds = odds_of({.value = std::log(1e-6), .error = std::log(10.0)}, std::log(0.1));
+  EXPECT_NEAR(odds.log10_throws, 5, 1e-12);
+  EXPECT_NEAR(odds.log10_low, 4, 1e-12);
+  EXPECT_NEAR(odds.log10_high, 6, 1e-12);
+  // More probable than what it is part of, by chance: every throw does it.
+  EXPECT_EQ(odds_of({.value = 1, .error = 0}, 0).log10_throws, 0);
+}
+
+std::string words(double throws, double low = k_nan, double high = k_nan) {
+  return in_words({std::log10(throws), std::log10(low), std::log10(high)});
+}
+
+TEST(ThrowOdds, InWords) {
+  EXPECT_EQ(words(3.21e6, 2.1e6, 4.9e6), "one throw in 3.2 million (2.1 to 4.9 million)");
+  EXPECT_EQ(words(1.5e6, 4e5, 4e6), "one throw in 1.5 million (400,000 to 4.0 million)");
+  EXPECT_EQ(words(1.2e13, 1e12, 1e14), "one throw in 1.2e13 (1.0e12 to 1.0e14)");
+  EXPECT_EQ(words(119.6, 116.1, 123.2), "one throw in 120 (116 to 123)");
+  EXPECT_EQ(words(119.64, 119.52, 119.71), "one throw in 119.6 (119.5 to 119.7)");
+  EXPECT_EQ(words(12345), "one throw in 12,000 (error unknown)");
+  EXPECT_EQ(words(1), "one throw in 1.0 (error unknown)");
+  EXPECT_EQ(words(2.44e9), "one throw in 2.4 billion (error unknown)");
+  EXPECT_EQ(words(2.44e10), "one throw in 24 billion (error unknown)");
+  // Rounding may change the unit.
+  EXPECT_EQ(words(999'999), "one throw in 1.0 million (error unknown)");
+  EXPECT_EQ(words(999.9), "one throw in 1,000 (error unknown)");
+  EXPECT_EQ(words(9.99), "one throw in 10 (error unknown)");
+  // Beyond all doubles.
+  EXPECT_EQ(in_words({400.3, k_nan, k_nan}), "one throw in 2.0e400 (error unknown)");
+}
+
+}  // namespace
+}  // namespace sleight::analysis

@@ -1,0 +1,139 @@
+// Goal: a die is drawn as it lies: outline, numbering and pips. Method: cubes in known poses.
+#include "clients/pictures/die_drawing.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace sleight::pictures {
+namespace {
+
+using math::Quat;
+using math::Vec3;
+using ::testing::ElementsAre;
+
+/// Turned by so many degrees about an axis.
+Quat turned(const Vec3& axis, double angle_deg) {
+  return math::quaternion_of_rotation_vector(axis * (angle_deg * M_PI / 180));
+}
+
+std::vector<std::uint32_t> numbers_of(const std::vector<SeenFace>& faces) {
+  std::vector<std::uint32_t> numbers;
+  for (const SeenFace& face : faces)
+    numbers.push_back(face.face);
+  return numbers;
+}
+
+plot::Point middle_of(const auto& corners) {
+  plot::Point middle;
+  for (const plot::Point& corner : corners) {
+    middle.x += corner.x / static_cast<double>(corners.size());
+    middle.y += corner.y / static_cast<double>(corners.size());
+  }
+  return middle;
+}
+
+/// By the shoelace formula, without sign.
+double area_of(const auto& corners) {
+  double twice = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const plot::Point& a = corners[i];
+    const plot::Point& b = corners[(i + 1) % corners.size()];
+    twice += a.x * b.y - b.x * a.y;
+  }
+  return std::abs(twice) / 2;
+}
+
+TEST(DieDrawing, ADieThatIsNotTurnedShowsItsThree) {
+  // Goal: without a turn the 3 is on top, the 5 in front (1 on +x, 2 on +y). Method: the square
+  // from either side, whose corners are half a side off the centre.
+  const DiePose pose{.centre_mm = {10, 20, 8}};
+  const auto above = seen_faces(pose, 16, Seen::from_above);
+  ASSERT_THAT(numbers_of(above), ElementsAre(3));
+  for (const plot::Point& corner : above[0].corners_mm) {
+    EXPECT_DOUBLE_EQ(std::abs(corner.x - 10), 8);
+    EXPECT_DOUBLE_EQ(std::abs(corner.y - 20), 8);
+  }
+  EXPECT_DOUBLE_EQ(area_of(above[0].corners_mm), 256);
+  const auto front = seen_faces(pose, 16, Seen::from_front);
+  ASSERT_THAT(numbers_of(front), ElementsAre(5));
+  EXPECT_NEAR(middle_of(front[0].corners_mm).x, 10, 1e-12);
+  EXPECT_NEAR(middle_of(front[0].corners_mm).y, 8, 1e-12);
+}
+
+TEST(DieDrawing, EveryFaceComesUp) {
+  // Goal: each face is on top in the pose that brings it there, shows as many pips, and its
+  // opposite, on the other side, adds up to 7. Method: quarter turns about x and y.
+  const std::vector<std::pair<Quat, std::uint32_t>> poses{
+      {turned({0, 1, 0}, -90), 1}, {turned({1, 0, 0}, 90), 2},  {turned({1, 0, 0}, 0), 3},
+      {turned({1, 0, 0}, 180), 4}, {turned({1, 0, 0}, -90), 5}, {turned({0, 1, 0}, 90), 6}};
+  for (const auto& [orientation, face] : poses) {
+    EXPECT_EQ(upper_face(orientation), face);
+    const auto seen = seen_faces({.orientation = orientation}, 16, Seen::from_above);
+    ASSERT_THAT(numbers_of(seen), ElementsAre(face));
+    EXPECT_EQ(seen[0].pips_mm.size(), face);
+    const Quat over = math::composed(turned({1, 0, 0}, 180), orientation);
+    EXPECT_EQ(upper_face(over), 7 - face);
+  }
+}
+
+TEST(DieDrawing, OneTwoThreeGoRoundAnticlockwise) {
+  // Goal: the numbering is not mirrored. Method: the corner of 1, 2 and 3 is turned up; from above
+  // their middles go round it anticlockwise.
+  const Vec3 axis = Vec3(1, -1, 0) / std::sqrt(2.0);
+  const Quat corner_up = turned(axis, std::acos(1 / std::sqrt(3.0)) * 180 / M_PI);
+  const auto seen = seen_faces({.orientation = corner_up}, 16, Seen::from_above);
+  ASSERT_THAT(numbers_of(seen), ElementsAre(1, 2, 3));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const plot::Point a = middle_of(seen[i].corners_mm);
+    const plot::Point b = middle_of(seen[(i + 1) % 3].corners_mm);
+    EXPECT_GT(a.x * b.y - b.x * a.y, 0) << i;
+    EXPECT_NEAR(area_of(seen[i].corners_mm), 256 / std::sqrt(3.0), 1e-9);
+  }
+}
+
+TEST(DieDrawing, OutlineOfATiltedDie) {
+  // Goal: a die on its edge is drawn by two faces, each as wide as its cosine has it. Method: turns
+  // about y, which bring the 6, on -x, up beside the 3.
+  for (const double angle_deg : {20.0, 45.0, 70.0}) {
+    const double angle = angle_deg * M_PI / 180;
+    const auto seen =
+        seen_faces({.orientation = turned({0, 1, 0}, angle_deg)}, 10, Seen::from_above);
+    ASSERT_THAT(numbers_of(seen), ElementsAre(3, 6));
+    EXPECT_NEAR(area_of(seen[0].corners_mm), 100 * std::cos(angle), 1e-9);
+    EXPECT_NEAR(area_of(seen[1].corners_mm), 100 * std::sin(angle), 1e-9);
+  }
+}
+
+TEST(DieDrawing, PipsLieApartWithinTheirFace) {
+  // Goal: pips are where dice have them: within the face, apart, mirrored at its middle. Method:
+  // each face from above.
+  for (std::uint32_t face = 1; face <= k_die_faces; ++face) {
+    const Quat up = face == 1   ? turned({0, 1, 0}, -90)
+                    : face == 6 ? turned({0, 1, 0}, 90)
+                    : face == 2 ? turned({1, 0, 0}, 90)
+                    : face == 5 ? turned({1, 0, 0}, -90)
+                                : turned({1, 0, 0}, face == 3 ? 0 : 180);
+    const auto seen = seen_faces({.orientation = up}, 2, Seen::from_above);
+    ASSERT_EQ(seen.size(), 1U);
+    plot::Point sum;
+    std::vector<plot::Point> middles;
+    for (const auto& pip : seen[0].pips_mm) {
+      for (const plot::Point& corner : pip)
+        EXPECT_LT(std::max(std::abs(corner.x), std::abs(corner.y)), 0.9);
+      const plot::Point middle = middle_of(pip);
+      for (const plot::Point& other : middles)
+        EXPECT_GT(std::hypot(middle.x - other.x, middle.y - other.y), 0.45);
+      middles.push_back(middle);
+      sum.x += middle.x;
+      sum.y += middle.y;
+    }
+    EXPECT_NEAR(sum.x, 0, 1e-12);
+    EXPECT_NEAR(sum.y, 0, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace sleight::pictures

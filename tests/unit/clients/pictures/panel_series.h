@@ -1,0 +1,21 @@
+// What a drawn panel shows.
+#pragma once
+
+#include <variant>
+#include <vector>
+
+#include "clients/plot/figure.h"
+
+namespace sleight::pictures {
+
+/// Its series of one kind, in order.
+template <class Kind>
+std::vector<Kind> all_of(const plot::Panel& panel) {
+  std::vector<Kind> found;
+  for (const plot::Series& series : panel.series) {
+    if (const auto* one = std::get_if<Kind>(&series)) found.push_back(*one);
+  }
+  return found;
+}
+
+}  // namespace sleight::pictures

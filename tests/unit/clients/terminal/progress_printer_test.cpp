@@ -1,0 +1,46 @@
+#include "clients/terminal/progress_printer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+namespace sleight::terminal {
+namespace {
+
+TEST(ProgressPrinter, WritesPlainLinesNowAndThen) {
+  // Goal: a log file gets a line every k_plain_line_every_s, without control characters. Method: a
+  // file in place of a terminal, a report every 0.1 s for 20 s.
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+  ASSERT_NE(file, nullptr);
+  ProgressPrinter printer("x", file.get());
+  for (int i = 0; i <= 200; ++i)
+    printer.show({.scans_done = static_cast<std::uint64_t>(i), .elapsed_s = 0.1 * i});
+  printer.finish();
+  std::rewind(file.get());
+  std::string text(10'000, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4) << text;
+  EXPECT_EQ(text.find('\x1b'), std::string::npos);
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+}
+
+TEST(ProgressPrinter, WritesPhasesThatLast) {
+  // Goal: a log file hears of the writing of an archive if that takes its time, and not of one that
+  // is over at once. Method: a file in place of a terminal; lines at any time, and seldom.
+  for (const double every_s : {0.0, k_plain_line_every_s}) {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+    ASSERT_NE(file, nullptr);
+    ProgressPrinter printer("x", file.get(), every_s);
+    printer.say("writing the archive: 1 of 2 draws (50%)");
+    printer.finish();
+    std::rewind(file.get());
+    std::string text(10'000, '\0');
+    text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+    EXPECT_EQ(text, every_s > 0 ? "" : "x  writing the archive: 1 of 2 draws (50%)\n");
+  }
+}
+
+}  // namespace
+}  // namespace sleight::terminal
