@@ -47,30 +47,17 @@ class Maker {
       return;
     }
     const Frame frame = frame_of(part);
-    switch (part.shape) {
-      case Shape::sphere:
-        add_sphere(of(solid()), frame, part.size_m.x());
-        break;
-      case Shape::box:
-        add_box(of(solid()), frame, part.size_m);
-        break;
-      case Shape::die:
-        add_box(of({.name = "ivory", .color = colors::k_ivory}), frame, part.size_m);
-        add_pips(of({.name = "ink", .color = plot::palette::k_ink}), frame, part.size_m);
-        break;
-      case Shape::disc:
-        add_disc(of(sheet()), frame, part.size_m.x());
-        break;
-      case Shape::mesh:
-        add_mesh(part, frame);
-        break;
-      case Shape::ground:
-        add_box(of(table()), frame, {part.size_m.x(), part.size_m.y(), 0});
-        break;
-      case Shape::surface:
-        add_surface(of(table()), own_.points, part.size_m.z());
-        break;
+    if (part.shape == Shape::surface) {
+      add_surface(of(table()), own_.points, part.size_m.z());
+      return;
     }
+    scene::Part shown = part;
+    if (part.shape == Shape::ground) {
+      shown.shape = Shape::box;
+      shown.size_m.z() = 0;
+    }
+    for (const shapes::Facet& facet : shapes::facets_of(scene_, shown, offsets_m_))
+      add_facet(of(material_of(part, facet)), frame, facet);
   }
 
   Look take() {
@@ -103,20 +90,22 @@ class Maker {
     return {.name = "table", .color = colors::k_table, .is_double_sided = true};
   }
 
-  /// In its part's frame, moved as the animation has it.
-  Vec3 place_of(std::uint32_t number) const {
-    const scene::Vertex& vertex = scene_.vertices[number];
-    if (vertex.offset < 0 || static_cast<std::size_t>(vertex.offset) >= offsets_m_.size())
-      return vertex.place_m;
-    return vertex.place_m + offsets_m_[static_cast<std::size_t>(vertex.offset)];
-  }
-
-  void add_mesh(const scene::Part& part, const Frame& frame) {
-    const auto at = [&](std::uint32_t vertex) { return frame.at(place_of(vertex)); };
-    Triangles& to = of(sheet());
-    for (const auto& [a, b, c] :
-         std::span(scene_.triangles).subspan(part.first_triangle, part.triangles))
-      to.polygon(std::array<Vec3, 3>{at(a), at(b), at(c)});
+  Material material_of(const scene::Part& part, const shapes::Facet& facet) const {
+    if (facet.is_pip) return {.name = "ink", .color = plot::palette::k_ink};
+    switch (part.shape) {
+      case Shape::die:
+        return {.name = "ivory", .color = colors::k_ivory};
+      case Shape::disc:
+      case Shape::mesh:
+        return sheet();
+      case Shape::ground:
+      case Shape::surface:
+        return table();
+      case Shape::sphere:
+      case Shape::box:
+        return solid();
+    }
+    return solid();
   }
 
   /// Where any body may be it is tinted; what is for one body is a ring. A disc is one always.
@@ -132,9 +121,9 @@ class Maker {
     Triangles& to = of({.name = "wanted",
                         .color = colors::k_tint.with_opacity(k_tint_opacity),
                         .is_double_sided = true});
-    if (part.shape == Shape::box || part.shape == Shape::die) add_box(to, frame, part.size_m);
-    if (part.shape == Shape::sphere) add_sphere(to, frame, part.size_m.x());
-    if (part.shape == Shape::mesh) add_mesh(part, frame);
+    for (const shapes::Facet& facet : shapes::facets_of(scene_, part, offsets_m_)) {
+      if (!facet.is_pip) add_facet(to, frame, facet);
+    }
   }
 
   /// How high the vertices of what stands still are above the middle of a flat goal; those near its
@@ -149,8 +138,9 @@ class Maker {
       for (const auto& triangle :
            std::span(scene_.triangles).subspan(other.first_triangle, other.triangles)) {
         for (const std::uint32_t vertex : triangle) {
-          const Vec3 place_m =
-              math::rotated(math::inverse(frame.turn), from.at(place_of(vertex)) - frame.origin_m);
+          const Vec3 place_m = math::rotated(
+              math::inverse(frame.turn),
+              from.at(shapes::place_of(scene_.vertices[vertex], offsets_m_)) - frame.origin_m);
           if (std::abs(place_m.x()) < reach_m && std::abs(place_m.y()) < reach_m &&
               place_m.z() < reach_m)
             highest_m = std::max(highest_m, place_m.z());

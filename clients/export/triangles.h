@@ -1,11 +1,14 @@
-// Collects the triangles of a look, material by material. Private to look.cpp and shapes.cpp.
+// Collects the triangles of a look, material by material. Private to look.cpp and triangles.cpp.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
 #include "clients/export/look.h"
+#include "clients/shapes/facets.h"
 #include "common/scene/surface.h"
 
 namespace sleight::gltf {
@@ -30,16 +33,18 @@ class Triangles {
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   /// A flat polygon, counter-clockwise seen from outside; nothing where it has no area.
   void polygon(std::span<const math::Vec3> corners_m);
+  /// The same of a piece of a curved surface; neighbours share vertices.
+  void curved(std::span<const math::Vec3> corners_m, std::span<const math::Vec3> normals);
 
   Primitive primitive{};
+
+ private:
+  void fan(std::span<const std::uint32_t> numbers);
+
+  std::map<std::array<float, 6>, std::uint32_t> shared_{};  ///< vertices by place and normal
 };
 
-void add_sphere(Triangles& to, const Frame& frame, double diameter_m);
-void add_box(Triangles& to, const Frame& frame, const math::Vec3& sides_m);
-/// The pips alone.
-void add_pips(Triangles& to, const Frame& frame, const math::Vec3& sides_m);
-/// About z of the frame.
-void add_disc(Triangles& to, const Frame& frame, double diameter_m);
+void add_facet(Triangles& to, const Frame& frame, const shapes::Facet& facet);
 /// Its patches.
 void add_surface(Triangles& to, std::span<const scene::ControlPoint> points, double spacing_m);
 /// A closed ribbon beside a line, to its left, which runs counter-clockwise seen from above. Each

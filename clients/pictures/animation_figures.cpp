@@ -12,6 +12,7 @@
 #include "clients/pictures/scene_painter.h"
 #include "clients/plot/layout.h"
 #include "clients/plot/text.h"
+#include "clients/shapes/facets.h"
 #include "common/archive/format.h"
 #include "common/archive/kept_motions.h"
 #include "common/archive/summary.h"
@@ -70,7 +71,7 @@ std::string outcome_of(const scene::Scene& scene, const ShownAnimation& animatio
     for (const scene::Part& part : parts_of(scene.parts, path.body())) {
       if (part.shape == scene::Shape::die)
         up += fmt::format("{}{}", up.empty() ? "" : ", ",
-                          upper_face(math::composed(pose.orientation, part.orientation)));
+                          shapes::upper_face(math::composed(pose.orientation, part.orientation)));
     }
     for (const scene::Part& part : scene.parts) {
       const scene::Feature& feature = scene.features[part.feature];

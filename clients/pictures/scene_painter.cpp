@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "clients/plot/scene_colors.h"
+#include "clients/shapes/facets.h"
 #include "common/scene/surface.h"
 
 namespace sleight::pictures {
@@ -281,16 +282,13 @@ void ScenePainter::fixed(const SceneView& view, const scene::Part& part) {
   const bool from_above = view.seen == Seen::from_above;
   for (const FlatPiece& piece : pieces) {
     const double share = high_mm > low_mm ? (piece.height_mm - low_mm) / (high_mm - low_mm) : 1;
-    const std::vector<Point> corners = clipped(view, piece.corners_mm);
-    if (corners.empty()) continue;
-    polygon(view, corners,
-            from_above ? between(k_low, k_high, share) : k_high.with_opacity(k_see_through));
+    FlatPiece shown = piece;
+    if (piece.radius_mm == 0) shown.corners_mm = clipped(view, piece.corners_mm);
+    if (piece.radius_mm == 0 && shown.corners_mm.empty()) continue;
+    fill(view, shown,
+         from_above ? between(k_low, k_high, share) : k_high.with_opacity(k_see_through));
     // Triangles are parts of a larger surface; other pieces are things of their own.
-    if (piece.corners_mm.size() == 3) continue;
-    std::vector<Point> edges;
-    for (const Point& corner : corners)
-      edges.push_back(view.at(corner));
-    line(closed(std::move(edges)), plot::palette::k_grey, 0.8);
+    if (piece.corners_mm.size() != 3) edge(view, shown, plot::palette::k_grey, 0.8);
   }
 }
 
@@ -315,14 +313,11 @@ void ScenePainter::wanted(const SceneView& view, const scene::Part& part) {
     return;
   }
   for (const FlatPiece& piece : flat_pieces(scene_, part, {}, view.seen, {})) {
-    if (!is_of_one) {
-      polygon(view, piece.corners_mm, k_tint);
-      continue;
+    if (is_of_one) {
+      edge(view, piece, k_ring, 1.4);
+    } else {
+      fill(view, piece, k_tint);
     }
-    std::vector<Point> edges;
-    for (const Point& corner : piece.corners_mm)
-      edges.push_back(view.at(corner));
-    line(closed(std::move(edges)), k_ring, 1.4);
   }
 }
 
@@ -362,58 +357,70 @@ void ScenePainter::way(const SceneView& view, const motion::Path& path) {
 void ScenePainter::outlines(const SceneView& view, std::uint32_t number, const motion::Pose& pose,
                             const Color& color) {
   for (const scene::Part& part : parts_of(scene_.parts, number)) {
-    if (part.shape == scene::Shape::sphere) {
-      const Vec3 centre_m = pose.centre_m + math::rotated(pose.orientation, part.position_m);
-      panel_.series.push_back(
-          plot::Disc{.center = view.at(projected_mm(centre_m, view.seen)),
-                     .radius_x = 0.5 * k_mm_per_m * part.size_m.x() * view.px_per_mm,
-                     .color = color,
-                     .filled = false});
-    }
-    for (const FlatPiece& piece : flat_pieces(scene_, part, pose, view.seen, {})) {
-      std::vector<Point> edges;
-      for (const Point& corner : piece.corners_mm)
-        edges.push_back(view.at(corner));
-      line(closed(std::move(edges)), color, 1);
-    }
+    for (const FlatPiece& piece : flat_pieces(scene_, part, pose, view.seen, {}))
+      edge(view, piece, color, 1);
   }
 }
 
 void ScenePainter::body(const SceneView& view, std::uint32_t number, const motion::Pose& pose) {
   const Color color = color_of(number);
   for (const scene::Part& part : parts_of(scene_.parts, number)) {
-    if (part.shape == scene::Shape::sphere) {
-      const Vec3 centre_m = pose.centre_m + math::rotated(pose.orientation, part.position_m);
-      const Point centre = view.at(projected_mm(centre_m, view.seen));
-      const double radius_px = 0.5 * k_mm_per_m * part.size_m.x() * view.px_per_mm;
-      panel_.series.push_back(plot::Disc{.center = centre, .radius_x = radius_px, .color = color});
-      panel_.series.push_back(plot::Disc{
-          .center = centre, .radius_x = radius_px, .color = plot::palette::k_ink, .filled = false});
-      if (scene_.bodies() == 1) continue;
-      // People count from one.
-      const std::string words = std::to_string(number + 1);
-      const double size_px = radius_px * (words.size() < 3 ? 1.1 : 0.8);
-      if (size_px < k_number_px_min) continue;
-      panel_.series.push_back(plot::Text{.at = centre,
-                                         .text = words,
-                                         .anchor = plot::Anchor::middle,
-                                         .color = on_top_of(color),
-                                         .size_px = std::min(size_px, 22.0),
-                                         .inside = true});
-    }
-    const std::uint32_t up = part.shape == scene::Shape::die
-                                 ? upper_face(math::composed(pose.orientation, part.orientation))
-                                 : 0;
+    const std::uint32_t up =
+        part.shape == scene::Shape::die
+            ? shapes::upper_face(math::composed(pose.orientation, part.orientation))
+            : 0;
     for (const FlatPiece& piece : flat_pieces(scene_, part, pose, view.seen, {})) {
-      polygon(view, piece.corners_mm, piece.face == up ? k_ivory : k_shaded);
+      if (piece.radius_mm > 0) {
+        fill(view, piece, color);
+        edge(view, piece, plot::palette::k_ink, 1);
+        number_on(view, piece, number);
+        continue;
+      }
+      fill(view, piece, piece.face == up ? k_ivory : k_shaded);
       for (const auto& pip : piece.pips_mm)
         polygon(view, pip, plot::palette::k_ink);
-      std::vector<Point> edges;
-      for (const Point& corner : piece.corners_mm)
-        edges.push_back(view.at(corner));
-      line(closed(std::move(edges)), color, 1.6);
+      edge(view, piece, color, 1.6);
     }
   }
+}
+
+void ScenePainter::fill(const SceneView& view, const FlatPiece& piece, const Color& color) {
+  if (piece.radius_mm > 0) {
+    panel_.series.push_back(plot::Disc{.center = view.at(piece.middle_mm),
+                                       .radius_x = piece.radius_mm * view.px_per_mm,
+                                       .color = color});
+  } else {
+    polygon(view, piece.corners_mm, color);
+  }
+}
+
+void ScenePainter::edge(const SceneView& view, const FlatPiece& piece, const Color& color,
+                        double width_px) {
+  if (piece.radius_mm > 0) {
+    panel_.series.push_back(plot::Disc{.center = view.at(piece.middle_mm),
+                                       .radius_x = piece.radius_mm * view.px_per_mm,
+                                       .color = color,
+                                       .filled = false});
+    return;
+  }
+  std::vector<Point> edges;
+  for (const Point& corner : piece.corners_mm)
+    edges.push_back(view.at(corner));
+  line(closed(std::move(edges)), color, width_px);
+}
+
+/// Bodies are told apart by numbers, from one on, where these can be read.
+void ScenePainter::number_on(const SceneView& view, const FlatPiece& piece, std::uint32_t number) {
+  if (scene_.bodies() == 1) return;
+  const std::string words = std::to_string(number + 1);
+  const double size_px = piece.radius_mm * view.px_per_mm * (words.size() < 3 ? 1.1 : 0.8);
+  if (size_px < k_number_px_min) return;
+  panel_.series.push_back(plot::Text{.at = view.at(piece.middle_mm),
+                                     .text = words,
+                                     .anchor = plot::Anchor::middle,
+                                     .color = on_top_of(color_of(number)),
+                                     .size_px = std::min(size_px, 22.0),
+                                     .inside = true});
 }
 
 void ScenePainter::instant(const SceneView& view, double since_s, double time_s) {

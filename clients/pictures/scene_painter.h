@@ -75,6 +75,10 @@ class ScenePainter {
   void outlines(const SceneView& view, std::uint32_t body, const motion::Pose& pose,
                 const plot::Color& color);
   void body(const SceneView& view, std::uint32_t body, const motion::Pose& pose);
+  void fill(const SceneView& view, const FlatPiece& piece, const plot::Color& color);
+  void edge(const SceneView& view, const FlatPiece& piece, const plot::Color& color,
+            double width_px);
+  void number_on(const SceneView& view, const FlatPiece& piece, std::uint32_t body);
   std::vector<plot::Point> clipped(const SceneView& view,
                                    std::vector<plot::Point> corners_mm) const;
   bool is_in(const SceneView& view, const plot::Point& place_mm) const;

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "clients/pictures/die_drawing.h"
 #include "clients/plot/figure.h"
 #include "common/motion/path.h"
 #include "common/scene/scene.h"
@@ -16,9 +15,17 @@ namespace sleight::pictures {
 
 inline constexpr double k_mm_per_m = 1000;
 
-/// One flat piece of a thing, its outline in order.
+/// Either way x goes to the right.
+enum class Seen {
+  from_above,  ///< y goes up
+  from_front   ///< from low y: z goes up
+};
+
+/// One flat piece of a thing: a polygon, or a disc.
 struct FlatPiece {
-  std::vector<plot::Point> corners_mm{};
+  std::vector<plot::Point> corners_mm{};  ///< in order; empty of a disc
+  plot::Point middle_mm{};
+  double radius_mm = 0;  ///< of a disc
   double depth_mm = 0;   ///< larger: nearer to the viewer
   double height_mm = 0;  ///< z of its middle
   /// Of a die: which face; 0 of other things.
@@ -27,11 +34,13 @@ struct FlatPiece {
 };
 
 /// Where a place is seen, and how near it is to the viewer.
+plot::Point projected(const math::Vec3& place, Seen seen);  ///< in the place's unit
 plot::Point projected_mm(const math::Vec3& place_m, Seen seen);
 double depth_mm(const math::Vec3& place_m, Seen seen);
 
-/// The pieces of a part that look towards the viewer; none of a sphere, ground or surface. `pose`:
-/// the body's, or none for what stands still. `offsets_m` move vertices of meshes.
+/// The pieces of a part that look towards the viewer, the furthest first: its facets, but a disc of
+/// a sphere. `pose`: the body's, or none for what stands still. `offsets_m` move vertices of
+/// meshes.
 std::vector<FlatPiece> flat_pieces(const scene::Scene& scene, const scene::Part& part,
                                    const motion::Pose& pose, Seen seen,
                                    std::span<const math::Vec3> offsets_m);
