@@ -9,9 +9,12 @@
 #include "worker/physics/collision/collision_rule.h"
 #include "worker/physics/collision/first_collision.h"
 #include "worker/physics/collision/sphere_search.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 
+/// Search margins: they change speed and, where two in touch collide late (SIMULATOR.md, "Where it
+/// falls short"), how late.
 /// Pieces are well apart when a guessed axis shows a gap above this part of the smaller one's
 /// radius; below, the true line of the closest points is worth its price.
 inline constexpr double k_well_apart = 0.02;
@@ -50,12 +53,7 @@ inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   return gains_mps2 > 0 ? left_mps / gains_mps2 : k_forever_s;
 }
 
-/// Two that touch are looked at again before any of their points can have come so much nearer along
-/// the normal, at the speed that it has now: whatever takes over from what touches now, a collision
-/// is late by no more.
-inline constexpr double k_touching_depth_m = 1e-6;
-
-/// When that is.
+/// When two that touch are to be looked at again (k_touching_depth_m).
 inline double comes_deeper_s(const MovingPiece& a, const MovingPiece& b, const Vec3& normal) {
   const auto turning_mps = [&](const MovingPiece& piece) {
     return math::norm(math::cross(piece.angular_velocity_radps, normal)) *

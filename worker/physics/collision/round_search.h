@@ -32,8 +32,6 @@
 
 namespace sleight::physics {
 
-inline constexpr double k_touching_s_max = 0x1p-16;  ///< 15 us
-
 /// As examine_pieces. REQUIRES: a or b is round.
 Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                        SeparationCache& cache, PieceContact& contact);

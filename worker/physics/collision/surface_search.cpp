@@ -7,6 +7,7 @@
 #include "worker/physics/collision/first_collision.h"
 #include "worker/physics/collision/surface_pace.h"
 #include "worker/physics/collision/surface_points.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 namespace {
@@ -14,8 +15,9 @@ namespace {
 using namespace surface_pace;
 using namespace surface_points;
 
-/// Parallelograms may miss closing by this part of their size.
+/// Parallelograms may miss closing by this part of their size, by rounding.
 constexpr double k_parallel = 1e-9;
+/// Search margins from here on: speed only.
 /// A part that is clear for this share of the time that others allow needn't be split; but when
 /// that is short, it is, as the collision is near.
 constexpr double k_long_enough = 0.7;
@@ -502,22 +504,23 @@ PieceContact contact_of(SplineSurface& surface, const BoxLattice& lattice, const
 void points_near(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
                  double near_m, const std::function<void(const Vec3&, const Vec3&)>& found) {
   constexpr double k_half_root = 0.70710678118654752;
-  constexpr std::array<std::array<double, 2>, k_outermost> k_ways{{{1, 0},
-                                                                   {k_half_root, k_half_root},
-                                                                   {0, 1},
-                                                                   {-k_half_root, k_half_root},
-                                                                   {-1, 0},
-                                                                   {-k_half_root, -k_half_root},
-                                                                   {0, -1},
-                                                                   {k_half_root, -k_half_root}}};
-  std::array<Above, k_outermost> outermost;
-  std::array<double, k_outermost> out_m;
+  constexpr std::array<std::array<double, 2>, k_surface_points_max> k_ways{
+      {{1, 0},
+       {k_half_root, k_half_root},
+       {0, 1},
+       {-k_half_root, k_half_root},
+       {-1, 0},
+       {-k_half_root, -k_half_root},
+       {0, -1},
+       {k_half_root, -k_half_root}}};
+  std::array<Above, k_surface_points_max> outermost;
+  std::array<double, k_surface_points_max> out_m;
   out_m.fill(-k_forever_s);
   const Vec3& centre_m = box.pose.position_m;
   const auto note = [&](const Above& point) {
     if (point.gap_m > near_m) return;
     const Vec3 arm_m = point.place_m - centre_m;
-    for (std::size_t k = 0; k < k_outermost; ++k) {
+    for (std::size_t k = 0; k < k_surface_points_max; ++k) {
       const double way_m = arm_m.x() * k_ways[k][0] + arm_m.y() * k_ways[k][1];
       if (way_m <= out_m[k]) continue;
       out_m[k] = way_m;
@@ -528,7 +531,7 @@ void points_near(SplineSurface& surface, const BoxLattice& lattice, const Moving
   visit_all_low(
       points, lattice, corners_of(points), bounds_around(surface, box, 0).bump_per_m,
       [&] { return near_m; }, note);
-  for (std::size_t k = 0; k < k_outermost; ++k) {
+  for (std::size_t k = 0; k < k_surface_points_max; ++k) {
     const auto same = [&](const Above& other) { return other.place_m == outermost[k].place_m; };
     if (out_m[k] == -k_forever_s || std::any_of(outermost.begin(), outermost.begin() + k, same))
       continue;

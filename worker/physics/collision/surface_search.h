@@ -66,7 +66,7 @@ struct BoxLattice {
 
 /// Those points of a box that are near a surface.
 struct NearPoints {
-  static constexpr std::size_t k_most = 32;
+  static constexpr std::size_t k_most = 32;   ///< if there are more, each look finds them again
   std::array<Vec3, k_most> own_m{};           ///< in the box's frame
   std::array<std::uint32_t, k_most> order{};  ///< of the lattice
   /// By point, ascending: it can't touch until some corner has come down by this share of its room.
@@ -98,8 +98,7 @@ Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, cons
                          Tick tick, NearPoints& near, PieceContact& contact);
 
 /// Calls found(point, normal of the surface) for points that are within near_m of the surface: of
-/// all the outermost ones, at most k_outermost.
-inline constexpr std::size_t k_outermost = 8;
+/// all the outermost ones, at most k_surface_points_max.
 void points_near(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box,
                  double near_m, const std::function<void(const Vec3&, const Vec3&)>& found);
 

@@ -337,10 +337,6 @@ void change_mode(At& at, BodyId body, bool rolled) {
 
 // ---- collisions ---------------------------------------------------------------------------------
 
-/// A body at rest bears blows that push it as hard as so many times its weight. It carries less in
-/// most heaps.
-inline constexpr double k_bears_gravities = 16;
-
 /// Whether a blow wakes a resting body: by itself, or as one of many that push it on and on, each
 /// of which it could take. As if all in the window were like this one.
 template <BodiesAtEvent At>

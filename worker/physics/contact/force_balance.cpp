@@ -6,6 +6,7 @@
 #include "common/base/check.h"
 #include "common/math/vector.h"
 #include "worker/physics/contact/resting.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 namespace {
@@ -14,9 +15,6 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-constexpr int k_rounds_max = 8192;
-/// After so many rounds it is judged whether the search gets anywhere.
-constexpr int k_rounds_judged = 64;
 /// What is added to the diagonal, of its size: bodies whose contacts leave some turn free.
 constexpr double k_ridge = 1e-9;
 
@@ -193,7 +191,7 @@ bool ForceBalance::holds(std::span<const HeldBody> bodies,
   on_plane_.assign(contacts.size(), Vec3::Zero());
   factor(bodies, contacts);
   double earlier = worst_missing(bodies, contacts);
-  for (int round = 1; round <= k_rounds_max; ++round) {
+  for (int round = 1; round <= k_held_rounds_max; ++round) {
     // On the plane: z - A^T (A A^T)^-1 (A z + w).
     apply(bodies, contacts, z_, rows_);
     for (std::size_t i = 0; i < size; ++i)
@@ -212,14 +210,14 @@ bool ForceBalance::holds(std::span<const HeldBody> bodies,
       in_cones_[c] = in_cone(contacts[c], Vec3(2 * on_plane_[c] - z_[c]));
       z_[c] += in_cones_[c] - on_plane_[c];
     }
-    if (round % 4 != 0 && round % k_rounds_judged != 0) continue;
+    if (round % 4 != 0 && round % k_held_rounds_judged != 0) continue;
     const double worst = worst_missing(bodies, contacts);
     if (worst <= k_balance_tolerance) return true;
-    if (round % k_rounds_judged != 0) continue;
+    if (round % k_held_rounds_judged != 0) continue;
     // Whether what is left would stay too much if it fell twice as fast as it does.
     const double fall = worst / earlier;
     double later = worst;
-    for (int i = 0; i < 2 * (k_rounds_max - round) / k_rounds_judged; ++i) {
+    for (int i = 0; i < 2 * (k_held_rounds_max - round) / k_held_rounds_judged; ++i) {
       if (later <= k_balance_tolerance) break;
       later *= fall;
     }

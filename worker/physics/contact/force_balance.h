@@ -27,9 +27,6 @@
 
 namespace sleight::physics {
 
-/// Of structures that come to rest, greater ones are not asked about.
-inline constexpr std::size_t k_held_together_max = 32;
-
 struct HeldBody {
   Vec3 weight_n = Vec3::Zero();
   double reach_m = 0;  ///< > 0; turns torques into forces

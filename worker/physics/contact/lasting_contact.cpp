@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "worker/physics/contact/resting.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/response/edge_motion.h"
 
 namespace sleight::physics {
@@ -27,14 +28,6 @@ Tick meets_border(const FrictionMap& map, const MapPath& path, Tick from, Tick e
 }
 
 namespace {
-
-/// A sphere that accelerates into a face by less than this doesn't press on it: over an hour, less
-/// than gravity in a tick.
-constexpr double k_press_mps2 = 1e-12;
-
-/// A sphere that is too slow to hop over an edge or a vertex rises so far above it, as a part of
-/// the height of its slowest bounces: in pieces, or straight on before it falls back.
-constexpr double k_rise_bounces = 0.5;
 
 /// When the centre leaves the region of a feature, by the segment's parabola.
 Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) {

@@ -16,22 +16,6 @@
 
 namespace sleight::physics {
 
-/// A sphere that has met another body stays on nothing for so many of its slowest bounces.
-inline constexpr double k_bounces_alone = 4;
-/// A body that collides often enough in so many of its slowest bounces is jammed.
-inline constexpr double k_jam_bounces = 5;
-/// Over an edge or a vertex it hops if it is faster than so many times its slowest bounces.
-inline constexpr double k_edge_speeds = 16;
-/// What a sphere that rolls leaves an edge or a resting body with, as a part of the separation
-/// speed: less than other bounces have, as it is paid from its rolling.
-inline constexpr double k_hop_share = 0.25;
-
-/// A slip is over when it is slower than this part of the slowest bounces.
-inline constexpr double k_stick_bounces = 0.1;
-/// Friction is asked for again no sooner than after so long: what is driven to a border from both
-/// sides, as a sphere that spins up a slope to where it is slippery, would meet it ever faster.
-inline constexpr TickCount k_border_ticks = 256;
-
 /// A tick so much later, at least the next one; k_never if that is beyond a simulation's end.
 Tick tick_after(Tick tick, double span_s);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/math/vector.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 namespace {
@@ -22,7 +23,7 @@ bool settles(const BodyOnPlane& body, const FreeFlight& now, const PlaneMotion& 
   return std::ranges::all_of(body.supports, [&](const PlaneSupport& support) {
     const Vec3 off = off_mps + cross(off_radps, support.arm_m);
     const double up = dot(off, body.normal);
-    return std::fabs(up) <= k_settles * bounce_mps &&
+    return std::fabs(up) <= k_settling_bounces * bounce_mps &&
            (!motion.on_line || norm(off - up * body.normal) <= bounce_mps);
   });
 }

@@ -13,17 +13,15 @@
 #include <span>
 
 #include "worker/physics/contact/lasting_contact.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/response/plane_motion.h"
 #include "worker/physics/shape/convex_polyhedron.h"
 
 namespace sleight::physics {
 
-/// A body stays only if what carries it bounces by no more than so many times the slowest bounces.
-inline constexpr double k_settles = 2;
-
 /// A point of a body that is so near to a plane may carry it: what such a bounce rises to.
 inline double near_plane_m(const SlowContacts& slow, const Vec3& gravity_mps2) {
-  return k_settles * k_settles * bounce_m(slow, gravity_mps2);
+  return k_settling_bounces * k_settling_bounces * bounce_m(slow, gravity_mps2);
 }
 
 /// How a body stays on a plane.

@@ -81,15 +81,13 @@ class RecentContacts {
     for (const Entry& entry : of_body_[body].entries) {
       if (entry.partner != partner) continue;
       // Half of the way to k_sink_m, but not by less than distances are good for.
-      const double left_m = std::max(entry.gap_m + k_sink_m, k_least_step_m);
+      const double left_m = std::max(entry.gap_m + k_sink_m, k_sink_step_m_min);
       return {.until = entry.tick + k_refractory, .touch_m = entry.gap_m - 0.5 * left_m};
     }
     return {};
   }
 
  private:
-  /// Rounding of distances at coordinates of some metres.
-  static constexpr double k_least_step_m = 2e-14;
   struct Ring {
     std::array<Entry, k_partners> entries;
   };

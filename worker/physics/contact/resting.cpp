@@ -4,33 +4,12 @@
 #include <cmath>
 
 #include "common/math/vector.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/motion/rotation_bounds.h"
 #include "worker/physics/response/tangent.h"
 
 namespace sleight::physics {
 namespace {
-
-/// A body wakes from a blow that would give it this many times the speed below which it rests: more
-/// than slow neighbours can.
-constexpr double k_wake_over_rest = 4;
-/// Slow bounces part at the least separation speed, or up to twice as fast.
-constexpr double k_slow_parting = 2;
-/// A body stands firmly if it would with its centre so far to any side, as a part of its reach: a
-/// cube that stands on an edge does not. More than balance may miss.
-constexpr double k_firm = 0.003;
-/// A body that stands, but not firmly, rests after so many rest times. The tilt of a cube on its
-/// edge grows e-fold in 0.97 sqrt(size / g), its moment about the edge over its weight: some
-/// 700-fold meanwhile where the rest time is 0.1 sqrt(size / g).
-constexpr TickCount k_patience = 64;
-/// A body that woke, or stays, is in its place as long as it has moved by less than this part of
-/// its reach.
-constexpr double k_in_place = 0.005;
-/// Sweeps over all pushes in the search for balance.
-constexpr int k_balance_sweeps_max = 400;
-/// After so many of them it is judged whether the search gets anywhere.
-constexpr int k_sweeps_judged = 8;
-/// Contacts of one partner closer together than this part of the arm count as one.
-constexpr double k_same_place = 0.05;
 
 /// A push: force, and torque over the reach.
 struct Wrench {
@@ -47,7 +26,8 @@ double product(const Wrench& a, const Wrench& b) {
 class Balance {
  public:
   Balance(std::span<const TouchRecord> contacts, double reach_m) : reach_m_(reach_m) {
-    for (const TouchRecord& touch : contacts.first(std::min(contacts.size(), k_contacts_max))) {
+    for (const TouchRecord& touch :
+         contacts.first(std::min(contacts.size(), k_touch_records_max))) {
       const Vec3 first = any_tangent(touch.normal);
       const Vec3 second = math::cross(touch.normal, first);
       for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
@@ -80,7 +60,7 @@ class Balance {
     for (int sweep = 0; sweep < k_balance_sweeps_max; ++sweep) {
       const double left = product(rest, rest);
       if (left < k_enough) return true;
-      if (sweep % k_sweeps_judged == 0 && sweep > 0) {
+      if (sweep % k_balance_sweeps_judged == 0 && sweep > 0) {
         if (is_hopeless(left, left / earlier, k_balance_sweeps_max - sweep)) return false;
         earlier = left;
       }
@@ -100,11 +80,10 @@ class Balance {
  private:
   /// The edges of a friction pyramid.
   static constexpr std::size_t k_edges = 4;
-  static constexpr std::size_t k_contacts_max = 16;
 
   /// Whether what is left would stay too much if it fell twice as fast as it does.
   static bool is_hopeless(double left, double fall, int sweeps_left) {
-    for (int i = 0; i < 2 * sweeps_left / k_sweeps_judged; ++i) {
+    for (int i = 0; i < 2 * sweeps_left / k_balance_sweeps_judged; ++i) {
       if (left < k_balance_tolerance * k_balance_tolerance) return false;
       left *= fall;
     }
@@ -112,9 +91,9 @@ class Balance {
   }
 
   double reach_m_;
-  std::array<Wrench, k_edges * k_contacts_max> pushes_;
-  std::array<double, k_edges * k_contacts_max> inverse_squares_;
-  std::array<double, k_edges * k_contacts_max> share_{};
+  std::array<Wrench, k_edges * k_touch_records_max> pushes_;
+  std::array<double, k_edges * k_touch_records_max> inverse_squares_;
+  std::array<double, k_edges * k_touch_records_max> share_{};
   std::size_t count_ = 0;
 };
 
@@ -194,8 +173,8 @@ Resting::Chosen Resting::supporting(const Log& log, Tick now) const {
   }
   // On those that push it up, if they suffice, so that what lies on it doesn't hold it; else with
   // the others.
-  std::array<TouchRecord, k_records> chosen;
-  std::array<std::size_t, k_records> places;
+  std::array<TouchRecord, k_touch_records_max> chosen;
+  std::array<std::size_t, k_touch_records_max> places;
   std::size_t before = 0;
   for (const bool any : {false, true}) {
     std::size_t count = 0;
@@ -260,8 +239,8 @@ void Resting::reset(std::size_t bodies, const SlowContacts& rule, TickCount jam_
   structure_.reserve(bodies);
   overloaded_.reserve(bodies);
   held_bodies_.reserve(together);
-  holding_.reserve(together * k_records);
-  balance_.reserve(together, together * k_records);
+  holding_.reserve(together * k_touch_records_max);
+  balance_.reserve(together, together * k_touch_records_max);
 }
 
 double Resting::wake_speed_mps() const {
@@ -280,9 +259,9 @@ void Resting::record(Log& log, const TouchRecord& touch) const {
       break;
     }
   }
-  if (place == k_records) {
+  if (place == k_touch_records_max) {
     place = 0;
-    for (std::size_t i = 1; i < k_records; ++i) {
+    for (std::size_t i = 1; i < k_touch_records_max; ++i) {
       if (log.records[i].tick < log.records[place].tick) place = i;
     }
   } else if (place == log.count) {

@@ -42,30 +42,14 @@
 
 #include "worker/physics/contact/force_balance.h"
 #include "worker/physics/event/event.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/scene/scene.h"
 
 namespace sleight::physics {
 
-/// A corner this close to what its body has just touched carries as well, as a part of the body's
-/// reach. A body that stands on three corners, two of which carry nearly all of it, lifts the third
-/// by some fifty times the height of a bounce, and would not be in balance for most of the time.
-inline constexpr double k_near_corner = 0.003;
-
-/// Balance may miss by this part of the weight.
-inline constexpr double k_balance_tolerance = 0.002;
-
-/// Of a set that isn't held, those that miss so much of what the worst of them misses don't rest.
-inline constexpr double k_misses_much = 0.5;
-
 /// A body's partner is static geometry.
 inline constexpr BodyId k_static_partner{UINT32_MAX};
-
-/// So many slow collisions without a fast one, in a few times that slow bounces take, stand for any
-/// rest time: a body that is jammed between others collides without time passing.
-inline constexpr std::uint32_t k_slow_collisions = 256;
-/// So many times as many stand for balance with others as well.
-inline constexpr std::uint32_t k_jams_anyhow = 16;
 
 /// One impact as a body felt it.
 struct TouchRecord {
@@ -111,9 +95,8 @@ class Resting {
   /// So many slow collisions as make a body jammed must come within a span.
   void reset(std::size_t bodies, const SlowContacts& rule, TickCount jam_span);
 
-  static constexpr std::size_t k_records = 16;
   struct Touches {
-    std::array<TouchRecord, k_records> records;
+    std::array<TouchRecord, k_touch_records_max> records;
     std::size_t count = 0;
   };
   /// What a body touched in the last rest_time_s.
@@ -192,8 +175,8 @@ class Resting {
   /// The bodies that rest on a body, in ascending order; they are no longer resting. Those that
   /// rest on them still do, until they leave their place.
   std::span<const BodyId> wake(BodyId body);
-  /// A body begins at rest, on some others; what may hold it. REQUIRES: k_records of either at
-  /// most.
+  /// A body begins at rest, on some others; what may hold it. REQUIRES: at most k_touch_records_max
+  /// of either.
   void lies(BodyId body, std::span<const TouchRecord> touches, std::span<const BodyId> supporters);
   /// A body woke without a blow, where it rested.
   void woke(BodyId body, Tick now, const Pose& pose);
@@ -220,8 +203,8 @@ class Resting {
     std::uint32_t slow_collisions = 0;
     std::uint32_t count = 0;  ///< of records
     std::uint32_t supporter_count = 0;
-    std::array<BodyId, k_records> supporters{};  ///< of a resting body
-    std::uint32_t held_count = 0;                ///< of contacts that may hold it
+    std::array<BodyId, k_touch_records_max> supporters{};  ///< of a resting body
+    std::uint32_t held_count = 0;                          ///< of contacts that may hold it
     bool rests = false;
     bool rests_anyhow = false;            ///< whatever balances it
     BodyId must_bear = k_static_partner;  ///< another body, while that touches it
@@ -237,8 +220,8 @@ class Resting {
     }
   };
   struct Log : Known {
-    std::array<TouchRecord, k_records> records;
-    std::array<TouchRecord, k_records> held;  ///< of a resting body
+    std::array<TouchRecord, k_touch_records_max> records;
+    std::array<TouchRecord, k_touch_records_max> held;  ///< of a resting body
     // Of the last decision in which the body was looked at.
     bool candidate = false;  ///< it may rest, as far as is known
     bool unheld = false;     ///< but for the balance of all

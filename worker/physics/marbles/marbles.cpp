@@ -9,13 +9,6 @@
 #include "common/base/check.h"
 
 namespace sleight::physics {
-namespace {
-
-/// What Counts::work() takes a decision about rest for.
-constexpr std::uint64_t k_rest_work = 4;
-
-}  // namespace
-
 bool are_marbles(const Scene& scene) {
   if (!scene.controls.empty() || scene.period_m != std::array<double, 3>{}) return false;
   if (!(scene.slow.separation_speed_mps > 0) || scene.bodies.empty()) return false;

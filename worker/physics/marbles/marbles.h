@@ -57,6 +57,7 @@
 #include "worker/physics/contact/recent_contacts.h"
 #include "worker/physics/contact/resting.h"
 #include "worker/physics/event/event.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/marbles/ball_boxes.h"
 #include "worker/physics/marbles/marble_history.h"
 #include "worker/physics/marbles/near_features.h"
@@ -110,7 +111,7 @@ class Marbles {
 
     std::uint64_t events() const { return static_collisions + collisions + modes + rest_decisions; }
     /// In events: a decision about rest may take as long as some.
-    std::uint64_t work() const { return events() + 3 * rest_decisions; }
+    std::uint64_t work() const { return events() + (k_rest_work - 1) * rest_decisions; }
   };
 
   /// Begins before everything. Borrows the scene, and what is near, until the next start.

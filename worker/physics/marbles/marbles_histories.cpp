@@ -3,13 +3,14 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/marbles/marbles.h"
 
 namespace sleight::physics {
 namespace {
 
 /// Checkpoints of a ball, start included. Balls that lean on each other meet thousands of times,
-/// and a simulation rarely goes on from there.
+/// and a simulation rarely goes on from there. Speed only, as the next two.
 constexpr std::size_t k_checkpoints_max = 48;
 
 /// A ball that meets no other has a checkpoint after so many events, since going on repeats all
@@ -102,7 +103,7 @@ MarbleHistories Marbles::histories() const {
     }
     if (!balls_[ball].started) continue;
     auto history = std::make_shared<MarbleHistory>();
-    history->touches.reserve(kept_[ball].touches.size() + 2 * Resting::k_records);
+    history->touches.reserve(kept_[ball].touches.size() + 2 * k_touch_records_max);
     history->met.reserve(kept_[ball].met.size() + RecentContacts::k_partners);
     *history = kept_[ball];
     history->last = checkpoint_in(*history, ball, last_event_[ball]);

@@ -5,6 +5,7 @@
 
 #include "common/math/elementary.h"
 #include "common/math/vector.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 namespace {

@@ -26,9 +26,6 @@ struct Segment {
   MotionMode mode = MotionMode::free;
 };
 
-/// What is no sphere turns unevenly on static geometry for so long at most in one segment (0.25 s).
-inline constexpr TickCount k_turning_contact_span = TickCount{1} << 28;
-
 /// Whether a body stays on static geometry.
 inline bool in_contact(const Segment& segment) {
   return segment.mode == MotionMode::sliding || segment.mode == MotionMode::rolling;

@@ -36,6 +36,7 @@
 #include <limits>
 #include <span>
 
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/motion/rigid_body.h"
 
 namespace sleight::physics {
@@ -46,13 +47,6 @@ struct LastingContact {
   double friction = 0;          ///< mu
   double rolling_friction = 0;  ///< c
 };
-
-/// A slip slower than this is over, if nothing else is said. Slides end at a whole tick, some 1e-8
-/// m/s after it was 0.
-inline constexpr double k_stick_mps = 1e-6;
-
-/// A direction of slip is held as long as the slip errs by less than this, if nothing else is said.
-inline constexpr double k_slip_error_mps = 1e-5;
 
 struct RoundBody {
   double radius_m = 0;
@@ -77,12 +71,6 @@ struct ContactMotion {
   /// Then the accelerations change, and the motion is to be asked for again.
   double lasts_s = std::numeric_limits<double>::infinity();
 };
-
-/// Two faces whose normals have a sine below this, or a cosine below that, are no valley: the one
-/// is too flat to say along which line it runs, the other a slit of less than 0.8 degrees, which
-/// presses on a sphere with more than seventy times its weight.
-inline constexpr double k_valley_sine_min = 1e-3;
-inline constexpr double k_valley_cosine_min = -0.9999;
 
 /// Whether a sphere can stay on both.
 bool is_valley(const Vec3& normal_a, const Vec3& normal_b);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/math/vector.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 namespace {
@@ -11,19 +12,6 @@ namespace {
 using math::cross;
 using math::dot;
 using math::norm;
-
-/// Sine of half of a piece's angle: beyond that the plane half way is no longer like the cylinder.
-constexpr double k_sine_max = 0.2;
-/// A shorter piece is not worth an event, as part of the distance from the edge.
-constexpr double k_sine_min = 1e-4;
-/// Of the most that a piece may take, to begin with.
-constexpr double k_first_guess = 0.85;
-/// How often a piece that turns out to be too long is made shorter.
-constexpr int k_tries = 4;
-/// Of the square of its speed, what a piece may turn outwards.
-constexpr double k_turned_max = 0.25;
-/// A piece that would end shortly before a sphere turns back ends so much before.
-constexpr double k_before_turn = 0.4;
 
 /// The cube root of x in [0, 1], a little too large: Newton's method from above.
 double cube_root_above(double x) {
@@ -170,7 +158,8 @@ Attempt attempt_on(const HalfWay& plane, double distance_m, double rise_max_m) {
   double first_square = cosine * cosine * v * v;
   if (a > 0) first_square -= sine * sine * gained;
   const double last_square = first_square + gained;
-  if (!(first_square >= (1 - k_turned_max) * v * v) || !(last_square > 0)) return {.shorter = 0.5};
+  if (!(first_square >= (1 - k_edge_piece_turned_max) * v * v) || !(last_square > 0))
+    return {.shorter = 0.5};
   const double first_mps = std::sqrt(first_square);
   const double last_mps = std::sqrt(last_square);
   const double lasts_s = 2 * chord_m / (first_mps + last_mps);
@@ -231,9 +220,9 @@ std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact&
       rolls ? std::fabs(rolling_mps2) : std::fabs(pull_mps2) + contact.friction * load_mps2;
   // The rise is some a h T^2 / 4, with T = 2 D h / v, and a grows with h.
   const double scaled_mps2 = rise_max_m * speed_mps * speed_mps / (distance_m * distance_m);
-  double sine = k_sine_max;
+  double sine = k_edge_piece_sine_max;
   if (scaled_mps2 < most_mps2 * sine * sine * sine) sine = cube_root_above(scaled_mps2 / most_mps2);
-  sine = k_first_guess *
+  sine = k_edge_piece_first *
          std::min(sine, std::sqrt(std::sqrt(scaled_mps2 * (1 + body.gyration) / load_mps2)));
   if (rolls && rolling_mps2 < 0) {
     const double way_m = 0.5 * speed_mps * speed_mps / -rolling_mps2;
@@ -241,9 +230,9 @@ std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact&
       const HalfWay plane = half_way_of(rider, 0, gravity_mps2);
       return plane.motion.pressed != 0 ? there_and_back(plane) : std::nullopt;
     }
-    sine = std::min(sine, k_before_turn * way_m / distance_m);
+    sine = std::min(sine, k_edge_piece_before_turn * way_m / distance_m);
   }
-  for (int tries = 0; tries < k_tries && sine >= k_sine_min; ++tries) {
+  for (int tries = 0; tries < k_edge_piece_tries_max && sine >= k_edge_piece_sine_min; ++tries) {
     const HalfWay plane = half_way_of(rider, sine, gravity_mps2);
     if (plane.motion.pressed == 0) return std::nullopt;
     Attempt attempt = attempt_on(plane, distance_m, rise_max_m);

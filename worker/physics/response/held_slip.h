@@ -8,21 +8,10 @@
 
 #include "common/math/vector.h"
 #include "worker/physics/event/tick.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/motion/rigid_body.h"
 
 namespace sleight::physics {
-
-/// By how much the direction of a slip may turn, in radians, before the motion is asked for again:
-/// at least so much,
-inline constexpr double k_turn = 1.0 / 32;
-/// and up to so much as long as it errs by less than an error allowed or, if that is more, by a
-/// 1024th of the slip.
-inline constexpr double k_turn_max = 0.5;
-/// It is asked for again after so many times the time in which friction alone would stop the slip:
-/// a direction held for longer would swing about the one in which the slip becomes steady.
-inline constexpr double k_stops = 4;
-/// A slip that would turn by less than this until it ends is straight.
-inline constexpr double k_straight = 1e-9;
 
 struct HeldSlip {
   Vec3 direction = Vec3::Zero();
@@ -39,18 +28,19 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, doub
   const double forward = math::dot(pull, direction);
   const double across = math::norm(pull - forward * direction);
   const double stop_s = forward < brake ? speed / (brake - forward) : k_forever_s;
-  if (across == 0 || across * stop_s <= k_straight * speed ||
-      (forward > 0 && across <= k_straight * forward))
+  if (across == 0 || across * stop_s <= k_slip_straight * speed ||
+      (forward > 0 && across <= k_slip_straight * forward))
     return {direction, stop_s};
   // Half way the direction is right, so a turn does wrong what friction does meanwhile, times its
   // square. In `stops` times its stopping time friction does so many times the slip; in the time
   // that the turn takes, at most brake / across times the slip. Whichever allows more.
   const auto span_of = [&](double turn_squared, double stops) {
-    const double turn = std::clamp(std::sqrt(turn_squared), k_turn, k_turn_max);
+    const double turn = std::clamp(std::sqrt(turn_squared), k_slip_turn_rad, k_slip_turn_rad_max);
     return std::min({turn * speed / across, stops * speed / brake, stop_s});
   };
-  const double allowed = std::max(error_mps, k_turn * k_turn * speed) / speed;
-  const double span_s = std::max(span_of(allowed, 1), span_of(allowed * across / brake, k_stops));
+  const double allowed = std::max(error_mps, k_slip_turn_rad * k_slip_turn_rad * speed) / speed;
+  const double span_s =
+      std::max(span_of(allowed, 1), span_of(allowed * across / brake, k_slip_stops));
   return {math::normalized(slip + (0.5 * span_s) * pull), span_s};
 }
 

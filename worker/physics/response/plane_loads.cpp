@@ -4,20 +4,14 @@
 #include <cmath>
 
 #include "common/math/vector.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/response/linear_system.h"
 #include "worker/physics/response/tangent.h"
 
 namespace sleight::physics {
-namespace {
-
 using math::cross;
 using math::dot;
 using math::norm;
-
-/// A load may pull by so much of the weight, by rounding.
-constexpr double k_pulls = 1e-12;
-
-}  // namespace
 
 LyingBody::LyingBody(const BodyOnPlane& body, double load_mps2)
     : body_(body),
@@ -93,9 +87,9 @@ std::optional<LyingBody::Rates> LyingBody::rates(const Directions& slip, double 
         worst = k;
       }
     }
-    if (!(least < -k_pulls)) {
+    if (!(least < -k_load_rounding)) {
       // Not negated: nor is it carried by what isn't a number.
-      if (!(least >= -k_pulls)) return std::nullopt;
+      if (!(least >= -k_load_rounding)) return std::nullopt;
       Vec3 push = Vec3::Zero();
       double turning = 0;
       for (std::size_t k = 0; k < left; ++k) {

@@ -8,6 +8,7 @@
 #include "common/math/elementary.h"
 #include "common/math/vector.h"
 #include "worker/physics/event/tick.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/response/held_slip.h"
 #include "worker/physics/response/plane_loads.h"
 #include "worker/physics/response/plane_rolling.h"
@@ -18,22 +19,6 @@ namespace {
 using math::cross;
 using math::dot;
 using math::norm;
-
-/// The shortest piece in which a slip may turn.
-constexpr double k_piece_s = 0x1p-11;
-/// Where one support hardly slips while others do: its friction is uncertain for so long.
-constexpr double k_uncertain_s = 0x1p-10;
-/// The longest piece in which slips turn.
-constexpr double k_longest_piece_s = 0x1p-7;
-/// A piece in which friction would do work is halved at most so often.
-constexpr int k_halvings_max = 2;
-/// Of the load: an acceleration that is only rounding.
-constexpr double k_nothing = 1e-12;
-/// Friction is less where a slip is slower than this part of one that is over: a support that
-/// sticks while others slip would swing. Where all are as slow, the body sticks.
-constexpr double k_full_friction = 0.25;
-/// Of the slip that is over: a spin that moves no support faster doesn't count.
-constexpr double k_no_spin = 0.01;
 
 /// A vector along the plane, turned about the normal.
 Vec3 turned_about(const Vec3& n, const Vec3& v, const math::SinCos& angle) {
@@ -49,7 +34,8 @@ class Slide {
     velocity_mps_ = twist.velocity_mps - dot(twist.velocity_mps, n) * n;
     spin_radps_ = dot(n, math::product(body.inertia_kgm2, twist.angular_velocity_radps)) /
                   lying_.spin_inertia_kgm2();
-    if (std::fabs(spin_radps_) * lying_.radius_m() <= k_no_spin * body.stick_mps) spin_radps_ = 0;
+    if (std::fabs(spin_radps_) * lying_.radius_m() <= k_no_spin_slip * body.stick_mps)
+      spin_radps_ = 0;
     for (const PlaneSupport& support : body.supports)
       frictionless_ = frictionless_ && support.friction == 0;
   }
@@ -77,7 +63,7 @@ class Slide {
     Directions all;
     for (std::size_t i = 0; i < body_.supports.size(); ++i) {
       const Vec3 slip = lying_.slip_mps(i, velocity_mps, spin_radps);
-      all[i] = slip / std::max(norm(slip), k_full_friction * body_.stick_mps);
+      all[i] = slip / std::max(norm(slip), k_full_friction_slip * body_.stick_mps);
     }
     return all;
   }
@@ -94,7 +80,7 @@ class Slide {
 
   /// Without rounding that would make what slides straight turn.
   double turning(const Rates& rates) const {
-    return std::fabs(rates.spin_radps2) * lying_.radius_m() <= k_nothing * load_mps2_
+    return std::fabs(rates.spin_radps2) * lying_.radius_m() <= k_load_rounding * load_mps2_
                ? 0
                : rates.spin_radps2;
   }
@@ -136,10 +122,11 @@ class Slide {
 
   /// What turns on the spot without a force on its centre: no slip turns, seen from the body.
   std::optional<PlaneMotion> only_spins() {
-    if (norm(velocity_mps_) > body_.stick_mps || norm(pull_mps2_) > k_nothing * load_mps2_)
+    if (norm(velocity_mps_) > body_.stick_mps || norm(pull_mps2_) > k_load_rounding * load_mps2_)
       return std::nullopt;
     const auto rates = lying_.rates(directions(Vec3::Zero(), spin_radps_), spin_radps_);
-    if (!rates || norm(rates->acceleration_mps2) > k_nothing * load_mps2_) return std::nullopt;
+    if (!rates || norm(rates->acceleration_mps2) > k_load_rounding * load_mps2_)
+      return std::nullopt;
     velocity_mps_ = Vec3::Zero();
     const bool brakes = rates->spin_radps2 * spin_radps_ < 0;
     return moving(Vec3::Zero(), rates->spin_radps2,
@@ -159,7 +146,7 @@ class Slide {
       const double speed_mps = norm(slip);
       if (speed_mps <= body_.stick_mps) {
         span.straight = false;
-        span.lasts_s = std::min(span.lasts_s, k_uncertain_s);
+        span.lasts_s = std::min(span.lasts_s, k_slip_uncertain_s);
         continue;
       }
       const Vec3 direction = slip / speed_mps;
@@ -169,11 +156,12 @@ class Slide {
       const double along = dot(rate, direction);
       const double across = norm(rate - along * direction);
       double stop_s = along < 0 ? speed_mps / -along : k_forever_s;
-      if (across > k_nothing * load_mps2_) {
+      if (across > k_load_rounding * load_mps2_) {
         span.straight = false;
         // What turns it must not be much of the slip before it is over.
         if (across * stop_s > body_.stick_mps) stop_s *= 0.5;
-        span.lasts_s = std::min(span.lasts_s, std::max(k_turn * speed_mps / across, k_piece_s));
+        span.lasts_s = std::min(
+            span.lasts_s, std::max(k_slip_turn_rad * speed_mps / across, k_slide_piece_s_min));
       }
       span.lasts_s = std::min(span.lasts_s, stop_s);
     }
@@ -187,8 +175,8 @@ class Slide {
     Span span = span_of(*now);
     if (span.straight && spin_radps_ == 0 && turning(*now) == 0)
       return moving(rate_mps2, 0, span.lasts_s);
-    span.lasts_s = std::min(span.lasts_s, k_longest_piece_s);
-    for (int halving = 0; halving <= k_halvings_max; ++halving) {
+    span.lasts_s = std::min(span.lasts_s, k_slide_piece_s_max);
+    for (int halving = 0; halving <= k_slide_halvings_max; ++halving) {
       // Half way, seen from a frame that has turned with the body.
       const double half_s = 0.5 * span.lasts_s;
       const double spin_radps = spin_radps_ + half_s * now->spin_radps2;

@@ -36,6 +36,7 @@
 #include <limits>
 #include <span>
 
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/motion/segment.h"
 
@@ -45,7 +46,6 @@ struct PlaneSupport {
   Vec3 arm_m = Vec3::Zero();  ///< from the body's centre
   double friction = 0;        ///< mu
 };
-inline constexpr std::size_t k_plane_supports_max = 64;
 
 /// A body in the pose in which it lies.
 struct BodyOnPlane {

@@ -7,6 +7,7 @@
 #include "common/math/elementary.h"
 #include "common/math/vector.h"
 #include "worker/physics/event/tick.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/response/contact_motion.h"
 
 namespace sleight::physics {
@@ -15,19 +16,6 @@ namespace {
 using math::cross;
 using math::dot;
 using math::norm;
-
-/// An axis that is nearer to the normal than this sine has no line.
-constexpr double k_lies = 0.1;
-/// Supports lie on a line if they are within this part of their distance from the centre.
-constexpr double k_on_line = 1e-6;
-/// An axis that rises by less than this along the line is level: what lies there is a cylinder.
-constexpr double k_level = 1e-3;
-/// Of the load: a pull that is only rounding.
-constexpr double k_negligible = 1e-9;
-/// A piece of the circle of what rolls as a cone. It takes longer than it would by a 12th of its
-/// square, 8e-5; so the axis keeps up with the line about which it rolls, and its inclination, to
-/// 1e-9 rad in a piece (64 times as much in one of twice the angle).
-constexpr double k_circle_rad = 1.0 / 32;
 
 bool carries(const ContactLine& line, double place_m) {
   return place_m >= line.least_m && place_m <= line.most_m;
@@ -55,7 +43,7 @@ PlaneMotion cylinder_motion(const BodyOnPlane& body, const ContactLine& line, co
   const Vec3 friction_mps2 =
       motion.acceleration_mps2 - (pull_mps2 + load_mps2 * body.normal) - along_mps2 * line.along;
   const bool holds = motion.rolls && norm(friction_mps2) <= line.friction * load_mps2;
-  if (!holds && std::fabs(along_mps2) > k_negligible * load_mps2) return {};
+  if (!holds && std::fabs(along_mps2) > k_level_pull * load_mps2) return {};
   PlaneMotion result{
       .carried = true,
       .brakes = !motion.rolls && line.friction > 0,
@@ -69,7 +57,7 @@ PlaneMotion cylinder_motion(const BodyOnPlane& body, const ContactLine& line, co
           dot(motion.angular_acceleration_radps2, line.along) * body.axis,
       .lasts_s = motion.lasts_s};
   if (motion.rolls && norm(result.start.velocity_mps) <= body.stick_mps &&
-      norm(result.acceleration_mps2) <= k_negligible * load_mps2) {
+      norm(result.acceleration_mps2) <= k_level_pull * load_mps2) {
     result.stands = true;
     result.start = {};
     result.acceleration_mps2 = result.angular_acceleration_radps2 = Vec3::Zero();
@@ -83,7 +71,7 @@ PlaneMotion cone_motion(const BodyOnPlane& body, const ContactLine& line, const 
                         const Vec3& gravity_mps2) {
   const Vec3& n = body.normal;
   const double load_mps2 = -dot(gravity_mps2, n);
-  if (norm(gravity_mps2 + load_mps2 * n) > k_negligible * load_mps2 || line.friction == 0)
+  if (norm(gravity_mps2 + load_mps2 * n) > k_level_pull * load_mps2 || line.friction == 0)
     return {};
   // Rolling at a rate w, the centre moves with -w depth across.
   const Vec3 momentum_of_turn = math::product(body.inertia_kgm2, line.along);
@@ -95,9 +83,9 @@ PlaneMotion cone_motion(const BodyOnPlane& body, const ContactLine& line, const 
   PlaneMotion result{.carried = true, .on_line = true, .mode = MotionMode::rolling};
   // A piece is a part of the circle. What is interpolated is less than what it is at the ends, in
   // the mean by a 12th of the square.
-  constexpr double k_mean = 1 - k_circle_rad * k_circle_rad / 12;
+  constexpr double k_mean = 1 - k_cone_piece_rad * k_cone_piece_rad / 12;
   const double circles = -dot(body.axis, n) / dot(body.axis, line.along);
-  const double lasts_s = k_circle_rad / (k_mean * std::fabs(circles * rate_radps));
+  const double lasts_s = k_cone_piece_rad / (k_mean * std::fabs(circles * rate_radps));
   // Rolling resistance takes its part of the rate at once, or the axis would not keep up.
   const double brake_radps2 =
       body.rolling_friction * body.mass_kg * load_mps2 * line.depth_m / whole;
@@ -133,14 +121,14 @@ std::optional<ContactLine> line_of(const BodyOnPlane& body) {
   const Vec3& n = body.normal;
   const Vec3 level = body.axis - dot(body.axis, n) * n;
   const double lies = norm(level);
-  if (!(lies > k_lies)) return std::nullopt;
+  if (!(lies > k_line_sine_min)) return std::nullopt;
   ContactLine line{.along = level / lies};
   line.across = cross(n, line.along);
   line.least_m = line.friction = std::numeric_limits<double>::infinity();
   line.most_m = -std::numeric_limits<double>::infinity();
   for (const PlaneSupport& support : body.supports) {
     const Vec3& arm_m = support.arm_m;
-    if (std::fabs(dot(line.across, arm_m)) > k_on_line * norm(arm_m)) return std::nullopt;
+    if (std::fabs(dot(line.across, arm_m)) > k_line_width * norm(arm_m)) return std::nullopt;
     const double place_m = dot(line.along, arm_m);
     line.least_m = std::min(line.least_m, place_m);
     line.most_m = std::max(line.most_m, place_m);
@@ -153,7 +141,7 @@ std::optional<ContactLine> line_of(const BodyOnPlane& body) {
 
 PlaneMotion rolling_motion(const BodyOnPlane& body, const ContactLine& line, const Twist& twist,
                            const Vec3& gravity_mps2) {
-  return std::fabs(dot(body.axis, body.normal)) < k_level
+  return std::fabs(dot(body.axis, body.normal)) < k_cylinder_rise_max
              ? cylinder_motion(body, line, twist, gravity_mps2)
              : cone_motion(body, line, twist, gravity_mps2);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/math/vector.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/response/held_slip.h"
 #include "worker/physics/response/linear_system.h"
 
@@ -14,16 +15,6 @@ namespace {
 using math::cross;
 using math::dot;
 using math::norm;
-
-/// Relative rounding error that a sum of products may have.
-constexpr double k_friction_rounding = 1e-12;
-/// How long a contact that begins to slip does so in a direction that is not quite its own.
-constexpr double k_begin_s = 1e-4;
-/// Rounds in which that direction is sought, and how well it is found.
-constexpr int k_begin_rounds = 40;
-constexpr double k_begin_off = 1e-12;
-/// Rounds over both contacts, where each turns the other's direction.
-constexpr int k_both_rounds = 8;
 
 /// Acceleration of a sphere that rolls along a line: `pull` less a resistance of at most `most`. A
 /// sphere that stands still stays so if the resistance can hold it.
@@ -112,8 +103,7 @@ class Valley {
     // Both contacts take the same share of the friction: else the spin would leave the rolling one.
     const double friction = 0.5 * (a - pull);
     for (std::size_t i = 0; i < 2; ++i) {
-      if (std::fabs(friction) <= contacts_[i].friction * loads[i] * (1 + k_friction_rounding))
-        continue;
+      if (std::fabs(friction) <= contacts_[i].friction * loads[i] * (1 + k_load_rounding)) continue;
       slips_[i] = true;
       direction_[i] = -std::copysign(1.0, friction) * line_;
       begins_[i] = true;
@@ -245,14 +235,14 @@ class Valley {
   /// The direction in which a slip begins is the one in which friction against it lets it grow.
   /// False if it isn't found.
   bool settle_begin(std::size_t i) {
-    for (int round = 0; round < k_begin_rounds; ++round) {
+    for (int round = 0; round < k_slip_begin_rounds; ++round) {
       const Vec3 rate = slip_rate(i);
       if (!(norm(rate) > 0)) return false;
       const Vec3 direction = math::normalized(rate);
       const double off = norm(direction - direction_[i]);
       direction_[i] = direction;
       if (!forces()) return false;
-      if (off < k_begin_off) return true;
+      if (off < k_slip_begin_off) return true;
     }
     return false;
   }
@@ -268,7 +258,7 @@ class Valley {
   /// stick at the end.
   double short_while_s(std::size_t i) const {
     const double rate = norm(slip_rate(i));
-    return std::max(k_begin_s, rate > 0 ? 2 * body_.stick_mps / rate : 0);
+    return std::max(k_slip_begin_s, rate > 0 ? 2 * body_.stick_mps / rate : 0);
   }
 
   /// Sets each slip's direction to the one it will have half way, and how long the motion holds.
@@ -276,7 +266,7 @@ class Valley {
     double lasts_s = k_forever_s;
     std::array<bool, 2> settled{};
     // Each turns the other's.
-    for (int round = 0; round < k_both_rounds && (begins_[0] || begins_[1]); ++round) {
+    for (int round = 0; round < k_slip_both_rounds && (begins_[0] || begins_[1]); ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (begins_[i]) settled[i] = settle_begin(i);
         if (motion_.pressed != 3) return;

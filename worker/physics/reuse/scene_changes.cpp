@@ -7,6 +7,7 @@
 #include <span>
 
 #include "worker/physics/contact/resting.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/reuse/same_bits.h"
 #include "worker/physics/scene/static_regions.h"
 

@@ -11,11 +11,11 @@
 
 #include "common/math/vector.h"
 #include "worker/physics/collision/sphere_search.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 namespace {
 
-constexpr double k_coordinate_m_max = 1e6;
 constexpr double k_friction_max = 1e6;
 
 /// A coordinate that changes at a changing rate.

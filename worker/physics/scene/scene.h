@@ -59,14 +59,6 @@ struct BodyDescription {
   bool rests = false;
 };
 
-/// What starts at rest may be so far above what carries it, or overlap it by so much.
-inline constexpr double k_at_rest_gap_m = 1e-6;
-/// So many bodies that start at rest may hang together.
-inline constexpr std::size_t k_at_rest_together_max = 256;
-
-/// Draws of a start's place before the simulation fails.
-inline constexpr std::uint32_t k_start_attempts_max = 1000;
-
 /// All of space where dot(normal, x) < offset is solid.
 struct StaticPlane {
   std::string name;

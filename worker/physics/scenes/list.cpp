@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics::scenes {

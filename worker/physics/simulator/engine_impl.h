@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/simulator/engine.h"
 #include "worker/physics/simulator/engine_boxes.h"
 #include "worker/physics/simulator/engine_replay.h"

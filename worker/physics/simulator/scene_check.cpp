@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "worker/physics/collision/surface_search.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/scene/static_geometry.h"
 #include "worker/physics/simulator/simulation.h"
 
@@ -13,8 +14,7 @@ namespace {
 
 using Kind = SceneError::Kind;
 
-/// Sums of squares of coordinates beyond this lose the places that collisions need.
-constexpr double k_coordinate_m_max = 1e6;
+/// A scene that has more, or less, is refused.
 constexpr double k_speed_mps_max = 1e6;
 constexpr double k_spin_radps_max = 1e6;
 /// A tick of this adds 1e-5 m/s: contacts that last are still told from blows.

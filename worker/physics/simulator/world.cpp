@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "worker/physics/contact/lasting_contact.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 

@@ -15,6 +15,7 @@
 #include "common/math/vector.h"
 #include "worker/physics/collision/piece_corners.h"
 #include "worker/physics/contact/force_balance.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/simulator/engine_options.h"
 #include "worker/physics/simulator/world.h"
 
@@ -24,11 +25,7 @@ namespace {
 using math::dot;
 using math::norm;
 
-/// A force that leans to the side by more than this part of itself is one that both need.
-constexpr double k_thrust = 0.05;
-/// Of the weight: forces below this carry nothing.
-constexpr double k_carries = 1e-3;
-/// With so much friction only what would topple or fall isn't held.
+/// For an error's words: with so much friction only what would topple or fall isn't held.
 constexpr double k_rough = 1e3;
 /// Partners that an error names.
 constexpr std::size_t k_named = 4;
@@ -274,16 +271,16 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
     const double size_n = norm(force_n);
     const auto keep = [&](BodyId body, const TouchRecord& record, bool leans) {
       AtRest& at = at_rest_[body];
-      if (at.touches.size() < Resting::k_records) at.touches.push_back(record);
+      if (at.touches.size() < k_touch_records_max) at.touches.push_back(record);
       if (leans && record.partner != k_static_partner &&
-          at.supporters.size() < Resting::k_records &&
+          at.supporters.size() < k_touch_records_max &&
           std::ranges::find(at.supporters, record.partner) == at.supporters.end())
         at.supporters.push_back(record.partner);
     };
     const double weight_n = norm(held[contacts[c].body].weight_n);
-    const bool carries = size_n > k_carries * weight_n;
+    const bool carries = size_n > k_carries_share * weight_n;
     const double rises = dot(force_n, up);
-    const bool thrusts = norm(force_n - rises * up) > k_thrust * size_n;
+    const bool thrusts = norm(force_n - rises * up) > k_thrust_share * size_n;
     keep(touch.body, touch.record, carries && (thrusts || rises > 0));
     if (touch.record.partner == k_static_partner) continue;
     TouchRecord mirrored = touch.record;

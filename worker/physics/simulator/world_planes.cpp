@@ -5,16 +5,10 @@
 
 #include "worker/physics/collision/piece_corners.h"
 #include "worker/physics/contact/plane_stay.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/simulator/world.h"
 
 namespace sleight::physics {
-namespace {
-
-/// A body that stays on what is flat is no deeper than this in it.
-constexpr double k_sunk_m = 5e-7;
-
-}  // namespace
-
 World::PlaneSupports World::supports_on(BodyId body, StaticId met, const Flat& flat, Tick tick) {
   const double near_m = near_plane_m(scene().slow, scene().gravity_mps2);
   const Vec3 centre_m = bodies_.position_at(body, tick);

@@ -5,15 +5,12 @@
 
 #include "worker/physics/collision/piece_corners.h"
 #include "worker/physics/contact/contact_events.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/simulator/world.h"
 #include "worker/physics/simulator/world_at_event.h"
 
 namespace sleight::physics {
 namespace {
-
-/// Corners near a touch (k_near_corner) carry only where both touch the same face: normals this
-/// much alike.
-constexpr double k_same_face_cosine = 0.98;
 
 /// Calls found(corner, normal) for the corners of a piece that are near a face of another one, or
 /// near a round one; the normal points out of that. `direction`: from the piece towards the other.

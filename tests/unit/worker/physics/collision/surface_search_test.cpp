@@ -437,7 +437,7 @@ TEST(SurfaceSearch, PointsNearAreTheOutermostOnes) {
                   EXPECT_LE(at_m.z() - below.height_m, near_m);
                   EXPECT_EQ(normal, math::normalized(Vec3(-below.slope_x, -below.slope_y, 1)));
                 });
-    EXPECT_LE(found_m.size(), k_outermost);
+    EXPECT_LE(found_m.size(), k_surface_points_max);
     found_in_all += found_m.size();
     for (int k = 0; k < 8; ++k) {
       const Vec3 way(std::cos(0.785398163397448 * k), std::sin(0.785398163397448 * k), 0);

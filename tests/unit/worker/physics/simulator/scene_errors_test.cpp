@@ -3,6 +3,7 @@
 
 #include "tests/support/numbers.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
+#include "worker/physics/event/tolerances.h"
 #include "worker/physics/scenes/random_starts.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/shapes.h"
