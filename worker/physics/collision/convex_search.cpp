@@ -17,6 +17,7 @@ namespace {
 using envelope::Envelope;
 using envelope::Line;
 
+/// Search margins: speed only, but for late collisions (piece_motion.h).
 /// Corners of the envelope that one look goes along; it may stop at any of them.
 constexpr int k_corners_max = 12;
 /// A gap that was found with the help of earlier looks differs from the cold one by less than this:

@@ -82,9 +82,10 @@ class NearPlaces {
   }
 
  private:
-  /// Of a body's reach. Small enough that it keeps apart what lies side by side in a heap.
+  /// Of a body's reach. Small enough that it keeps apart what lies side by side in a heap. Speed
+  /// only.
   static constexpr double k_room = 0.01;
-  /// For the touch and for rounding.
+  /// A margin for the touch and for rounding.
   static constexpr double k_margin_m = 1e-6;
 
   struct Place {

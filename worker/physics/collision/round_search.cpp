@@ -10,6 +10,7 @@
 namespace sleight::physics {
 namespace {
 
+/// Search margins: speed only, but for late collisions (piece_motion.h).
 /// Chords on the way to the touch; then the span is good enough.
 constexpr int k_chords_max = 8;
 /// The first span that is tried, and by what it grows.

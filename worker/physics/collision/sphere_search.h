@@ -38,7 +38,7 @@
 
 namespace sleight::physics {
 
-/// What a sphere touches is at least this part of its radius from its centre.
+/// What a sphere touches is at least this part of its radius from its centre: a bound for searches.
 inline constexpr double k_approach_at = 0.5;
 
 /// Gap between a sphere and a feature's plane, line or point, its rate, and bounds on how that may

@@ -13,7 +13,7 @@
 namespace sleight::physics::surface_pace {
 
 /// Bounds hold while the box's centre stays within this part of its reach; when it is higher than
-/// anything near, within a whole one and a patch.
+/// anything near, within a whole one and a patch. Speed only.
 inline constexpr double k_room = 0.25;
 
 /// Gaps and rates at ticks are off from a path without rounding by less than this share of what

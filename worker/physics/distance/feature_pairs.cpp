@@ -16,9 +16,10 @@ using math::product;
 constexpr double k_angle_rounding = 0x1p-49;
 // Below this sine two edges count as parallel: the direction at right angles to both is noise.
 constexpr double k_parallel_sine = 1e-13;
-// What only_one asks for: a gap of so many roundings; two edges with a sine of so much; points
-// inside of their features by such a part of the gap; and features that fall away from the normal
-// by so many times rounding / gap, what rounding may turn the line between two points by.
+// Search margins: what only_one refuses, a search finds the same. It asks for a gap of so many
+// roundings; two edges with a sine of so much; points inside of their features by such a part of
+// the gap; and features that fall away from the normal by so many times rounding / gap, what
+// rounding may turn the line between two points by.
 constexpr double k_sure_gap_roundings = 0x1p20;
 constexpr double k_sure_sine = 0x1p-7;
 constexpr double k_sure_inside_gaps = 0x1p-4;

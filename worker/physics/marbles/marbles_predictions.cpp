@@ -10,7 +10,7 @@ namespace sleight::physics {
 namespace {
 
 /// A path's box is looked at in halves of halves, so many times, before it is taken to come near
-/// another one.
+/// another one. Speed only.
 constexpr int k_halvings = 5;
 
 using detail::k_root_shrink;
@@ -23,11 +23,11 @@ constexpr TickCount k_short = TickCount{1} << 24;
 constexpr double k_short_radii = 0.25 * k_settled_radii;
 
 /// A search that is one tick early, as rounding makes some, finds the collision at the next one; so
-/// many are judged before it is worth asking for how long it can't collide.
+/// many are judged before it is worth asking for how long it can't collide. Speed only.
 constexpr std::uint64_t k_early_ticks = 2;
 
 /// A corner's region is asked where it is touched; after so many ticks that were too early for a
-/// touch, at each.
+/// touch, at each. Speed only.
 constexpr std::uint64_t k_steps_without_region = 6;
 
 /// For how long an edge or a vertex can't be collided with, by touch and approach as examine judges

@@ -9,7 +9,8 @@ namespace sleight::physics {
 namespace {
 
 /// The work of what is replayed was counted in another simulation, in which others disturbed balls
-/// that were left alone. So one that comes within this factor of the work that it may take is void.
+/// that were left alone. So one that comes within this factor of the work that it may take is void,
+/// and everything is simulated instead.
 constexpr std::uint64_t k_work_margin = 2;
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace sleight::physics {
 
 namespace {
 
-constexpr double k_margin = 1 + 0x1p-30;
+constexpr double k_margin = 1 + 0x1p-30;  ///< for rounding
 
 struct PolhodeAxis {
   double moment;  ///< in any unit

@@ -9,6 +9,8 @@
 
 namespace sleight::physics {
 
+// All of these change speed only.
+
 /// A new box lasts at least as long as its body takes for this share of its radius: shorter ones
 /// expire often and keep no more pairs apart.
 inline constexpr double k_least_box_radii = 0.2;

@@ -135,7 +135,7 @@ Flat MetStatics::flat(StaticId met, std::uint32_t face) const {
 
 std::optional<std::uint32_t> MetStatics::face_met(StaticId met, const Vec3& normal) const {
   if (met < geometry_.plane_count()) return 0;
-  constexpr double k_same_cosine = 1 - 1e-9;
+  constexpr double k_same_cosine = 1 - 1e-9;  // but for rounding
   const ConvexView& view = *geometry_.piece({met}).view;
   for (std::uint32_t face = 0; face < view.face_count; ++face) {
     if (math::dot(view.faces[face].normal, normal) > k_same_cosine) return face;

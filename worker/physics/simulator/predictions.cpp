@@ -9,7 +9,7 @@ namespace sleight::physics {
 namespace {
 
 /// A search goes on for so many looks before it waits for the time at which the next one is due:
-/// most pairs change their motion before.
+/// most pairs change their motion before. Speed only.
 constexpr int k_looks_ahead = 32;
 
 /// In place of a feature: the search exceeded its limit.
