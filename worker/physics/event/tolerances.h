@@ -6,8 +6,8 @@
 //   - Search margins, rounding allowances and sizes of structures change only speed, and margins
 //     how late a late collision is (piece_motion.h). The margin that all searches share is here:
 //     k_rounding_ulps.
-//   - Orders, steps and stopping tests of numerical methods change last digits (motion/, distance/,
-//     response/rigid_impact.cpp, contact/force_balance.cpp).
+//   - Orders, steps and stopping tests of numerical methods change last digits, and so trajectories
+//     (motion/, distance/, contact/force_balance.cpp).
 //   - Limits of what a scene may contain change which scenes are refused
 //     (simulator/scene_check.cpp, scene/friction_map.h, shape/). The one that two checks share is
 //     here: k_coordinate_m_max.
@@ -88,6 +88,15 @@ inline constexpr double k_hop_share = 0.25;
 /// A sphere that has met another body stays on nothing for the time of so many of its slowest
 /// bounces. At 0 nothing parts the two.
 inline constexpr double k_bounces_alone = 4;
+
+/// An impact of rigid bodies may gain this part of their energy, by the rounding of twists.
+/// Smaller, and more impulses are reduced than gain energy; larger, and heaps gain some.
+inline constexpr double k_impact_rounding = 0x1p-50;
+/// The first reduction of an impulse that gains more, and by how much it grows from round to round.
+/// The last of the rounds takes off a quarter; if that was not enough, the impact is unresolved.
+inline constexpr double k_impact_reduction_first = 0x1p-47;
+inline constexpr double k_impact_reduction_growth = 8;
+inline constexpr int k_impact_reduction_rounds = 16;
 
 // ---- what stays on static geometry --------------------------------------------------------------
 

@@ -8,17 +8,10 @@
 
 #include "common/math/rotation.h"
 #include "common/math/vector.h"
+#include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
 namespace {
-
-/// Rounding of the twists, relative (invariant 1).
-constexpr double k_rounding = 0x1p-50;
-/// The first reduction of P, and by how much it grows from round to round. The last of the rounds
-/// takes off a quarter; if that was not enough, the impact is unresolved.
-constexpr double k_reduction_first = 0x1p-47;
-constexpr double k_reduction_growth = 8;
-constexpr int k_reduction_rounds = 16;
 
 /// A moving body at the contact. P acts on it with this sign.
 struct Side {
@@ -116,7 +109,7 @@ double rounding_of_energy(const Sides<k_sides>& sides, const Whitened<k_sides>& 
     }
     sum += math::norm(spin) * math::norm(momentum);
   }
-  return k_rounding * sum;
+  return k_impact_rounding * sum;
 }
 
 template <std::size_t k_sides>
@@ -245,17 +238,17 @@ Impulse resolved(const Sides<k_sides>& sides, const RigidImpactInput& input,
   twists = pushed(sides, impulse.vector_ns);
   if constexpr (guarded) {
     const double energy_twice = dot(before, before);
-    double reduction = k_reduction_first;
+    double reduction = k_impact_reduction_first;
     for (int round = 0;; ++round) {
       const Whitened<k_sides> after = whitened(sides, twists);
       const double gain = dot(after, after) - energy_twice;
       if (gain <= 0 || gain <= rounding_of_energy(sides, after)) return impulse;
-      if (round == k_reduction_rounds) break;
+      if (round == k_impact_reduction_rounds) break;
       const double factor = 1 - reduction;
       impulse.vector_ns *= factor;
       impulse.normal_ns *= factor;
       twists = pushed(sides, impulse.vector_ns);
-      reduction *= k_reduction_growth;
+      reduction *= k_impact_reduction_growth;
     }
     twists = twists_before;
     return {.regime = ImpactRegime::unresolved};
