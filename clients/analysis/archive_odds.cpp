@@ -304,16 +304,12 @@ std::string estimate_text(const JudgedEstimate& estimate, double log_of_unit,
                      name_of(all.error_from, odds.from == OddsFrom::weights), round);
 }
 
-constexpr const char* k_indent = "               ";
-
-std::string lines_of(std::span<const Doubt> doubts) {
-  std::string text;
+void add_doubts(std::span<const Doubt> doubts, report::Report& report) {
   for (const Doubt& doubt : doubts)
-    text += fmt::format("{}{}\n", k_indent, doubt.reason);
-  return text;
+    report.for_people("", doubt.reason);
 }
 
-std::string in_words(const HowToKnow& how, const ArchiveOdds& odds) {
+void add_remedy(const HowToKnow& how, const ArchiveOdds& odds, report::Report& report) {
   std::string what;
   if (how.odds) {
     what = fmt::format(
@@ -326,18 +322,22 @@ std::string in_words(const HowToKnow& how, const ArchiveOdds& odds) {
   } else {
     what = fmt::format("rounds = {} under [stop]", *how.rounds);
   }
-  std::string text = fmt::format("{}to know it: {}{}", k_indent,
-                                 how.at_least && !how.odds ? "at least " : "", what);
-  if (how.scans) text += fmt::format(" ({} scans of each ladder)", *how.scans);
-  text += "\n";
-  if (!how.besides.empty()) text += fmt::format("{}{}\n", k_indent, how.besides);
-  return text;
+  std::string words =
+      fmt::format("to know it: {}{}", how.at_least && !how.odds ? "at least " : "", what);
+  if (how.scans) words += fmt::format(" ({} scans of each ladder)", *how.scans);
+  report.for_people("", words);
+  report.for_people("", how.besides);
 }
 
 /// Where something satisfies, for people.
 const char* place_word(OddsFrom from) {
   if (from == OddsFrom::weights) return "draw";
   return from == OddsFrom::islands ? "island" : "round";
+}
+
+/// ", where a throw leaves no body out"; empty where a throw is a draw from the prior.
+std::string where_throws(const ArchiveOdds& odds) {
+  return odds.natural_throw.empty() ? "" : ", where " + odds.natural_throw;
 }
 
 /// How an estimate whose error can't be trusted may be off.
@@ -352,20 +352,19 @@ const char* caution_of(const ArchiveOdds& odds) {
 }
 
 /// Of an estimate whose error can't be trusted.
-std::string unknown_in_words(const ArchiveOdds& odds) {
+void add_unknown(const ArchiveOdds& odds, report::Report& report) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
-  std::string text = "  by chance    unknown";
-  if (log_p.all.ladders == 0)
-    text += fmt::format(": nothing satisfied in any {}", place_word(odds.from));
-  text += "\n";
-  text += lines_of(log_p.doubts);
-  if (odds.how_to_know) text += in_words(*odds.how_to_know, odds);
-  if (log_p.all.ladders == 0) return text;
-  text += fmt::format("{}so far log P {}{}{}\n", k_indent,
-                      estimate_text(log_p, odds.log_natural_throw, odds),
-                      odds.natural_throw.empty() ? "" : ", where ", odds.natural_throw);
-  text += fmt::format("{}{}\n", k_indent, caution_of(odds));
-  return text;
+  const bool is_none = log_p.all.ladders == 0;
+  report.for_people("by chance", is_none ? fmt::format("unknown: nothing satisfied in any {}",
+                                                       place_word(odds.from))
+                                         : "unknown");
+  add_doubts(log_p.doubts, report);
+  if (odds.how_to_know) add_remedy(*odds.how_to_know, odds, report);
+  if (is_none) return;
+  report.for_people(
+      "", fmt::format("so far log P {}{}", estimate_text(log_p, odds.log_natural_throw, odds),
+                      where_throws(odds)));
+  report.for_people("", caution_of(odds));
 }
 
 const char* name_of(OddsFrom from) {
@@ -411,17 +410,15 @@ std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive:
   return odds;
 }
 
-std::string in_words(const ArchiveOdds& odds) {
-  std::string text = fmt::format("  log Z        {}\n", estimate_text(odds.log_z, 0, odds));
-  if (!odds.log_p_satisfied.known()) return text + unknown_in_words(odds);
+void add_odds(const ArchiveOdds& odds, report::Report& report) {
+  const JudgedEstimate& log_p = odds.log_p_satisfied;
+  report.add("tempering", as_json(odds), "log Z", estimate_text(odds.log_z, 0, odds));
+  if (!log_p.known()) return add_unknown(odds, report);
   // Where log P is not known, the lines below it say why of both.
-  text += lines_of(odds.log_z.doubts);
-  text += fmt::format("  by chance    {}{}{}\n",
-                      in_words(odds_of(odds.log_p_satisfied.all.log, odds.log_natural_throw)),
-                      odds.natural_throw.empty() ? "" : ", where ", odds.natural_throw);
-  text += fmt::format("{}log P {}\n", k_indent,
-                      estimate_text(odds.log_p_satisfied, odds.log_natural_throw, odds));
-  return text;
+  add_doubts(odds.log_z.doubts, report);
+  report.for_people("by chance",
+                    in_words(odds_of(log_p.all.log, odds.log_natural_throw)) + where_throws(odds));
+  report.for_people("", "log P " + estimate_text(log_p, odds.log_natural_throw, odds));
 }
 
 json::Value as_json(const ArchiveOdds& odds) {

@@ -17,6 +17,7 @@
 
 #include "clients/analysis/odds_doubts.h"
 #include "clients/analysis/throw_odds.h"
+#include "clients/report/report.h"
 #include "common/archive/model.h"
 #include "common/archive/summary.h"
 #include "common/json/value.h"
@@ -72,8 +73,8 @@ struct ArchiveOdds {
 /// None where the archive has neither ladders nor weights nor islands.
 std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive::Summary& summary);
 
-/// Lines for people.
-std::string in_words(const ArchiveOdds& odds);
+/// Adds `tempering`, and lines for people.
+void add_odds(const ArchiveOdds& odds, report::Report& report);
 
 /// Numbers that are not known are null.
 json::Value as_json(const ArchiveOdds& odds);

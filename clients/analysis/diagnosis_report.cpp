@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <limits>
+#include <numeric>
 #include <vector>
 
+#include "clients/report/report.h"
 #include "common/json/value.h"
 
 namespace sleight::analysis {
@@ -50,27 +52,8 @@ double share_of(std::uint64_t part, std::uint64_t whole) {
   return static_cast<double>(part) / static_cast<double>(whole);
 }
 
-using Row = std::vector<std::string>;
-
-/// Rows of equal length as columns: the first to the left, the others to the right.
-void append_table(std::string& text, const std::vector<Row>& rows, std::string_view indent) {
-  std::vector<std::size_t> widths(rows.front().size());
-  for (const Row& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i)
-      widths[i] = std::max(widths[i], row[i].size());
-  }
-  for (const Row& row : rows) {
-    std::string line(indent);
-    line += fmt::format("{:<{}}", row[0], widths[0]);
-    for (std::size_t i = 1; i < row.size(); ++i)
-      line += fmt::format("  {:>{}}", row[i], widths[i]);
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
-  }
-}
-
-Row scalar_row(const ScalarReport& report) {
-  const Verdict& verdict = report.verdict;
+report::Report report_of(const ScalarReport& scalar) {
+  const Verdict& verdict = scalar.verdict;
   std::string remark;
   if (!verdict.complaints.empty()) remark = "<- not mixed";
   if (verdict.constant) remark = "never changes";
@@ -78,30 +61,109 @@ Row scalar_row(const ScalarReport& report) {
     if (times == 0) return;
     remark += fmt::format("{}{} {}", remark.empty() ? "" : "; ", count(times), what);
   };
-  note(report.not_finite.minus_infinite, "are -inf");
-  note(report.not_finite.nan, "don't apply");
-  return {report.name,
-          number(verdict.mean),
-          number(verdict.sd),
-          number(verdict.mcse),
-          fixed(verdict.r_hat, 3),
-          count(verdict.ess_bulk),
-          count(verdict.ess_tail),
-          remark};
+  note(scalar.not_finite.minus_infinite, "are -inf");
+  note(scalar.not_finite.nan, "don't apply");
+  report::Report report;
+  report.add("name", scalar.name, "", scalar.name);
+  report.add("mean", verdict.mean, "mean", number(verdict.mean));
+  report.add("sd", verdict.sd, "sd", number(verdict.sd));
+  report.add("mcse_mean", verdict.mcse, "MCSE", number(verdict.mcse));
+  report.add("r_hat", verdict.r_hat, "R-hat", fixed(verdict.r_hat, 3));
+  report.add("ess_bulk", verdict.ess_bulk, "bulk ESS", count(verdict.ess_bulk));
+  report.add("ess_tail", verdict.ess_tail, "tail ESS", count(verdict.ess_tail));
+  report.for_programs("constant", verdict.constant);
+  report.for_programs("minus_infinite", scalar.not_finite.minus_infinite);
+  report.for_programs("not_applicable", scalar.not_finite.nan);
+  report.for_programs("complaints", verdict.complaints);
+  report.for_people("", remark);
+  return report;
 }
 
-/// Remarks stand to the left of their column, so they are put on after the table.
-void append_scalars(std::string& text, const std::vector<ScalarReport>& reports) {
-  std::vector<Row> rows{{"", "mean", "sd", "MCSE", "R-hat", "bulk ESS", "tail ESS", ""}};
-  for (const ScalarReport& report : reports)
-    rows.push_back(scalar_row(report));
-  std::size_t widest = 0;
-  for (const Row& row : rows)
-    widest = std::max(widest, row.back().size());
-  for (Row& row : rows)
-    row.back().resize(widest, ' ');
-  append_table(text, rows, "  ");
+report::Report report_of(const KindReport& kind) {
+  report::Report report;
+  report.add("name", kind.name, "", kind.name);
+  report.add("proposed", kind.proposed, "proposed", count(kind.proposed));
+  report.add("accepted", kind.accepted, "accepted", count(kind.accepted));
+  report.for_people("rate", percent(share_of(kind.accepted, kind.proposed)));
+  return report;
 }
+
+double least(const std::vector<double>& values) {
+  double found = std::numeric_limits<double>::quiet_NaN();
+  for (const double value : values) {
+    if (!(value >= found)) found = value;
+  }
+  return found;
+}
+
+report::Report report_of(const LadderReport& ladder, std::size_t index) {
+  const Ladder& levels = ladder.levels;
+  report::Report report;
+  report.for_people("", fmt::format("ladder {}", index));
+  report.for_people("temperatures", count(levels.inverse_temperature.size()));
+  report.add("barrier", ladder.barrier, "barrier", fixed(ladder.barrier, 2));
+  report.for_people("least swapped", percent(least(levels.swap_acceptance)));
+  report.add("round_trips", ladder.round_trips, "round trips", count(ladder.round_trips));
+  report.add("predicted_round_trips", ladder.predicted_round_trips, "predicted",
+             fixed(ladder.predicted_round_trips, 1));
+  report.add("restarts", ladder.restarts, "restarts", count(ladder.restarts));
+  report.for_programs("inverse_temperature", levels.inverse_temperature);
+  report.for_programs("swap_acceptance", levels.swap_acceptance);
+  report.for_programs("local_barrier", levels.local_barrier);
+  report.for_programs("acceptance", levels.acceptance);
+  return report;
+}
+
+report::Report report_of(const WalkReport& walk, std::size_t index) {
+  std::vector<double> moves = walk.acceptance;
+  if (!moves.empty()) moves.pop_back();  // the coolest has no next
+  const double scans = std::accumulate(walk.visits.begin(), walk.visits.end(), 0.0);
+  report::Report report;
+  report.for_people("", fmt::format("chain {}", index));
+  report.for_people("temperatures", count(walk.inverse_temperature.size()));
+  report.add("round_trips", walk.round_trips, "round trips", count(walk.round_trips));
+  report.for_people("least visited", percent(least(walk.visits) / scans));
+  report.for_people("least moved", percent(least(moves)));
+  report.for_programs("inverse_temperature", walk.inverse_temperature);
+  report.for_programs("visits", walk.visits);
+  report.for_programs("acceptance", walk.acceptance);
+  return report;
+}
+
+report::Report report_of(const TransitionReport& chain, std::size_t index) {
+  report::Report report;
+  report.for_people("", fmt::format("chain {}", index));
+  report.add("temperatures", chain.levels, "temperatures down", count(chain.levels));
+  report.add("acceptance", chain.acceptance, "accepted", percent(chain.acceptance));
+  return report;
+}
+
+std::string with_error(const LogEstimate& estimate) {
+  return fmt::format("{} +- {}", fixed(estimate.value, 3), fixed(estimate.error, 3));
+}
+
+Json as_json(const LogEstimate& estimate) {
+  return {{"value", estimate.value}, {"error", estimate.error}};
+}
+
+report::Report report_of_draws(const std::string& name, std::uint64_t draws,
+                               const AscentReport& chain) {
+  report::Report report;
+  report.for_people("", name);
+  report.for_people("draws", count(draws));
+  report.add("effective_size", chain.effective_size, "effective size",
+             fixed(chain.effective_size, 1));
+  report.add("steps", chain.steps, "steps", count(chain.steps));
+  report.add("log_z", as_json(chain.log_z), "log Z", with_error(chain.log_z));
+  report.add("log_p_satisfied", as_json(chain.log_p_satisfied), "log P(satisfied)",
+             with_error(chain.log_p_satisfied));
+  return report;
+}
+
+constexpr auto k_report_of = [](const auto& record) { return report_of(record); };
+constexpr auto k_numbered_report_of = [](const auto& record, std::size_t index) {
+  return report_of(record, index);
+};
 
 void append_variables(std::string& text, const Diagnosis& diagnosis) {
   if (diagnosis.variables.empty()) return;
@@ -117,7 +179,7 @@ void append_variables(std::string& text, const Diagnosis& diagnosis) {
                                variable.name, shown, count(variable.judged),
                                variable.failing == 0 ? "none" : count(variable.failing)));
   }
-  append_scalars(text, listed);
+  text += report::indented_table(report::reports_of(listed, k_report_of));
   for (const std::string& line : rest)
     text += fmt::format("  {}\n", line);
 }
@@ -125,14 +187,10 @@ void append_variables(std::string& text, const Diagnosis& diagnosis) {
 void append_counts(std::string& text, const Diagnosis& diagnosis) {
   const std::uint64_t judged = diagnosis.chains * diagnosis.judged.scans;
   text += "\n";
-  append_table(
-      text,
-      {{"satisfied",
-        fmt::format("{} of the judged scans, {} of all{}",
-                    percent(share_of(diagnosis.satisfied_judged, judged)),
-                    percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)),
-                    diagnosis.weights ? ", each counted once whatever its weight" : "")}},
-      "  ");
+  text += fmt::format("  satisfied  {} of the judged scans, {} of all{}\n",
+                      percent(share_of(diagnosis.satisfied_judged, judged)),
+                      percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)),
+                      diagnosis.weights ? ", each counted once whatever its weight" : "");
   text += fmt::format("  solutions  {}{} independent: lineages with a satisfied scan\n",
                       count(diagnosis.solutions), diagnosis.solutions_more ? " or more" : "");
   if (std::isnan(diagnosis.simulations)) return;
@@ -144,47 +202,27 @@ void append_counts(std::string& text, const Diagnosis& diagnosis) {
 void append_kinds(std::string& text, const Diagnosis& diagnosis) {
   text += fmt::format("\nAcceptance in the judged scans{}\n",
                       diagnosis.tempering ? ", at inverse temperature 1" : "");
-  std::vector<Row> rows{{"", "proposed", "accepted", ""}};
-  for (const KindReport& kind : diagnosis.kinds) {
-    rows.push_back({kind.name, count(kind.proposed), count(kind.accepted),
-                    percent(share_of(kind.accepted, kind.proposed))});
-  }
-  append_table(text, rows, "  ");
-}
-
-double least(const std::vector<double>& values) {
-  double found = std::numeric_limits<double>::quiet_NaN();
-  for (const double value : values) {
-    if (!(value >= found)) found = value;
-  }
-  return found;
+  text += report::indented_table(report::reports_of(diagnosis.kinds, k_report_of));
 }
 
 void append_ladders(std::string& text, const TemperingReport& tempering) {
   text += fmt::format("\nLadders in round {} of {}{}\n", tempering.round, tempering.rounds,
                       tempering.burn_in ? " of the burn-in" : "");
-  std::vector<Row> rows{
-      {"", "temperatures", "barrier", "least swapped", "round trips", "predicted", "restarts"}};
-  for (std::size_t i = 0; i < tempering.ladders.size(); ++i) {
-    const LadderReport& ladder = tempering.ladders[i];
-    rows.push_back({fmt::format("ladder {}", i), count(ladder.levels.inverse_temperature.size()),
-                    fixed(ladder.barrier, 2), percent(least(ladder.levels.swap_acceptance)),
-                    count(ladder.round_trips), fixed(ladder.predicted_round_trips, 1),
-                    count(ladder.restarts)});
-  }
-  append_table(text, rows, "  ");
+  text += report::indented_table(report::reports_of(tempering.ladders, k_numbered_report_of));
 }
 
 void append_levels(std::string& text, const Ladder& ladder, std::size_t index) {
   text += fmt::format("\nLadder {} by inverse temperature, from the prior on\n", index);
-  std::vector<Row> rows{{"", "inverse temperature", "swaps with the next", "local barrier"}};
+  std::vector<report::Report> rows;
   for (std::size_t level = 0; level < ladder.inverse_temperature.size(); ++level) {
     const bool has_next = level < ladder.swap_acceptance.size();
-    rows.push_back({fmt::format("level {}", level), number(ladder.inverse_temperature[level]),
-                    has_next ? percent(ladder.swap_acceptance[level]) : "",
-                    number(ladder.local_barrier[level])});
+    report::Report& row = rows.emplace_back();
+    row.for_people("", fmt::format("level {}", level));
+    row.for_people("inverse temperature", number(ladder.inverse_temperature[level]));
+    row.for_people("swaps with the next", has_next ? percent(ladder.swap_acceptance[level]) : "");
+    row.for_people("local barrier", number(ladder.local_barrier[level]));
   }
-  append_table(text, rows, "  ");
+  text += report::indented_table(rows);
 }
 
 /// Kinds down, temperatures across: all, or as many as fit, the first and last among them.
@@ -195,19 +233,17 @@ void append_acceptance(std::string& text, const Diagnosis& diagnosis, const Ladd
   const std::size_t columns = std::min(levels, k_columns_shown);
   text += fmt::format("\nAcceptance on ladder {} by inverse temperature{}\n", index,
                       columns < levels ? fmt::format(", {} of {}", columns, levels) : "");
-  std::vector<Row> rows(1 + diagnosis.kinds.size());
-  rows[0].emplace_back("");
-  for (std::size_t k = 0; k < diagnosis.kinds.size(); ++k)
-    rows[k + 1].push_back(diagnosis.kinds[k].name);
-  for (std::size_t column = 0; column < columns; ++column) {
-    const std::size_t level = columns == 1 ? 0 : column * (levels - 1) / (columns - 1);
-    rows[0].push_back(fmt::format("{:.3g}", ladder.inverse_temperature[level]));
-    for (std::size_t k = 0; k < diagnosis.kinds.size(); ++k) {
-      const std::vector<double>& row = ladder.acceptance[level];
-      rows[k + 1].push_back(k < row.size() ? percent(row[k]) : "-");
+  std::vector<report::Report> rows;
+  for (std::size_t k = 0; k < diagnosis.kinds.size(); ++k) {
+    rows.emplace_back().for_people("", diagnosis.kinds[k].name);
+    for (std::size_t column = 0; column < columns; ++column) {
+      const std::size_t level = columns == 1 ? 0 : column * (levels - 1) / (columns - 1);
+      const std::vector<double>& of_level = ladder.acceptance[level];
+      rows.back().for_people(fmt::format("{:.3g}", ladder.inverse_temperature[level]),
+                             k < of_level.size() ? percent(of_level[k]) : "-");
     }
   }
-  append_table(text, rows, "  ");
+  text += report::indented_table(rows);
 }
 
 void append_tempering(std::string& text, const Diagnosis& diagnosis) {
@@ -227,63 +263,44 @@ void append_tempering(std::string& text, const Diagnosis& diagnosis) {
 void append_walks(std::string& text, const std::vector<WalkReport>& walks) {
   if (walks.empty()) return;
   text += "\nWalks over temperatures\n";
-  std::vector<Row> rows{{"", "temperatures", "round trips", "least visited", "least moved"}};
-  for (std::size_t i = 0; i < walks.size(); ++i) {
-    const WalkReport& walk = walks[i];
-    std::vector<double> moves = walk.acceptance;
-    if (!moves.empty()) moves.pop_back();  // the coolest has no next
-    double scans = 0;
-    for (const double visits : walk.visits)
-      scans += visits;
-    rows.push_back({fmt::format("chain {}", i), count(walk.inverse_temperature.size()),
-                    count(walk.round_trips), percent(least(walk.visits) / scans),
-                    percent(least(moves))});
-  }
-  append_table(text, rows, "  ");
+  text += report::indented_table(report::reports_of(walks, k_numbered_report_of));
   const std::size_t shown = std::min(walks.size(), k_ladders_shown);
   for (std::size_t i = 0; i < shown; ++i) {
     text += fmt::format("\nWalk of chain {} by inverse temperature, from the prior on\n", i);
-    std::vector<Row> levels{{"", "inverse temperature", "scans", "moves to the next and back"}};
+    std::vector<report::Report> levels;
     for (std::size_t level = 0; level < walks[i].visits.size(); ++level) {
       const bool has_next = level + 1 < walks[i].visits.size();
-      levels.push_back({fmt::format("level {}", level), number(walks[i].inverse_temperature[level]),
-                        count(walks[i].visits[level]),
-                        has_next ? percent(walks[i].acceptance[level]) : ""});
+      report::Report& row = levels.emplace_back();
+      row.for_people("", fmt::format("level {}", level));
+      row.for_people("inverse temperature", number(walks[i].inverse_temperature[level]));
+      row.for_people("scans", count(walks[i].visits[level]));
+      row.for_people("moves to the next and back",
+                     has_next ? percent(walks[i].acceptance[level]) : "");
     }
-    append_table(text, levels, "  ");
+    text += report::indented_table(levels);
   }
 }
 
 void append_transitions(std::string& text, const std::vector<TransitionReport>& transitions) {
   if (transitions.empty()) return;
   text += "\nTempered transitions\n";
-  std::vector<Row> rows{{"", "temperatures down", "accepted"}};
-  for (std::size_t i = 0; i < transitions.size(); ++i)
-    rows.push_back({fmt::format("chain {}", i), count(transitions[i].levels),
-                    percent(transitions[i].acceptance)});
-  append_table(text, rows, "  ");
-}
-
-std::string with_error(const LogEstimate& estimate) {
-  return fmt::format("{} +- {}", fixed(estimate.value, 3), fixed(estimate.error, 3));
+  text += report::indented_table(report::reports_of(transitions, k_numbered_report_of));
 }
 
 /// Weighted draws, chain by chain and together.
 void append_weights(std::string& text, const Diagnosis& diagnosis) {
   const WeightsReport& weights = *diagnosis.weights;
   text += "Draws are independent and have weights\n";
-  std::vector<Row> rows{{"", "draws", "effective size", "steps", "log Z", "log P(satisfied)"}};
+  std::vector<report::Report> rows;
   const std::size_t shown = std::min(weights.chains.size(), k_chains_shown);
-  for (std::size_t i = 0; i < shown; ++i) {
-    const AscentReport& chain = weights.chains[i];
-    rows.push_back({fmt::format("chain {}", i), count(diagnosis.scans),
-                    fixed(chain.effective_size, 1), count(chain.steps), with_error(chain.log_z),
-                    with_error(chain.log_p_satisfied)});
-  }
-  rows.push_back({"all", count(diagnosis.chains * diagnosis.scans),
-                  fixed(weights.effective_size, 1), "", with_error(weights.log_z.log),
-                  with_error(weights.log_p_satisfied.log)});
-  append_table(text, rows, "  ");
+  for (std::size_t i = 0; i < shown; ++i)
+    rows.push_back(report_of_draws(fmt::format("chain {}", i), diagnosis.scans, weights.chains[i]));
+  rows.push_back(report_of_draws("all", diagnosis.chains * diagnosis.scans,
+                                 {.effective_size = weights.effective_size,
+                                  .steps = k_not_known,
+                                  .log_z = weights.log_z.log,
+                                  .log_p_satisfied = weights.log_p_satisfied.log}));
+  text += report::indented_table(rows);
   if (shown < weights.chains.size())
     text += fmt::format("  {} more chains: --json\n", weights.chains.size() - shown);
 }
@@ -339,75 +356,30 @@ void append_verdict(std::string& text, const Diagnosis& diagnosis) {
   }
 }
 
-Json as_json(const ScalarReport& report) {
-  const Verdict& verdict = report.verdict;
-  return {{"name", report.name},
-          {"mean", verdict.mean},
-          {"sd", verdict.sd},
-          {"mcse_mean", verdict.mcse},
-          {"r_hat", verdict.r_hat},
-          {"ess_bulk", verdict.ess_bulk},
-          {"ess_tail", verdict.ess_tail},
-          {"constant", verdict.constant},
-          {"minus_infinite", report.not_finite.minus_infinite},
-          {"not_applicable", report.not_finite.nan},
-          {"complaints", verdict.complaints}};
-}
-
-Json as_json(const std::vector<ScalarReport>& reports) {
-  Json all = Json::array();
-  for (const ScalarReport& report : reports)
-    all.push_back(as_json(report));
-  return all;
-}
-
 Json as_json(const TemperingReport& tempering) {
-  Json ladders = Json::array();
-  for (const LadderReport& ladder : tempering.ladders) {
-    ladders.push_back({{"barrier", ladder.barrier},
-                       {"round_trips", ladder.round_trips},
-                       {"predicted_round_trips", ladder.predicted_round_trips},
-                       {"restarts", ladder.restarts},
-                       {"inverse_temperature", ladder.levels.inverse_temperature},
-                       {"swap_acceptance", ladder.levels.swap_acceptance},
-                       {"local_barrier", ladder.levels.local_barrier},
-                       {"acceptance", ladder.levels.acceptance}});
-  }
-  return {{"round", tempering.round},
-          {"rounds", tempering.rounds},
-          {"burn_in", tempering.burn_in},
-          {"ladders", ladders}};
-}
-
-Json as_json(const LogEstimate& estimate) {
-  return {{"value", estimate.value}, {"error", estimate.error}};
+  return {
+      {"round", tempering.round},
+      {"rounds", tempering.rounds},
+      {"burn_in", tempering.burn_in},
+      {"ladders", report::list_of(report::reports_of(tempering.ladders, k_numbered_report_of))}};
 }
 
 Json as_json(const WeightsReport& weights) {
-  Json chains = Json::array();
-  for (const AscentReport& chain : weights.chains) {
-    chains.push_back({{"effective_size", chain.effective_size},
-                      {"steps", chain.steps},
-                      {"log_z", as_json(chain.log_z)},
-                      {"log_p_satisfied", as_json(chain.log_p_satisfied)}});
-  }
-  return {{"effective_size", weights.effective_size},
-          {"log_z", as_json(weights.log_z.log)},
-          {"log_p_satisfied", as_json(weights.log_p_satisfied.log)},
-          {"chains", chains}};
+  return {
+      {"effective_size", weights.effective_size},
+      {"log_z", as_json(weights.log_z.log)},
+      {"log_p_satisfied", as_json(weights.log_p_satisfied.log)},
+      {"chains", report::list_of(report::reports_of(weights.chains, [](const AscentReport& chain) {
+         return report_of_draws("", 0, chain);
+       }))}};
 }
 
 void add_walks_and_transitions(Json& json, const Diagnosis& diagnosis) {
-  for (const WalkReport& walk : diagnosis.walks) {
-    json["walks"].push_back({{"round_trips", walk.round_trips},
-                             {"inverse_temperature", walk.inverse_temperature},
-                             {"visits", walk.visits},
-                             {"acceptance", walk.acceptance}});
-  }
-  for (const TransitionReport& chain : diagnosis.transitions) {
-    json["tempered_transitions"].push_back(
-        {{"acceptance", chain.acceptance}, {"temperatures", chain.levels}});
-  }
+  if (!diagnosis.walks.empty())
+    json["walks"] = report::list_of(report::reports_of(diagnosis.walks, k_numbered_report_of));
+  if (!diagnosis.transitions.empty())
+    json["tempered_transitions"] =
+        report::list_of(report::reports_of(diagnosis.transitions, k_numbered_report_of));
 }
 
 }  // namespace
@@ -424,7 +396,7 @@ std::string for_people(const std::string& path, const Diagnosis& diagnosis) {
   if (diagnosis.weights) {
     append_weights(text, diagnosis);
   } else {
-    append_scalars(text, diagnosis.scalars);
+    text += report::indented_table(report::reports_of(diagnosis.scalars, k_report_of));
     append_variables(text, diagnosis);
   }
   append_counts(text, diagnosis);
@@ -439,16 +411,12 @@ std::string for_people(const std::string& path, const Diagnosis& diagnosis) {
 Json as_json(const std::string& path, const Diagnosis& diagnosis) {
   Json variables = Json::array();
   for (const VariableReport& variable : diagnosis.variables) {
-    variables.push_back({{"name", variable.name},
-                         {"entries", variable.entries},
-                         {"judged", variable.judged},
-                         {"failing", variable.failing},
-                         {"listed", as_json(variable.listed)}});
-  }
-  Json kinds = Json::array();
-  for (const KindReport& kind : diagnosis.kinds) {
-    kinds.push_back(
-        {{"name", kind.name}, {"proposed", kind.proposed}, {"accepted", kind.accepted}});
+    variables.push_back(
+        {{"name", variable.name},
+         {"entries", variable.entries},
+         {"judged", variable.judged},
+         {"failing", variable.failing},
+         {"listed", report::list_of(report::reports_of(variable.listed, k_report_of))}});
   }
   const std::uint64_t judged = diagnosis.chains * diagnosis.judged.scans;
   Json json{{"archive", path},
@@ -464,14 +432,14 @@ Json as_json(const std::string& path, const Diagnosis& diagnosis) {
               {"first_scan", diagnosis.judged.first_scan},
               {"scans", diagnosis.judged.scans},
               {"states", diagnosis.states}}},
-            {"scalars", as_json(diagnosis.scalars)},
+            {"scalars", report::list_of(report::reports_of(diagnosis.scalars, k_report_of))},
             {"variables", variables},
             {"satisfied_share", share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)},
             {"satisfied_share_judged", share_of(diagnosis.satisfied_judged, judged)},
             {"independent_solutions", diagnosis.solutions},
             {"independent_solutions_at_least", diagnosis.solutions_more},
             {"simulations", diagnosis.simulations},
-            {"proposal_kinds", kinds}};
+            {"proposal_kinds", report::list_of(report::reports_of(diagnosis.kinds, k_report_of))}};
   if (diagnosis.tempering) json["tempering"] = as_json(*diagnosis.tempering);
   add_walks_and_transitions(json, diagnosis);
   if (diagnosis.weights) json["weights"] = as_json(*diagnosis.weights);

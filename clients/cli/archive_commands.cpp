@@ -12,7 +12,8 @@
 #include "clients/analysis/archive_rows.h"
 #include "clients/analysis/failure_counts.h"
 #include "clients/analysis/sampling_method.h"
-#include "clients/terminal/dumped_json.h"
+#include "clients/report/dumped_json.h"
+#include "clients/report/report.h"
 #include "clients/terminal/output.h"
 #include "common/archive/csv.h"
 #include "common/archive/digest/digest.h"
@@ -135,95 +136,93 @@ std::string kept_animations(const Facts& facts) {
                      most);
 }
 
-void print_chains(const Facts& facts) {
+void add_chains(const Facts& facts, report::Report& report) {
   const archive::Summary& summary = facts.summary;
-  fmt::print("  chains       {}\n", summary.chains);
-  fmt::print("  scans        {} of each chain\n", summary.scans);
-  fmt::print("  states       {} of each chain ({})\n", summary.states,
-             summary.thin == 1 ? "every scan" : fmt::format("every {} scans", summary.thin));
-  fmt::print("  satisfied    {:.1f}% of scans\n", 100 * facts.satisfied);
-  fmt::print("  accepted     {:.1f}% of proposals\n", 100 * facts.acceptance);
-  fmt::print("  animations   {}, {} segments of motion\n", kept_animations(facts),
-             summary.segments);
+  const auto of_each = [](std::uint64_t count) { return fmt::format("{} of each chain", count); };
+  const auto where_any = [&](std::string words) { return summary.scans > 0 ? words : ""; };
+  report.add("chains", summary.chains, "chains", where_any(fmt::format("{}", summary.chains)));
+  report.add("scans", summary.scans, "scans", where_any(of_each(summary.scans)));
+  const std::string which =
+      summary.thin == 1 ? "every scan" : fmt::format("every {} scans", summary.thin);
+  report.add("states", summary.states, "states",
+             where_any(fmt::format("{} ({})", of_each(summary.states), which)));
+  report.for_programs("thin", summary.thin);
+  report.add("satisfied_share", facts.satisfied, "satisfied",
+             where_any(fmt::format("{:.1f}% of scans", 100 * facts.satisfied)));
+  report.add("acceptance_rate", facts.acceptance, "accepted",
+             where_any(fmt::format("{:.1f}% of proposals", 100 * facts.acceptance)));
+  report.add("animations", summary.animations, "animations",
+             where_any(fmt::format("{}, {} segments of motion", kept_animations(facts),
+                                   summary.segments)));
+  report.for_programs("segments", summary.segments);
 }
 
-void print_finds(const Facts& facts) {
+void add_finds(const Facts& facts, report::Report& report) {
   const archive::FindsSummary& finds = facts.summary.finds;
-  if (finds.found == 0) return;
-  fmt::print("  {} {}, not in the model's proportions; {} kept, {} segments of motion\n",
-             finds.relax_scans > 0 ? "takes       " : "found       ", finds.found, finds.animations,
-             finds.segments);
-  if (finds.relax_scans > 0)
-    fmt::print("               each relaxed by {} scans of a chain\n", finds.relax_scans);
+  report.add("found", finds.found, finds.relax_scans > 0 ? "takes" : "found",
+             finds.found == 0
+                 ? ""
+                 : fmt::format("{}, not in the model's proportions; {} kept, {} segments of motion",
+                               finds.found, finds.animations, finds.segments));
+  report.add("relax_scans", finds.relax_scans, "",
+             finds.found == 0 || finds.relax_scans == 0
+                 ? ""
+                 : fmt::format("each relaxed by {} scans of a chain", finds.relax_scans));
+  report.for_programs("finds_kept", finds.animations);
   if (!facts.finds) return;
   const Plausibility& log_p = *facts.finds;
-  fmt::print(
-      "               log p {:.1f} to {:.1f}; of blind throws nine in ten have {:.1f} to "
-      "{:.1f}\n",
-      log_p.least, log_p.most, log_p.throws_from, log_p.throws_to);
+  report.add(
+      "log_prior_of_finds", {log_p.least, log_p.most}, "",
+      fmt::format("log p {:.1f} to {:.1f}; of blind throws nine in ten have {:.1f} to {:.1f}",
+                  log_p.least, log_p.most, log_p.throws_from, log_p.throws_to));
+  report.for_programs("log_prior_of_throws", {log_p.throws_from, log_p.throws_to});
 }
 
-void print_for_people(const std::string& path, const Facts& facts) {
-  const archive::Summary& summary = facts.summary;
-  fmt::print("{}: {} samples\n\n", path, summary.world);
-  if (!summary.warning.empty()) fmt::print("  warning      {}\n", summary.warning);
-  if (summary.scans > 0) print_chains(facts);
-  print_finds(facts);
-  if (summary.failures.total() > 0)
-    fmt::print("  failed       {} simulations, refused: {}\n", summary.failures.total(),
-               plan::to_string(summary.failures));
-  if (summary.failed_animations > 0)
-    fmt::print("               {} satisfied, but could not be simulated to rest: not kept\n",
-               summary.failed_animations);
-  if (facts.odds) fmt::print("{}", in_words(*facts.odds));
-  fmt::print("  written by   sleight {}, format {}\n", summary.inference_library_version,
-             summary.format_version);
-  fmt::print("  run          {}, results {}\n", summary.run_id, summary.results_version);
-  fmt::print("  digest       {}\n\n", summary.content_digest);
-  fmt::print("The request that reproduces it:\n\n{}", summary.request_text);
+void add_failures(const archive::Summary& summary, report::Report& report) {
+  const std::uint64_t failed = summary.failures.total();
+  report.add("failed_simulations", analysis::failures_json(summary.failures), "failed",
+             failed == 0 ? ""
+                         : fmt::format("{} simulations, refused: {}", failed,
+                                       plan::to_string(summary.failures)));
+  report.add("failed_animations", summary.failed_animations, "",
+             summary.failed_animations == 0
+                 ? ""
+                 : fmt::format("{} satisfied, but could not be simulated to rest: not kept",
+                               summary.failed_animations));
 }
 
-json::Value as_json(const std::string& path, const Facts& facts) {
+report::Report report_of(const std::string& path, const Facts& facts) {
   const archive::Summary& summary = facts.summary;
-  json::Value json{{"archive", path},
-                   {"world", summary.world},
-                   {"format_version", summary.format_version},
-                   {"warning", summary.warning},
-                   {"chains", summary.chains},
-                   {"scans", summary.scans},
-                   {"states", summary.states},
-                   {"thin", summary.thin},
-                   {"satisfied_share", facts.satisfied},
-                   {"acceptance_rate", facts.acceptance},
-                   {"animations", summary.animations},
-                   {"segments", summary.segments},
-                   {"found", summary.finds.found},
-                   {"relax_scans", summary.finds.relax_scans},
-                   {"finds_kept", summary.finds.animations},
-                   {"failed_simulations", analysis::failures_json(summary.failures)},
-                   {"failed_animations", summary.failed_animations},
-                   {"version", summary.inference_library_version},
-                   {"results_version", summary.results_version},
-                   {"run_id", summary.run_id},
-                   {"digest", summary.content_digest},
-                   {"request", summary.request_text}};
-  if (facts.finds) {
-    const Plausibility& log_p = *facts.finds;
-    json["log_prior_of_finds"] = {log_p.least, log_p.most};
-    json["log_prior_of_throws"] = {log_p.throws_from, log_p.throws_to};
-  }
-  if (facts.odds) json["tempering"] = as_json(*facts.odds);
-  return json;
+  report::Report report;
+  report.for_programs("archive", path);
+  report.for_programs("world", summary.world);
+  report.add("warning", summary.warning, "warning", summary.warning);
+  add_chains(facts, report);
+  add_finds(facts, report);
+  add_failures(summary, report);
+  if (facts.odds) add_odds(*facts.odds, report);
+  report.add("version", summary.inference_library_version, "written by",
+             fmt::format("sleight {}, format {}", summary.inference_library_version,
+                         summary.format_version));
+  report.for_programs("format_version", summary.format_version);
+  report.add("run_id", summary.run_id, "run",
+             fmt::format("{}, results {}", summary.run_id, summary.results_version));
+  report.for_programs("results_version", summary.results_version);
+  report.add("digest", summary.content_digest, "digest", summary.content_digest);
+  report.for_programs("request", summary.request_text);
+  return report;
 }
 
 }  // namespace
 
 int archive_info(const std::string& path, bool json) {
   const Facts facts = facts_of(*archive::remote::open_remote(path));
+  const report::Report report = report_of(path, facts);
   if (json) {
-    fmt::print("{}\n", terminal::dumped(as_json(path, facts)));
+    fmt::print("{}\n", report::dumped(report.as_json()));
   } else {
-    print_for_people(path, facts);
+    fmt::print("{}: {} samples\n\n{}\nThe request that reproduces it:\n\n{}", path,
+               facts.summary.world, report.as_text(2, 13), facts.summary.request_text);
   }
   return terminal::k_ok;
 }
@@ -231,7 +230,7 @@ int archive_info(const std::string& path, bool json) {
 int archive_digest(const std::string& path, bool json) {
   const std::string digest = archive::digest(*archive::remote::open_remote(path));
   if (json) {
-    fmt::print("{}\n", terminal::dumped({{"archive", path}, {"digest", digest}}));
+    fmt::print("{}\n", report::dumped({{"archive", path}, {"digest", digest}}));
   } else {
     fmt::print("{}\n", digest);
   }
@@ -241,7 +240,7 @@ int archive_digest(const std::string& path, bool json) {
 int archive_verify(const std::string& path, bool json) {
   const std::vector<std::string> findings = archive::verify(*archive::remote::open_remote(path));
   if (json) {
-    fmt::print("{}\n", terminal::dumped(
+    fmt::print("{}\n", report::dumped(
                            {{"archive", path}, {"ok", findings.empty()}, {"findings", findings}}));
   } else {
     for (const std::string& finding : findings)

@@ -10,10 +10,10 @@
 #include "clients/browse/groups.h"
 #include "clients/cli/browsed_json.h"
 #include "clients/cli/groups_command.h"
-#include "clients/terminal/dumped_json.h"
+#include "clients/report/dumped_json.h"
+#include "clients/report/text_table.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
-#include "clients/terminal/text_table.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/archive/summary.h"
 #include "common/base/cores.h"
@@ -121,8 +121,7 @@ void print_requests(const std::vector<analysis::OtherLine>& lines) {
     fmt::print("The requests are the same.\n");
     return;
   }
-  terminal::TextTable table{
-      .columns = {{.head = "request"}, {.head = "first"}, {.head = "second"}}};
+  report::TextTable table{.columns = {{.head = "request"}, {.head = "first"}, {.head = "second"}}};
   for (std::size_t i = 0; i < std::min(lines.size(), k_lines_shown_max); ++i)
     table.rows.push_back({lines[i].key, lines[i].first.empty() ? "-" : lines[i].first,
                           lines[i].second.empty() ? "-" : lines[i].second});
@@ -144,15 +143,15 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
                twice);
   fmt::print("\n");
   print_requests(comparison.request);
-  terminal::TextTable table{.columns = {{.head = "number"},
-                                        {.head = "mean first", .to_the_right = true},
-                                        {.head = "mean second", .to_the_right = true},
-                                        {.head = "sd first", .to_the_right = true},
-                                        {.head = "sd second", .to_the_right = true},
-                                        {.head = "least first", .to_the_right = true, .rank = 1},
-                                        {.head = "least second", .to_the_right = true, .rank = 1},
-                                        {.head = "most first", .to_the_right = true, .rank = 1},
-                                        {.head = "most second", .to_the_right = true, .rank = 1}}};
+  report::TextTable table{.columns = {{.head = "number"},
+                                      {.head = "mean first", .to_the_right = true},
+                                      {.head = "mean second", .to_the_right = true},
+                                      {.head = "sd first", .to_the_right = true},
+                                      {.head = "sd second", .to_the_right = true},
+                                      {.head = "least first", .to_the_right = true, .rank = 1},
+                                      {.head = "least second", .to_the_right = true, .rank = 1},
+                                      {.head = "most first", .to_the_right = true, .rank = 1},
+                                      {.head = "most second", .to_the_right = true, .rank = 1}}};
   for (const analysis::ComparedNumber& number : comparison.numbers) {
     if (number.of[0].count == 0 && number.of[1].count == 0) continue;
     std::vector<std::string> row{number.name};
@@ -168,9 +167,9 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
     fmt::print("\nTheir looks are not compared: {}.\n", comparison.why_no_groups);
     return;
   }
-  terminal::TextTable groups{.columns = {{.head = "like"},
-                                         {.head = "of first", .to_the_right = true},
-                                         {.head = "of second", .to_the_right = true}}};
+  report::TextTable groups{.columns = {{.head = "like"},
+                                       {.head = "of first", .to_the_right = true},
+                                       {.head = "of second", .to_the_right = true}}};
   for (const ComparedGroup& group : comparison.groups)
     groups.rows.push_back({group.representative, fmt::format("{}", group.members[0]),
                            fmt::format("{}", group.members[1])});
@@ -202,7 +201,7 @@ int compare_archives(const CompareOptions& options) {
     leave_out_twice(browsed);
     compare_looks(browsed, options.groups, comparison);
     if (options.json) {
-      fmt::print("{}\n", terminal::dumped(comparison_json(browsed, comparison)));
+      fmt::print("{}\n", report::dumped(comparison_json(browsed, comparison)));
     } else {
       print_comparison(browsed, comparison);
     }

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "clients/analysis/diagnosis_report.h"
-#include "clients/terminal/dumped_json.h"
+#include "clients/report/dumped_json.h"
 #include "common/archive/remote/remote_source.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
@@ -13,7 +13,7 @@ namespace sleight::cli {
 int diagnose_archive(const std::string& path, bool json, const analysis::Rules& rules) {
   const analysis::Diagnosis diagnosis = diagnosis_of(*archive::remote::open_remote(path), rules);
   if (json) {
-    fmt::print("{}\n", terminal::dumped(as_json(path, diagnosis)));
+    fmt::print("{}\n", report::dumped(as_json(path, diagnosis)));
   } else {
     fmt::print("{}", for_people(path, diagnosis));
   }

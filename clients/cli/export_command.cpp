@@ -20,7 +20,7 @@
 #include "clients/cli/exported_files.h"
 #include "clients/cli/film_export.h"
 #include "clients/export/document.h"
-#include "clients/terminal/dumped_json.h"
+#include "clients/report/dumped_json.h"
 #include "clients/terminal/interruption.h"
 #include "clients/terminal/output.h"
 #include "common/archive/kept_motions.h"
@@ -195,9 +195,9 @@ void tell(const ExportAnimationsOptions& options, const std::vector<WrittenFile>
     files.push_back({{"path", written.path}, {"ids", written.ids}, {"bytes", written.bytes}});
   }
   if (options.json) {
-    fmt::print("{}\n", terminal::dumped({{"archive", options.path},
-                                         {"format", options.format},
-                                         {"written", std::move(files)}}));
+    fmt::print("{}\n", report::dumped({{"archive", options.path},
+                                       {"format", options.format},
+                                       {"written", std::move(files)}}));
     return;
   }
   fmt::print("{}: {} animation{}, {} file{}, {:.1f} MB\n", options.output, animations,

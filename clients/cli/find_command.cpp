@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "clients/cli/browsed_json.h"
-#include "clients/terminal/dumped_json.h"
+#include "clients/report/dumped_json.h"
+#include "clients/report/text_table.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
-#include "clients/terminal/text_table.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 #include "common/request/nearest.h"
@@ -81,10 +81,10 @@ std::vector<std::string> asked_numbers(const FindOptions& options, const browse:
 
 void print_table(const FindOptions& options, const browse::Browsed& browsed,
                  const std::vector<browse::Picked>& shown) {
-  terminal::TextTable table{.columns = {{.head = "animation"},
-                                        {.head = "log_prior", .to_the_right = true},
-                                        {.head = "rest_s", .to_the_right = true},
-                                        {.head = "events", .to_the_right = true}}};
+  report::TextTable table{.columns = {{.head = "animation"},
+                                      {.head = "log_prior", .to_the_right = true},
+                                      {.head = "rest_s", .to_the_right = true},
+                                      {.head = "events", .to_the_right = true}}};
   const std::vector<std::string> names = asked_numbers(options, browsed);
   for (const std::string& name : names)
     table.columns.push_back({.head = name, .to_the_right = true, .rank = 1});
@@ -133,7 +133,7 @@ int print_names(const FindOptions& options, const browse::Browsed& browsed) {
                  number.unit == "1" ? "" : fmt::format("  [{}]", number.unit));
     }
   }
-  if (options.json) fmt::print("{}\n", terminal::dumped(json));
+  if (options.json) fmt::print("{}\n", report::dumped(json));
   return static_cast<int>(base::ExitCode::ok);
 }
 
@@ -160,7 +160,7 @@ int find_animations(const FindOptions& options) {
       json["animations"] = json::Value::array();
       for (const browse::Picked& one : found)
         json["animations"].push_back(animation_json(browsed, one));
-      fmt::print("{}\n", terminal::dumped(json));
+      fmt::print("{}\n", report::dumped(json));
       return static_cast<int>(base::ExitCode::ok);
     }
     if (options.ids) {

@@ -9,10 +9,10 @@
 #include "clients/pictures/picked_figure.h"
 #include "clients/pictures/scene_view.h"
 #include "clients/plot/save.h"
-#include "clients/terminal/dumped_json.h"
+#include "clients/report/dumped_json.h"
+#include "clients/report/text_table.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
-#include "clients/terminal/text_table.h"
 #include "common/base/cores.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
@@ -22,13 +22,13 @@ namespace {
 
 void print_groups(const browse::Browsed& browsed, const std::vector<browse::Picked>& picked,
                   const browse::Groups& groups) {
-  terminal::TextTable table{.columns = {{.head = "group", .to_the_right = true},
-                                        {.head = "animations", .to_the_right = true},
-                                        {.head = "stands for it"},
-                                        {.head = "mean mm", .to_the_right = true},
-                                        {.head = "most mm", .to_the_right = true},
-                                        {.head = "log_prior", .to_the_right = true, .rank = 1},
-                                        {.head = "rest_s", .to_the_right = true, .rank = 2}}};
+  report::TextTable table{.columns = {{.head = "group", .to_the_right = true},
+                                      {.head = "animations", .to_the_right = true},
+                                      {.head = "stands for it"},
+                                      {.head = "mean mm", .to_the_right = true},
+                                      {.head = "most mm", .to_the_right = true},
+                                      {.head = "log_prior", .to_the_right = true, .rank = 1},
+                                      {.head = "rest_s", .to_the_right = true, .rank = 2}}};
   const bool has_archives = browsed.archives.size() > 1;
   if (has_archives) table.columns.push_back({.head = "archive", .rank = 3});
   for (std::size_t i = 0; i < groups.groups.size(); ++i) {
@@ -116,7 +116,7 @@ int group_animations(const GroupsOptions& options) {
         all, options.groups,
         options.by == "hierarchy" ? browse::Grouping::hierarchy : browse::Grouping::medoids);
     if (options.json) {
-      fmt::print("{}\n", terminal::dumped(groups_json(browsed, all, groups)));
+      fmt::print("{}\n", report::dumped(groups_json(browsed, all, groups)));
     } else if (all.empty()) {
       fmt::print("none of {} animations matches\n", browsed.animations());
     } else {

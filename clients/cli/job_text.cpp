@@ -10,8 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "clients/cli/service_json.h"
+#include "clients/report/text_table.h"
 #include "clients/service_client/service_call.h"
-#include "clients/terminal/text_table.h"
 #include "common/events/progress.h"
 #include "common/request/text.h"
 
@@ -85,18 +86,6 @@ std::string why(const rpc::JobView& job) {
 std::string state_name(rpc::JobState state) {
   return std::string(rpc::name_of(state));
 }
-
-/// Lines of "  head         text".
-class Lines {
- public:
-  void add(std::string_view head, const std::string& text) {
-    if (!text.empty()) text_ += fmt::format("  {:<14}{}\n", head, text);
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  std::string text_;
-};
 
 std::string with_time_left(std::string text, const std::optional<double>& left_s) {
   if (left_s) text += fmt::format(", {} left", events::clock_time(*left_s));
@@ -211,7 +200,7 @@ std::string failures_text(std::span<const rpc::FailureCount> failures) {
 }
 
 std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look) {
-  terminal::TextTable table;
+  report::TextTable table;
   table.columns = {{.head = "ID", .to_the_right = true},
                    {.head = "NAME", .rank = 1},
                    {.head = "GROUP", .rank = 8},
@@ -240,43 +229,80 @@ std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look)
   return to_text(table, look.width);
 }
 
-std::string job_text(const rpc::JobView& job) {
-  Lines lines;
-  lines.add("state", state_line(job));
-  lines.add("queue", queue_line(job));
-  lines.add("scans", scans_line(job));
-  lines.add("found", of_wanted(job.solutions.found, job.solutions.found_wanted));
+report::Report job_report(const rpc::JobView& job) {
+  report::Report report;
+  report.for_programs("id", job.id.value);
+  report.for_programs("group", group_json(job.group));
+  report.for_programs("user", job.user);
+  report.for_programs("name", job.name);
+  report.for_programs("world", job.world);
+  report.add("state", rpc::name_of(job.state), "state", state_line(job));
+  report.for_programs("reason", job.reason);
+  report.add("place", job.place > 0 ? Json(job.place) : Json(), "queue", queue_line(job));
+  report.for_programs("not_yet", job.not_yet);
+  report.for_programs("starts", job.attempt);
+  report.add("scans_done", job.scans_done, "scans", scans_line(job));
+  report.for_programs("scans_total", job.scans_total > 0 ? Json(job.scans_total) : Json());
+  report.for_programs("left_seconds", optional_json(job.left_s));
+  const rpc::SolutionCounts& solutions = job.solutions;
+  report.add("found", solutions.found, "found", of_wanted(solutions.found, solutions.found_wanted));
+  report.for_programs("found_wanted", solutions.found_wanted);
   const std::string in_proportion =
-      of_wanted(job.solutions.in_proportion, job.solutions.in_proportion_wanted);
-  lines.add("in proportion", in_proportion.empty()
-                                 ? in_proportion
-                                 : with_time_left(in_proportion, job.solutions_left_s));
+      of_wanted(solutions.in_proportion, solutions.in_proportion_wanted);
+  report.add(
+      "in_proportion", solutions.in_proportion, "in proportion",
+      in_proportion.empty() ? in_proportion : with_time_left(in_proportion, job.solutions_left_s));
+  report.for_programs("in_proportion_wanted", solutions.in_proportion_wanted);
+  report.for_programs("solutions_left_seconds", optional_json(job.solutions_left_s));
   const std::string rate = rate_cell(job);
-  lines.add("rate", rate.empty() ? rate : rate + " simulations a second");
-  lines.add("failures", failures_text(job.failures));
-  lines.add("resources", resources_line(job));
-  lines.add("times", times_line(job));
-  lines.add("spent", job.core_s > 0 ? events::clock_time(job.core_s) + " of processor time" : "");
-  lines.add("kept", kept_line(job));
-  lines.add("archive", job.digest.empty() ? "" : "digest " + terminal::shown(job.digest));
-  lines.add("at the end", terminal::shown_on_one_line(job.end_words));
+  report.add("simulations_per_second", job.simulations_per_s, "rate",
+             rate.empty() ? rate : rate + " simulations a second");
+  report.add("failed_simulations", failures_json(job.failures), "failures",
+             failures_text(job.failures));
+  report.for_people("resources", resources_line(job));
+  report.for_programs("cores_wanted", optional_json(job.cores_wanted));
+  report.for_programs("cores", job.cores);
+  report.for_programs("ranks", job.ranks);
+  report.for_programs("memory_bytes", job.memory_bytes);
+  report.for_programs("priority", job.priority);
+  report.for_programs("strict", job.strict);
+  report.for_people("times", times_line(job));
+  report.for_programs("submitted", time_json(job.submitted_s));
+  report.for_programs("started", time_json(job.started_s));
+  report.for_programs("ended", time_json(job.ended_s));
+  report.add("core_seconds", job.core_s, "spent",
+             job.core_s > 0 ? events::clock_time(job.core_s) + " of processor time" : "");
+  report.add("bytes", job.bytes, "kept", kept_line(job));
+  report.for_programs("pinned", job.pinned);
+  report.for_programs("deleted_at", time_json(job.deleted_at_s));
+  report.add("digest", job.digest, "archive",
+             job.digest.empty() ? "" : "digest " + terminal::shown(job.digest));
+  report.for_programs("results_version", job.results_version);
+  report.add("end_words", job.end_words, "at the end", terminal::shown_on_one_line(job.end_words));
+  report.for_programs("last_log_lines", job.last_log_lines);
   for (const std::string& line : job.last_log_lines)
-    lines.add("log", terminal::shown(line));
-  lines.add("to repeat it", terminal::shown(job.repeat_command));
+    report.for_people("log", terminal::shown(line));
+  report.add("repeat_command", job.repeat_command, "to repeat it",
+             terminal::shown(job.repeat_command));
+  return report;
+}
+
+std::string job_text(const rpc::JobView& job) {
   const std::string world = job.name.empty() || job.name == job.world
                                 ? ""
                                 : fmt::format(" ({})", terminal::shown(job.world));
   const std::string group = job.group ? fmt::format(", of group g{}", *job.group) : "";
-  return fmt::format("job {}  {}{}{}\n", job.id, name_of_job(job), world, group) + lines.take();
+  return fmt::format("job {}  {}{}{}\n", job.id, name_of_job(job), world, group) +
+         job_report(job).as_text(2, 14);
 }
 
 std::string history_text(const rpc::JobView& job) {
-  terminal::TextTable table{.columns = {{.head = "NUMBER", .to_the_right = true},
-                                        {.head = "TIME"},
-                                        {.head = "STATE"},
-                                        {.head = "START", .to_the_right = true},
-                                        {.head = "REASON"}},
-                            .rows = {}};
+  report::TextTable table{.columns = {{.head = "NUMBER", .to_the_right = true},
+                                      {.head = "TIME"},
+                                      {.head = "STATE"},
+                                      {.head = "START", .to_the_right = true},
+                                      {.head = "REASON"}},
+                          .rows = {}};
   for (const rpc::StateChange& change : job.history) {
     table.rows.push_back({fmt::format("{}", change.number), local_time(change.time_s),
                           state_name(change.state),

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "clients/report/report.h"
 #include "common/rpc/service.h"
 
 namespace sleight::cli {
@@ -27,7 +28,9 @@ struct TableLook {
 /// solutions, finds and solutions in proportion apart, failures by kind.
 std::string job_table(std::span<const rpc::JobView> jobs, const TableLook& look);
 
-/// All of a job, over several lines.
+/// All of a job but its history.
+report::Report job_report(const rpc::JobView& job);
+/// The same over several lines.
 std::string job_text(const rpc::JobView& job);
 
 /// Its changes, one a line: when, state, attempt, reason.

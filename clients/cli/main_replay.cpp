@@ -1,5 +1,5 @@
 #include "clients/cli/main_direct.h"
-#include "clients/terminal/dumped_json.h"
+#include "clients/report/dumped_json.h"
 
 #include <fmt/format.h>
 
@@ -64,7 +64,7 @@ void print_json(const failure_file::FailureFile& file, const run::SimulationEnd&
     json["log_prior"] = end.log_prior;
     json["log_constraint"] = end.log_constraint;
   }
-  fmt::print("{}\n", terminal::dumped(json));
+  fmt::print("{}\n", report::dumped(json));
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 #include "clients/gallery_server/named_archives.h"
 #include "clients/gallery_server/page_folder.h"
 #include "clients/gallery_server/saved_gallery.h"
+#include "clients/report/dumped_json.h"
 #include "clients/service_client/service_call.h"
-#include "clients/terminal/dumped_json.h"
 #include "clients/terminal/interruption.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/progress_printer.h"
@@ -116,7 +116,7 @@ int save_archives(const CommandOptions& options, const std::function<std::string
     if (options.json) {
       const json::Value json{
           {"folder", options.save}, {"animations", animations}, {"bytes", bytes}};
-      fmt::print("{}\n", terminal::dumped(json));
+      fmt::print("{}\n", report::dumped(json));
     } else {
       fmt::print("{}: {} animations, {:.1f} MB; open {}, or put the folder on any web server\n",
                  options.save, animations, static_cast<double>(bytes) / k_megabyte,

@@ -139,6 +139,13 @@ int tell_stopped(std::int64_t pid, bool json) {
   return terminal::k_ok;
 }
 
+/// "core-hours of a user" as a key: core_hours_of_a_user.
+std::string key_of(std::string words) {
+  std::ranges::replace_if(
+      words, [](char c) { return c == ' ' || c == '-' || c == ','; }, '_');
+  return words;
+}
+
 std::string jobs_line(const rpc::ServerView& server) {
   std::vector<std::string> parts;
   for (const rpc::StateCount& count : server.counts) {
@@ -167,35 +174,57 @@ std::vector<std::string> server_command(const std::string& program,
   return command;
 }
 
-std::string server_text(const rpc::ServerView& server, const std::string& socket) {
-  std::string text;
-  const auto add = [&](std::string_view head, const std::string& words) {
-    if (!words.empty()) text += fmt::format("{:<12}{}\n", head, words);
-  };
-  add("server", fmt::format("pid {}, up {}, {}{}", server.pid, events::clock_time(server.up_s),
-                            terminal::shown(socket),
-                            server.draining ? "; draining: it starts no more jobs" : ""));
+report::Report server_report(const rpc::ServerView& server, const std::string& socket) {
+  Json jobs = Json::object();
+  for (const rpc::StateCount& count : server.counts)
+    jobs[std::string(rpc::name_of(count.state))] = count.count;
+  Json limits = Json::object();
+  for (const rpc::NamedLimit& limit : server.limits)
+    limits[key_of(limit.name)] = limit.value;
   std::string version = terminal::shown(server.version);
   if (server.version != base::version())
     version += fmt::format(" (this sleight is {})", base::version());
-  add("version", fmt::format("{}, results {}", version, terminal::shown(server.results_version)));
-  add("state", terminal::shown(server.state_folder));
-  add("jobs", jobs_line(server));
-  add("cores", fmt::format("{} of {} in use, backend {}", server.cores_used, server.cores,
-                           terminal::shown(server.backend)));
-  add("memory", fmt::format("{} of {} in use", size_text(server.memory_used_bytes),
-                            size_text(server.memory_bytes)));
-  add("disk", fmt::format("{} free, of which {} stay so", size_text(server.disk_free_bytes),
-                          size_text(server.disk_reserve_bytes)));
-  add("keeps", terminal::shown(server.keeping_rule));
-  add("limits", limits_line(server));
-  if (!server.address.empty()) {
-    add("listens", terminal::shown(server.address) + " over TLS");
-    add("certificate", terminal::shown(server.fingerprint));
-  }
-  add("clients", fmt::format("{} connection{}, {} watching", server.connections,
-                             server.connections == 1 ? "" : "s", server.watchers));
-  return text;
+  report::Report report;
+  report.for_people("server",
+                    fmt::format("pid {}, up {}, {}{}", server.pid, events::clock_time(server.up_s),
+                                terminal::shown(socket),
+                                server.draining ? "; draining: it starts no more jobs" : ""));
+  report.for_programs("pid", server.pid);
+  report.for_programs("up_seconds", server.up_s);
+  report.for_programs("socket", socket);
+  report.for_programs("draining", server.draining);
+  report.add("version", server.version, "version",
+             fmt::format("{}, results {}", version, terminal::shown(server.results_version)));
+  report.for_programs("results_version", server.results_version);
+  report.add("state_folder", server.state_folder, "state", terminal::shown(server.state_folder));
+  report.add("jobs", std::move(jobs), "jobs", jobs_line(server));
+  report.for_people("cores", fmt::format("{} of {} in use, backend {}", server.cores_used,
+                                         server.cores, terminal::shown(server.backend)));
+  report.for_programs("cores", server.cores);
+  report.for_programs("cores_used", server.cores_used);
+  report.for_programs("backend", server.backend);
+  report.for_people("memory", fmt::format("{} of {} in use", size_text(server.memory_used_bytes),
+                                          size_text(server.memory_bytes)));
+  report.for_programs("memory_bytes", server.memory_bytes);
+  report.for_programs("memory_used_bytes", server.memory_used_bytes);
+  report.for_people("disk",
+                    fmt::format("{} free, of which {} stay so", size_text(server.disk_free_bytes),
+                                size_text(server.disk_reserve_bytes)));
+  report.for_programs("disk_free_bytes", server.disk_free_bytes);
+  report.for_programs("disk_reserve_bytes", server.disk_reserve_bytes);
+  report.add("keeping_rule", server.keeping_rule, "keeps", terminal::shown(server.keeping_rule));
+  report.add("limits", std::move(limits), "limits", limits_line(server));
+  const auto or_null = [](const std::string& text) { return text.empty() ? Json() : Json(text); };
+  const bool listens = !server.address.empty();
+  report.add("address", or_null(server.address), "listens",
+             listens ? terminal::shown(server.address) + " over TLS" : "");
+  report.add("fingerprint", or_null(server.fingerprint), "certificate",
+             listens ? terminal::shown(server.fingerprint) : "");
+  report.for_people("clients", fmt::format("{} connection{}, {} watching", server.connections,
+                                           server.connections == 1 ? "" : "s", server.watchers));
+  report.for_programs("connections", server.connections);
+  report.for_programs("watchers", server.watchers);
+  return report;
 }
 
 int start_server(const ServerStartOptions& options) {
@@ -241,7 +270,7 @@ int drain_server(const std::string& socket, bool json) {
     client.drain();
     const rpc::ServerView server = client.info();
     if (json) {
-      fmt::print("{}\n", indented(to_json(server)));
+      fmt::print("{}\n", indented(server_report(server, socket).as_json()));
     } else {
       fmt::print(
           "the server starts no more jobs, and stops those that run in order; `sleight server "
@@ -253,13 +282,11 @@ int drain_server(const std::string& socket, bool json) {
 
 int show_server(const std::string& socket, bool json) {
   return service_client::with_service(socket, [&](rpc::Client& client) {
-    const rpc::ServerView server = client.info();
+    const report::Report report = server_report(client.info(), socket);
     if (json) {
-      Json shape = to_json(server);
-      shape["socket"] = socket;
-      fmt::print("{}\n", indented(shape));
+      fmt::print("{}\n", indented(report.as_json()));
     } else {
-      fmt::print("{}", server_text(server, socket));
+      fmt::print("{}", report.as_text(0, 12));
     }
     return terminal::k_ok;
   });

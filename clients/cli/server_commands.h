@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/report/report.h"
 #include "common/config/settings.h"
 #include "common/rpc/service.h"
 
@@ -31,7 +32,7 @@ int drain_server(const std::string& socket, bool json);
 int show_server(const std::string& socket, bool json);
 
 /// What `server status` prints.
-std::string server_text(const rpc::ServerView& server, const std::string& socket);
+report::Report server_report(const rpc::ServerView& server, const std::string& socket);
 
 /// The daemon's command line: {"sleightd", "--cores=8"}.
 std::vector<std::string> server_command(const std::string& program,

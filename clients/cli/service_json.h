@@ -5,6 +5,7 @@
 // yet, or not known. Pure; thread-safe.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -16,12 +17,22 @@ namespace sleight::cli {
 
 using Json = json::Value;
 
+/// Seconds since 1970, or null of 0.
+Json time_json(double time_s);
+Json group_json(const std::optional<rpc::GroupId>& group);
+/// {"total": 3, "search_gave_up": 3}
+Json failures_json(std::span<const rpc::FailureCount> failures);
+template <class T>
+Json optional_json(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+/// All of a job (job_text.h), and its changes.
 Json to_json(const rpc::JobView& job, bool with_history);
 Json to_json(const rpc::StateChange& change);
 Json to_json(const rpc::Touched& touched);
 /// `id` is what other commands take: 17, or "g5" of a group.
 Json to_json(const rpc::Submitted& submitted);
-Json to_json(const rpc::ServerView& server);
 Json to_json(const rpc::LogPiece& piece);
 
 /// One object of one job that was named alone, else a list.

@@ -14,10 +14,10 @@
 #include <system_error>
 
 #include "clients/cli/service_json.h"
+#include "clients/report/text_table.h"
 #include "clients/service_client/service_call.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
-#include "clients/terminal/text_table.h"
 #include "common/access/token_text.h"
 #include "common/base/descriptor.h"
 #include "common/base/error.h"
@@ -176,14 +176,14 @@ int list_tokens(const std::string& called, bool all, bool json) {
       fmt::print("no tokens\n");
       return terminal::k_ok;
     }
-    terminal::TextTable table{.columns = {{.head = "ID"},
-                                          {.head = "USER", .rank = 3},
-                                          {.head = "STATE"},
-                                          {.head = "MAY", .rank = 1},
-                                          {.head = "EXPIRES", .rank = 2},
-                                          {.head = "LAST USED", .rank = 4},
-                                          {.head = "FROM", .rank = 5},
-                                          {.head = "NAME"}}};
+    report::TextTable table{.columns = {{.head = "ID"},
+                                        {.head = "USER", .rank = 3},
+                                        {.head = "STATE"},
+                                        {.head = "MAY", .rank = 1},
+                                        {.head = "EXPIRES", .rank = 2},
+                                        {.head = "LAST USED", .rank = 4},
+                                        {.head = "FROM", .rank = 5},
+                                        {.head = "NAME"}}};
     for (const rpc::TokenView& token : tokens) {
       table.rows.push_back({terminal::shown(token.id), terminal::name_of_user(token.user),
                             state_of_token(token),

@@ -2,6 +2,8 @@
 // views with values of all kinds, their JSON compared.
 #include "clients/cli/service_json.h"
 
+#include "clients/cli/server_commands.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,9 +74,11 @@ TEST(ServiceJson, IsHarmlessOnATerminal) {
 
 TEST(ServiceJson, AServerCountsJobsByState) {
   const Json json =
-      to_json(rpc::ServerView{.pid = 42,
-                              .limits = {{"jobs", "100"}},
-                              .counts = {{rpc::JobState::queued, 3}, {rpc::JobState::running, 1}}});
+      server_report({.pid = 42,
+                     .limits = {{"jobs", "100"}},
+                     .counts = {{rpc::JobState::queued, 3}, {rpc::JobState::running, 1}}},
+                    "/s")
+          .as_json();
   EXPECT_EQ(json["pid"], 42);
   EXPECT_EQ(json["jobs"].dump(), R"({"queued":3,"running":1})");
   EXPECT_EQ(json["limits"]["jobs"], "100");

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace sleight::terminal {
+namespace sleight::report {
 
 struct Column {
   std::string head{};
@@ -21,6 +21,7 @@ struct Column {
 };
 
 struct TextTable {
+  std::size_t indent = 0;  ///< spaces before each line
   std::vector<Column> columns{};
   std::vector<std::vector<std::string>> rows{};  ///< one text a column each, fit for a terminal
 };
@@ -31,4 +32,4 @@ inline constexpr std::size_t k_last_column_min = 16;
 /// Lines, each with its end; the heads first. Without a width nothing is left out or cut.
 std::string to_text(const TextTable& table, std::optional<std::size_t> width);
 
-}  // namespace sleight::terminal
+}  // namespace sleight::report

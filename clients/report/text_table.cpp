@@ -1,11 +1,11 @@
-#include "clients/terminal/text_table.h"
+#include "clients/report/text_table.h"
 
 #include <algorithm>
 
 #include "common/base/check.h"
 #include "common/request/text.h"
 
-namespace sleight::terminal {
+namespace sleight::report {
 namespace {
 
 constexpr std::size_t k_gap = 2;
@@ -38,7 +38,7 @@ std::size_t least_width(const std::vector<Shown>& shown) {
 }
 
 void leave_out(const TextTable& table, std::vector<Shown>& shown, std::size_t width) {
-  while (!shown.empty() && least_width(shown) > width) {
+  while (!shown.empty() && table.indent + least_width(shown) > width) {
     const auto rank = [&](const Shown& s) { return table.columns[s.column].rank; };
     const auto least = std::ranges::max_element(shown, {}, rank);
     if (rank(*least) == 0) return;
@@ -56,8 +56,8 @@ std::string cut(const std::string& text, std::size_t width) {
 
 std::string line_of(const std::vector<std::string>& texts, const TextTable& table,
                     const std::vector<Shown>& shown, std::optional<std::size_t> width) {
-  std::string line;
-  std::size_t used = 0;
+  std::string line(table.indent, ' ');
+  std::size_t used = table.indent;
   for (const Shown& s : shown) {
     const bool is_last = &s == &shown.back();
     std::string text = texts[s.column];
@@ -89,4 +89,4 @@ std::string to_text(const TextTable& table, std::optional<std::size_t> width) {
   return text;
 }
 
-}  // namespace sleight::terminal
+}  // namespace sleight::report

@@ -1,11 +1,11 @@
-#include "clients/terminal/dumped_json.h"
+#include "clients/report/dumped_json.h"
 
 #include "common/json/value.h"
 
-namespace sleight::terminal {
+namespace sleight::report {
 
 std::string dumped(const json::Value& json) {
   return json.dump(2);
 }
 
-}  // namespace sleight::terminal
+}  // namespace sleight::report

@@ -1,4 +1,4 @@
-#include "clients/terminal/text_table.h"
+#include "clients/report/text_table.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "common/request/text.h"
 
-namespace sleight::terminal {
+namespace sleight::report {
 namespace {
 
 TextTable example() {
@@ -62,4 +62,4 @@ TEST(TextTable, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace sleight::terminal
+}  // namespace sleight::report
