@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <functional>
 #include <utility>
 
 #include "clients/cli/job_text.h"
@@ -87,34 +86,12 @@ int complete(const std::string& socket) {
   return terminal::k_ok;
 }
 
-int touch_and_tell(
-    const std::string& socket, const JobsOptions& options,
-    const std::function<std::vector<rpc::Touched>(rpc::Client&, rpc::Target)>& call) {
-  const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
-  return service_client::with_service(socket, [&](rpc::Client& client) {
-    const service_client::TouchedJobs touched =
-        touch(names, [&](rpc::Target target) { return call(client, target); });
-    if (options.json) {
-      fmt::print("{}\n", indented(touched_json(touched.done, is_single_job(names))));
-    } else {
-      for (const rpc::Touched& one : touched.done)
-        fmt::print("{}\n", touched_line(one));
-    }
-    int code = terminal::k_ok;
-    for (const service_client::RefusedName& one : touched.refused) {
-      terminal::complain(
-          fmt::format("sleight: {}: {}", one.name, service_client::words_of(one.refusal)));
-      code = static_cast<int>(service_client::exit_code_of(one.refusal.kind));
-    }
-    return code;
-  });
-}
-
-/// In place of what the state has for a reason, which says nothing of this.
-std::vector<rpc::Touched> told(std::vector<rpc::Touched> touched, const std::string& words) {
-  for (rpc::Touched& one : touched)
-    one.words = words;
-  return touched;
+/// What is said of a change that the job's state does not show; empty: the service's words.
+std::string words_of(const rpc::ChangeAsk& ask) {
+  if (ask.kind == rpc::ChangeKind::pin) return "pinned";
+  if (ask.kind == rpc::ChangeKind::unpin) return "not pinned";
+  if (ask.kind == rpc::ChangeKind::set_priority) return fmt::format("priority {}", ask.priority);
+  return {};
 }
 
 int watch_named(const std::string& socket, const JobsOptions& options, std::uint64_t from_number,
@@ -217,31 +194,24 @@ int wait(const std::string& socket, const JobsOptions& options) {
   return watch_named(socket, options, 1, true);
 }
 
-int cancel(const std::string& socket, const JobsOptions& options) {
-  return touch_and_tell(socket, options,
-                        [](rpc::Client& client, rpc::Target job) { return client.cancel(job); });
-}
-
-int hold(const std::string& socket, const JobsOptions& options) {
-  return touch_and_tell(socket, options,
-                        [](rpc::Client& client, rpc::Target job) { return client.hold(job); });
-}
-
-int resume(const std::string& socket, const JobsOptions& options) {
-  return touch_and_tell(socket, options,
-                        [](rpc::Client& client, rpc::Target job) { return client.resume(job); });
-}
-
-int pin(const std::string& socket, const PinOptions& options) {
-  return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
-    return told(client.pin(job, !options.off), options.off ? "not pinned" : "pinned");
-  });
-}
-
-int set_priority(const std::string& socket, const PriorityOptions& options) {
-  return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
-    return told(client.set_priority(job, options.priority),
-                fmt::format("priority {}", options.priority));
+int change(const std::string& socket, const JobsOptions& options, const rpc::ChangeAsk& ask) {
+  const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
+  return service_client::with_service(socket, [&](rpc::Client& client) {
+    service_client::TouchedJobs touched = service_client::change(client, names, ask);
+    const std::string words = words_of(ask);
+    for (rpc::Touched& one : touched.done) {
+      if (!words.empty()) one.words = words;
+      if (!options.json) fmt::print("{}\n", touched_line(one));
+    }
+    if (options.json)
+      fmt::print("{}\n", indented(touched_json(touched.done, is_single_job(names))));
+    int code = terminal::k_ok;
+    for (const service_client::RefusedName& one : touched.refused) {
+      terminal::complain(
+          fmt::format("sleight: {}: {}", one.name, service_client::words_of(one.refusal)));
+      code = static_cast<int>(service_client::exit_code_of(one.refusal.kind));
+    }
+    return code;
   });
 }
 
@@ -259,13 +229,6 @@ rpc::Extension extension_of(const ExtendOptions& options) {
   return given.front();
 }
 
-int extend(const std::string& socket, const ExtendOptions& options) {
-  const rpc::Extension extension = extension_of(options);
-  return touch_and_tell(socket, options, [&](rpc::Client& client, rpc::Target job) {
-    return client.extend(job, extension);
-  });
-}
-
 int delete_jobs(const std::string& socket, const DeleteOptions& options) {
   const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
   return service_client::with_service(socket, [&](rpc::Client& client) {
@@ -278,7 +241,9 @@ int delete_jobs(const std::string& socket, const DeleteOptions& options) {
     // Job by job, even of groups: what was looked at is deleted, and nothing else.
     std::vector<rpc::Touched> touched;
     for (const rpc::JobView& job : jobs) {
-      std::ranges::move(client.erase(rpc::Target::of(job.id)), std::back_inserter(touched));
+      std::ranges::move(
+          client.change({.target = rpc::Target::of(job.id), .kind = rpc::ChangeKind::erase}),
+          std::back_inserter(touched));
       if (!options.json) fmt::print("deleted {}\n", about(job));
     }
     if (options.json) fmt::print("{}\n", indented(touched_json(touched, is_single_job(names))));

@@ -1,6 +1,6 @@
-// The commands on jobs that are one call or a few: list, status, watch, wait, cancel, hold,
-// resume, extend, delete, pin, priority. Each takes the socket's path and what the command line
-// gave, prints to stdout and returns the exit code.
+// The commands on jobs that are one call or a few: list, status, watch, wait, delete, and the
+// changes cancel, hold, resume, extend, pin and priority. Each takes the socket's path and what the
+// command line gave, prints to stdout and returns the exit code.
 #pragma once
 
 #include <cstdint>
@@ -52,26 +52,14 @@ struct DeleteOptions : JobsOptions {
   bool yes = false;  ///< does not ask
 };
 
-struct PinOptions : JobsOptions {
-  bool off = false;
-};
-
-struct PriorityOptions : JobsOptions {
-  std::int32_t priority = 0;
-};
-
 int list_jobs(const std::string& socket, const ListOptions& options);
 int show_status(const std::string& socket, const StatusOptions& options);
 int watch(const std::string& socket, const WatchOptions& options);
 int wait(const std::string& socket, const JobsOptions& options);
-int cancel(const std::string& socket, const JobsOptions& options);
-int hold(const std::string& socket, const JobsOptions& options);
-int resume(const std::string& socket, const JobsOptions& options);
-int extend(const std::string& socket, const ExtendOptions& options);
+/// Changes each of the named jobs, whatever target `ask` has.
+int change(const std::string& socket, const JobsOptions& options, const rpc::ChangeAsk& ask);
 /// Refuses all where one of them has not ended or is pinned; asks back on a terminal.
 int delete_jobs(const std::string& socket, const DeleteOptions& options);
-int pin(const std::string& socket, const PinOptions& options);
-int set_priority(const std::string& socket, const PriorityOptions& options);
 
 /// Throws base::Error(usage) where not exactly one is given, or it is none that a request may have.
 rpc::Extension extension_of(const ExtendOptions& options);

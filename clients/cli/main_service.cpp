@@ -205,26 +205,40 @@ void add_looks(CLI::App& app, Action& action) {
 }
 
 void add_stops(CLI::App& app, Action& action) {
-  const auto add = [&](const char* name, const char* help, auto run, const char* footer) {
+  const auto add = [&](const char* name, const char* help, rpc::ChangeKind kind,
+                       const char* footer) {
     const auto options = std::make_shared<cli::JobsOptions>();
-    CLI::App* command = add_command(app, name, help, action, run, options);
+    CLI::App* command = add_command(
+        app, name, help, action,
+        [kind](const std::string& socket, const cli::JobsOptions& given) {
+          return cli::change(socket, given, {.kind = kind});
+        },
+        options);
     add_jobs(*command, *options);
     command->footer(footer);
   };
-  add("cancel", "End jobs in order", cli::cancel,
+  add("cancel", "End jobs in order", rpc::ChangeKind::cancel,
       "A running job stops at a scan's end and keeps the archive of what it has.\n\n"
       "Examples:\n  sleight cancel 17\n  sleight cancel g5\n  sleight cancel 17 19 23..30");
-  add("hold", "Stop jobs until `resume`", cli::hold,
+  add("hold", "Stop jobs until `resume`", rpc::ChangeKind::hold,
       "Nothing is lost: `sleight resume` goes on to the same archive.\n\n"
       "Example:\n  sleight hold 17");
-  add("resume", "Go on with held, failed or cancelled jobs", cli::resume,
+  add("resume", "Go on with held, failed or cancelled jobs", rpc::ChangeKind::resume,
       "Example:\n  sleight resume 17");
 }
 
 void add_priority(CLI::App& app, Action& action) {
-  const auto options = std::make_shared<cli::PriorityOptions>();
-  CLI::App* command = add_command(app, "priority", "Which of your jobs come first", action,
-                                  cli::set_priority, options);
+  struct Options : cli::JobsOptions {
+    std::int32_t priority = 0;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(
+      app, "priority", "Which of your jobs come first", action,
+      [](const std::string& socket, const Options& given) {
+        return cli::change(socket, given,
+                           {.kind = rpc::ChangeKind::set_priority, .priority = given.priority});
+      },
+      options);
   add_jobs(*command, *options);
   command->add_option("--to", options->priority, "Higher ones come first; 0 if never given")
       ->required()
@@ -238,7 +252,14 @@ void add_priority(CLI::App& app, Action& action) {
 
 void add_extend(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::ExtendOptions>();
-  CLI::App* command = add_command(app, "extend", "Ask more of jobs", action, cli::extend, options);
+  CLI::App* command = add_command(
+      app, "extend", "Ask more of jobs", action,
+      [](const std::string& socket, const cli::ExtendOptions& given) {
+        return cli::change(
+            socket, given,
+            {.kind = rpc::ChangeKind::extend, .extension = cli::extension_of(given)});
+      },
+      options);
   add_jobs(*command, *options);
   CLI::App* rule = command->add_option_group("[stop]", "One rule, in place of the request's");
   rule->add_option("--scans", options->scans, "Scans of each chain")
@@ -304,9 +325,17 @@ void add_keeps(CLI::App& app, Action& action) {
       "pinned. Asks on a terminal.\n\n"
       "Examples:\n  sleight delete 17\n  sleight delete g5 -y");
 
-  const auto pinned = std::make_shared<cli::PinOptions>();
-  command = add_command(app, "pin", "Keep jobs whatever the rule for finished jobs says", action,
-                        cli::pin, pinned);
+  struct PinOptions : cli::JobsOptions {
+    bool off = false;
+  };
+  const auto pinned = std::make_shared<PinOptions>();
+  command = add_command(
+      app, "pin", "Keep jobs whatever the rule for finished jobs says", action,
+      [](const std::string& socket, const PinOptions& given) {
+        return cli::change(socket, given,
+                           {.kind = given.off ? rpc::ChangeKind::unpin : rpc::ChangeKind::pin});
+      },
+      pinned);
   add_jobs(*command, *pinned);
   command->add_flag("--off", pinned->off, "The rule holds again");
   command->footer("Examples:\n  sleight pin 17\n  sleight pin 17 --off");

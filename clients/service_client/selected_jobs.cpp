@@ -78,12 +78,12 @@ std::vector<rpc::JobView> views_of(rpc::Client& client, std::span<const JobName>
   return views;
 }
 
-TouchedJobs touch(std::span<const JobName> names,
-                  const std::function<std::vector<rpc::Touched>(rpc::Target)>& call) {
+TouchedJobs change(rpc::Client& client, std::span<const JobName> names, rpc::ChangeAsk ask) {
   TouchedJobs touched;
   const auto add = [&](rpc::Target target, const std::string& name, bool is_of_range) {
     try {
-      for (rpc::Touched& one : call(target))
+      ask.target = target;
+      for (rpc::Touched& one : client.change(ask))
         touched.done.push_back(std::move(one));
     } catch (const rpc::RefusedError& refused) {
       const bool is_left_out = is_of_range && is_absence(refused.refusal());

@@ -4,7 +4,6 @@
 // that is an error. Any other name must be there. No job comes twice.
 #pragma once
 
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,9 +34,8 @@ struct TouchedJobs {
   std::vector<RefusedName> refused{};
 };
 
-/// Makes `call` for each name, a group at once, and gathers what became of each job. One that is
-/// refused keeps no other from its call; alone it is thrown as a RefusedError.
-TouchedJobs touch(std::span<const JobName> names,
-                  const std::function<std::vector<rpc::Touched>(rpc::Target)>& call);
+/// Changes each name as `ask` says, a group at once, and gathers what became of each job. One that
+/// is refused keeps no other from its change; alone it is thrown as a RefusedError.
+TouchedJobs change(rpc::Client& client, std::span<const JobName> names, rpc::ChangeAsk ask);
 
 }  // namespace sleight::service_client

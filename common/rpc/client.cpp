@@ -117,8 +117,8 @@ struct Client::Impl final : Link {
         throw Lost("the connection to the server is lost");
       case kj::Exception::Type::UNIMPLEMENTED:
         throw RefusedError({.kind = RefusalKind::not_found,
-                            .sentence = "The server does not know this call: it is older than this "
-                                        "program.",
+                            .sentence = "The server does not know this call: it is of another "
+                                        "version than this program.",
                             .what_to_do = "Restart it: `sleight server stop` and `sleight server "
                                           "start`; running jobs go on meanwhile."});
       case kj::Exception::Type::OVERLOADED:
@@ -283,11 +283,6 @@ struct Client::Impl final : Link {
     }
   }
 
-  template <class Send>
-  std::vector<Touched> touch(const Send& send) {
-    return call(send, [](const auto& results) { return get(results.getTouched()); });
-  }
-
   // ------------------------------------------------------------------------------ watch and fetch
 
   std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>& points) override {
@@ -413,71 +408,23 @@ LogPiece Client::logs(const LogAsk& ask) {
       [](const auto& results) { return get(results.getPiece()); });
 }
 
-std::vector<Touched> Client::cancel(Target target) {
-  return impl_->touch([&](auto& service) {
-    auto request = service.cancelRequest();
-    put(target, request.initTarget());
-    return request.send();
-  });
-}
-
-std::vector<Touched> Client::hold(Target target) {
-  return impl_->touch([&](auto& service) {
-    auto request = service.holdRequest();
-    put(target, request.initTarget());
-    return request.send();
-  });
-}
-
-std::vector<Touched> Client::resume(Target target) {
-  return impl_->touch([&](auto& service) {
-    auto request = service.resumeRequest();
-    put(target, request.initTarget());
-    return request.send();
-  });
-}
-
-std::vector<Touched> Client::extend(Target target, Extension extension) {
-  return impl_->touch([&](auto& service) {
-    auto request = service.extendRequest();
-    put(target, request.initTarget());
-    put(extension, request.initExtension());
-    return request.send();
-  });
-}
-
-std::vector<Touched> Client::erase(Target target) {
+std::vector<Touched> Client::change(const ChangeAsk& ask) {
   try {
-    return impl_->touch([&](auto& service) {
-      auto request = service.eraseRequest();
-      put(target, request.initTarget());
-      return request.send();
-    });
+    return impl_->call(
+        [&](auto& service) {
+          auto request = service.changeRequest();
+          put(ask, request.initAsk());
+          return request.send();
+        },
+        [](const auto& results) { return get(results.getTouched()); });
   } catch (const RefusedError& error) {
     // The first time, whose answer was lost, it may have been deleted.
     const RefusalKind kind = error.refusal().kind;
-    if (impl_->was_repeated && (kind == RefusalKind::not_found || kind == RefusalKind::gone))
+    if (ask.kind == ChangeKind::erase && impl_->was_repeated &&
+        (kind == RefusalKind::not_found || kind == RefusalKind::gone))
       return {};
     throw;
   }
-}
-
-std::vector<Touched> Client::pin(Target target, bool pinned) {
-  return impl_->touch([&](auto& service) {
-    auto request = service.pinRequest();
-    put(target, request.initTarget());
-    request.setPinned(pinned);
-    return request.send();
-  });
-}
-
-std::vector<Touched> Client::set_priority(Target target, std::int32_t priority) {
-  return impl_->touch([&](auto& service) {
-    auto request = service.setPriorityRequest();
-    put(target, request.initTarget());
-    request.setPriority(priority);
-    return request.send();
-  });
 }
 
 ServerView Client::info() {

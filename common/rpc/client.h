@@ -137,13 +137,7 @@ class Client {
   JobPage list(const ListAsk& ask);
   JobView status(JobId job);
   LogPiece logs(const LogAsk& ask);
-  std::vector<Touched> cancel(Target target);
-  std::vector<Touched> hold(Target target);
-  std::vector<Touched> resume(Target target);
-  std::vector<Touched> extend(Target target, Extension extension);
-  std::vector<Touched> erase(Target target);
-  std::vector<Touched> pin(Target target, bool pinned);
-  std::vector<Touched> set_priority(Target target, std::int32_t priority);
+  std::vector<Touched> change(const ChangeAsk& ask);
   ServerView info();
   void drain();
   void stop();

@@ -55,6 +55,8 @@ static_assert(static_cast<int>(generated::Refusal::Kind::BUG) ==
               static_cast<int>(RefusalKind::bug));
 static_assert(static_cast<int>(generated::Refusal::Kind::BUSY) ==
               static_cast<int>(RefusalKind::busy));
+static_assert(static_cast<int>(generated::ChangeAsk::Kind::SET_PRIORITY) ==
+              static_cast<int>(ChangeKind::set_priority));
 static_assert(static_cast<int>(generated::Extension::By::ODDS) == static_cast<int>(ExtendBy::odds));
 static_assert(static_cast<int>(generated::FetchAsk::Kind::FAILURE_FILES) ==
               static_cast<int>(FetchKind::failure_files));
@@ -81,6 +83,22 @@ StateChange get_change(generated::StateChange::Reader from) {
           .state = state_of(from.getState()),
           .reason = as_string(from.getReason()),
           .attempt = from.getAttempt()};
+}
+
+void put_target(const Target& from, generated::Target::Builder to) {
+  CHECK_NE(from.job.has_value(), from.group.has_value());
+  if (from.job) {
+    to.setJob(from.job->value);
+  } else {
+    to.setGroup(from.group->value);
+  }
+}
+
+// A kind of target that a newer client has names no job: number 0 is none.
+Target get_target(generated::Target::Reader from) {
+  if (from.isJob()) return Target::of(JobId{from.getJob()});
+  if (from.isGroup()) return Target::of(GroupId{from.getGroup()});
+  return Target::of(JobId{0});
 }
 
 template <class T>
@@ -198,22 +216,6 @@ Submitted get(generated::Submitted::Reader from) {
   for (const std::uint64_t job : from.getJobs())
     to.jobs.push_back({job});
   return to;
-}
-
-void put(const Target& from, generated::Target::Builder to) {
-  CHECK_NE(from.job.has_value(), from.group.has_value());
-  if (from.job) {
-    to.setJob(from.job->value);
-  } else {
-    to.setGroup(from.group->value);
-  }
-}
-
-// A kind of target that a newer client has names no job: number 0 is none.
-Target get(generated::Target::Reader from) {
-  if (from.isJob()) return Target::of(JobId{from.getJob()});
-  if (from.isGroup()) return Target::of(GroupId{from.getGroup()});
-  return Target::of(JobId{0});
 }
 
 // -------------------------------------------------------------------------------------------- jobs
@@ -387,13 +389,22 @@ std::vector<Touched> get(capnp::List<generated::Touched>::Reader from) {
   return to;
 }
 
-void put(const Extension& from, generated::Extension::Builder to) {
-  to.setBy(static_cast<generated::Extension::By>(from.by));
-  to.setTo(from.to);
+void put(const ChangeAsk& from, generated::ChangeAsk::Builder to) {
+  put_target(from.target, to.initTarget());
+  to.setKind(static_cast<generated::ChangeAsk::Kind>(from.kind));
+  auto extension = to.initExtension();
+  extension.setBy(static_cast<generated::Extension::By>(from.extension.by));
+  extension.setTo(from.extension.to);
+  to.setPriority(from.priority);
 }
 
-Extension get(generated::Extension::Reader from) {
-  return {.by = known<ExtendBy>(from.getBy(), k_extend_kinds), .to = from.getTo()};
+ChangeAsk get(generated::ChangeAsk::Reader from) {
+  const auto extension = from.getExtension();
+  return {.target = get_target(from.getTarget()),
+          .kind = known<ChangeKind>(from.getKind(), k_change_kinds),
+          .extension = {.by = known<ExtendBy>(extension.getBy(), k_extend_kinds),
+                        .to = extension.getTo()},
+          .priority = from.getPriority()};
 }
 
 // ---------------------------------------------------------------------------------------- watching

@@ -149,16 +149,7 @@ class Handler {
                                                     std::size_t events_max) = 0;
   virtual void logs(const Caller&, LogAsk, Reply<LogPiece>) = 0;
 
-  virtual void cancel(const Caller&, Target, Reply<std::vector<Touched>>) = 0;
-  virtual void hold(const Caller&, Target, Reply<std::vector<Touched>>) = 0;
-  virtual void resume(const Caller&, Target, Reply<std::vector<Touched>>) = 0;
-  virtual void extend(const Caller&, Target, Extension, Reply<std::vector<Touched>>) = 0;
-  /// Deletes jobs with all that they have; a running one is refused.
-  virtual void erase(const Caller&, Target, Reply<std::vector<Touched>>) = 0;
-  virtual void pin(const Caller&, Target, bool pinned, Reply<std::vector<Touched>>) = 0;
-  virtual void set_priority(const Caller&, Target, std::int32_t priority,
-                            Reply<std::vector<Touched>>) = 0;
-
+  virtual void change(const Caller&, ChangeAsk, Reply<std::vector<Touched>>) = 0;
   virtual void fetch(const Caller&, FetchAsk, Reply<Fetched>) = 0;
 
   /// The server fills in connections and watchers.

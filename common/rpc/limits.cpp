@@ -101,12 +101,6 @@ std::optional<Refusal> check(Submission& submission) {
   return std::nullopt;
 }
 
-std::optional<Refusal> check(Target& target) {
-  const std::uint64_t id = target.job ? target.job->value : target.group ? target.group->value : 0;
-  if (id == 0) return no_such_job();
-  return std::nullopt;
-}
-
 std::optional<Refusal> check(ListAsk& ask) {
   for (const JobState state : ask.states) {
     if (state == JobState::unknown) return newer_client("state of a job");
@@ -119,7 +113,13 @@ std::optional<Refusal> check(ListAsk& ask) {
   return std::nullopt;
 }
 
-std::optional<Refusal> check(Extension& extension) {
+std::optional<Refusal> check(ChangeAsk& ask) {
+  const Target& target = ask.target;
+  const std::uint64_t id = target.job ? target.job->value : target.group ? target.group->value : 0;
+  if (id == 0) return no_such_job();
+  if (ask.kind == ChangeKind::unknown) return newer_client("change of a job");
+  if (ask.kind != ChangeKind::extend) return std::nullopt;
+  const Extension& extension = ask.extension;
   if (extension.by == ExtendBy::unknown) return newer_client("way to extend a job");
   const bool is_whole = extension.to == std::floor(extension.to);
   if (!(extension.to > 0) || extension.to > k_extension_max ||

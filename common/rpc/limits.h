@@ -14,9 +14,8 @@
 namespace sleight::rpc {
 
 std::optional<Refusal> check(Submission& submission);
-std::optional<Refusal> check(Target& target);
 std::optional<Refusal> check(ListAsk& ask);
-std::optional<Refusal> check(Extension& extension);
+std::optional<Refusal> check(ChangeAsk& ask);
 std::optional<Refusal> check(LogAsk& ask);
 std::optional<Refusal> check(FetchAsk& ask);
 std::optional<Refusal> check(TokenAsk& ask);

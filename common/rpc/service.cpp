@@ -11,6 +11,8 @@ constexpr std::array<std::string_view, k_refusal_kinds> k_refusal_names = {
     "limit",   "busy",      "gone",        "environment", "bug"};
 constexpr std::array<std::string_view, k_job_states> k_state_names = {
     "unknown", "queued", "starting", "running", "yielding", "held", "done", "failed", "cancelled"};
+constexpr std::array<std::string_view, k_change_kinds> k_change_names = {
+    "unknown", "cancel", "hold", "resume", "extend", "erase", "pin", "unpin", "set_priority"};
 
 }  // namespace
 
@@ -20,6 +22,10 @@ std::string_view name_of(RefusalKind kind) {
 
 std::string_view name_of(JobState state) {
   return k_state_names.at(static_cast<std::size_t>(state));
+}
+
+std::string_view name_of(ChangeKind kind) {
+  return k_change_names.at(static_cast<std::size_t>(kind));
 }
 
 bool is_file_name(std::string_view name) {

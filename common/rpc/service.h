@@ -241,6 +241,31 @@ struct Extension {
   bool operator==(const Extension&) const = default;
 };
 
+/// How a job is changed.
+enum class ChangeKind : std::uint8_t {
+  unknown,  ///< a newer client's
+  cancel,   ///< stops in order and ends, with the archive of what it has
+  hold,     ///< stops in order, until `resume`
+  resume,   ///< queued again: a held, failed or cancelled job
+  extend,   ///< a longer [stop]; queued again if it had ended
+  erase,    ///< deleted with all that it has; one that has not ended is refused
+  pin,      ///< kept whatever the rule for finished jobs says
+  unpin,
+  set_priority,
+};
+inline constexpr std::size_t k_change_kinds = 9;
+
+/// "cancel", and so on.
+std::string_view name_of(ChangeKind kind);
+
+struct ChangeAsk {
+  Target target{};
+  ChangeKind kind = ChangeKind::unknown;
+  Extension extension{};      ///< of extend
+  std::int32_t priority = 0;  ///< of set_priority
+  bool operator==(const ChangeAsk&) const = default;
+};
+
 // ---------------------------------------------------------------------------------------- watching
 
 /// How much of a job a watcher has.
@@ -310,7 +335,7 @@ enum class Scope : std::uint8_t {
   unknown = 0,  ///< a newer program's
   read = 1,     ///< list, status, watch, logs, fetch, info
   submit = 2,
-  manage = 4,   ///< cancel, hold, resume, extend, erase, pin, set_priority
+  manage = 4,   ///< change
   operate = 8,  ///< drain and stop, of a user who may
 };
 inline constexpr Scope k_scopes[] = {Scope::read, Scope::submit, Scope::manage, Scope::operate};

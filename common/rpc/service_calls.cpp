@@ -40,19 +40,6 @@ std::optional<Refusal> check(TokenId& token) {
                  .what_to_do = "`sleight token list` shows those that there are."};
 }
 
-/// What a call with a target has besides.
-struct Touch {
-  Target target{};
-  std::optional<Extension> extension{};
-  bool pinned = false;
-  std::int32_t priority = 0;
-};
-
-std::optional<Refusal> check(Touch& touch) {
-  if (auto refused = rpc::check(touch.target)) return refused;
-  return touch.extension ? rpc::check(*touch.extension) : std::nullopt;
-}
-
 Refusal failed() {
   return {.kind = RefusalKind::bug,
           .sentence = "The server failed at this call.",
@@ -286,55 +273,17 @@ class ServiceCalls final : public generated::Service::Server {
         });
   }
 
-  kj::Promise<void> cancel(CancelContext context) override {
-    return touch(context, [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
-      handler().cancel(caller(), asked.target, std::move(reply));
-    });
-  }
-
-  kj::Promise<void> hold(HoldContext context) override {
-    return touch(context, [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
-      handler().hold(caller(), asked.target, std::move(reply));
-    });
-  }
-
-  kj::Promise<void> resume(ResumeContext context) override {
-    return touch(context, [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
-      handler().resume(caller(), asked.target, std::move(reply));
-    });
-  }
-
-  kj::Promise<void> extend(ExtendContext context) override {
-    return touch(
-        context,
-        [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
-          handler().extend(caller(), asked.target, *asked.extension, std::move(reply));
+  kj::Promise<void> change(ChangeContext context) override {
+    return serving_.serve<std::vector<Touched>>(
+        context, [](auto params) { return get(params.getAsk()); },
+        [this](const ChangeAsk& asked, Reply<std::vector<Touched>> reply) {
+          handler().change(caller(), asked, std::move(reply));
         },
-        [](auto params, Touch& asked) { asked.extension = get(params.getExtension()); });
-  }
-
-  kj::Promise<void> erase(EraseContext context) override {
-    return touch(context, [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
-      handler().erase(caller(), asked.target, std::move(reply));
-    });
-  }
-
-  kj::Promise<void> pin(PinContext context) override {
-    return touch(
-        context,
-        [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
-          handler().pin(caller(), asked.target, asked.pinned, std::move(reply));
-        },
-        [](auto params, Touch& asked) { asked.pinned = params.getPinned(); });
-  }
-
-  kj::Promise<void> setPriority(SetPriorityContext context) override {
-    return touch(
-        context,
-        [this](const Touch& asked, Reply<std::vector<Touched>> reply) {
-          handler().set_priority(caller(), asked.target, asked.priority, std::move(reply));
-        },
-        [](auto params, Touch& asked) { asked.priority = params.getPriority(); });
+        [](const std::vector<Touched>& touched, auto results) {
+          put(touched, results.initTouched(
+                           static_cast<unsigned>(std::min(touched.size(), k_submission_jobs_max))));
+          return std::optional<Refusal>();
+        });
   }
 
   kj::Promise<void> fetch(FetchContext context) override {
@@ -434,28 +383,6 @@ class ServiceCalls final : public generated::Service::Server {
  private:
   Handler& handler() const { return *serving_.calls->handler; }
   const Caller& caller() const { return serving_.conversation->caller; }
-
-  /// A call with a target; `more` reads what it has besides.
-  template <class Context, class Start, class More>
-  kj::Promise<void> touch(Context context, const Start& start, const More& more) const {
-    return serving_.serve<std::vector<Touched>>(
-        context,
-        [&more](auto params) {
-          Touch asked = {.target = get(params.getTarget())};
-          more(params, asked);
-          return asked;
-        },
-        start,
-        [](const std::vector<Touched>& touched, auto results) {
-          put(touched, results.initTouched(
-                           static_cast<unsigned>(std::min(touched.size(), k_submission_jobs_max))));
-          return std::optional<Refusal>();
-        });
-  }
-  template <class Context, class Start>
-  kj::Promise<void> touch(Context context, const Start& start) const {
-    return touch(context, start, [](auto, Touch&) {});
-  }
 
   Serving serving_;
 };

@@ -17,8 +17,9 @@
 #     │◀─ bytes ─────────────────────────────────│
 #
 # Laws
-#   1. Fields, values of enumerations and calls are only ever added. A default of a field is the
-#      meaning of an older program, which does not know it. Numbers (@n) are never used again.
+#   1. Fields and values of enumerations are only ever added; calls are added or retired. A default of
+#      a field is the meaning of an older program, which does not know it. Numbers (@n) are never used
+#      again.
 #   2. A call that is repeated changes nothing more; so a client may repeat one whose answer it lost.
 #   3. Every result has a refusal. Where it is there, nothing else of the result counts. An exception
 #      of Cap'n Proto is a lost connection, or a call that the other side does not know.
@@ -57,19 +58,9 @@ interface Service {
 
   logs @4 (ask :LogAsk) -> (refusal :Refusal, piece :LogPiece);
 
-  cancel @5 (target :Target) -> (refusal :Refusal, touched :List(Touched));
-  # Stops in order and ends the job, with the archive of what it has.
-  hold @6 (target :Target) -> (refusal :Refusal, touched :List(Touched));
-  # Stops in order; `resume` goes on.
-  resume @7 (target :Target) -> (refusal :Refusal, touched :List(Touched));
-  # Queues a held, failed or cancelled job again.
-  extend @8 (target :Target, extension :Extension) -> (refusal :Refusal, touched :List(Touched));
-  # A longer [stop]; the job is queued again if it had ended.
-  erase @9 (target :Target) -> (refusal :Refusal, touched :List(Touched));
-  # Deletes settled jobs and all that they have.
-  pin @10 (target :Target, pinned :Bool) -> (refusal :Refusal, touched :List(Touched));
-  # A pinned job is kept whatever the rule for finished jobs says.
-  setPriority @11 (target :Target, priority :Int32) -> (refusal :Refusal, touched :List(Touched));
+  # Each of these did one kind of what `change` does; no service answers them any more.
+  retired5 @5 (); retired6 @6 (); retired7 @7 (); retired8 @8 (); retired9 @9 (); retired10 @10 ();
+  retired11 @11 ();
 
   fetch @12 (ask :FetchAsk) -> (refusal :Refusal, files :List(FileRef), hasMore :Bool);
   # At most 64 files, by name. `hasMore`: ask again with `after` of the last name.
@@ -85,6 +76,8 @@ interface Service {
   listTokens @17 () -> (refusal :Refusal, tokens :List(TokenView));
   # The caller's; all of them for the service's own user.
   revokeToken @18 (id :Text) -> (refusal :Refusal, token :TokenView);
+
+  change @19 (ask :ChangeAsk) -> (refusal :Refusal, touched :List(Touched));
 }
 
 # What a session by a token may do. Each includes nothing of the others.
@@ -92,7 +85,7 @@ enum Scope {
   unknown @0;
   read @1;     # list, status, watch, logs, fetch, info
   submit @2;
-  manage @3;   # cancel, hold, resume, extend, erase, pin, setPriority
+  manage @3;   # change
   operate @4;  # drain and stop, of a user who may
 }
 
@@ -276,6 +269,26 @@ struct JobPage {
   jobs @0 :List(JobView);
   cursor @1 :Text;         # empty: this is the last page
   total @2 :UInt64;        # that match
+}
+
+# A change of a job, or of each job of a group.
+struct ChangeAsk {
+  target @0 :Target;
+  kind @1 :Kind;
+  extension @2 :Extension;  # of extend
+  priority @3 :Int32;       # of setPriority
+
+  enum Kind {
+    unknown @0;
+    cancel @1;       # stops in order and ends the job, with the archive of what it has
+    hold @2;         # stops in order; `resume` goes on
+    resume @3;       # queues a held, failed or cancelled job again
+    extend @4;       # a longer [stop]; the job is queued again if it had ended
+    erase @5;        # deletes settled jobs and all that they have
+    pin @6;          # a pinned job is kept whatever the rule for finished jobs says
+    unpin @7;
+    setPriority @8;
+  }
 }
 
 struct Touched {

@@ -313,36 +313,52 @@ void Calls::logs(const rpc::Caller& caller, rpc::LogAsk ask, rpc::Reply<rpc::Log
   }
 }
 
-void Calls::touch(const rpc::Caller& caller, const rpc::Target& target, jobs::AskKind kind,
-                  std::int32_t priority, rpc::Reply<std::vector<rpc::Touched>> reply) {
-  const auto found = jobs_of(caller, target);
+/// The request of an extended job; none where the machine has the job no more, and says so itself.
+base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
+    jobs::JobId job, const rpc::Extension& extension) const {
+  const jobs::Job* known = runner_.machine().find(job);
+  if (known == nullptr) return std::optional<StoredRequest>();
+  const std::uint64_t has = std::max(known->counts.solutions, known->counts.found);
+  if (extension.by == rpc::ExtendBy::solutions && extension.to <= static_cast<double>(has)) {
+    return rpc::Refusal{.kind = rpc::RefusalKind::bad_request,
+                        .sentence = fmt::format("Job {} has {} solutions already.", job.value, has),
+                        .what_to_do = "Ask for more; no job was changed."};
+  }
+  const auto stored = runner_.reader().request(job, known->revision);
+  if (!stored) {
+    return rpc::Refusal{.kind = rpc::RefusalKind::busy,
+                        .sentence = fmt::format("Job {} is being changed.", job.value),
+                        .what_to_do = "Try again."};
+  }
+  auto longer = extended_request(*stored, extension, read_, facts_.request_limits);
+  if (!longer) return longer.error();
+  return std::optional(std::move(longer).value());
+}
+
+/// Asks for each job, and answers when all are durable: a single job's refusal is the call's, in a
+/// group each has its own words.
+void Calls::change(const rpc::Caller& caller, rpc::ChangeAsk ask,
+                   rpc::Reply<std::vector<rpc::Touched>> reply) {
+  const auto found = jobs_of(caller, ask.target);
   if (!found) {
     reply.refuse(found.error());
     return;
   }
-  if (kind == jobs::AskKind::resume) {
+  if (ask.kind == rpc::ChangeKind::resume || ask.kind == rpc::ChangeKind::extend) {
     if (auto refused = may_not_revive(caller, found.value())) {
       reply.refuse(*std::move(refused));
       return;
     }
   }
-  std::vector<jobs::Ask> asks;
-  for (const jobs::JobId job : found.value()) {
-    asks.push_back({.token = 0,
-                    .user = jobs::UserId{caller.user},
-                    .is_operator = is_operator(caller),
-                    .job = job,
-                    .kind = kind,
-                    .priority = priority});
+  std::vector<std::optional<StoredRequest>> requests(found.value().size());
+  for (std::size_t i = 0; ask.kind == rpc::ChangeKind::extend && i < requests.size(); ++i) {
+    auto longer = longer_request(found.value()[i], ask.extension);
+    if (!longer) {
+      reply.refuse(longer.error());
+      return;
+    }
+    requests[i] = std::move(longer).value();
   }
-  touch_all(asks, std::vector<std::optional<StoredRequest>>(asks.size()), std::move(reply));
-}
-
-/// Asks for each, and answers when all are durable: a single job's refusal is the call's, in a
-/// group each has its own words.
-void Calls::touch_all(std::vector<jobs::Ask> asks,
-                      std::vector<std::optional<StoredRequest>> requests,
-                      rpc::Reply<std::vector<rpc::Touched>> reply) {
   if (!runner_.stalled().empty()) {
     reply.refuse(stalled());
     return;
@@ -352,13 +368,18 @@ void Calls::touch_all(std::vector<jobs::Ask> asks,
     std::vector<rpc::Touched> touched{};
     std::size_t left = 0;
   };
-  auto owed = std::make_shared<Owed>(Owed{.reply = std::move(reply), .left = asks.size()});
-  owed->touched.resize(asks.size());
-  for (std::size_t i = 0; i < asks.size(); ++i) {
-    const jobs::JobId job = asks[i].job;
-    const bool is_alone = asks.size() == 1;
+  auto owed = std::make_shared<Owed>(Owed{.reply = std::move(reply), .left = requests.size()});
+  owed->touched.resize(requests.size());
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const jobs::JobId job = found.value()[i];
+    const bool is_alone = requests.size() == 1;
     runner_.ask(
-        asks[i],
+        {.token = 0,
+         .user = jobs::UserId{caller.user},
+         .is_operator = is_operator(caller),
+         .job = job,
+         .kind = ask_kind(ask.kind),
+         .priority = ask.priority},
         [this, owed, i, job, is_alone](const jobs::Answer& answer) {
           if (answer.refusal && is_alone) {
             owed->reply.refuse(refusal_of(*answer.refusal));
@@ -370,81 +391,6 @@ void Calls::touch_all(std::vector<jobs::Ask> asks,
         },
         std::move(requests[i]));
   }
-}
-
-void Calls::cancel(const rpc::Caller& caller, rpc::Target target,
-                   rpc::Reply<std::vector<rpc::Touched>> reply) {
-  touch(caller, target, jobs::AskKind::cancel, 0, std::move(reply));
-}
-
-void Calls::hold(const rpc::Caller& caller, rpc::Target target,
-                 rpc::Reply<std::vector<rpc::Touched>> reply) {
-  touch(caller, target, jobs::AskKind::hold, 0, std::move(reply));
-}
-
-void Calls::resume(const rpc::Caller& caller, rpc::Target target,
-                   rpc::Reply<std::vector<rpc::Touched>> reply) {
-  touch(caller, target, jobs::AskKind::resume, 0, std::move(reply));
-}
-
-void Calls::extend(const rpc::Caller& caller, rpc::Target target, rpc::Extension extension,
-                   rpc::Reply<std::vector<rpc::Touched>> reply) {
-  const auto found = jobs_of(caller, target);
-  if (!found) {
-    reply.refuse(found.error());
-    return;
-  }
-  if (auto refused = may_not_revive(caller, found.value())) {
-    reply.refuse(*std::move(refused));
-    return;
-  }
-  std::vector<jobs::Ask> asks;
-  std::vector<std::optional<StoredRequest>> requests;
-  for (const jobs::JobId job : found.value()) {
-    const jobs::Job* known = runner_.machine().find(job);
-    if (known == nullptr) continue;
-    const std::uint64_t has = std::max(known->counts.solutions, known->counts.found);
-    if (extension.by == rpc::ExtendBy::solutions && extension.to <= static_cast<double>(has)) {
-      reply.refuse({.kind = rpc::RefusalKind::bad_request,
-                    .sentence = fmt::format("Job {} has {} solutions already.", job.value, has),
-                    .what_to_do = "Ask for more; no job was changed."});
-      return;
-    }
-    const auto stored = runner_.reader().request(job, known->revision);
-    if (!stored) {
-      reply.refuse({.kind = rpc::RefusalKind::busy,
-                    .sentence = fmt::format("Job {} is being changed.", job.value),
-                    .what_to_do = "Try again."});
-      return;
-    }
-    auto longer = extended_request(*stored, extension, read_, facts_.request_limits);
-    if (!longer) {
-      reply.refuse(longer.error());
-      return;
-    }
-    asks.push_back({.token = 0,
-                    .user = jobs::UserId{caller.user},
-                    .is_operator = is_operator(caller),
-                    .job = job,
-                    .kind = jobs::AskKind::extend});
-    requests.emplace_back(std::move(longer).value());
-  }
-  touch_all(std::move(asks), std::move(requests), std::move(reply));
-}
-
-void Calls::erase(const rpc::Caller& caller, rpc::Target target,
-                  rpc::Reply<std::vector<rpc::Touched>> reply) {
-  touch(caller, target, jobs::AskKind::remove, 0, std::move(reply));
-}
-
-void Calls::pin(const rpc::Caller& caller, rpc::Target target, bool pinned,
-                rpc::Reply<std::vector<rpc::Touched>> reply) {
-  touch(caller, target, pinned ? jobs::AskKind::pin : jobs::AskKind::unpin, 0, std::move(reply));
-}
-
-void Calls::set_priority(const rpc::Caller& caller, rpc::Target target, std::int32_t priority,
-                         rpc::Reply<std::vector<rpc::Touched>> reply) {
-  touch(caller, target, jobs::AskKind::set_priority, priority, std::move(reply));
 }
 
 void Calls::fetch(const rpc::Caller& caller, rpc::FetchAsk ask, rpc::Reply<rpc::Fetched> reply) {

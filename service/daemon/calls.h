@@ -52,20 +52,8 @@ class Calls final : public rpc::Handler {
                                                       const rpc::WatchPoint& point,
                                                       std::size_t events_max) override;
   void logs(const rpc::Caller& caller, rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) override;
-  void cancel(const rpc::Caller& caller, rpc::Target target,
+  void change(const rpc::Caller& caller, rpc::ChangeAsk ask,
               rpc::Reply<std::vector<rpc::Touched>> reply) override;
-  void hold(const rpc::Caller& caller, rpc::Target target,
-            rpc::Reply<std::vector<rpc::Touched>> reply) override;
-  void resume(const rpc::Caller& caller, rpc::Target target,
-              rpc::Reply<std::vector<rpc::Touched>> reply) override;
-  void extend(const rpc::Caller& caller, rpc::Target target, rpc::Extension extension,
-              rpc::Reply<std::vector<rpc::Touched>> reply) override;
-  void erase(const rpc::Caller& caller, rpc::Target target,
-             rpc::Reply<std::vector<rpc::Touched>> reply) override;
-  void pin(const rpc::Caller& caller, rpc::Target target, bool pinned,
-           rpc::Reply<std::vector<rpc::Touched>> reply) override;
-  void set_priority(const rpc::Caller& caller, rpc::Target target, std::int32_t priority,
-                    rpc::Reply<std::vector<rpc::Touched>> reply) override;
   void fetch(const rpc::Caller& caller, rpc::FetchAsk ask, rpc::Reply<rpc::Fetched> reply) override;
   void info(const rpc::Caller& caller, rpc::Reply<rpc::ServerView> reply) override;
   void drain(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) override;
@@ -90,10 +78,8 @@ class Calls final : public rpc::Handler {
                                                                const rpc::Target& target) const;
   rpc::JobView view(const Posted& posted, bool with_progress);
   void add_end(rpc::JobView& view, const Posted& posted) const;
-  void touch(const rpc::Caller& caller, const rpc::Target& target, jobs::AskKind kind,
-             std::int32_t priority, rpc::Reply<std::vector<rpc::Touched>> reply);
-  void touch_all(std::vector<jobs::Ask> asks, std::vector<std::optional<StoredRequest>> requests,
-                 rpc::Reply<std::vector<rpc::Touched>> reply);
+  base::Result<std::optional<StoredRequest>, rpc::Refusal> longer_request(
+      jobs::JobId job, const rpc::Extension& extension) const;
   rpc::Refusal stalled() const;
   std::optional<rpc::Refusal> beyond_token(const rpc::Caller& caller, std::size_t more) const;
   std::optional<rpc::Refusal> may_not_revive(const rpc::Caller& caller,

@@ -137,48 +137,11 @@ void GuardedCalls::logs(const rpc::Caller& caller, rpc::LogAsk ask,
   });
 }
 
-void GuardedCalls::cancel(const rpc::Caller& caller, rpc::Target target,
+void GuardedCalls::change(const rpc::Caller& caller, rpc::ChangeAsk ask,
                           rpc::Reply<std::vector<rpc::Touched>> reply) {
-  pass(caller, rpc::Scope::manage, {.call = "cancel", .of = name_of(target)}, std::move(reply),
-       [&](auto noted) { inner_.cancel(caller, target, std::move(noted)); });
-}
-
-void GuardedCalls::hold(const rpc::Caller& caller, rpc::Target target,
-                        rpc::Reply<std::vector<rpc::Touched>> reply) {
-  pass(caller, rpc::Scope::manage, {.call = "hold", .of = name_of(target)}, std::move(reply),
-       [&](auto noted) { inner_.hold(caller, target, std::move(noted)); });
-}
-
-void GuardedCalls::resume(const rpc::Caller& caller, rpc::Target target,
-                          rpc::Reply<std::vector<rpc::Touched>> reply) {
-  pass(caller, rpc::Scope::manage, {.call = "resume", .of = name_of(target)}, std::move(reply),
-       [&](auto noted) { inner_.resume(caller, target, std::move(noted)); });
-}
-
-void GuardedCalls::extend(const rpc::Caller& caller, rpc::Target target, rpc::Extension extension,
-                          rpc::Reply<std::vector<rpc::Touched>> reply) {
-  pass(caller, rpc::Scope::manage, {.call = "extend", .of = name_of(target)}, std::move(reply),
-       [&](auto noted) { inner_.extend(caller, target, extension, std::move(noted)); });
-}
-
-void GuardedCalls::erase(const rpc::Caller& caller, rpc::Target target,
-                         rpc::Reply<std::vector<rpc::Touched>> reply) {
-  pass(caller, rpc::Scope::manage, {.call = "erase", .of = name_of(target)}, std::move(reply),
-       [&](auto noted) { inner_.erase(caller, target, std::move(noted)); });
-}
-
-void GuardedCalls::pin(const rpc::Caller& caller, rpc::Target target, bool pinned,
-                       rpc::Reply<std::vector<rpc::Touched>> reply) {
-  pass(caller, rpc::Scope::manage, {.call = pinned ? "pin" : "unpin", .of = name_of(target)},
-       std::move(reply), [&](auto noted) { inner_.pin(caller, target, pinned, std::move(noted)); });
-}
-
-void GuardedCalls::set_priority(const rpc::Caller& caller, rpc::Target target,
-                                std::int32_t priority,
-                                rpc::Reply<std::vector<rpc::Touched>> reply) {
-  pass(caller, rpc::Scope::manage, {.call = "set_priority", .of = name_of(target)},
-       std::move(reply),
-       [&](auto noted) { inner_.set_priority(caller, target, priority, std::move(noted)); });
+  pass(caller, rpc::Scope::manage,
+       {.call = std::string(rpc::name_of(ask.kind)), .of = name_of(ask.target)}, std::move(reply),
+       [&](auto noted) { inner_.change(caller, ask, std::move(noted)); });
 }
 
 void GuardedCalls::fetch(const rpc::Caller& caller, rpc::FetchAsk ask,

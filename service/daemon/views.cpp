@@ -55,6 +55,13 @@ rpc::JobState rpc_state(jobs::State state) {
   return *found;
 }
 
+// The two lists are the same, but for rpc's `unknown` before them.
+jobs::AskKind ask_kind(rpc::ChangeKind kind) {
+  static_assert(static_cast<std::size_t>(jobs::AskKind::set_priority) + 2 == rpc::k_change_kinds);
+  CHECK(kind != rpc::ChangeKind::unknown);
+  return static_cast<jobs::AskKind>(static_cast<int>(kind) - 1);
+}
+
 std::string reason_of(const jobs::Job& job) {
   if (!job.words.empty()) return job.words;
   std::string words(jobs::name_of(job.reason));

@@ -18,6 +18,8 @@ namespace sleight::daemon {
 rpc::JobId rpc_id(jobs::JobId job);
 jobs::JobId job_id(rpc::JobId job);
 rpc::JobState rpc_state(jobs::State state);
+/// REQUIRES: the kind is known.
+jobs::AskKind ask_kind(rpc::ChangeKind kind);
 
 /// What a view tells beside the job's own record.
 struct ViewOf {

@@ -59,6 +59,7 @@ struct Submit {
   Wishes wishes{};
 };
 
+/// As rpc::ChangeKind has them.
 enum class AskKind { cancel, hold, resume, extend, remove, pin, unpin, set_priority };
 
 struct Ask {

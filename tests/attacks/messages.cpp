@@ -167,8 +167,9 @@ bool does_harm(const std::string& frame) {
     const auto call = message.getCall();
     const std::uint16_t method = call.getMethodId();
     if (method == drain || method == stop) return true;
-    if (method < cancel || method > set_priority) return false;
-    const auto target = call.getParams().getContent().getAs<generated::CancelParams>().getTarget();
+    if (method != change) return false;
+    const auto target =
+        call.getParams().getContent().getAs<generated::ChangeParams>().getAsk().getTarget();
     const std::uint64_t id = target.isJob() ? target.getJob() : target.getGroup();
     return id > 0 && id < k_far_id_min;
   } catch (const kj::Exception&) {
@@ -196,6 +197,8 @@ std::string login(const std::string& token) {
 Asked valid_call(Dice& dice, const Bounds& bounds, std::uint32_t question) {
   auto method = static_cast<Method>(dice.below(k_methods));
   if (bounds.is_owner && (method == drain || method == stop)) method = info;
+  // `change` has the place of the calls that are retired, but for a few that still ask for one.
+  if (method > logs && method < fetch && !dice.one_in(8)) method = change;
   capnp::MallocMessageBuilder message;
   auto call = begin_call(message, question, method);
   fill_parameters(dice, bounds, method, call.getParams().getContent());

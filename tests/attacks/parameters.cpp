@@ -92,8 +92,7 @@ void fill_token(Dice& dice, const Bounds& bounds, rpc::generated::TokenAsk::Buil
   to.setCoresMax(static_cast<std::uint32_t>(odd_number(dice)));
 }
 
-template <class Params>
-void fill_target(Dice& dice, const Bounds& bounds, Params to) {
+void fill_change(Dice& dice, const Bounds& bounds, rpc::generated::ChangeAsk::Builder to) {
   const std::uint64_t id = touch_id(dice, bounds);
   auto target = to.initTarget();
   if (dice.one_in(2)) {
@@ -101,6 +100,11 @@ void fill_target(Dice& dice, const Bounds& bounds, Params to) {
   } else {
     target.setGroup(id);
   }
+  to.setKind(static_cast<rpc::generated::ChangeAsk::Kind>(dice.below(11)));
+  auto extension = to.initExtension();
+  extension.setBy(static_cast<rpc::generated::Extension::By>(dice.below(7)));
+  extension.setTo(odd_real(dice));
+  to.setPriority(static_cast<std::int32_t>(odd_number(dice)));
 }
 
 }  // namespace
@@ -125,28 +129,8 @@ void fill_parameters(Dice& dice, const Bounds& bounds, Method method,
       ask.setLines(static_cast<std::uint32_t>(odd_number(dice)));
       return ask.setBytesMax(static_cast<std::uint32_t>(odd_number(dice)));
     }
-    case extend: {
-      auto params = to.initAs<generated::ExtendParams>();
-      fill_target(dice, bounds, params);
-      auto extension = params.initExtension();
-      extension.setBy(static_cast<rpc::generated::Extension::By>(dice.below(7)));
-      return extension.setTo(odd_real(dice));
-    }
-    case pin: {
-      auto params = to.initAs<generated::PinParams>();
-      fill_target(dice, bounds, params);
-      return params.setPinned(dice.one_in(2));
-    }
-    case set_priority: {
-      auto params = to.initAs<generated::SetPriorityParams>();
-      fill_target(dice, bounds, params);
-      return params.setPriority(static_cast<std::int32_t>(odd_number(dice)));
-    }
-    case cancel:
-    case hold:
-    case resume:
-    case erase:
-      return fill_target(dice, bounds, to.initAs<generated::CancelParams>());
+    case change:
+      return fill_change(dice, bounds, to.initAs<generated::ChangeParams>().initAsk());
     case fetch:
       return fill_fetch(dice, to.initAs<generated::FetchParams>().initAsk());
     case create_token:

@@ -28,22 +28,16 @@ enum Method : std::uint16_t {
   status,
   watch,
   logs,
-  cancel,
-  hold,
-  resume,
-  extend,
-  erase,
-  pin,
-  set_priority,
-  fetch,
+  fetch = 12,  // 5 to 11 are retired
   info,
   drain,
   stop,
   create_token,
   list_tokens,
-  revoke_token
+  revoke_token,
+  change
 };
-inline constexpr std::uint16_t k_methods = 19;
+inline constexpr std::uint16_t k_methods = 20;
 
 void fill_parameters(Dice& dice, const Bounds& bounds, Method method,
                      capnp::AnyPointer::Builder to);

@@ -29,7 +29,7 @@ std::string hello_of(const Scene& scene) {
   return tls.take();
 }
 
-void change(Dice& dice, std::string& bytes) {
+void garble(Dice& dice, std::string& bytes) {
   for (std::uint64_t i = 0, changes = 1 + dice.below(8); i < changes; ++i) {
     char& c = bytes[dice.below(bytes.size())];
     c = dice.one_in(2) ? static_cast<char>(c ^ (1 << dice.below(8)))
@@ -64,7 +64,7 @@ void tls_hellos(const Scene& scene) {
   const auto line = reach(scene);
   if (!line) return;
   std::string bytes = hello_of(scene);
-  change(scene.dice, bytes);
+  garble(scene.dice, bytes);
   send_and_end(scene, *line, bytes);
 }
 
@@ -131,7 +131,7 @@ void tls_half_handshakes(const Scene& scene) {
   std::string bytes = tls.take();
   if (!bytes.empty()) {
     if (dice.one_in(2)) {
-      change(dice, bytes);
+      garble(dice, bytes);
     } else {
       bytes.resize(dice.below(bytes.size()));
     }
@@ -168,7 +168,7 @@ void tls_after_handshakes(const Scene& scene) {
       break;
     case 1:
       bytes = tls.encrypt(opening());
-      change(dice, bytes);
+      garble(dice, bytes);
       break;
     case 2:
       for (int i = 0; i < 20; ++i)

@@ -87,6 +87,8 @@ WatchOptions watched(std::vector<std::string> jobs, bool json = false, std::uint
   return options;
 }
 
+const rpc::ChangeAsk k_cancel{.kind = rpc::ChangeKind::cancel};
+
 TEST_F(JobCommands, ListShowsPagesAndFilters) {
   // Goal: filters reach the service, pages are put together, and a page that is not the last says
   // how to go on. Method: a service that gives two jobs a page, by a cursor.
@@ -152,12 +154,12 @@ TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
       {rpc::RefusalKind::conflict, 4},    {rpc::RefusalKind::limit, 5},
       {rpc::RefusalKind::environment, 5}, {rpc::RefusalKind::bug, 1}};
   std::size_t nth = 0;
-  handler_.on_cancel = [&](rpc::Target, rpc::Reply<std::vector<rpc::Touched>> reply) {
+  handler_.on_change = [&](const rpc::ChangeAsk&, rpc::Reply<std::vector<rpc::Touched>> reply) {
     reply.refuse({.kind = kinds[nth].first, .sentence = "No\x1b.", .what_to_do = "Do this."});
   };
   serve();
   for (nth = 0; nth < kinds.size(); ++nth) {
-    out([&] { return cancel(socket_, {.jobs = {"17"}}); });
+    out([&] { return change(socket_, {.jobs = {"17"}}, k_cancel); });
     EXPECT_EQ(code_, kinds[nth].second);
     EXPECT_EQ(words_, "No\\u{1b}. Do this.");
   }
@@ -166,13 +168,17 @@ TEST_F(JobCommands, RefusalsHaveTheirExitCodes) {
 TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
   // Goal: a group is one call, a range one a job; jobs of a range that are not there are left out.
   std::vector<rpc::Target> targets;
-  handler_.on_cancel = [&](rpc::Target target, rpc::Reply<std::vector<rpc::Touched>> reply) {
+  handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
+    const rpc::Target& target = ask.target;
     targets.push_back(target);
+    EXPECT_EQ(ask.kind, rpc::ChangeKind::cancel);
     if (target.job && target.job->value > 20) return reply.refuse(no_such_job(*target.job));
     reply.answer({{.job = {17}, .state = rpc::JobState::cancelled, .words = "stops"}});
   };
   serve();
-  const std::string text = out([&] { return cancel(socket_, {.jobs = {"g5", "20..22"}}); });
+  const std::string text = out([&] {
+    return change(socket_, {.jobs = {"g5", "20..22"}}, k_cancel);
+  });
   EXPECT_EQ(code_, 0);
   EXPECT_EQ(text, "17 cancelled: stops\n17 cancelled: stops\n");
   EXPECT_EQ(targets,
@@ -180,13 +186,13 @@ TEST_F(JobCommands, NamesReachTheServiceAsTargets) {
                          rpc::Target::of(rpc::JobId{21}), rpc::Target::of(rpc::JobId{22})}));
   // Of several, one that is refused keeps no other from its call, and is named.
   EXPECT_EQ(out([&] {
-              return cancel(socket_, {.jobs = {"21", "17", "22"}});
+              return change(socket_, {.jobs = {"21", "17", "22"}}, k_cancel);
             }),
             "17 cancelled: stops\n");
   EXPECT_EQ(code_, 2);
-  out([&] { return cancel(socket_, {.jobs = {"21..25"}}); });
+  out([&] { return change(socket_, {.jobs = {"21..25"}}, k_cancel); });
   EXPECT_EQ(code_, 2);
-  const Json json = Json::parse(out([&] { return cancel(socket_, {{"17"}, true}); }));
+  const Json json = Json::parse(out([&] { return change(socket_, {{"17"}, true}, k_cancel); }));
   EXPECT_EQ(json["state"], "cancelled");
 }
 
@@ -279,9 +285,10 @@ TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
   // Goal: where one of them has not ended, none is deleted. Method: a group with a running job,
   // then what has ended.
   std::vector<rpc::Target> erased;
-  handler_.on_erase = [&](rpc::Target target, rpc::Reply<std::vector<rpc::Touched>> reply) {
-    erased.push_back(target);
-    reply.answer({{.job = *target.job, .state = rpc::JobState::done}});
+  handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
+    EXPECT_EQ(ask.kind, rpc::ChangeKind::erase);
+    erased.push_back(ask.target);
+    reply.answer({{.job = *ask.target.job, .state = rpc::JobState::done}});
   };
   serve();
   DeleteOptions options;
@@ -300,40 +307,39 @@ TEST_F(JobCommands, DeleteTakesNothingOfWhatRuns) {
   EXPECT_EQ(erased.size(), 2U);
 }
 
-TEST_F(JobCommands, PriorityReachesTheService) {
-  // Goal: the number and the jobs, and words that say it.
-  std::vector<std::int32_t> priorities;
-  handler_.on_priority = [&](rpc::Target target, std::int32_t priority,
-                             rpc::Reply<std::vector<rpc::Touched>> reply) {
-    priorities.push_back(priority);
-    reply.answer({{.job = *target.job, .state = rpc::JobState::queued}});
+TEST_F(JobCommands, ChangesReachTheServiceWithTheirWords) {
+  // Goal: all that a change says arrives; what the job's state does not show has the command's own
+  // words, anything else the service's.
+  std::vector<rpc::ChangeAsk> asks;
+  handler_.on_change = [&](const rpc::ChangeAsk& ask, rpc::Reply<std::vector<rpc::Touched>> reply) {
+    asks.push_back(ask);
+    reply.answer({{.job = {17}, .state = rpc::JobState::queued, .words = "soon"}});
   };
   serve();
-  PriorityOptions options;
-  options.jobs = {"17"};
-  options.priority = -3;
-  EXPECT_NE(out([&] { return set_priority(socket_, options); }).find("priority -3"),
-            std::string::npos);
-  EXPECT_EQ(priorities, std::vector<std::int32_t>{-3});
+  const auto said = [&](const rpc::ChangeAsk& ask) {
+    const std::string text = out([&] { return change(socket_, {.jobs = {"17"}}, ask); });
+    rpc::ChangeAsk expected = ask;
+    expected.target = rpc::Target::of(rpc::JobId{17});
+    EXPECT_EQ(asks.back(), expected);
+    return text;
+  };
+  EXPECT_EQ(said({.kind = rpc::ChangeKind::set_priority, .priority = -3}),
+            "17 queued: priority -3\n");
+  EXPECT_EQ(said({.kind = rpc::ChangeKind::pin}), "17 queued: pinned\n");
+  EXPECT_EQ(said({.kind = rpc::ChangeKind::unpin}), "17 queued: not pinned\n");
+  EXPECT_EQ(said({.kind = rpc::ChangeKind::extend,
+                  .extension = {.by = rpc::ExtendBy::scans, .to = 1e12}}),
+            "17 queued: soon\n");
 }
 
-TEST_F(JobCommands, ExtendTakesOneRule) {
+TEST(ExtendOptions, TakeOneRule) {
   // Goal: exactly one of the rules, with its number.
-  std::vector<rpc::Extension> extensions;
-  handler_.on_extend = [&](rpc::Target, rpc::Extension extension,
-                           rpc::Reply<std::vector<rpc::Touched>> reply) {
-    extensions.push_back(extension);
-    reply.answer({{.job = {17}, .state = rpc::JobState::queued}});
-  };
-  serve();
   ExtendOptions options;
-  options.jobs = {"17"};
   EXPECT_THROW(extension_of(options), base::Error);
   options.scans = 1'000'000'000'000;
-  out([&] { return extend(socket_, options); });
+  EXPECT_EQ(extension_of(options), (rpc::Extension{rpc::ExtendBy::scans, 1e12}));
   options.odds = 0.1;
   EXPECT_THROW(extension_of(options), base::Error);
-  EXPECT_EQ(extensions, (std::vector{rpc::Extension{rpc::ExtendBy::scans, 1e12}}));
 }
 
 TEST_F(JobCommands, LogsFollowsToTheEnd) {

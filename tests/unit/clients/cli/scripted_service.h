@@ -70,7 +70,6 @@ class ScriptedHandler final : public rpc::Handler {
  public:
   template <class... Arguments>
   using Call = std::function<void(Arguments...)>;
-  using TouchCall = Call<rpc::Target, rpc::Reply<std::vector<rpc::Touched>>>;
 
   std::vector<rpc::JobView> jobs;
   std::vector<rpc::TokenView> tokens;
@@ -80,10 +79,7 @@ class ScriptedHandler final : public rpc::Handler {
   Call<rpc::ListAsk, rpc::Reply<rpc::JobPage>> on_list;
   std::function<base::Result<rpc::Batch, rpc::Refusal>(const rpc::WatchPoint&)> on_events;
   Call<rpc::LogAsk, rpc::Reply<rpc::LogPiece>> on_logs;
-  TouchCall on_cancel;
-  TouchCall on_erase;
-  Call<rpc::Target, rpc::Extension, rpc::Reply<std::vector<rpc::Touched>>> on_extend;
-  Call<rpc::Target, std::int32_t, rpc::Reply<std::vector<rpc::Touched>>> on_priority;
+  Call<rpc::ChangeAsk, rpc::Reply<std::vector<rpc::Touched>>> on_change;
   Call<rpc::FetchAsk, rpc::Reply<rpc::Fetched>> on_fetch;
 
   void submit(const rpc::Caller&, rpc::Submission submission,
@@ -113,33 +109,9 @@ class ScriptedHandler final : public rpc::Handler {
   void logs(const rpc::Caller&, rpc::LogAsk ask, rpc::Reply<rpc::LogPiece> reply) override {
     on_logs(std::move(ask), std::move(reply));
   }
-  void cancel(const rpc::Caller&, rpc::Target target,
+  void change(const rpc::Caller&, rpc::ChangeAsk ask,
               rpc::Reply<std::vector<rpc::Touched>> reply) override {
-    on_cancel(target, std::move(reply));
-  }
-  void hold(const rpc::Caller&, rpc::Target target,
-            rpc::Reply<std::vector<rpc::Touched>> reply) override {
-    on_cancel(target, std::move(reply));
-  }
-  void resume(const rpc::Caller&, rpc::Target target,
-              rpc::Reply<std::vector<rpc::Touched>> reply) override {
-    on_cancel(target, std::move(reply));
-  }
-  void extend(const rpc::Caller&, rpc::Target target, rpc::Extension extension,
-              rpc::Reply<std::vector<rpc::Touched>> reply) override {
-    on_extend(target, extension, std::move(reply));
-  }
-  void erase(const rpc::Caller&, rpc::Target target,
-             rpc::Reply<std::vector<rpc::Touched>> reply) override {
-    on_erase(target, std::move(reply));
-  }
-  void pin(const rpc::Caller&, rpc::Target, bool,
-           rpc::Reply<std::vector<rpc::Touched>> reply) override {
-    reply.answer({});
-  }
-  void set_priority(const rpc::Caller&, rpc::Target target, std::int32_t priority,
-                    rpc::Reply<std::vector<rpc::Touched>> reply) override {
-    on_priority(target, priority, std::move(reply));
+    on_change(ask, std::move(reply));
   }
   void fetch(const rpc::Caller&, rpc::FetchAsk ask, rpc::Reply<rpc::Fetched> reply) override {
     on_fetch(std::move(ask), std::move(reply));

@@ -123,20 +123,23 @@ TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
   EXPECT_EQ(piece, (LogPiece{.first = 4, .text = "two", .end = 14, .is_over = true}));
 
   const Target one = Target::of(JobId{1});
-  EXPECT_EQ(client.cancel(one),
+  EXPECT_EQ(client.change({.target = one, .kind = ChangeKind::cancel}),
             (std::vector<Touched>{{.job = {1}, .state = JobState::running, .words = "cancel"}}));
-  client.hold(one);
-  EXPECT_EQ(client.resume(Target::of(GroupId{5})).size(), 2U);
-  client.extend(one, {.by = ExtendBy::odds, .to = 0.125});
-  client.erase(one);
-  client.pin(one, true);
-  client.pin(one, false);
-  client.set_priority(one, -3);
+  client.change({.target = one, .kind = ChangeKind::hold});
+  const Target group = Target::of(GroupId{5});
+  EXPECT_EQ(client.change({.target = group, .kind = ChangeKind::resume}).size(), 2U);
+  client.change({.target = one,
+                 .kind = ChangeKind::extend,
+                 .extension = {.by = ExtendBy::odds, .to = 0.125}});
+  client.change({.target = one, .kind = ChangeKind::erase});
+  client.change({.target = one, .kind = ChangeKind::pin});
+  client.change({.target = one, .kind = ChangeKind::unpin});
+  client.change({.target = one, .kind = ChangeKind::set_priority, .priority = -3});
   client.drain();
   client.stop();
-  EXPECT_EQ(service.calls, (std::vector<std::string>{"cancel 1", "hold 1", "resume g5",
-                                                     "extend 4 0.125 1", "erase 1", "pin 1",
-                                                     "unpin 1", "priority -3 1", "drain", "stop"}));
+  EXPECT_EQ(service.calls, (std::vector<std::string>{
+                               "cancel 1", "hold 1", "resume g5", "extend 4 0.125 1", "erase 1",
+                               "pin 1", "unpin 1", "set_priority -3 1", "drain", "stop"}));
 
   const ServerView info = client.info();
   EXPECT_EQ(info.version, "1.2");
@@ -238,12 +241,17 @@ TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
   EXPECT_EQ(client.submit({.key = "k", .jobs = std::vector<JobAsk>(6, half)}).jobs.size(), 6U);
 
   const Target none = Target::of(JobId{0});
-  EXPECT_EQ(refusal_of([&] { client.cancel(none); }).kind, RefusalKind::not_found);
+  const auto refused = [&](const ChangeAsk& change) {
+    return refusal_of([&] { client.change(change); }).kind;
+  };
+  EXPECT_EQ(refused({.target = none, .kind = ChangeKind::cancel}), RefusalKind::not_found);
   const Target one = Target::of(JobId{1});
+  EXPECT_EQ(refused({.target = one}), RefusalKind::bad_request);
   for (const Extension& extension :
        {Extension{}, Extension{.by = ExtendBy::scans, .to = 1.5},
         Extension{.by = ExtendBy::scans, .to = 0}, Extension{.by = ExtendBy::odds, .to = -1}})
-    EXPECT_EQ(refusal_of([&] { client.extend(one, extension); }).kind, RefusalKind::bad_request);
+    EXPECT_EQ(refused({.target = one, .kind = ChangeKind::extend, .extension = extension}),
+              RefusalKind::bad_request);
   EXPECT_TRUE(service.calls.empty());
   EXPECT_EQ(refusal_of([&] { client.list({.states = {JobState::unknown}}); }).kind,
             RefusalKind::bad_request);

@@ -168,42 +168,20 @@ void FakeService::logs(const Caller&, LogAsk ask, Reply<LogPiece> reply) {
                 .is_over = true});
 }
 
-void FakeService::touch(const std::string& call, Target target, Reply<std::vector<Touched>> reply) {
-  calls.push_back(call + " " + word(target));
-  if (target.group) {
+void FakeService::change(const Caller&, ChangeAsk ask, Reply<std::vector<Touched>> reply) {
+  std::string call(name_of(ask.kind));
+  if (ask.kind == ChangeKind::extend)
+    call += fmt::format(" {} {}", static_cast<int>(ask.extension.by), ask.extension.to);
+  if (ask.kind == ChangeKind::set_priority) call += fmt::format(" {}", ask.priority);
+  calls.push_back(call + " " + word(ask.target));
+  if (ask.target.group) {
     reply.answer({{.job = {1}, .state = JobState::held, .words = "a"},
                   {.job = {2}, .state = JobState::done, .words = "b"}});
-  } else if (jobs.count(target.job->value) == 0) {
+  } else if (jobs.count(ask.target.job->value) == 0) {
     reply.refuse(not_found());
   } else {
-    reply.answer({{.job = *target.job, .state = JobState::running, .words = call}});
+    reply.answer({{.job = *ask.target.job, .state = JobState::running, .words = call}});
   }
-}
-
-void FakeService::cancel(const Caller&, Target target, Reply<std::vector<Touched>> reply) {
-  touch("cancel", target, std::move(reply));
-}
-void FakeService::hold(const Caller&, Target target, Reply<std::vector<Touched>> reply) {
-  touch("hold", target, std::move(reply));
-}
-void FakeService::resume(const Caller&, Target target, Reply<std::vector<Touched>> reply) {
-  touch("resume", target, std::move(reply));
-}
-void FakeService::extend(const Caller&, Target target, Extension extension,
-                         Reply<std::vector<Touched>> reply) {
-  touch(fmt::format("extend {} {}", static_cast<int>(extension.by), extension.to), target,
-        std::move(reply));
-}
-void FakeService::erase(const Caller&, Target target, Reply<std::vector<Touched>> reply) {
-  touch("erase", target, std::move(reply));
-}
-void FakeService::pin(const Caller&, Target target, bool pinned,
-                      Reply<std::vector<Touched>> reply) {
-  touch(pinned ? "pin" : "unpin", target, std::move(reply));
-}
-void FakeService::set_priority(const Caller&, Target target, std::int32_t priority,
-                               Reply<std::vector<Touched>> reply) {
-  touch(fmt::format("priority {}", priority), target, std::move(reply));
 }
 
 void FakeService::fetch(const Caller&, FetchAsk ask, Reply<Fetched> reply) {

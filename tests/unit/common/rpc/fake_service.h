@@ -83,14 +83,7 @@ class FakeService final : public Handler {
   base::Result<Batch, Refusal> events_after(const Caller&, const WatchPoint&,
                                             std::size_t events_max) override;
   void logs(const Caller&, LogAsk, Reply<LogPiece>) override;
-  void cancel(const Caller&, Target, Reply<std::vector<Touched>>) override;
-  void hold(const Caller&, Target, Reply<std::vector<Touched>>) override;
-  void resume(const Caller&, Target, Reply<std::vector<Touched>>) override;
-  void extend(const Caller&, Target, Extension, Reply<std::vector<Touched>>) override;
-  void erase(const Caller&, Target, Reply<std::vector<Touched>>) override;
-  void pin(const Caller&, Target, bool pinned, Reply<std::vector<Touched>>) override;
-  void set_priority(const Caller&, Target, std::int32_t priority,
-                    Reply<std::vector<Touched>>) override;
+  void change(const Caller&, ChangeAsk, Reply<std::vector<Touched>>) override;
   void fetch(const Caller&, FetchAsk, Reply<Fetched>) override;
   void info(const Caller&, Reply<ServerView>) override;
   void drain(const Caller&, Reply<Nothing>) override;
@@ -98,9 +91,6 @@ class FakeService final : public Handler {
   void create_token(const Caller&, TokenAsk, Reply<TokenView>) override;
   void list_tokens(const Caller&, Reply<std::vector<TokenView>>) override;
   void revoke_token(const Caller&, std::string id, Reply<TokenView>) override;
-
- private:
-  void touch(const std::string& call, Target target, Reply<std::vector<Touched>> reply);
 };
 
 /// A server for a FakeService, in a thread of its own.

@@ -88,6 +88,16 @@ class CallsTest : public ::testing::Test {
                [&](rpc::Reply<rpc::JobPage> reply) { calls_->list(caller, ask, std::move(reply)); })
         .value();
   }
+  /// `scans` are of extend.
+  base::Result<std::vector<rpc::Touched>, rpc::Refusal> change(const rpc::Caller& caller,
+                                                               rpc::JobId job, rpc::ChangeKind kind,
+                                                               double scans = 0) {
+    const rpc::ChangeAsk ask{.target = rpc::Target::of(job),
+                             .kind = kind,
+                             .extension = {.by = rpc::ExtendBy::scans, .to = scans}};
+    return answer<std::vector<rpc::Touched>>(
+        [&](auto reply) { calls_->change(caller, ask, std::move(reply)); });
+  }
 
   std::filesystem::path state_;
   std::array<request::WorldBinding, 1> worlds_{request::toy::binding()};
@@ -159,9 +169,7 @@ TEST_F(CallsTest, UsersSeeTheirOwn) {
     calls_->status(k_bob, rpc::JobId{99}, std::move(reply));
   });
   EXPECT_EQ(never.error().sentence, "There is no job 99.");
-  const auto cancelled = answer<std::vector<rpc::Touched>>(
-      [&](auto reply) { calls_->cancel(k_bob, rpc::Target::of(job), std::move(reply)); });
-  EXPECT_FALSE(cancelled.ok());
+  EXPECT_FALSE(change(k_bob, job, rpc::ChangeKind::cancel).ok());
   EXPECT_FALSE(calls_->events_after(k_bob, {.job = job}, 10).ok());
   EXPECT_TRUE(calls_->events_after(k_ada, {.job = job}, 10).ok());
   for (const auto& touch : {&Calls::drain, &Calls::stop}) {
@@ -193,27 +201,17 @@ TEST_F(CallsTest, ListsHavePagesAndFilters) {
 
 TEST_F(CallsTest, CancelExtendAndDelete) {
   const rpc::JobId job = submit(k_ada, submission("key", 1)).value().jobs.front();
-  const rpc::Target target = rpc::Target::of(job);
-  const auto touched = [&](const auto& call) {
-    return answer<std::vector<rpc::Touched>>(
-        [&](rpc::Reply<std::vector<rpc::Touched>> reply) { call(std::move(reply)); });
-  };
-  const auto cancelled =
-      touched([&](auto reply) { calls_->cancel(k_ada, target, std::move(reply)); });
+  const auto cancelled = change(k_ada, job, rpc::ChangeKind::cancel);
   EXPECT_EQ(cancelled.value().front().state, rpc::JobState::cancelled);
-  const auto shorter = touched([&](auto reply) {
-    calls_->extend(k_ada, target, {.by = rpc::ExtendBy::scans, .to = 10}, std::move(reply));
-  });
+  const auto shorter = change(k_ada, job, rpc::ChangeKind::extend, 10);
   ASSERT_FALSE(shorter.ok());
   EXPECT_THAT(shorter.error().sentence, HasSubstr("already"));
-  const auto longer = touched([&](auto reply) {
-    calls_->extend(k_ada, target, {.by = rpc::ExtendBy::scans, .to = 20}, std::move(reply));
-  });
+  const auto longer = change(k_ada, job, rpc::ChangeKind::extend, 20);
   ASSERT_TRUE(longer.ok());
   EXPECT_FALSE(rpc::is_settled(longer.value().front().state));
   EXPECT_THAT(runner_->reader().request(jobs::JobId{job.value}, 2)->text, HasSubstr("scans = 20"));
-  ASSERT_TRUE(touched([&](auto reply) { calls_->cancel(k_ada, target, std::move(reply)); }).ok());
-  ASSERT_TRUE(touched([&](auto reply) { calls_->erase(k_ada, target, std::move(reply)); }).ok());
+  ASSERT_TRUE(change(k_ada, job, rpc::ChangeKind::cancel).ok());
+  ASSERT_TRUE(change(k_ada, job, rpc::ChangeKind::erase).ok());
   const auto gone = answer<rpc::JobView>(
       [&](rpc::Reply<rpc::JobView> reply) { calls_->status(k_ada, job, std::move(reply)); });
   EXPECT_EQ(gone.error().kind, rpc::RefusalKind::gone);
@@ -244,20 +242,14 @@ TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   const auto own = submit(k_ada, submission("own", 1));
   const auto first = submit(caller, submission("a", 1));
   ASSERT_TRUE(own.ok() && first.ok());
-  const auto touch = [&](const auto& call) { return answer<std::vector<rpc::Touched>>(call); };
   const auto cancel = [&](rpc::JobId job) {
-    ASSERT_TRUE(touch([&](auto reply) {
-                  calls_->cancel(k_ada, rpc::Target::of(job), std::move(reply));
-                }).ok());
+    ASSERT_TRUE(change(k_ada, job, rpc::ChangeKind::cancel).ok());
   };
   const auto resume = [&](const rpc::Caller& by, rpc::JobId job) {
-    return touch([&](auto reply) { calls_->resume(by, rpc::Target::of(job), std::move(reply)); });
+    return change(by, job, rpc::ChangeKind::resume);
   };
   const auto extend = [&](const rpc::Caller& by, rpc::JobId job) {
-    return touch([&](auto reply) {
-      calls_->extend(by, rpc::Target::of(job), {.by = rpc::ExtendBy::scans, .to = 20},
-                     std::move(reply));
-    });
+    return change(by, job, rpc::ChangeKind::extend, 20);
   };
   const rpc::JobId one = first.value().jobs.front();
   cancel(one);

@@ -62,11 +62,9 @@ class GuardedCallsTest : public ::testing::Test {
   /// Names of the calls that this caller may make.
   std::set<std::string> allowed(const rpc::Caller& caller) {
     std::set<std::string> names;
-    const auto note = [&](const char* name, std::optional<rpc::RefusalKind> kind) {
-      if (kind != rpc::RefusalKind::not_allowed) names.insert(name);
+    const auto note = [&](std::string_view name, std::optional<rpc::RefusalKind> kind) {
+      if (kind != rpc::RefusalKind::not_allowed) names.emplace(name);
     };
-    using Touched = std::vector<rpc::Touched>;
-    const auto target = rpc::Target::of(rpc::JobId{1});
     note("submit", refusal<rpc::Submitted>([&](auto reply) {
            calls_.submit(caller, {.key = "k", .jobs = {{}}}, std::move(reply));
          }));
@@ -78,21 +76,13 @@ class GuardedCallsTest : public ::testing::Test {
     note("watch", batch.ok() ? std::nullopt : std::optional(batch.error().kind));
     note("logs", refusal<rpc::LogPiece>(
                      [&](auto reply) { calls_.logs(caller, {.job = {1}}, std::move(reply)); }));
-    note("cancel",
-         refusal<Touched>([&](auto reply) { calls_.cancel(caller, target, std::move(reply)); }));
-    note("hold",
-         refusal<Touched>([&](auto reply) { calls_.hold(caller, target, std::move(reply)); }));
-    note("resume",
-         refusal<Touched>([&](auto reply) { calls_.resume(caller, target, std::move(reply)); }));
-    note("extend", refusal<Touched>(
-                       [&](auto reply) { calls_.extend(caller, target, {}, std::move(reply)); }));
-    note("erase",
-         refusal<Touched>([&](auto reply) { calls_.erase(caller, target, std::move(reply)); }));
-    note("pin",
-         refusal<Touched>([&](auto reply) { calls_.pin(caller, target, true, std::move(reply)); }));
-    note("set_priority", refusal<Touched>([&](auto reply) {
-           calls_.set_priority(caller, target, 1, std::move(reply));
-         }));
+    for (std::size_t kind = 1; kind < rpc::k_change_kinds; ++kind) {
+      const rpc::ChangeAsk ask{.target = rpc::Target::of(rpc::JobId{1}),
+                               .kind = static_cast<rpc::ChangeKind>(kind)};
+      note(rpc::name_of(ask.kind), refusal<std::vector<rpc::Touched>>([&](auto reply) {
+             calls_.change(caller, ask, std::move(reply));
+           }));
+    }
     note("fetch", refusal<rpc::Fetched>(
                       [&](auto reply) { calls_.fetch(caller, {.job = {1}}, std::move(reply)); }));
     note("info",
@@ -123,14 +113,15 @@ TEST_F(GuardedCallsTest, EachScopeAllowsItsCallsAlone) {
   const std::map<Scope, std::set<std::string>> expected = {
       {Scope::read, {"list", "status", "watch", "logs", "fetch", "info"}},
       {Scope::submit, {"submit"}},
-      {Scope::manage, {"cancel", "hold", "resume", "extend", "erase", "pin", "set_priority"}},
+      {Scope::manage,
+       {"cancel", "hold", "resume", "extend", "erase", "pin", "unpin", "set_priority"}},
       {Scope::operate, {"drain", "stop"}}};
   for (const auto& [scope, calls] : expected)
     EXPECT_EQ(allowed(with(scope)), calls) << rpc::name_of(scope);
 }
 
 TEST_F(GuardedCallsTest, AUserOfThisMachineMayDoAll) {
-  EXPECT_EQ(allowed({.user = 4001, .pid = 7}).size(), 19U);
+  EXPECT_EQ(allowed({.user = 4001, .pid = 7}).size(), 20U);
 }
 
 TEST_F(GuardedCallsTest, TheLogSaysWhoDidWhat) {
@@ -138,7 +129,9 @@ TEST_F(GuardedCallsTest, TheLogSaysWhoDidWhat) {
     calls_.submit({.user = 4001, .pid = 7}, {.key = "k", .jobs = {{}, {}}}, std::move(reply));
   });
   refusal<std::vector<rpc::Touched>>([&](auto reply) {
-    calls_.cancel(with(Scope::read), rpc::Target::of(rpc::GroupId{5}), std::move(reply));
+    calls_.change(with(Scope::read),
+                  {.target = rpc::Target::of(rpc::GroupId{5}), .kind = rpc::ChangeKind::cancel},
+                  std::move(reply));
   });
   const auto read = lines();
   ASSERT_EQ(read.size(), 2U);
