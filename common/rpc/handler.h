@@ -14,9 +14,9 @@
 //   2. A handler may be told of anything that a client can write: ids that don't exist, texts that
 //      are no request. Sizes and counts are within service.h's limits, and enumerations in requests
 //      are never `unknown`.
-//   3. The user of a call is the uid that the kernel says the peer has; over TCP the one of the
-//   token
-//      that the peer has shown.
+//   3. A caller's token allows the call (service_calls.cpp has the table).
+//   4. The user of a call is the uid that the kernel says the peer has; over TCP the one of the
+//      token that the peer has shown.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -88,6 +88,17 @@ class Reply {
   }
   Send send_;
 };
+
+/// A line of the audit log.
+struct AuditLine {
+  std::string call{};
+  std::string of{};       ///< what was asked for: "17", "g5"; empty: nothing to name
+  std::string outcome{};  ///< "done", or why not
+  std::string made{};     ///< what came of it: "17 18"; empty: nothing to name
+};
+
+/// Hears of each audited call when it is answered.
+using Audit = std::function<void(const Caller&, const AuditLine&)>;
 
 /// Who lets peers in over TCP.
 class Authority {

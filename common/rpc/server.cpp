@@ -49,8 +49,7 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
   struct Handshake;
   struct TlsDoor;
 
-  Impl(Loop& loop, const std::string& path, Handler& handler, const ServerLimits& wanted,
-       Complain complain_to, std::optional<std::uint32_t> group);
+  Impl(Loop& loop, const std::string& path, Handler& handler, ServerOptions options);
   ~Impl();
   KJ_DISALLOW_COPY(Impl);
 
@@ -69,7 +68,7 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
   kj::Timer& timer;
   kj::LowLevelAsyncIoProvider& provider;
   ServerLimits limits;
-  Complain complain;
+  std::function<void(const std::string&)> complain;
   ListeningSocket socket;
   kj::Own<kj::ConnectionReceiver> receiver;
   std::shared_ptr<Calls> calls = std::make_shared<Calls>();
@@ -180,14 +179,12 @@ struct Server::Impl::TlsDoor {
   kj::Own<kj::ConnectionReceiver> receiver;
 };
 
-Server::Impl::Impl(Loop& loop, const std::string& path, Handler& handler,
-                   const ServerLimits& wanted, Complain complain_to,
-                   std::optional<std::uint32_t> group)
+Server::Impl::Impl(Loop& loop, const std::string& path, Handler& handler, ServerOptions options)
     : timer(loop.impl().timer()),
       provider(*loop.impl().io.lowLevelProvider),
-      limits(wanted),
-      complain(complain_to ? std::move(complain_to) : [](const std::string&) {}),
-      socket(path, group),
+      limits(options.limits),
+      complain(options.complain ? std::move(options.complain) : [](const std::string&) {}),
+      socket(path, options.group),
       receiver(provider.wrapListenSocketFd(socket.descriptor(),
                                            kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
                                                kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK)),
@@ -197,6 +194,7 @@ Server::Impl::Impl(Loop& loop, const std::string& path, Handler& handler,
             .watchers = &watchers,
             .limits = limits,
             .complain = complain,
+            .audit = std::move(options.audit),
             .connections = [this] { return connections.size(); }};
   looking = loop.call_every(k_look_s, [this] { look(); });
   accept_next(*receiver, &Impl::admit);
@@ -357,10 +355,8 @@ void Server::Impl::taskFailed(kj::Exception&& exception) {
     complain(std::string("a connection ended: ") + exception.getDescription().cStr());
 }
 
-Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerLimits limits,
-               Complain complain, std::optional<std::uint32_t> group)
-    : impl_(
-          std::make_unique<Impl>(loop, socket_path, handler, limits, std::move(complain), group)) {
+Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options)
+    : impl_(std::make_unique<Impl>(loop, socket_path, handler, std::move(options))) {
   // Large blocks go back to the system when they are freed. glibc would learn to keep them, and a
   // piece of a file is a little smaller than the message that it is copied into: its place could
   // not be used again, and the bound on what is held (server.h) would be passed.

@@ -50,6 +50,14 @@ struct ServerLimits {
   double login_s_max = 10;
 };
 
+struct ServerOptions {
+  ServerLimits limits{};
+  std::function<void(const std::string&)> complain{};
+  std::optional<std::uint32_t> group{};  ///< may use the socket, beside its owner
+  /// Called until the last reply is gone, which may be after the server.
+  Audit audit{};
+};
+
 /// For `server status`, and for tests of the limits.
 struct ServerCounts {
   std::size_t connections = 0;
@@ -63,14 +71,11 @@ struct ServerCounts {
 
 class Server {
  public:
-  using Complain = std::function<void(const std::string&)>;
-
-  /// Listens from here on. The socket is its owner's alone (0600), or also `group`'s (0660): whose
+  /// Listens from here on. The socket is its owner's alone (0600), or also a group's (0660): whose
   /// a call is, is what the kernel says of its peer. A file left by a server that is gone is
   /// replaced; throws base::Error with ExitCode::conflict where one listens, and with
   /// ExitCode::environment where the socket can't be made. `handler` and `loop` must outlive it.
-  Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerLimits limits = {},
-         Complain complain = {}, std::optional<std::uint32_t> group = {});
+  Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options = {});
   /// Ends all connections and removes the socket.
   ~Server();
   Server(const Server&) = delete;

@@ -1,11 +1,15 @@
 #include "common/rpc/service_calls.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <kj/debug.h>
 
 #include <algorithm>
 #include <exception>
 #include <optional>
+#include <span>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "common/access/token_text.h"
@@ -29,16 +33,102 @@ std::optional<Refusal> check(JobId& job) {
   return job.value == 0 ? std::optional(no_such_job()) : std::nullopt;
 }
 
-struct TokenId {
-  std::string id{};
-};
-
-std::optional<Refusal> check(TokenId& token) {
-  if (access::is_token_id(token.id)) return std::nullopt;
+/// Of a token's id.
+std::optional<Refusal> check(const std::string& id) {
+  if (access::is_token_id(id)) return std::nullopt;
   return Refusal{.kind = RefusalKind::not_found,
                  .sentence = "There is no such token.",
                  .what_to_do = "`sleight token list` shows those that there are."};
 }
+
+// ------------------------------------------------------------------------------------------- rules
+
+/// What a token must allow for a call, and how the audit log names it.
+struct Rule {
+  /// None: no token is enough. Tokens are made, shown and revoked over the Unix socket alone.
+  std::optional<Scope> scope{};
+  /// Empty: not in the log. It changes nothing, gives no file away, and is asked often.
+  std::string_view audited_as{};
+};
+
+constexpr Rule k_submit{Scope::submit, "submit"};
+constexpr Rule k_list{Scope::read};
+constexpr Rule k_status{Scope::read};
+constexpr Rule k_watch{Scope::read};
+constexpr Rule k_logs{Scope::read};
+constexpr Rule k_change{Scope::manage, "change"};  // by its kind: "cancel"
+constexpr Rule k_fetch{Scope::read, "fetch"};
+constexpr Rule k_info{Scope::read};
+constexpr Rule k_drain{Scope::operate, "drain"};
+constexpr Rule k_stop{Scope::operate, "stop"};
+constexpr Rule k_create_token{{}, "create_token"};
+constexpr Rule k_list_tokens{{}, "list_tokens"};
+constexpr Rule k_revoke_token{{}, "revoke_token"};
+
+/// Why this caller may not make the call.
+std::optional<Refusal> beyond_token(const Rule& rule, const Caller& caller) {
+  if (!rule.scope) {
+    if (caller.token_id.empty()) return std::nullopt;
+    return Refusal{.kind = RefusalKind::not_allowed,
+                   .sentence = "Tokens are made, shown and revoked on the service's machine alone.",
+                   .what_to_do = "There, `sleight token` does it."};
+  }
+  if (caller.scopes.has(*rule.scope)) return std::nullopt;
+  return Refusal{.kind = RefusalKind::not_allowed,
+                 .sentence = fmt::format("This token does not let you {}.", name_of(*rule.scope)),
+                 .what_to_do = fmt::format("One with `--scope {}` does.", name_of(*rule.scope))};
+}
+
+/// The beginning of a call's line in the audit log.
+template <class Ask>
+AuditLine line_of(const Rule& rule, const Ask& ask) {
+  AuditLine line{.call = std::string(rule.audited_as)};
+  if constexpr (std::is_same_v<Ask, Submission>) {
+    line.of = fmt::format("{} job{}", ask.jobs.size(), ask.jobs.size() == 1 ? "" : "s");
+  } else if constexpr (std::is_same_v<Ask, ChangeAsk>) {
+    line.call = name_of(ask.kind);
+    line.of =
+        ask.target.job ? fmt::format("{}", *ask.target.job) : fmt::format("g{}", *ask.target.group);
+  } else if constexpr (std::is_same_v<Ask, FetchAsk>) {
+    line.of = fmt::format("{}", ask.job);
+  } else if constexpr (std::is_same_v<Ask, std::string>) {
+    line.of = ask;
+  }
+  return line;
+}
+
+/// What came of a call, for the audit log.
+template <class T>
+std::string made_of(const T& answer) {
+  if constexpr (std::is_same_v<T, Submitted>) {
+    constexpr std::size_t k_named_max = 20;
+    const std::span<const JobId> jobs(answer.jobs);
+    return fmt::format("{}{}", fmt::join(jobs.first(std::min(jobs.size(), k_named_max)), " "),
+                       jobs.size() > k_named_max ? " ..." : "");
+  } else if constexpr (std::is_same_v<T, TokenView>) {
+    return fmt::format("token {} of user {}", answer.id, answer.user);
+  } else {
+    return {};
+  }
+}
+
+/// Passes its answer on to `reply`, and tells `audit` of it.
+template <class T>
+Reply<T> audited(const Audit& audit, const Caller& caller, AuditLine line, Reply<T> reply) {
+  auto owed = std::make_shared<Reply<T>>(std::move(reply));
+  return Reply<T>([audit, caller, line = std::move(line), owed](Answer<T> answer) mutable {
+    if (answer.ok()) {
+      line.outcome = "done";
+      line.made = made_of(answer.value());
+    } else {
+      line.outcome = fmt::format("{}: {}", name_of(answer.error().kind), answer.error().sentence);
+    }
+    audit(caller, line);
+    owed->give(std::move(answer));
+  });
+}
+
+// ------------------------------------------------------------------------------------------- calls
 
 Refusal failed() {
   return {.kind = RefusalKind::bug,
@@ -114,10 +204,11 @@ struct Serving {
     return kj::mv(owed.promise);
   }
 
-  /// A whole call: `decode` its parameters, check them, `start` it, `write` its answer.
+  /// A whole call: `decode` its parameters, check them, `start` it if its rule lets the caller,
+  /// `write` its answer. `write` may return why it can't be written.
   template <class T, class Context, class Decode, class Start, class Write>
-  kj::Promise<void> serve(Context context, const Decode& decode, const Start& start,
-                          Write write) const {
+  kj::Promise<void> serve(const Rule& rule, Context context, const Decode& decode,
+                          const Start& start, Write write) const {
     std::optional<Refusal> refused = unwelcome();
     std::optional<std::decay_t<decltype(decode(context.getParams()))>> asked;
     if (!refused) {
@@ -134,13 +225,23 @@ struct Serving {
       return kj::READY_NOW;
     }
     Counted counted(conversation);
-    return ask<T>([&](Reply<T> reply) { start(std::move(*asked), std::move(reply)); })
-        .then([context, write = kj::mv(write), held = kj::mv(counted)](Answered<T> answer) mutable {
+    const auto begin = [&](Reply<T> reply) {
+      const Caller& caller = conversation->caller;
+      if (calls->audit && !rule.audited_as.empty())
+        reply = audited(calls->audit, caller, line_of(rule, *asked), std::move(reply));
+      if (auto beyond = beyond_token(rule, caller)) return reply.refuse(*std::move(beyond));
+      start(std::move(*asked), std::move(reply));
+    };
+    return ask<T>(begin).then(
+        [context, write = kj::mv(write), held = kj::mv(counted)](Answered<T> answer) mutable {
           std::optional<Refusal> wrong;
-          if (answer->ok()) {
-            wrong = write(std::move(*answer).value(), context.getResults());
-          } else {
+          if (!answer->ok()) {
             wrong = answer->error();
+          } else if constexpr (std::is_void_v<decltype(write(std::move(*answer).value(),
+                                                             context.getResults()))>) {
+            write(std::move(*answer).value(), context.getResults());
+          } else {
+            wrong = write(std::move(*answer).value(), context.getResults());
           }
           if (wrong) put(*wrong, context.getResults().initRefusal());
         });
@@ -199,23 +300,15 @@ class ServiceCalls final : public generated::Service::Server {
   explicit ServiceCalls(Serving serving) : serving_(std::move(serving)) {}
 
   kj::Promise<void> submit(SubmitContext context) override {
-    return serving_.serve<Submitted>(
-        context, [](auto params) { return get(params.getSubmission()); },
-        [this](Submission asked, Reply<Submitted> reply) {
-          handler().submit(caller(), std::move(asked), std::move(reply));
-        },
-        [](const Submitted& submitted, auto results) {
-          put(submitted, results.initSubmitted());
-          return std::optional<Refusal>();
-        });
+    return serve(
+        k_submit, context, [](auto params) { return get(params.getSubmission()); },
+        &Handler::submit,
+        [](const Submitted& submitted, auto results) { put(submitted, results.initSubmitted()); });
   }
 
   kj::Promise<void> list(ListContext context) override {
-    return serving_.serve<JobPage>(
-        context, [](auto params) { return get(params.getAsk()); },
-        [this](ListAsk asked, Reply<JobPage> reply) {
-          handler().list(caller(), std::move(asked), std::move(reply));
-        },
+    return serve(
+        k_list, context, [](auto params) { return get(params.getAsk()); }, &Handler::list,
         [](const JobPage& page, auto results) -> std::optional<Refusal> {
           if (page.jobs.size() > k_page_jobs_max) return failed();
           put(page, results.initPage());
@@ -224,15 +317,9 @@ class ServiceCalls final : public generated::Service::Server {
   }
 
   kj::Promise<void> status(StatusContext context) override {
-    return serving_.serve<JobView>(
-        context, [](auto params) { return JobId{params.getJob()}; },
-        [this](JobId job, Reply<JobView> reply) {
-          handler().status(caller(), job, std::move(reply));
-        },
-        [](const JobView& job, auto results) {
-          put(job, results.initJob(), Detail::full);
-          return std::optional<Refusal>();
-        });
+    return serve(
+        k_status, context, [](auto params) { return JobId{params.getJob()}; }, &Handler::status,
+        [](const JobView& job, auto results) { put(job, results.initJob(), Detail::full); });
   }
 
   kj::Promise<void> watch(WatchContext context) override {
@@ -251,21 +338,26 @@ class ServiceCalls final : public generated::Service::Server {
       put(*refused, context.getResults().initRefusal());
       return kj::READY_NOW;
     }
+    auto write = [context](const Batches& batches) mutable {
+      auto to = context.getResults().initBatches(static_cast<unsigned>(batches.size()));
+      for (unsigned i = 0; i < to.size(); ++i)
+        put(batches[i].first, batches[i].second, to[i]);
+    };
+    if (const auto beyond = beyond_token(k_watch, caller())) {
+      Batches batches;
+      for (const WatchPoint& point : points)
+        batches.emplace_back(point.job, *beyond);
+      write(batches);
+      return kj::READY_NOW;
+    }
     Counted counted(serving_.conversation);
     return serving_.calls->watchers->wait(caller(), std::move(points))
-        .then([context, held = kj::mv(counted)](Batches batches) mutable {
-          auto to = context.getResults().initBatches(static_cast<unsigned>(batches.size()));
-          for (unsigned i = 0; i < to.size(); ++i)
-            put(batches[i].first, batches[i].second, to[i]);
-        });
+        .then([write, held = kj::mv(counted)](const Batches& batches) mutable { write(batches); });
   }
 
   kj::Promise<void> logs(LogsContext context) override {
-    return serving_.serve<LogPiece>(
-        context, [](auto params) { return get(params.getAsk()); },
-        [this](LogAsk asked, Reply<LogPiece> reply) {
-          handler().logs(caller(), asked, std::move(reply));
-        },
+    return serve(
+        k_logs, context, [](auto params) { return get(params.getAsk()); }, &Handler::logs,
         [](const LogPiece& piece, auto results) -> std::optional<Refusal> {
           if (piece.text.size() > k_log_bytes_max) return failed();
           put(piece, results.initPiece());
@@ -274,24 +366,17 @@ class ServiceCalls final : public generated::Service::Server {
   }
 
   kj::Promise<void> change(ChangeContext context) override {
-    return serving_.serve<std::vector<Touched>>(
-        context, [](auto params) { return get(params.getAsk()); },
-        [this](const ChangeAsk& asked, Reply<std::vector<Touched>> reply) {
-          handler().change(caller(), asked, std::move(reply));
-        },
+    return serve(
+        k_change, context, [](auto params) { return get(params.getAsk()); }, &Handler::change,
         [](const std::vector<Touched>& touched, auto results) {
           put(touched, results.initTouched(
                            static_cast<unsigned>(std::min(touched.size(), k_submission_jobs_max))));
-          return std::optional<Refusal>();
         });
   }
 
   kj::Promise<void> fetch(FetchContext context) override {
-    return serving_.serve<Fetched>(
-        context, [](auto params) { return get(params.getAsk()); },
-        [this](FetchAsk asked, Reply<Fetched> reply) {
-          handler().fetch(caller(), std::move(asked), std::move(reply));
-        },
+    return serve(
+        k_fetch, context, [](auto params) { return get(params.getAsk()); }, &Handler::fetch,
         [serving = serving_](Fetched fetched, auto results) -> std::optional<Refusal> {
           const std::size_t count = fetched.files.size();
           if (count > k_fetch_files_max) return failed();
@@ -314,75 +399,71 @@ class ServiceCalls final : public generated::Service::Server {
   }
 
   kj::Promise<void> info(InfoContext context) override {
-    return serving_.serve<ServerView>(
-        context, [](auto) { return Nothing(); },
-        [this](Nothing, Reply<ServerView> reply) { handler().info(caller(), std::move(reply)); },
-        [calls = serving_.calls](ServerView view, auto results) {
-          if (calls->handler != nullptr) {
-            view.connections = static_cast<std::uint32_t>(calls->connections());
-            view.watchers = static_cast<std::uint32_t>(calls->watchers->waiting());
-          }
-          put(view, results.initServer());
-          return std::optional<Refusal>();
-        });
+    return serve(k_info, context, &Handler::info,
+                 [calls = serving_.calls](ServerView view, auto results) {
+                   if (calls->handler != nullptr) {
+                     view.connections = static_cast<std::uint32_t>(calls->connections());
+                     view.watchers = static_cast<std::uint32_t>(calls->watchers->waiting());
+                   }
+                   put(view, results.initServer());
+                 });
   }
 
   kj::Promise<void> drain(DrainContext context) override {
-    return serving_.serve<Nothing>(
-        context, [](auto) { return Nothing(); },
-        [this](Nothing, Reply<Nothing> reply) { handler().drain(caller(), std::move(reply)); },
-        [](Nothing, auto) { return std::optional<Refusal>(); });
+    return serve(k_drain, context, &Handler::drain, [](Nothing, auto) {});
   }
 
   kj::Promise<void> stop(StopContext context) override {
-    return serving_.serve<Nothing>(
-        context, [](auto) { return Nothing(); },
-        [this](Nothing, Reply<Nothing> reply) { handler().stop(caller(), std::move(reply)); },
-        [](Nothing, auto) { return std::optional<Refusal>(); });
+    return serve(k_stop, context, &Handler::stop, [](Nothing, auto) {});
   }
 
   kj::Promise<void> createToken(CreateTokenContext context) override {
-    return serving_.serve<TokenView>(
-        context, [](auto params) { return get(params.getAsk()); },
-        [this](TokenAsk asked, Reply<TokenView> reply) {
-          handler().create_token(caller(), std::move(asked), std::move(reply));
-        },
-        [](const TokenView& token, auto results) {
-          put(token, results.initToken());
-          return std::optional<Refusal>();
-        });
+    return serve(
+        k_create_token, context, [](auto params) { return get(params.getAsk()); },
+        &Handler::create_token,
+        [](const TokenView& token, auto results) { put(token, results.initToken()); });
   }
 
   kj::Promise<void> listTokens(ListTokensContext context) override {
-    return serving_.serve<std::vector<TokenView>>(
-        context, [](auto) { return Nothing(); },
-        [this](Nothing, Reply<std::vector<TokenView>> reply) {
-          handler().list_tokens(caller(), std::move(reply));
-        },
-        [](const std::vector<TokenView>& tokens, auto results) {
-          auto to =
-              results.initTokens(static_cast<unsigned>(std::min(tokens.size(), k_tokens_max)));
-          for (unsigned i = 0; i < to.size(); ++i)
-            put(tokens[i], to[i]);
-          return std::optional<Refusal>();
-        });
+    return serve(k_list_tokens, context, &Handler::list_tokens,
+                 [](const std::vector<TokenView>& tokens, auto results) {
+                   auto to = results.initTokens(
+                       static_cast<unsigned>(std::min(tokens.size(), k_tokens_max)));
+                   for (unsigned i = 0; i < to.size(); ++i)
+                     put(tokens[i], to[i]);
+                 });
   }
 
   kj::Promise<void> revokeToken(RevokeTokenContext context) override {
-    return serving_.serve<TokenView>(
-        context, [](auto params) { return TokenId{as_string(params.getId())}; },
-        [this](TokenId asked, Reply<TokenView> reply) {
-          handler().revoke_token(caller(), std::move(asked.id), std::move(reply));
-        },
-        [](const TokenView& token, auto results) {
-          put(token, results.initToken());
-          return std::optional<Refusal>();
-        });
+    return serve(
+        k_revoke_token, context, [](auto params) { return as_string(params.getId()); },
+        &Handler::revoke_token,
+        [](const TokenView& token, auto results) { put(token, results.initToken()); });
   }
 
  private:
   Handler& handler() const { return *serving_.calls->handler; }
   const Caller& caller() const { return serving_.conversation->caller; }
+
+  template <class Context, class Decode, class Ask, class T, class Write>
+  kj::Promise<void> serve(const Rule& rule, Context context, const Decode& decode,
+                          void (Handler::*call)(const Caller&, Ask, Reply<T>), Write write) const {
+    return serving_.serve<T>(
+        rule, context, decode,
+        [&](Ask asked, Reply<T> reply) {
+          (handler().*call)(caller(), std::move(asked), std::move(reply));
+        },
+        kj::mv(write));
+  }
+  /// A call that asks nothing.
+  template <class Context, class T, class Write>
+  kj::Promise<void> serve(const Rule& rule, Context context,
+                          void (Handler::*call)(const Caller&, Reply<T>), Write write) const {
+    return serving_.serve<T>(
+        rule, context, [](auto) { return Nothing(); },
+        [&](Nothing, Reply<T> reply) { (handler().*call)(caller(), std::move(reply)); },
+        kj::mv(write));
+  }
 
   Serving serving_;
 };

@@ -1,4 +1,5 @@
-// The interfaces of service.capnp on a Handler: decodes, checks, asks and answers.
+// The interfaces of service.capnp on a Handler: decodes, checks, asks, answers and audits. A
+// table in the source says of each call which scope a token needs and whether it is audited.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -23,6 +24,7 @@ struct Calls {
   Watchers* watchers = nullptr;
   ServerLimits limits{};
   std::function<void(const std::string&)> complain{};
+  Audit audit{};
   std::function<std::size_t()> connections{};
   Authority* authority = nullptr;  ///< none: nobody comes over TCP
   std::uint64_t count = 0;         ///< of all time

@@ -43,7 +43,7 @@ AuditLog::~AuditLog() {
   tell_more(k_due_s);
 }
 
-void AuditLog::note(const rpc::Caller& caller, const AuditLine& line) {
+void AuditLog::note(const rpc::Caller& caller, const rpc::AuditLine& line) {
   flush();
   const double now_s = clock_.now_s();
   Share& share =
@@ -134,6 +134,17 @@ void AuditLog::write(const std::string& line) {
   } else {
     ++lost_;
   }
+}
+
+base::Result<rpc::Caller, rpc::Refusal> AuditedAuthority::login(const std::string& token,
+                                                                const std::string& address) {
+  auto caller = inner_.login(token, address);
+  if (caller) {
+    audit_.note(caller.value(), {.call = "login", .outcome = "done"});
+  } else {
+    audit_.note_stranger(address);
+  }
+  return caller;
 }
 
 }  // namespace sleight::daemon

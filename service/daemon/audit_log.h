@@ -3,8 +3,9 @@
 //   {"time":"2026-11-27T14:05:09Z","call":"submit","user":1000,"from":"192.0.2.7:50312",
 //    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}
 //
-//   call     login, submit, cancel, hold, resume, extend, erase, pin, set_priority, fetch, drain,
-//            stop, create_token, list_tokens, revoke_token
+//   call     login, submit, a change's kind (cancel, set_priority), fetch, drain, stop,
+//   create_token,
+//            list_tokens, revoke_token
 //   from     a peer's address, or "process 4242" of this machine; token: none of a Unix socket's
 //   outcome  "done", or the refusal's kind and sentence
 //
@@ -35,13 +36,6 @@ namespace sleight::daemon {
 inline constexpr double k_audit_burst = 1000;
 inline constexpr std::uint64_t k_audit_bytes_max = 16U << 20U;  ///< of each of the two files
 
-struct AuditLine {
-  std::string call{};
-  std::string of{};       ///< what was asked for: "17", "g5"; empty: nothing to name
-  std::string outcome{};  ///< "done", or why not
-  std::string made{};     ///< what came of it: "17 18"; empty: nothing to name
-};
-
 class AuditLog {
  public:
   /// Makes the file at the first line.
@@ -51,7 +45,7 @@ class AuditLog {
   AuditLog(const AuditLog&) = delete;
   AuditLog& operator=(const AuditLog&) = delete;
 
-  void note(const rpc::Caller& caller, const AuditLine& line);
+  void note(const rpc::Caller& caller, const rpc::AuditLine& line);
   /// Of somebody who showed a wrong token.
   void note_stranger(const std::string& address);
   /// Writes what strangers did meanwhile, and the numbers of what has no lines.
@@ -81,6 +75,19 @@ class AuditLog {
   std::uint64_t strangers_ = 0;  ///< that no line has told of yet
   std::string last_stranger_{};
   double strangers_told_s_ = -1e9;
+};
+
+/// Lets in whom `inner` does, and notes each attempt.
+class AuditedAuthority final : public rpc::Authority {
+ public:
+  AuditedAuthority(rpc::Authority& inner, AuditLog& audit) : inner_(inner), audit_(audit) {}
+  base::Result<rpc::Caller, rpc::Refusal> login(const std::string& token,
+                                                const std::string& address) override;
+  bool lets_go_on(const rpc::Caller& caller) override { return inner_.lets_go_on(caller); }
+
+ private:
+  rpc::Authority& inner_;
+  AuditLog& audit_;
 };
 
 }  // namespace sleight::daemon

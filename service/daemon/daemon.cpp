@@ -19,7 +19,6 @@
 #include "common/rpc/server.h"
 #include "service/backend/backend.h"
 #include "service/daemon/audit_log.h"
-#include "service/daemon/guarded_calls.h"
 #include "service/daemon/state_lock.h"
 #include "service/daemon/tls_files.h"
 #include "service/daemon/tokens.h"
@@ -79,13 +78,16 @@ void run_daemon(const DaemonOptions& options) {
   base::PosixFileSystem files;
   Tokens tokens(files, options.runner.state + "/tokens.json", wall_s);
   Calls calls(loop, runner, tokens, options.facts, options.read, [&] { loop.stop(); });
-  GuardedCalls guarded(calls, audit);
   AuditedAuthority authority(tokens, audit);
   // Calls are answered from the moment on at which the jobs are taken up again.
   runner.begin();
   server = std::make_unique<rpc::Server>(
-      loop, options.socket, guarded, rpc::ServerLimits{},
-      [](const std::string& words) { logging::warn(words); }, options.group);
+      loop, options.socket, calls,
+      rpc::ServerOptions{
+          .complain = [](const std::string& words) { logging::warn(words); },
+          .group = options.group,
+          .audit = [&audit](const rpc::Caller& caller,
+                            const rpc::AuditLine& line) { audit.note(caller, line); }});
   if (options.address) {
     const access::Keypair keypair =
         keypair_of(options.runner.state, options.certificate_path, options.key_path);

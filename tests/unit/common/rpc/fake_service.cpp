@@ -260,16 +260,21 @@ void FakeService::revoke_token(const Caller&, std::string id, Reply<TokenView> r
 // ------------------------------------------------------------------------------------------
 // servers
 
-ServerThread::ServerThread(std::string path, FakeService& service, ServerLimits limits) {
+ServerThread::ServerThread(std::string path, FakeService& service, ServerLimits limits,
+                           Audit audit) {
   std::mutex mutex;
   std::condition_variable started;
   bool is_started = false;
-  thread_ = std::thread([&, path, limits] {
+  thread_ = std::thread([&, path, limits, audit] {
     Loop loop;
-    Server server(loop, path, service, limits, [this](const std::string& words) {
-      const std::lock_guard lock(mutex_);
-      complaints_.push_back(words);
-    });
+    Server server(loop, path, service,
+                  {.limits = limits,
+                   .complain =
+                       [this](const std::string& words) {
+                         const std::lock_guard lock(mutex_);
+                         complaints_.push_back(words);
+                       },
+                   .audit = audit});
     {
       const std::lock_guard lock(mutex);
       loop_ = &loop;
@@ -321,7 +326,7 @@ void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
   service.jobs[1].view = {.id = {1}, .name = "one", .state = JobState::running};
   service.add_file("ball.h5", content_of(file_bytes, 1));
   Loop loop;
-  Server server(loop, path, service, limits);
+  Server server(loop, path, service, {.limits = limits});
   // News come as fast as they can be looked for.
   const auto look = loop.call_every(0.0005, [&] {
     FakeJob& job = service.jobs[1];

@@ -96,7 +96,7 @@ class FakeService final : public Handler {
 /// A server for a FakeService, in a thread of its own.
 class ServerThread {
  public:
-  ServerThread(std::string path, FakeService& service, ServerLimits limits = {});
+  ServerThread(std::string path, FakeService& service, ServerLimits limits = {}, Audit audit = {});
   ~ServerThread();
   ServerThread(const ServerThread&) = delete;
   ServerThread& operator=(const ServerThread&) = delete;
