@@ -139,7 +139,7 @@ std::string question(std::span<const rpc::JobView> jobs) {
 
 rpc::ListAsk list_ask_of(const ListOptions& options) {
   rpc::ListAsk ask{
-      .name_part = options.name, .newest_first = !options.oldest_first, .cursor = options.after};
+      .name_part = options.name, .oldest_first = options.oldest_first, .cursor = options.after};
   for (const std::string& state : options.states)
     ask.states.push_back(state_of(state));
   if (options.mine) ask.user = ::getuid();

@@ -41,7 +41,7 @@ std::vector<JobName> read_job_names(std::span<const std::string> texts) {
 
 std::vector<rpc::JobView> jobs_of(rpc::Client& client, rpc::GroupId group) {
   std::vector<rpc::JobView> jobs;
-  rpc::ListAsk ask{.group = group, .newest_first = false, .count = rpc::k_page_jobs_max};
+  rpc::ListAsk ask{.group = group, .oldest_first = true, .count = rpc::k_page_jobs_max};
   do {
     rpc::JobPage page = client.list(ask);
     for (rpc::JobView& job : page.jobs)

@@ -287,18 +287,11 @@ struct Client::Impl final : Link {
 
   std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>& points) override {
     auto request = connected().service.watchRequest();
-    auto to = request.initPoints(static_cast<unsigned>(points.size()));
-    for (unsigned i = 0; i < to.size(); ++i)
-      put(points[i], to[i]);
+    put_all(points, request.initPoints(static_cast<unsigned>(points.size())));
     using Results = capnp::Response<generated::Service::WatchResults>;
     const Results results =
         wait_interruptibly(kj::Promise<Results>(request.send()), k_silence_s_max);
-    return read_of(results, [](const Results& arrived) {
-      std::vector<ArrivedBatch> batches;
-      for (const auto batch : arrived.getBatches())
-        batches.push_back(get(batch));
-      return batches;
-    });
+    return read_of(results, [](const Results& arrived) { return get_all(arrived.getBatches()); });
   }
 
   ArrivedFiles fetch(const FetchAsk& ask) override {
@@ -416,7 +409,7 @@ std::vector<Touched> Client::change(const ChangeAsk& ask) {
           put(ask, request.initAsk());
           return request.send();
         },
-        [](const auto& results) { return get(results.getTouched()); });
+        [](const auto& results) { return get_all(results.getTouched()); });
   } catch (const RefusedError& error) {
     // The first time, whose answer was lost, it may have been deleted.
     const RefusalKind kind = error.refusal().kind;
@@ -454,12 +447,7 @@ TokenView Client::create_token(const TokenAsk& ask) {
 
 std::vector<TokenView> Client::tokens() {
   return impl_->call([](auto& service) { return service.listTokensRequest().send(); },
-                     [](const auto& results) {
-                       std::vector<TokenView> tokens;
-                       for (const auto token : results.getTokens())
-                         tokens.push_back(get(token));
-                       return tokens;
-                     });
+                     [](const auto& results) { return get_all(results.getTokens()); });
 }
 
 TokenView Client::revoke_token(const std::string& id) {

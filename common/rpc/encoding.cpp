@@ -1,7 +1,14 @@
 #include "common/rpc/encoding.h"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <type_traits>
 
 #include "common/base/check.h"
 
@@ -9,44 +16,21 @@ namespace sleight::rpc {
 namespace {
 
 constexpr std::size_t k_line_bytes_max = 512;  // of a text in a list of jobs
+constexpr std::size_t k_no_bound = SIZE_MAX;
 
-/// Without its end where it is too long, whole characters of UTF-8 alone.
-std::string_view cut(const std::string& text, std::size_t bytes_max) {
-  if (text.size() <= bytes_max) return text;
-  std::size_t size = bytes_max;
-  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80U)
-    --size;
-  return {text.data(), size};
-}
-
-/// A text needs a zero after its end, which a part of another one has not.
-template <class Set>
-void put_text(const std::string& text, std::size_t bytes_max, const Set& set) {
-  const std::string_view short_text = cut(text, bytes_max);
-  if (short_text.size() == text.size()) {
-    set(as_text(text));
-  } else {
-    const std::string copy(short_text);
-    set(as_text(copy));
-  }
-}
-
-#define SLEIGHT_PUT_TEXT(builder, Field, text, bytes_max) \
-  put_text(text, bytes_max, [&](capnp::Text::Reader put_of) { (builder).set##Field(put_of); })
-
-template <class Ours, class Theirs>
-Ours known(Theirs value, std::size_t count) {
-  const auto index = static_cast<std::size_t>(value);
-  return index < count ? static_cast<Ours>(index) : Ours::unknown;
-}
-
-JobState state_of(generated::JobState state) {
-  return known<JobState>(state, k_job_states);
-}
-
-generated::JobState state_of(JobState state) {
-  return static_cast<generated::JobState>(state);
-}
+/// How many values of each enumeration this program knows.
+template <class Enum>
+constexpr std::size_t k_known = 0;
+template <>
+constexpr std::size_t k_known<JobState> = k_job_states;
+template <>
+constexpr std::size_t k_known<RefusalKind> = k_refusal_kinds;
+template <>
+constexpr std::size_t k_known<ChangeKind> = k_change_kinds;
+template <>
+constexpr std::size_t k_known<ExtendBy> = 5;
+template <>
+constexpr std::size_t k_known<FetchKind> = 5;
 
 static_assert(static_cast<int>(generated::JobState::CANCELLED) ==
               static_cast<int>(JobState::cancelled));
@@ -58,60 +42,440 @@ static_assert(static_cast<int>(generated::Refusal::Kind::BUSY) ==
 static_assert(static_cast<int>(generated::ChangeAsk::Kind::SET_PRIORITY) ==
               static_cast<int>(ChangeKind::set_priority));
 static_assert(static_cast<int>(generated::Extension::By::ODDS) == static_cast<int>(ExtendBy::odds));
+static_assert(static_cast<std::size_t>(generated::Scope::OPERATE) == std::size(k_scopes));
 static_assert(static_cast<int>(generated::FetchAsk::Kind::FAILURE_FILES) ==
               static_cast<int>(FetchKind::failure_files));
 
-constexpr std::size_t k_extend_kinds = 5;
-constexpr std::size_t k_fetch_kinds = 5;
-
-unsigned size_of(std::size_t size, std::size_t size_max) {
-  return static_cast<unsigned>(std::min(size, size_max));
+/// Without its end where it is too long, whole characters of UTF-8 alone.
+std::string_view cut(const std::string& text, std::size_t bytes_max) {
+  if (text.size() <= bytes_max) return text;
+  std::size_t size = bytes_max;
+  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80U)
+    --size;
+  return {text.data(), size};
 }
 
-void put_change(const StateChange& from, generated::StateChange::Builder to,
-                std::size_t bytes_max) {
-  to.setNumber(from.number);
-  to.setTime(from.time_s);
-  to.setState(state_of(from.state));
-  SLEIGHT_PUT_TEXT(to, Reason, from.reason, bytes_max);
-  to.setAttempt(from.attempt);
-}
-
-StateChange get_change(generated::StateChange::Reader from) {
-  return {.number = from.getNumber(),
-          .time_s = from.getTime(),
-          .state = state_of(from.getState()),
-          .reason = as_string(from.getReason()),
-          .attempt = from.getAttempt()};
-}
-
-void put_target(const Target& from, generated::Target::Builder to) {
-  CHECK_NE(from.job.has_value(), from.group.has_value());
-  if (from.job) {
-    to.setJob(from.job->value);
+/// A text needs a zero after its end, which a part of another one has not.
+void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
+  const std::string_view short_text = cut(text, bytes_max);
+  if (short_text.size() == text.size()) {
+    set(as_text(text));
   } else {
-    to.setGroup(from.group->value);
+    const std::string copy(short_text);
+    set(as_text(copy));
+  }
+}
+
+// A struct's fields are listed once, by `fields`, for a Writer and a Reader alike. Each field has
+// two functions: one that sets it in a builder (of a list or a struct: that makes it), and one that
+// gets it from a reader.
+
+#define SLEIGHT_GET(Name) [](auto from) { return from.get##Name(); }
+#define SLEIGHT_SET(Name) [](auto to, auto value) { to.set##Name(value); }
+#define SLEIGHT_FIELD(Name, ours) visit.field(SLEIGHT_SET(Name), SLEIGHT_GET(Name), ours)
+#define SLEIGHT_TEXT(Name, ours, bytes_max) \
+  visit.text(SLEIGHT_SET(Name), SLEIGHT_GET(Name), ours, bytes_max)
+#define SLEIGHT_PART(Name, ours) \
+  visit.part([](auto to) { return to.init##Name(); }, SLEIGHT_GET(Name), ours)
+#define SLEIGHT_LIST(Name, ours, ...)                                                             \
+  visit.list([](auto to, unsigned size) { return to.init##Name(size); }, SLEIGHT_GET(Name), ours, \
+             Bounds{__VA_ARGS__})
+
+/// Of a list: the rest is left out.
+struct Bounds {
+  std::size_t written = k_no_bound;
+  /// One more is read, so that limits.h refuses it: elements without content cost a message
+  /// nothing.
+  std::size_t read = k_no_bound;
+  std::size_t text_bytes = k_no_bound;  ///< of each text
+};
+
+template <class T>
+concept IsStruct = std::is_class_v<T> && !std::same_as<T, std::string> && !requires {
+  typename T::representation;
+};
+
+template <class T, class Struct>
+concept Is = std::same_as<std::remove_const_t<T>, Struct>;
+
+template <class T>
+constexpr bool is_optional = false;
+template <class T>
+constexpr bool is_optional<std::optional<T>> = true;
+
+template <IsStruct Ours, class To>
+void write(const Ours& ours, To to, bool is_brief);
+template <IsStruct Ours, class From>
+void read(From from, Ours& ours);
+
+void write(const Target& target, generated::Target::Builder to, bool) {
+  CHECK_NE(target.job.has_value(), target.group.has_value());
+  if (target.job) {
+    to.setJob(target.job->value);
+  } else {
+    to.setGroup(target.group->value);
   }
 }
 
 // A kind of target that a newer client has names no job: number 0 is none.
-Target get_target(generated::Target::Reader from) {
-  if (from.isJob()) return Target::of(JobId{from.getJob()});
-  if (from.isGroup()) return Target::of(GroupId{from.getGroup()});
-  return Target::of(JobId{0});
+void read(generated::Target::Reader from, Target& target) {
+  target = from.isGroup() ? Target::of(GroupId{from.getGroup()})
+                          : Target::of(JobId{from.isJob() ? from.getJob() : 0});
 }
 
-template <class T>
-std::optional<T> unless_zero(typename T::representation value) {
-  return value == 0 ? std::nullopt : std::optional<T>(T{value});
+template <class To>
+struct Writer {
+  To to;
+  bool is_brief;  ///< one of a list: without histories, logs and long texts
+
+  template <class Theirs, class T>
+  static auto wire(const T& ours) {
+    if constexpr (std::is_enum_v<T>) {
+      return static_cast<Theirs>(ours);
+    } else if constexpr (std::same_as<Theirs, capnp::Data::Builder>) {
+      return as_data(std::as_bytes(std::span(ours)));
+    } else if constexpr (std::same_as<T, std::string>) {
+      return as_text(ours);
+    } else if constexpr (is_optional<T>) {
+      // None is 0 where a number has no sign, else -1.
+      return ours ? static_cast<Theirs>(wire<Theirs>(*ours))
+                  : static_cast<Theirs>(std::unsigned_integral<Theirs> ? 0 : -1);
+    } else if constexpr (requires { ours.value; }) {
+      return ours.value;
+    } else {
+      return ours;
+    }
+  }
+  void field(const auto& set, const auto& get, const auto& ours) {
+    set(to, wire<decltype(get(to))>(ours));
+  }
+  void text(const auto& set, const auto&, const std::string& ours, std::size_t bytes_max) {
+    put_text(ours, bytes_max, [&](capnp::Text::Reader text) { set(to, text); });
+  }
+  void part(const auto& init, const auto&, const auto& ours) { write(ours, init(to), is_brief); }
+  template <class T>
+  void list(const auto& init, const auto&, const std::vector<T>& ours, const Bounds& bounds) {
+    const auto size = static_cast<unsigned>(std::min(ours.size(), bounds.written));
+    if (size == 0) return;
+    auto theirs = init(to, size);
+    for (unsigned i = 0; i < size; ++i) {
+      if constexpr (IsStruct<T>) {
+        write(ours[i], theirs[i], true);
+      } else if constexpr (std::same_as<T, std::string>) {
+        put_text(ours[i], bounds.text_bytes,
+                 [&](capnp::Text::Reader text) { theirs.set(i, text); });
+      } else {
+        theirs.set(i, wire<std::decay_t<decltype(theirs[i])>>(ours[i]));
+      }
+    }
+  }
+  /// The schema numbers scopes from 1 on, in the order of their bits.
+  void list(const auto& init, const auto&, const Scopes& ours, const Bounds&) {
+    auto theirs = init(to, static_cast<unsigned>(std::popcount(ours.bits)));
+    unsigned place = 0;
+    for (unsigned i = 0; i < std::size(k_scopes); ++i)
+      if (ours.has(k_scopes[i])) theirs.set(place++, static_cast<generated::Scope>(i + 1));
+  }
+};
+
+template <class From>
+struct Reader {
+  From from;
+  static constexpr bool is_brief = false;
+
+  template <class T, class Theirs>
+  static T value_of(Theirs theirs) {
+    if constexpr (std::is_enum_v<T>) {
+      const auto index = static_cast<std::size_t>(theirs);
+      return index < k_known<T> ? static_cast<T>(index) : T::unknown;
+    } else if constexpr (std::same_as<T, std::string>) {
+      return {reinterpret_cast<const char*>(theirs.begin()), theirs.size()};
+    } else if constexpr (is_optional<T>) {
+      using Value = typename T::value_type;
+      if (std::unsigned_integral<Theirs> ? theirs == 0 : !(theirs >= 0)) return std::nullopt;
+      // A number that is nobody's is not taken for another one.
+      if constexpr (std::same_as<Value, std::uint32_t>) {
+        return static_cast<std::uint32_t>(
+            std::min<std::uint64_t>(static_cast<std::uint64_t>(theirs), UINT32_MAX));
+      } else {
+        return value_of<Value>(theirs);
+      }
+    } else if constexpr (requires { typename T::representation; }) {
+      return T{theirs};
+    } else {
+      return theirs;
+    }
+  }
+  template <class T>
+  void field(const auto&, const auto& get, T& ours) {
+    ours = value_of<T>(get(from));
+  }
+  void text(const auto&, const auto& get, std::string& ours, std::size_t) {
+    ours = value_of<std::string>(get(from));
+  }
+  void part(const auto&, const auto& get, auto& ours) { read(get(from), ours); }
+  template <class T>
+  void list(const auto&, const auto& get, std::vector<T>& ours, const Bounds& bounds) {
+    for (const auto theirs : get(from)) {
+      if (ours.size() > bounds.read) break;
+      if constexpr (IsStruct<T>) {
+        read(theirs, ours.emplace_back());
+      } else {
+        ours.push_back(value_of<T>(theirs));
+      }
+    }
+  }
+  void list(const auto&, const auto& get, Scopes& ours, const Bounds&) {
+    for (const generated::Scope scope : get(from)) {
+      const auto index = static_cast<std::size_t>(scope) - 1;  // of unknown: beyond all
+      if (index < std::size(k_scopes)) {
+        ours.add(k_scopes[index]);
+      } else {
+        ours.has_unknown = true;
+      }
+    }
+  }
+};
+
+void fields(auto& visit, Is<request::Diagnostic> auto& diagnostic) {
+  SLEIGHT_TEXT(File, diagnostic.file, k_line_bytes_max);
+  SLEIGHT_FIELD(Line, diagnostic.place.line);
+  SLEIGHT_FIELD(Column, diagnostic.place.column);
+  SLEIGHT_TEXT(Message, diagnostic.message, 4 * k_line_bytes_max);
 }
 
-double or_negative(const std::optional<double>& value) {
-  return value ? *value : -1;
+void fields(auto& visit, Is<Refusal> auto& refusal) {
+  SLEIGHT_FIELD(Kind, refusal.kind);
+  SLEIGHT_TEXT(Sentence, refusal.sentence, k_text_bytes_max);
+  SLEIGHT_TEXT(WhatToDo, refusal.what_to_do, k_text_bytes_max);
+  SLEIGHT_LIST(Diagnostics, refusal.diagnostics, .written = 2 * request::k_diagnostics_max);
 }
 
-std::optional<double> unless_negative(double value) {
-  return value >= 0 ? std::optional(value) : std::nullopt;
+// -------------------------------------------------------------------------------------- submitting
+
+void fields(auto& visit, Is<JobOption> auto& option) {
+  SLEIGHT_FIELD(Name, option.name);
+  SLEIGHT_FIELD(Value, option.value);
+}
+
+void fields(auto& visit, Is<JobAsk> auto& job) {
+  SLEIGHT_FIELD(Name, job.name);
+  SLEIGHT_FIELD(Request, job.request);
+  SLEIGHT_FIELD(Cores, job.cores);
+  SLEIGHT_FIELD(Ranks, job.ranks);
+  SLEIGHT_FIELD(MemoryBytes, job.memory_bytes);
+  SLEIGHT_FIELD(Priority, job.priority);
+  SLEIGHT_FIELD(Strict, job.strict);
+  SLEIGHT_LIST(Options, job.options, .read = k_options_max);
+}
+
+void fields(auto& visit, Is<Submission> auto& submission) {
+  SLEIGHT_FIELD(Key, submission.key);
+  SLEIGHT_LIST(Jobs, submission.jobs, .read = k_submission_jobs_max);
+  SLEIGHT_FIELD(IsGroup, submission.is_group);
+}
+
+void fields(auto& visit, Is<Submitted> auto& submitted) {
+  SLEIGHT_LIST(Jobs, submitted.jobs);
+  SLEIGHT_FIELD(Group, submitted.group);
+  SLEIGHT_FIELD(WasKnown, submitted.was_known);
+}
+
+// -------------------------------------------------------------------------------------------- jobs
+
+void fields(auto& visit, Is<StateChange> auto& change) {
+  SLEIGHT_FIELD(Number, change.number);
+  SLEIGHT_FIELD(Time, change.time_s);
+  SLEIGHT_FIELD(State, change.state);
+  SLEIGHT_TEXT(Reason, change.reason, 4 * k_line_bytes_max);
+  SLEIGHT_FIELD(Attempt, change.attempt);
+}
+
+void fields(auto& visit, Is<FailureCount> auto& failure) {
+  SLEIGHT_TEXT(Simulation, failure.simulation, k_name_bytes_max);
+  SLEIGHT_FIELD(Count, failure.count);
+}
+
+void fields(auto& visit, Is<JobView> auto& job) {
+  const std::size_t bytes_max = visit.is_brief ? k_line_bytes_max : k_text_bytes_max;
+  SLEIGHT_FIELD(Id, job.id);
+  SLEIGHT_FIELD(Group, job.group);
+  SLEIGHT_FIELD(User, job.user);
+  SLEIGHT_TEXT(Name, job.name, k_name_bytes_max);
+  SLEIGHT_TEXT(World, job.world, k_name_bytes_max);
+  SLEIGHT_FIELD(State, job.state);
+  SLEIGHT_TEXT(Reason, job.reason, bytes_max);
+  SLEIGHT_FIELD(Place, job.place);
+  SLEIGHT_TEXT(NotYet, job.not_yet, bytes_max);
+  SLEIGHT_FIELD(Attempt, job.attempt);
+  SLEIGHT_FIELD(Priority, job.priority);
+  SLEIGHT_FIELD(CoresWanted, job.cores_wanted);
+  SLEIGHT_FIELD(Cores, job.cores);
+  SLEIGHT_FIELD(Ranks, job.ranks);
+  SLEIGHT_FIELD(MemoryBytes, job.memory_bytes);
+  SLEIGHT_FIELD(Strict, job.strict);
+  SLEIGHT_FIELD(Pinned, job.pinned);
+  SLEIGHT_FIELD(ScansDone, job.scans_done);
+  SLEIGHT_FIELD(ScansTotal, job.scans_total);
+  SLEIGHT_FIELD(Found, job.solutions.found);
+  SLEIGHT_FIELD(FoundWanted, job.solutions.found_wanted);
+  SLEIGHT_FIELD(InProportion, job.solutions.in_proportion);
+  SLEIGHT_FIELD(InProportionWanted, job.solutions.in_proportion_wanted);
+  SLEIGHT_LIST(Failures, job.failures, .written = 64);
+  SLEIGHT_FIELD(SimulationsPerSecond, job.simulations_per_s);
+  SLEIGHT_FIELD(Left, job.left_s);
+  SLEIGHT_FIELD(SolutionsLeft, job.solutions_left_s);
+  SLEIGHT_FIELD(CoreSeconds, job.core_s);
+  SLEIGHT_FIELD(Submitted, job.submitted_s);
+  SLEIGHT_FIELD(Started, job.started_s);
+  SLEIGHT_FIELD(Ended, job.ended_s);
+  SLEIGHT_FIELD(Bytes, job.bytes);
+  SLEIGHT_FIELD(DeletedAt, job.deleted_at_s);
+  SLEIGHT_TEXT(Digest, job.digest, k_name_bytes_max);
+  SLEIGHT_TEXT(ResultsVersion, job.results_version, k_name_bytes_max);
+  SLEIGHT_TEXT(EndWords, job.end_words, bytes_max);
+  if (visit.is_brief) return;
+  SLEIGHT_LIST(LastLogLines, job.last_log_lines, .written = k_last_log_lines,
+               .text_bytes = 4 * k_line_bytes_max);
+  SLEIGHT_TEXT(RepeatCommand, job.repeat_command, k_text_bytes_max);
+  SLEIGHT_LIST(History, job.history, .written = k_history_max);
+}
+
+void fields(auto& visit, Is<ListAsk> auto& ask) {
+  SLEIGHT_FIELD(Group, ask.group);
+  SLEIGHT_FIELD(User, ask.user);
+  SLEIGHT_LIST(States, ask.states, .read = k_job_states);
+  SLEIGHT_FIELD(NamePart, ask.name_part);
+  SLEIGHT_FIELD(OldestFirst, ask.oldest_first);
+  SLEIGHT_FIELD(Count, ask.count);
+  SLEIGHT_FIELD(Cursor, ask.cursor);
+}
+
+void fields(auto& visit, Is<JobPage> auto& page) {
+  SLEIGHT_LIST(Jobs, page.jobs);
+  SLEIGHT_FIELD(Cursor, page.cursor);
+  SLEIGHT_FIELD(Total, page.total);
+}
+
+void fields(auto& visit, Is<Touched> auto& touched) {
+  SLEIGHT_FIELD(Job, touched.job);
+  SLEIGHT_FIELD(State, touched.state);
+  SLEIGHT_TEXT(Words, touched.words, k_line_bytes_max);
+}
+
+void fields(auto& visit, Is<Extension> auto& extension) {
+  SLEIGHT_FIELD(By, extension.by);
+  SLEIGHT_FIELD(To, extension.to);
+}
+
+void fields(auto& visit, Is<ChangeAsk> auto& ask) {
+  SLEIGHT_PART(Target, ask.target);
+  SLEIGHT_FIELD(Kind, ask.kind);
+  SLEIGHT_PART(Extension, ask.extension);
+  SLEIGHT_FIELD(Priority, ask.priority);
+}
+
+// ------------------------------------------------------------------- watching, logs and fetching
+
+void fields(auto& visit, Is<WatchPoint> auto& point) {
+  SLEIGHT_FIELD(Job, point.job);
+  SLEIGHT_FIELD(Event, point.event);
+  SLEIGHT_FIELD(Change, point.change);
+  SLEIGHT_FIELD(Mark, point.mark);
+}
+
+void fields(auto& visit, Is<LogPiece> auto& piece) {
+  SLEIGHT_FIELD(First, piece.first);
+  SLEIGHT_FIELD(Bytes, piece.text);
+  SLEIGHT_FIELD(End, piece.end);
+  SLEIGHT_FIELD(IsOver, piece.is_over);
+}
+
+void fields(auto& visit, Is<FetchAsk> auto& ask) {
+  SLEIGHT_FIELD(Job, ask.job);
+  SLEIGHT_FIELD(Kind, ask.kind);
+  SLEIGHT_LIST(Ids, ask.ids);
+  SLEIGHT_FIELD(After, ask.after);
+  SLEIGHT_FIELD(Sha256Wanted, ask.sha256_wanted);
+}
+
+void fields(auto& visit, Is<FileView> auto& file) {
+  SLEIGHT_FIELD(Name, file.name);
+  SLEIGHT_FIELD(Size, file.size);
+  SLEIGHT_FIELD(Sha256, file.sha256);
+}
+
+// ------------------------------------------------------------------------------- server and tokens
+
+void fields(auto& visit, Is<NamedLimit> auto& limit) {
+  SLEIGHT_TEXT(Name, limit.name, k_line_bytes_max);
+  SLEIGHT_TEXT(Value, limit.value, k_line_bytes_max);
+}
+
+void fields(auto& visit, Is<StateCount> auto& count) {
+  SLEIGHT_FIELD(State, count.state);
+  SLEIGHT_FIELD(Count, count.count);
+}
+
+void fields(auto& visit, Is<ServerView> auto& server) {
+  SLEIGHT_TEXT(Version, server.version, k_name_bytes_max);
+  SLEIGHT_TEXT(ResultsVersion, server.results_version, k_name_bytes_max);
+  SLEIGHT_TEXT(StateFolder, server.state_folder, k_text_bytes_max);
+  SLEIGHT_FIELD(Pid, server.pid);
+  SLEIGHT_FIELD(Up, server.up_s);
+  SLEIGHT_FIELD(Draining, server.draining);
+  SLEIGHT_TEXT(Backend, server.backend, k_name_bytes_max);
+  SLEIGHT_FIELD(Cores, server.cores);
+  SLEIGHT_FIELD(CoresUsed, server.cores_used);
+  SLEIGHT_FIELD(MemoryBytes, server.memory_bytes);
+  SLEIGHT_FIELD(MemoryUsedBytes, server.memory_used_bytes);
+  SLEIGHT_FIELD(DiskFreeBytes, server.disk_free_bytes);
+  SLEIGHT_FIELD(DiskReserveBytes, server.disk_reserve_bytes);
+  SLEIGHT_TEXT(KeepingRule, server.keeping_rule, k_text_bytes_max);
+  SLEIGHT_LIST(Limits, server.limits, .written = 64);
+  SLEIGHT_LIST(Counts, server.counts, .written = k_job_states);
+  SLEIGHT_FIELD(Connections, server.connections);
+  SLEIGHT_FIELD(Watchers, server.watchers);
+  SLEIGHT_TEXT(Address, server.address, k_line_bytes_max);
+  SLEIGHT_TEXT(Fingerprint, server.fingerprint, k_line_bytes_max);
+}
+
+// The texts of tokens are within bounds when they are kept (limits.h).
+void fields(auto& visit, Is<TokenAsk> auto& ask) {
+  SLEIGHT_FIELD(Token, ask.token);
+  SLEIGHT_FIELD(Name, ask.name);
+  SLEIGHT_FIELD(ForUser, ask.for_user);
+  SLEIGHT_LIST(Scopes, ask.scopes);
+  SLEIGHT_FIELD(ValidFor, ask.valid_s);
+  SLEIGHT_FIELD(JobsMax, ask.jobs_max);
+  SLEIGHT_FIELD(CoresMax, ask.cores_max);
+}
+
+void fields(auto& visit, Is<TokenView> auto& token) {
+  SLEIGHT_FIELD(Id, token.id);
+  SLEIGHT_FIELD(Name, token.name);
+  SLEIGHT_FIELD(User, token.user);
+  SLEIGHT_LIST(Scopes, token.scopes);
+  SLEIGHT_FIELD(Created, token.created_s);
+  SLEIGHT_FIELD(Expires, token.expires_s);
+  SLEIGHT_FIELD(Expired, token.has_expired);
+  SLEIGHT_FIELD(Revoked, token.revoked_s);
+  SLEIGHT_FIELD(LastUsed, token.last_used_s);
+  SLEIGHT_FIELD(LastFrom, token.last_from);
+  SLEIGHT_FIELD(JobsMax, token.jobs_max);
+  SLEIGHT_FIELD(CoresMax, token.cores_max);
+}
+
+template <IsStruct Ours, class To>
+void write(const Ours& ours, To to, bool is_brief) {
+  Writer<To> writer{to, is_brief};
+  fields(writer, ours);
+}
+
+template <IsStruct Ours, class From>
+void read(From from, Ours& ours) {
+  Reader<From> reader{from};
+  fields(reader, ours);
 }
 
 }  // namespace
@@ -128,299 +492,45 @@ kj::ArrayPtr<const kj::byte> as_data(base::BytesView bytes) {
   return {reinterpret_cast<const kj::byte*>(bytes.data()), bytes.size()};
 }
 
-// ---------------------------------------------------------------------------------------- refusals
-
-void put(const Refusal& from, generated::Refusal::Builder to) {
-  to.setKind(static_cast<generated::Refusal::Kind>(from.kind));
-  SLEIGHT_PUT_TEXT(to, Sentence, from.sentence, k_text_bytes_max);
-  SLEIGHT_PUT_TEXT(to, WhatToDo, from.what_to_do, k_text_bytes_max);
-  const unsigned count = size_of(from.diagnostics.size(), 2 * request::k_diagnostics_max);
-  auto diagnostics = to.initDiagnostics(count);
-  for (unsigned i = 0; i < count; ++i) {
-    const request::Diagnostic& diagnostic = from.diagnostics[i];
-    SLEIGHT_PUT_TEXT(diagnostics[i], File, diagnostic.file, k_line_bytes_max);
-    diagnostics[i].setLine(diagnostic.place.line);
-    diagnostics[i].setColumn(diagnostic.place.column);
-    SLEIGHT_PUT_TEXT(diagnostics[i], Message, diagnostic.message, 4 * k_line_bytes_max);
+#define SLEIGHT_BOTH_WAYS(Ours, Theirs)                       \
+  void put(const Ours& from, generated::Theirs::Builder to) { \
+    write(from, to, false);                                   \
+  }                                                           \
+  Ours get(generated::Theirs::Reader from) {                  \
+    Ours to{};                                                \
+    read(from, to);                                           \
+    return to;                                                \
   }
-}
 
-Refusal get(generated::Refusal::Reader from) {
-  Refusal to = {.kind = known<RefusalKind>(from.getKind(), k_refusal_kinds),
-                .sentence = as_string(from.getSentence()),
-                .what_to_do = as_string(from.getWhatToDo())};
-  for (const auto diagnostic : from.getDiagnostics()) {
-    to.diagnostics.push_back({.file = as_string(diagnostic.getFile()),
-                              .place = {diagnostic.getLine(), diagnostic.getColumn()},
-                              .message = as_string(diagnostic.getMessage())});
-  }
-  return to;
-}
+SLEIGHT_BOTH_WAYS(Refusal, Refusal)
+SLEIGHT_BOTH_WAYS(Submission, Submission)
+SLEIGHT_BOTH_WAYS(Submitted, Submitted)
+SLEIGHT_BOTH_WAYS(JobView, JobView)
+SLEIGHT_BOTH_WAYS(ListAsk, ListAsk)
+SLEIGHT_BOTH_WAYS(JobPage, JobPage)
+SLEIGHT_BOTH_WAYS(Touched, Touched)
+SLEIGHT_BOTH_WAYS(ChangeAsk, ChangeAsk)
+SLEIGHT_BOTH_WAYS(WatchPoint, WatchPoint)
+SLEIGHT_BOTH_WAYS(LogPiece, LogPiece)
+SLEIGHT_BOTH_WAYS(FetchAsk, FetchAsk)
+SLEIGHT_BOTH_WAYS(FileView, FileRef)
+SLEIGHT_BOTH_WAYS(ServerView, ServerView)
+SLEIGHT_BOTH_WAYS(TokenAsk, TokenAsk)
+SLEIGHT_BOTH_WAYS(TokenView, TokenView)
 
-// -------------------------------------------------------------------------------------- submitting
-
-void put(const Submission& from, generated::Submission::Builder to) {
-  to.setKey(as_text(from.key));
-  to.setIsGroup(from.is_group);
-  auto jobs = to.initJobs(static_cast<unsigned>(from.jobs.size()));
-  for (unsigned i = 0; i < jobs.size(); ++i) {
-    const JobAsk& job = from.jobs[i];
-    jobs[i].setName(as_text(job.name));
-    jobs[i].setRequest(as_text(job.request));
-    jobs[i].setCores(job.cores.value_or(0));
-    jobs[i].setRanks(job.ranks);
-    jobs[i].setMemoryBytes(job.memory_bytes);
-    jobs[i].setPriority(job.priority);
-    jobs[i].setStrict(job.strict);
-    auto options = jobs[i].initOptions(static_cast<unsigned>(job.options.size()));
-    for (unsigned k = 0; k < options.size(); ++k) {
-      options[k].setName(as_text(job.options[k].name));
-      options[k].setValue(as_text(job.options[k].value));
-    }
-  }
-}
-
-Submission get(generated::Submission::Reader from) {
-  Submission to = {.key = as_string(from.getKey()), .jobs = {}, .is_group = from.getIsGroup()};
-  for (const auto job : from.getJobs()) {
-    // Jobs without content cost a message nothing; limits.h refuses the one too many.
-    if (to.jobs.size() > k_submission_jobs_max) break;
-    JobAsk ask = {.name = as_string(job.getName()),
-                  .request = as_string(job.getRequest()),
-                  .cores = {},
-                  .ranks = job.getRanks(),
-                  .memory_bytes = job.getMemoryBytes(),
-                  .priority = job.getPriority(),
-                  .strict = job.getStrict()};
-    if (job.getCores() > 0) ask.cores = job.getCores();
-    for (const auto option : job.getOptions()) {
-      if (ask.options.size() > k_options_max) break;
-      ask.options.push_back({as_string(option.getName()), as_string(option.getValue())});
-    }
-    to.jobs.push_back(std::move(ask));
-  }
-  return to;
-}
-
-void put(const Submitted& from, generated::Submitted::Builder to) {
-  auto jobs = to.initJobs(static_cast<unsigned>(from.jobs.size()));
-  for (unsigned i = 0; i < jobs.size(); ++i)
-    jobs.set(i, from.jobs[i].value);
-  to.setGroup(from.group ? from.group->value : 0);
-  to.setWasKnown(from.was_known);
-}
-
-Submitted get(generated::Submitted::Reader from) {
-  Submitted to = {
-      .jobs = {}, .group = unless_zero<GroupId>(from.getGroup()), .was_known = from.getWasKnown()};
-  for (const std::uint64_t job : from.getJobs())
-    to.jobs.push_back({job});
-  return to;
-}
-
-// -------------------------------------------------------------------------------------------- jobs
-
-void put(const JobView& from, generated::JobView::Builder to, Detail detail) {
-  const std::size_t bytes_max = detail == Detail::brief ? k_line_bytes_max : k_text_bytes_max;
-  to.setId(from.id.value);
-  to.setGroup(from.group ? from.group->value : 0);
-  to.setUser(from.user);
-  SLEIGHT_PUT_TEXT(to, Name, from.name, k_name_bytes_max);
-  SLEIGHT_PUT_TEXT(to, World, from.world, k_name_bytes_max);
-  to.setState(state_of(from.state));
-  SLEIGHT_PUT_TEXT(to, Reason, from.reason, bytes_max);
-  to.setPlace(from.place);
-  SLEIGHT_PUT_TEXT(to, NotYet, from.not_yet, bytes_max);
-  to.setAttempt(from.attempt);
-  to.setPriority(from.priority);
-  to.setCoresWanted(from.cores_wanted.value_or(0));
-  to.setCores(from.cores);
-  to.setRanks(from.ranks);
-  to.setMemoryBytes(from.memory_bytes);
-  to.setStrict(from.strict);
-  to.setPinned(from.pinned);
-  to.setScansDone(from.scans_done);
-  to.setScansTotal(from.scans_total);
-  to.setFound(from.solutions.found);
-  to.setFoundWanted(from.solutions.found_wanted);
-  to.setInProportion(from.solutions.in_proportion);
-  to.setInProportionWanted(from.solutions.in_proportion_wanted);
-  const unsigned kinds = size_of(from.failures.size(), 64);
-  if (kinds > 0) {
-    auto failures = to.initFailures(kinds);
-    for (unsigned i = 0; i < kinds; ++i) {
-      SLEIGHT_PUT_TEXT(failures[i], Simulation, from.failures[i].simulation, k_name_bytes_max);
-      failures[i].setCount(from.failures[i].count);
-    }
-  }
-  to.setSimulationsPerSecond(from.simulations_per_s);
-  to.setLeft(or_negative(from.left_s));
-  to.setSolutionsLeft(or_negative(from.solutions_left_s));
-  to.setCoreSeconds(from.core_s);
-  to.setSubmitted(from.submitted_s);
-  to.setStarted(from.started_s);
-  to.setEnded(from.ended_s);
-  to.setBytes(from.bytes);
-  to.setDeletedAt(from.deleted_at_s);
-  SLEIGHT_PUT_TEXT(to, Digest, from.digest, k_name_bytes_max);
-  SLEIGHT_PUT_TEXT(to, ResultsVersion, from.results_version, k_name_bytes_max);
-  SLEIGHT_PUT_TEXT(to, EndWords, from.end_words, bytes_max);
-  if (detail == Detail::brief) return;
-  const unsigned lines = size_of(from.last_log_lines.size(), k_last_log_lines);
-  auto log = to.initLastLogLines(lines);
-  for (unsigned i = 0; i < lines; ++i)
-    put_text(from.last_log_lines[i], 4 * k_line_bytes_max,
-             [&](capnp::Text::Reader line) { log.set(i, line); });
-  SLEIGHT_PUT_TEXT(to, RepeatCommand, from.repeat_command, k_text_bytes_max);
-  const unsigned changes = size_of(from.history.size(), k_history_max);
-  auto history = to.initHistory(changes);
-  for (unsigned i = 0; i < changes; ++i)
-    put_change(from.history[from.history.size() - changes + i], history[i], k_line_bytes_max);
-}
-
-JobView get(generated::JobView::Reader from) {
-  JobView to = {.id = {from.getId()},
-                .group = unless_zero<GroupId>(from.getGroup()),
-                .user = from.getUser(),
-                .name = as_string(from.getName()),
-                .world = as_string(from.getWorld()),
-                .state = state_of(from.getState()),
-                .reason = as_string(from.getReason()),
-                .place = from.getPlace(),
-                .not_yet = as_string(from.getNotYet()),
-                .attempt = from.getAttempt(),
-                .priority = from.getPriority(),
-                .cores_wanted = {},
-                .cores = from.getCores(),
-                .ranks = from.getRanks(),
-                .memory_bytes = from.getMemoryBytes(),
-                .strict = from.getStrict(),
-                .pinned = from.getPinned(),
-                .scans_done = from.getScansDone(),
-                .scans_total = from.getScansTotal(),
-                .solutions = {.found = from.getFound(),
-                              .found_wanted = from.getFoundWanted(),
-                              .in_proportion = from.getInProportion(),
-                              .in_proportion_wanted = from.getInProportionWanted()},
-                .failures = {},
-                .simulations_per_s = from.getSimulationsPerSecond(),
-                .left_s = unless_negative(from.getLeft()),
-                .solutions_left_s = unless_negative(from.getSolutionsLeft()),
-                .core_s = from.getCoreSeconds(),
-                .submitted_s = from.getSubmitted(),
-                .started_s = from.getStarted(),
-                .ended_s = from.getEnded(),
-                .bytes = from.getBytes(),
-                .deleted_at_s = from.getDeletedAt(),
-                .digest = as_string(from.getDigest()),
-                .results_version = as_string(from.getResultsVersion()),
-                .end_words = as_string(from.getEndWords()),
-                .last_log_lines = {},
-                .repeat_command = as_string(from.getRepeatCommand()),
-                .history = {}};
-  if (from.getCoresWanted() > 0) to.cores_wanted = from.getCoresWanted();
-  for (const auto failure : from.getFailures())
-    to.failures.push_back({as_string(failure.getSimulation()), failure.getCount()});
-  for (const auto line : from.getLastLogLines())
-    to.last_log_lines.push_back(as_string(line));
-  for (const auto change : from.getHistory())
-    to.history.push_back(get_change(change));
-  return to;
-}
-
-void put(const ListAsk& from, generated::ListAsk::Builder to) {
-  to.setGroup(from.group ? from.group->value : 0);
-  to.setUser(from.user ? static_cast<std::int64_t>(*from.user) : -1);
-  auto states = to.initStates(static_cast<unsigned>(from.states.size()));
-  for (unsigned i = 0; i < states.size(); ++i)
-    states.set(i, state_of(from.states[i]));
-  to.setNamePart(as_text(from.name_part));
-  to.setOldestFirst(!from.newest_first);
-  to.setCount(from.count);
-  to.setCursor(as_text(from.cursor));
-}
-
-ListAsk get(generated::ListAsk::Reader from) {
-  ListAsk to = {.group = unless_zero<GroupId>(from.getGroup()),
-                .user = {},
-                .states = {},
-                .name_part = as_string(from.getNamePart()),
-                .newest_first = !from.getOldestFirst(),
-                .count = from.getCount(),
-                .cursor = as_string(from.getCursor())};
-  if (from.getUser() >= 0) to.user = static_cast<std::uint32_t>(from.getUser());
-  for (const auto state : from.getStates()) {
-    if (to.states.size() > k_job_states) break;
-    to.states.push_back(state_of(state));
-  }
-  return to;
-}
-
-void put(const JobPage& from, generated::JobPage::Builder to) {
-  auto jobs = to.initJobs(static_cast<unsigned>(from.jobs.size()));
-  for (unsigned i = 0; i < jobs.size(); ++i)
-    put(from.jobs[i], jobs[i], Detail::brief);
-  to.setCursor(as_text(from.cursor));
-  to.setTotal(from.total);
-}
-
-JobPage get(generated::JobPage::Reader from) {
-  JobPage to = {.jobs = {}, .cursor = as_string(from.getCursor()), .total = from.getTotal()};
-  for (const auto job : from.getJobs())
-    to.jobs.push_back(get(job));
-  return to;
-}
-
-void put(const std::vector<Touched>& from, capnp::List<generated::Touched>::Builder to) {
-  for (unsigned i = 0; i < to.size(); ++i) {
-    to[i].setJob(from[i].job.value);
-    to[i].setState(state_of(from[i].state));
-    SLEIGHT_PUT_TEXT(to[i], Words, from[i].words, k_line_bytes_max);
-  }
-}
-
-std::vector<Touched> get(capnp::List<generated::Touched>::Reader from) {
-  std::vector<Touched> to;
-  for (const auto job : from) {
-    to.push_back({.job = {job.getJob()},
-                  .state = state_of(job.getState()),
-                  .words = as_string(job.getWords())});
-  }
-  return to;
-}
-
-void put(const ChangeAsk& from, generated::ChangeAsk::Builder to) {
-  put_target(from.target, to.initTarget());
-  to.setKind(static_cast<generated::ChangeAsk::Kind>(from.kind));
-  auto extension = to.initExtension();
-  extension.setBy(static_cast<generated::Extension::By>(from.extension.by));
-  extension.setTo(from.extension.to);
-  to.setPriority(from.priority);
-}
-
-ChangeAsk get(generated::ChangeAsk::Reader from) {
-  const auto extension = from.getExtension();
-  return {.target = get_target(from.getTarget()),
-          .kind = known<ChangeKind>(from.getKind(), k_change_kinds),
-          .extension = {.by = known<ExtendBy>(extension.getBy(), k_extend_kinds),
-                        .to = extension.getTo()},
-          .priority = from.getPriority()};
-}
-
-// ---------------------------------------------------------------------------------------- watching
-
-void put(const WatchPoint& from, generated::WatchPoint::Builder to) {
+void put(const LogAsk& from, generated::LogAsk::Builder to) {
   to.setJob(from.job.value);
-  to.setEvent(from.event);
-  to.setChange(from.change);
-  to.setMark(from.mark);
+  to.setIsTail(!from.from);
+  to.setFrom(from.from.value_or(0));
+  to.setLines(from.lines);
+  to.setBytesMax(from.bytes_max);
 }
 
-WatchPoint get(generated::WatchPoint::Reader from) {
+LogAsk get(generated::LogAsk::Reader from) {
   return {.job = {from.getJob()},
-          .event = from.getEvent(),
-          .change = from.getChange(),
-          .mark = from.getMark()};
+          .from = from.getIsTail() ? std::nullopt : std::optional(from.getFrom()),
+          .lines = from.getLines(),
+          .bytes_max = from.getBytesMax()};
 }
 
 void put(JobId job, const base::Result<Batch, Refusal>& from, generated::Batch::Builder to) {
@@ -432,7 +542,7 @@ void put(JobId job, const base::Result<Batch, Refusal>& from, generated::Batch::
   const Batch& batch = from.value();
   auto changes = to.initChanges(static_cast<unsigned>(batch.changes.size()));
   for (unsigned i = 0; i < changes.size(); ++i)
-    put_change(batch.changes[i], changes[i], 4 * k_line_bytes_max);
+    write(batch.changes[i], changes[i], false);
   auto events = to.initEvents(static_cast<unsigned>(batch.events.size()));
   for (unsigned i = 0; i < events.size(); ++i) {
     std::string line = events::to_line(batch.events[i]);
@@ -449,141 +559,11 @@ ArrivedBatch get(generated::Batch::Reader from) {
   to.job = {from.getJob()};
   if (from.hasRefusal()) to.refusal = get(from.getRefusal());
   for (const auto change : from.getChanges())
-    to.changes.push_back(get_change(change));
+    read(change, to.changes.emplace_back());
   for (const auto event : from.getEvents())
     to.events.emplace_back(event.getNumber(), as_string(event.getLine()));
   to.mark = from.getMark();
   to.settled = from.getSettled();
-  return to;
-}
-
-// -------------------------------------------------------------------------------------------- logs
-
-void put(const LogAsk& from, generated::LogAsk::Builder to) {
-  to.setJob(from.job.value);
-  to.setIsTail(!from.from);
-  to.setFrom(from.from.value_or(0));
-  to.setLines(from.lines);
-  to.setBytesMax(from.bytes_max);
-}
-
-LogAsk get(generated::LogAsk::Reader from) {
-  LogAsk to = {.job = {from.getJob()},
-               .from = {},
-               .lines = from.getLines(),
-               .bytes_max = from.getBytesMax()};
-  if (!from.getIsTail()) to.from = from.getFrom();
-  return to;
-}
-
-void put(const LogPiece& from, generated::LogPiece::Builder to) {
-  to.setFirst(from.first);
-  to.setBytes(as_data(std::as_bytes(std::span(from.text))));
-  to.setEnd(from.end);
-  to.setIsOver(from.is_over);
-}
-
-LogPiece get(generated::LogPiece::Reader from) {
-  const auto bytes = from.getBytes();
-  return {.first = from.getFirst(),
-          .text = {reinterpret_cast<const char*>(bytes.begin()), bytes.size()},
-          .end = from.getEnd(),
-          .is_over = from.getIsOver()};
-}
-
-// ---------------------------------------------------------------------------------------- fetching
-
-void put(const FetchAsk& from, generated::FetchAsk::Builder to) {
-  to.setJob(from.job.value);
-  to.setKind(static_cast<generated::FetchAsk::Kind>(from.kind));
-  auto ids = to.initIds(static_cast<unsigned>(from.ids.size()));
-  for (unsigned i = 0; i < ids.size(); ++i)
-    ids.set(i, from.ids[i]);
-  to.setAfter(as_text(from.after));
-  to.setSha256Wanted(as_text(from.sha256_wanted));
-}
-
-FetchAsk get(generated::FetchAsk::Reader from) {
-  FetchAsk to = {.job = {from.getJob()},
-                 .kind = known<FetchKind>(from.getKind(), k_fetch_kinds),
-                 .ids = {},
-                 .after = as_string(from.getAfter()),
-                 .sha256_wanted = as_string(from.getSha256Wanted())};
-  for (const std::uint64_t id : from.getIds())
-    to.ids.push_back(id);
-  return to;
-}
-
-void put(const FileView& from, generated::FileRef::Builder to) {
-  to.setName(as_text(from.name));
-  to.setSize(from.size);
-  to.setSha256(as_text(from.sha256));
-}
-
-FileView get(generated::FileRef::Reader from) {
-  return {.name = as_string(from.getName()),
-          .size = from.getSize(),
-          .sha256 = as_string(from.getSha256())};
-}
-
-// ------------------------------------------------------------------------------------------ server
-
-void put(const ServerView& from, generated::ServerView::Builder to) {
-  SLEIGHT_PUT_TEXT(to, Version, from.version, k_name_bytes_max);
-  SLEIGHT_PUT_TEXT(to, ResultsVersion, from.results_version, k_name_bytes_max);
-  SLEIGHT_PUT_TEXT(to, StateFolder, from.state_folder, k_text_bytes_max);
-  to.setPid(from.pid);
-  to.setUp(from.up_s);
-  to.setDraining(from.draining);
-  SLEIGHT_PUT_TEXT(to, Backend, from.backend, k_name_bytes_max);
-  to.setCores(from.cores);
-  to.setCoresUsed(from.cores_used);
-  to.setMemoryBytes(from.memory_bytes);
-  to.setMemoryUsedBytes(from.memory_used_bytes);
-  to.setDiskFreeBytes(from.disk_free_bytes);
-  to.setDiskReserveBytes(from.disk_reserve_bytes);
-  SLEIGHT_PUT_TEXT(to, KeepingRule, from.keeping_rule, k_text_bytes_max);
-  auto limits = to.initLimits(size_of(from.limits.size(), 64));
-  for (unsigned i = 0; i < limits.size(); ++i) {
-    SLEIGHT_PUT_TEXT(limits[i], Name, from.limits[i].name, k_line_bytes_max);
-    SLEIGHT_PUT_TEXT(limits[i], Value, from.limits[i].value, k_line_bytes_max);
-  }
-  auto counts = to.initCounts(size_of(from.counts.size(), k_job_states));
-  for (unsigned i = 0; i < counts.size(); ++i) {
-    counts[i].setState(state_of(from.counts[i].state));
-    counts[i].setCount(from.counts[i].count);
-  }
-  to.setConnections(from.connections);
-  to.setWatchers(from.watchers);
-  SLEIGHT_PUT_TEXT(to, Address, from.address, k_line_bytes_max);
-  SLEIGHT_PUT_TEXT(to, Fingerprint, from.fingerprint, k_line_bytes_max);
-}
-
-ServerView get(generated::ServerView::Reader from) {
-  ServerView to = {.version = as_string(from.getVersion()),
-                   .results_version = as_string(from.getResultsVersion()),
-                   .state_folder = as_string(from.getStateFolder()),
-                   .pid = from.getPid(),
-                   .up_s = from.getUp(),
-                   .draining = from.getDraining(),
-                   .backend = as_string(from.getBackend()),
-                   .cores = from.getCores(),
-                   .cores_used = from.getCoresUsed(),
-                   .memory_bytes = from.getMemoryBytes(),
-                   .memory_used_bytes = from.getMemoryUsedBytes(),
-                   .disk_free_bytes = from.getDiskFreeBytes(),
-                   .disk_reserve_bytes = from.getDiskReserveBytes(),
-                   .keeping_rule = as_string(from.getKeepingRule()),
-                   .limits = {},
-                   .counts = {},
-                   .connections = from.getConnections(),
-                   .watchers = from.getWatchers(),
-                   .address = as_string(from.getAddress()),
-                   .fingerprint = as_string(from.getFingerprint())};
-  for (const auto limit : from.getLimits())
-    to.limits.push_back({as_string(limit.getName()), as_string(limit.getValue())});
-  for (const auto count : from.getCounts())
-    to.counts.push_back({state_of(count.getState()), count.getCount()});
   return to;
 }
 

@@ -18,19 +18,14 @@
 
 namespace sleight::rpc {
 
-/// How much is told of a job.
-enum class Detail : std::uint8_t {
-  brief,  ///< in lists: no history, log or command, and texts of a line
-  full
-};
-
 void put(const Refusal& from, generated::Refusal::Builder to);
 void put(const Submission& from, generated::Submission::Builder to);
 void put(const Submitted& from, generated::Submitted::Builder to);
-void put(const JobView& from, generated::JobView::Builder to, Detail detail);
+void put(const JobView& from, generated::JobView::Builder to);
 void put(const ListAsk& from, generated::ListAsk::Builder to);
+/// Its jobs without history, log and command, and with texts of a line.
 void put(const JobPage& from, generated::JobPage::Builder to);
-void put(const std::vector<Touched>& from, capnp::List<generated::Touched>::Builder to);
+void put(const Touched& from, generated::Touched::Builder to);
 void put(const ChangeAsk& from, generated::ChangeAsk::Builder to);
 void put(const WatchPoint& from, generated::WatchPoint::Builder to);
 void put(JobId job, const base::Result<Batch, Refusal>& from, generated::Batch::Builder to);
@@ -48,7 +43,7 @@ Submitted get(generated::Submitted::Reader from);
 JobView get(generated::JobView::Reader from);
 ListAsk get(generated::ListAsk::Reader from);
 JobPage get(generated::JobPage::Reader from);
-std::vector<Touched> get(capnp::List<generated::Touched>::Reader from);
+Touched get(generated::Touched::Reader from);
 ChangeAsk get(generated::ChangeAsk::Reader from);
 WatchPoint get(generated::WatchPoint::Reader from);
 LogAsk get(generated::LogAsk::Reader from);
@@ -60,6 +55,22 @@ TokenAsk get(generated::TokenAsk::Reader from);
 TokenView get(generated::TokenView::Reader from);
 
 ArrivedBatch get(generated::Batch::Reader from);
+
+/// Each element of a list.
+template <class T>
+auto get_all(const T& list) {
+  std::vector<decltype(get(*list.begin()))> values;
+  for (const auto element : list)
+    values.push_back(get(element));
+  return values;
+}
+
+/// The list has the size of `values` at most.
+template <class T, class List>
+void put_all(const std::vector<T>& values, List list) {
+  for (unsigned i = 0; i < list.size(); ++i)
+    put(values[i], list[i]);
+}
 
 capnp::Text::Reader as_text(const std::string& text);
 std::string as_string(capnp::Text::Reader text);

@@ -211,7 +211,7 @@ struct ListAsk {
   std::optional<std::uint32_t> user{};  ///< none: all that the caller may see
   std::vector<JobState> states{};       ///< empty: any
   std::string name_part{};              ///< empty: any
-  bool newest_first = true;
+  bool oldest_first = false;
   std::uint32_t count = 100;  ///< at most k_page_jobs_max are given
   std::string cursor{};       ///< of the page before; empty: the first page
   bool operator==(const ListAsk&) const = default;

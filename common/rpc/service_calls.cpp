@@ -319,7 +319,7 @@ class ServiceCalls final : public generated::Service::Server {
   kj::Promise<void> status(StatusContext context) override {
     return serve(
         k_status, context, [](auto params) { return JobId{params.getJob()}; }, &Handler::status,
-        [](const JobView& job, auto results) { put(job, results.initJob(), Detail::full); });
+        [](const JobView& job, auto results) { put(job, results.initJob()); });
   }
 
   kj::Promise<void> watch(WatchContext context) override {
@@ -369,8 +369,8 @@ class ServiceCalls final : public generated::Service::Server {
     return serve(
         k_change, context, [](auto params) { return get(params.getAsk()); }, &Handler::change,
         [](const std::vector<Touched>& touched, auto results) {
-          put(touched, results.initTouched(
-                           static_cast<unsigned>(std::min(touched.size(), k_submission_jobs_max))));
+          put_all(touched, results.initTouched(static_cast<unsigned>(
+                               std::min(touched.size(), k_submission_jobs_max))));
         });
   }
 
@@ -425,13 +425,12 @@ class ServiceCalls final : public generated::Service::Server {
   }
 
   kj::Promise<void> listTokens(ListTokensContext context) override {
-    return serve(k_list_tokens, context, &Handler::list_tokens,
-                 [](const std::vector<TokenView>& tokens, auto results) {
-                   auto to = results.initTokens(
-                       static_cast<unsigned>(std::min(tokens.size(), k_tokens_max)));
-                   for (unsigned i = 0; i < to.size(); ++i)
-                     put(tokens[i], to[i]);
-                 });
+    return serve(
+        k_list_tokens, context, &Handler::list_tokens,
+        [](const std::vector<TokenView>& tokens, auto results) {
+          put_all(tokens,
+                  results.initTokens(static_cast<unsigned>(std::min(tokens.size(), k_tokens_max))));
+        });
   }
 
   kj::Promise<void> revokeToken(RevokeTokenContext context) override {

@@ -213,7 +213,7 @@ void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::Jo
     if (posted.job.is_leaving || !sees(caller, posted) || !matches(ask, posted)) return;
     ++page.total;
     const std::uint64_t id = posted.job.id.value;
-    if (after && (ask.newest_first ? id >= *after : id <= *after)) return;
+    if (after && (ask.oldest_first ? id <= *after : id >= *after)) return;
     if (page.jobs.size() < count) {
       page.jobs.push_back(view(posted, true));
     } else if (page.cursor.empty()) {
@@ -221,10 +221,10 @@ void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::Jo
     }
   };
   const auto& all = runner_.board().all();
-  if (ask.newest_first) {
-    std::for_each(all.rbegin(), all.rend(), take);
-  } else {
+  if (ask.oldest_first) {
     std::for_each(all.begin(), all.end(), take);
+  } else {
+    std::for_each(all.rbegin(), all.rend(), take);
   }
   reply.answer(std::move(page));
 }

@@ -116,7 +116,7 @@ TEST_F(JobCommands, ListShowsPagesAndFilters) {
   EXPECT_EQ(asks[0].user, ::getuid());
   EXPECT_EQ(asks[0].group, rpc::GroupId{5});
   EXPECT_EQ(asks[0].name_part, "job");
-  EXPECT_FALSE(asks[0].newest_first);
+  EXPECT_TRUE(asks[0].oldest_first);
   EXPECT_EQ(asks[1].cursor, "second");
   const std::string page = out([&] { return list_jobs(socket_, {.count = 2}); });
   EXPECT_NE(page.find("2 of 4; --all lists all, --after 'second'"), std::string::npos) << page;

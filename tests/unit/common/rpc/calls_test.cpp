@@ -104,7 +104,7 @@ TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
                        .user = 7,
                        .states = {JobState::held, JobState::cancelled},
                        .name_part = "x",
-                       .newest_first = false,
+                       .oldest_first = true,
                        .count = 2,
                        .cursor = "1"};
   const JobPage page = client.list(ask);
