@@ -1,11 +1,10 @@
 #include "common/events/run_end.h"
 
-#include <algorithm>
 #include <array>
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/json/value.h"
+#include "common/json/fields.h"
 
 namespace sleight::events {
 namespace {
@@ -26,16 +25,38 @@ constexpr std::array k_exit_codes{base::ExitCode::ok,          base::ExitCode::b
                                   base::ExitCode::interrupted, base::ExitCode::simulation_failed};
 constexpr std::string_view k_left_out = " [...] ";
 
+std::optional<End> end_of(const std::string& name) {
+  for (const auto& [end, known] : k_names)
+    if (known == name) return end;
+  return std::nullopt;
+}
+
+std::optional<base::ExitCode> exit_code_of(int code) {
+  for (const base::ExitCode known : k_exit_codes)
+    if (static_cast<int>(known) == code) return known;
+  return std::nullopt;
+}
+
+template <class Visit, class Record>
+void end_fields(Visit& visit, Record& end) {
+  visit("epoch", end.epoch);
+  visit.as(
+      "end", end.end, [](End known) { return name_of(known); }, end_of);
+  visit.as(
+      "exit_code", end.exit_code, [](base::ExitCode code) { return static_cast<int>(code); },
+      exit_code_of);
+  visit("scans", end.scans);
+  visit("found", end.found);
+  visit("solutions", end.solutions);
+  visit("digest", end.digest);
+  visit("words", end.words);
+  visit("place", end.place);
+}
+
 std::string line_of(const RunEnd& end) {
-  const json::Value json{{"epoch", end.epoch},
-                         {"end", name_of(end.end)},
-                         {"exit_code", static_cast<int>(end.exit_code)},
-                         {"scans", end.scans},
-                         {"found", end.found},
-                         {"solutions", end.solutions},
-                         {"digest", end.digest},
-                         {"words", end.words},
-                         {"place", end.place}};
+  json::Value json;
+  json::FieldWriter writer(json, json::None::null);
+  end_fields(writer, end);
   // Bytes that are no UTF-8 (a file's name) become U+FFFD.
   return json.dump() + "\n";
 }
@@ -76,44 +97,15 @@ std::string to_line(const RunEnd& end) {
 }
 
 std::optional<RunEnd> run_end_of(std::string_view line) {
-  const auto json = json::Value::parse_or_null(line);
-  if (!json.is_object() || json.size() != 9) return std::nullopt;
-  const auto number = [&](const char* key) -> std::optional<std::uint64_t> {
-    const auto* found = json.find(key);
-    if (!found || !found->is_whole()) return std::nullopt;
-    return found->get<std::uint64_t>();
-  };
-  const auto text = [&](const char* key) -> std::optional<std::string> {
-    const auto* found = json.find(key);
-    if (!found || !found->is_string()) return std::nullopt;
-    return found->get<std::string>();
-  };
-  const auto epoch = number("epoch");
-  const auto code = number("exit_code");
-  const auto scans = number("scans");
-  const auto found = number("found");
-  const auto solutions = number("solutions");
-  auto digest = text("digest");
-  auto words = text("words");
-  auto place = text("place");
-  const auto name = text("end");
-  if (!epoch || !code || !scans || !found || !solutions || !digest || !words || !place || !name)
+  try {
+    const json::Value json = json::Value::parse(line);
+    RunEnd end;
+    json::FieldReader reader(json, json::None::null);
+    end_fields(reader, end);
+    return json.size() == 9 ? std::optional(std::move(end)) : std::nullopt;
+  } catch (const json::Error&) {
     return std::nullopt;
-  const auto end = std::find_if(k_names.begin(), k_names.end(),
-                                [&](const auto& k) { return k.second == *name; });
-  const auto exit_code = std::find_if(k_exit_codes.begin(), k_exit_codes.end(), [&](auto k) {
-    return static_cast<std::uint64_t>(k) == *code;
-  });
-  if (end == k_names.end() || exit_code == k_exit_codes.end()) return std::nullopt;
-  return RunEnd{.epoch = *epoch,
-                .end = end->first,
-                .exit_code = *exit_code,
-                .scans = *scans,
-                .found = *found,
-                .solutions = *solutions,
-                .digest = *std::move(digest),
-                .words = *std::move(words),
-                .place = *std::move(place)};
+  }
 }
 
 }  // namespace sleight::events

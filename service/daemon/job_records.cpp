@@ -1,99 +1,11 @@
 #include "service/daemon/job_records.h"
 
-#include <cmath>
-#include <stdexcept>
-#include <type_traits>
-#include <utility>
-
-#include "common/json/value.h"
+#include "common/json/fields.h"
 
 namespace sleight::daemon {
 namespace {
 
-using Json = json::Value;
-
-/// A record that was not written here.
-struct NotOurs : std::runtime_error {
-  NotOurs() : std::runtime_error("not a record of ours") {}
-};
-
-/// Writes each field that it is shown.
-class Writer {
- public:
-  explicit Writer(Json& json) : json_(json) {}
-  template <class T>
-  void operator()(const char* name, const T& value) {
-    json_[name] = value;
-  }
-  template <class Tag, class T>
-  void operator()(const char* name, const base::Id<Tag, T>& id) {
-    json_[name] = id.value;
-  }
-  template <class T>
-  void operator()(const char* name, const std::optional<T>& value) {
-    if (value) (*this)(name, *value);
-  }
-  template <class Enum, class Named>
-  void choice(const char* name, const Enum& value, const Named&) {
-    json_[name] = name_of(value);
-  }
-  template <class Struct, class Fields>
-  void part(const char* name, Struct& value, const Fields& fields) {
-    Writer inner(json_[name]);
-    fields(inner, value);
-  }
-
- private:
-  Json& json_;
-};
-
-/// Reads each field that it is shown, if it is there.
-class Reader {
- public:
-  explicit Reader(const Json& json) : json_(json) {
-    if (!json.is_object()) throw NotOurs();
-  }
-  template <class T>
-  void operator()(const char* name, T& value) {
-    const auto* at = json_.find(name);
-    if (!at) return;
-    if constexpr (std::is_unsigned_v<T> && !std::is_same_v<T, bool>) {
-      if (!at->is_whole()) throw NotOurs();
-      const auto number = at->template get<std::uint64_t>();
-      value = static_cast<T>(number);
-      if (value != number) throw NotOurs();
-    } else {
-      value = at->template get<T>();
-    }
-  }
-  template <class Tag, class T>
-  void operator()(const char* name, base::Id<Tag, T>& id) {
-    (*this)(name, id.value);
-  }
-  template <class T>
-  void operator()(const char* name, std::optional<T>& value) {
-    if (!json_.contains(name)) return;
-    (*this)(name, value.emplace());
-  }
-  template <class Enum, class Named>
-  void choice(const char* name, Enum& value, const Named& value_of) {
-    const auto* at = json_.find(name);
-    if (!at) return;
-    const auto found = value_of(at->template get<std::string>());
-    if (!found) throw NotOurs();
-    value = *found;
-  }
-  template <class Struct, class Fields>
-  void part(const char* name, Struct& value, const Fields& fields) {
-    const auto* at = json_.find(name);
-    if (!at) return;
-    Reader inner(*at);
-    fields(inner, value);
-  }
-
- private:
-  const Json& json_;
-};
+constexpr auto k_name_of = [](auto value) { return jobs::name_of(value); };
 
 template <class Visit, class Wishes>
 void wishes_fields(Visit& visit, Wishes& wishes) {
@@ -114,9 +26,6 @@ void counts_fields(Visit& visit, Counts& counts) {
 
 template <class Visit, class Job>
 void job_fields(Visit& visit, Job& job) {
-  const auto state_of = [](const std::string& name) { return jobs::state_of(name); };
-  const auto reason_of = [](const std::string& name) { return jobs::reason_of(name); };
-  const auto end_of = [](const std::string& name) { return jobs::end_kind_of(name); };
   visit("id", job.id);
   visit("user", job.user);
   visit("client_key", job.client_key);
@@ -128,8 +37,8 @@ void job_fields(Visit& visit, Job& job) {
   visit("pinned", job.pinned);
   visit("revision", job.revision);
   visit("is_leaving", job.is_leaving);
-  visit.choice("state", job.state, state_of);
-  visit.choice("reason", job.reason, reason_of);
+  visit.as("state", job.state, k_name_of, jobs::state_of);
+  visit.as("reason", job.reason, k_name_of, jobs::reason_of);
   visit("words", job.words);
   visit("attempt", job.attempt);
   visit("attempt_revision", job.attempt_revision);
@@ -149,7 +58,7 @@ void job_fields(Visit& visit, Job& job) {
   visit("stop_cost_s", job.stop_cost_s);
   visit("core_seconds", job.core_seconds);
   visit("disk_bytes", job.disk_bytes);
-  visit.choice("end", job.end, end_of);
+  visit.as("end", job.end, k_name_of, jobs::end_kind_of);
   visit("digest", job.digest);
   visit("queued_since_s", job.queued_since_s);
   visit("over_since_s", job.over_since_s);
@@ -164,12 +73,10 @@ void job_fields(Visit& visit, Job& job) {
 
 template <class Visit, class Change>
 void change_fields(Visit& visit, Change& change) {
-  const auto state_of = [](const std::string& name) { return jobs::state_of(name); };
-  const auto reason_of = [](const std::string& name) { return jobs::reason_of(name); };
   visit("id", change.id);
-  visit.choice("from", change.from, state_of);
-  visit.choice("to", change.to, state_of);
-  visit.choice("reason", change.reason, reason_of);
+  visit.as("from", change.from, k_name_of, jobs::state_of);
+  visit.as("to", change.to, k_name_of, jobs::state_of);
+  visit.as("reason", change.reason, k_name_of, jobs::reason_of);
   visit("attempt", change.attempt);
   visit("wall", change.wall);
   visit("words", change.words);
@@ -185,8 +92,8 @@ void usage_fields(Visit& visit, Usage& usage) {
 
 template <class Value, class Fields>
 std::string line_of(const Value& value, const Fields& fields) {
-  Json json = Json::object();
-  Writer writer(json);
+  json::Value json = json::Value::object();
+  json::FieldWriter writer(json, json::None::left_out);
   fields(writer, value);
   // Words of programs may hold any bytes.
   return json.dump();
@@ -195,14 +102,12 @@ std::string line_of(const Value& value, const Fields& fields) {
 template <class Value, class Fields>
 std::optional<Value> value_of(std::string_view line, const Fields& fields) {
   try {
-    const Json json = Json::parse(line);
+    const json::Value json = json::Value::parse(line);
     Value value{};
-    Reader reader(json);
+    json::FieldReader reader(json, json::None::left_out);
     fields(reader, value);
     return value;
   } catch (const json::Error&) {
-    return std::nullopt;
-  } catch (const NotOurs&) {
     return std::nullopt;
   }
 }

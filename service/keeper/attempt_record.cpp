@@ -11,7 +11,7 @@
 #include "common/base/bytes.h"
 #include "common/base/check.h"
 #include "common/base/error.h"
-#include "common/json/value.h"
+#include "common/json/fields.h"
 
 namespace sleight::keeper {
 namespace {
@@ -48,34 +48,51 @@ std::optional<T> value_in(const std::array<std::pair<T, std::string_view>, n>& n
   return std::nullopt;
 }
 
-Json json_of(const AttemptEnd& end) {
-  Json json;
-  json["exit_code"] = end.exit_code ? Json(*end.exit_code) : Json();
-  json["signal"] = end.signal ? Json(*end.signal) : Json();
-  json["not_started"] = end.not_started;
-  json["killed_for"] = name_in(k_kills, end.killed_for);
-  json["stop_asked"] = end.stop_asked ? Json(name_in(k_stops, *end.stop_asked)) : Json();
+// Each record's fields, once for both ways.
+
+template <class Visit, class Keeper>
+void keeper_fields(Visit& visit, Keeper& keeper) {
+  visit("pid", keeper.pid);
+  visit("start_ticks", keeper.start_ticks);
+  visit("boot", keeper.boot);
+}
+
+template <class Visit, class End>
+void end_fields(Visit& visit, End& end) {
+  visit("exit_code", end.exit_code);
+  visit("signal", end.signal);
+  visit("not_started", end.not_started);
+  visit.as(
+      "killed_for", end.killed_for, [](KilledFor why) { return name_in(k_kills, why); },
+      [](const std::string& name) { return value_in(k_kills, name); });
+  visit.as(
+      "stop_asked", end.stop_asked, [](Stop how) { return name_in(k_stops, how); },
+      [](const std::string& name) { return value_in(k_stops, name); });
   // As its own line, which knows its own keys and bounds.
-  json["run_end"] = end.run_end ? Json(events::to_line(*end.run_end)) : Json();
-  json["wall_s"] = end.wall_s;
-  json["processor_s"] = end.processor_s;
-  json["memory_bytes_max"] = end.memory_bytes_max;
-  json["ended_unix_s"] = end.ended_unix_s;
-  json["log_tail"] = end.log_tail;
-  return json;
+  visit.as(
+      "run_end", end.run_end, [](const events::RunEnd& ended) { return events::to_line(ended); },
+      events::run_end_of);
+  visit("wall_s", end.wall_s);
+  visit("processor_s", end.processor_s);
+  visit("memory_bytes_max", end.memory_bytes_max);
+  visit("ended_unix_s", end.ended_unix_s);
+  visit("log_tail", end.log_tail);
+}
+
+template <class Visit, class Record>
+void record_fields(Visit& visit, Record& record) {
+  visit("attempt", record.attempt);
+  visit.part("keeper", record.keeper, [](auto& v, auto& part) { keeper_fields(v, part); });
+  visit("command", record.command);
+  visit("begun_unix_s", record.begun_unix_s);
+  visit("epoch_before", record.epoch_before);
+  visit.part("end", record.end, [](auto& v, auto& part) { end_fields(v, part); });
 }
 
 std::string text_of(const AttemptRecord& record) {
-  Json json;
-  json["format"] = k_format;
-  json["attempt"] = record.attempt;
-  json["keeper"] = {{"pid", record.keeper.pid},
-                    {"start_ticks", record.keeper.start_ticks},
-                    {"boot", record.keeper.boot}};
-  json["command"] = record.command;
-  json["begun_unix_s"] = record.begun_unix_s;
-  json["epoch_before"] = record.epoch_before;
-  json["end"] = record.end ? json_of(*record.end) : Json();
+  Json json{{"format", k_format}};
+  json::FieldWriter writer(json, json::None::null);
+  record_fields(writer, record);
   // Bytes that are no UTF-8 become U+FFFD.
   return json.dump() + "\n";
 }
@@ -84,49 +101,6 @@ void shorten(std::string& word) {
   if (word.size() <= k_word_bytes_max) return;
   constexpr std::size_t half = k_word_bytes_max / 2 - 4;
   word = word.substr(0, half) + " [...] " + word.substr(word.size() - half);
-}
-
-/// A field of an object; the json's own exceptions say that it is missing or of another type.
-template <class T>
-T field(const Json& json, const char* key) {
-  return json.at(key).get<T>();
-}
-
-template <class T>
-std::optional<T> optional_field(const Json& json, const char* key) {
-  if (json.at(key).is_null()) return std::nullopt;
-  return field<T>(json, key);
-}
-
-AttemptEnd end_of(const Json& json) {
-  AttemptEnd end{.exit_code = optional_field<int>(json, "exit_code"),
-                 .signal = optional_field<int>(json, "signal"),
-                 .not_started = field<std::string>(json, "not_started"),
-                 .wall_s = field<double>(json, "wall_s"),
-                 .processor_s = field<double>(json, "processor_s"),
-                 .memory_bytes_max = field<std::uint64_t>(json, "memory_bytes_max"),
-                 .ended_unix_s = field<double>(json, "ended_unix_s"),
-                 .log_tail = field<std::vector<std::string>>(json, "log_tail")};
-  // value() of none throws, as a missing field does.
-  end.killed_for = value_in(k_kills, field<std::string>(json, "killed_for")).value();
-  if (const auto stop = optional_field<std::string>(json, "stop_asked"))
-    end.stop_asked = value_in(k_stops, *stop).value();
-  if (const auto line = optional_field<std::string>(json, "run_end"))
-    end.run_end = events::run_end_of(*line).value();
-  return end;
-}
-
-AttemptRecord record_of_json(const Json& json) {
-  const Json& keeper = json.at("keeper");
-  AttemptRecord record{.attempt = field<std::uint32_t>(json, "attempt"),
-                       .keeper = {.pid = field<pid_t>(keeper, "pid"),
-                                  .start_ticks = field<std::uint64_t>(keeper, "start_ticks"),
-                                  .boot = field<std::string>(keeper, "boot")},
-                       .command = field<std::vector<std::string>>(json, "command"),
-                       .begun_unix_s = field<double>(json, "begun_unix_s"),
-                       .epoch_before = field<std::uint64_t>(json, "epoch_before")};
-  if (!json.at("end").is_null()) record.end = end_of(json.at("end"));
-  return record;
 }
 
 [[noreturn]] void fail_at(const std::string& path, const std::error_code& reason) {
@@ -161,11 +135,12 @@ std::string to_text(const AttemptRecord& record) {
 std::optional<AttemptRecord> record_of(std::string_view text) {
   try {
     const Json json = Json::parse(text);
-    if (field<int>(json, "format") != k_format) return std::nullopt;
-    return record_of_json(json);
+    if (json.at("format").get<int>() != k_format) return std::nullopt;
+    AttemptRecord record;
+    json::FieldReader reader(json, json::None::null);
+    record_fields(reader, record);
+    return record;
   } catch (const json::Error&) {
-    return std::nullopt;
-  } catch (const std::bad_optional_access&) {
     return std::nullopt;
   }
 }
