@@ -1,4 +1,5 @@
-// The interface of backend.h as JSON, for engines that are programs: docs/BACKENDS.md states it.
+// The interface of backend.h as JSON, as the service asks engines that are programs and reads their
+// answers: docs/BACKENDS.md states it.
 //
 //   PROGRAM VERB    reads one object, {"version": 1, ...}, prints one, and ends with
 //                   0 done, 75 the system doesn't answer, anything else: refused; stderr says why
@@ -24,28 +25,19 @@ inline constexpr int k_exit_away = 75;
 inline constexpr std::size_t k_message_bytes_max = std::size_t{64} << 20U;
 inline constexpr std::size_t k_log_bytes_most = 64U << 10U;
 
-/// One question, of whichever verb: what a verb does not need is not read.
+/// One question, of whichever verb: what a verb does not need is not written.
 struct Question {
   Order order{};  ///< of launch; of state, signal and log its name; of list its name's daemon
   keeper::Stop how = keeper::Stop::in_order;  ///< of signal
   std::size_t bytes_max = k_log_bytes_most;   ///< of log
 };
 
-/// Functions that read throw base::Error(usage) naming the key that is wrong.
 std::string text_of_question(std::string_view verb, const Question& question);
-Question question_of(std::string_view verb, std::string_view text);
 
-// Answers
-std::string text_of_seen(const Seen& seen);  ///< of launch and state
-Seen seen_of(std::string_view text);
-std::string text_of_signalled(bool is_there);
+// Answers. Each throws base::Error(usage) naming the key that is wrong.
+Seen seen_of(std::string_view text);  ///< of launch and state
 bool signalled_of(std::string_view text);
-std::string text_of_list(const std::map<AttemptName, Seen>& listed);
 std::map<AttemptName, Seen> list_of(const std::string& daemon, std::string_view text);
-std::string text_of_log(std::string_view log);
 std::string log_of(std::string_view text, std::size_t bytes_max);
-
-/// Carries a question out: what a program of this kind does. Throws as the backend.
-std::string answer_to(std::string_view verb, std::string_view question, Backend& backend);
 
 }  // namespace sleight::backend
