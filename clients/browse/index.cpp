@@ -64,11 +64,6 @@ std::string long_text(const AnimationName& name) {
   return fmt::format("{}:{}", name.run.substr(0, k_run_letters), short_text(name));
 }
 
-bool AskedName::is_of(const AnimationName& name) const {
-  return name.run.starts_with(run) && is_find == name.is_find && chain == name.chain &&
-         draw == name.draw;
-}
-
 std::optional<AskedName> parse_name(std::string_view text) {
   AskedName asked;
   if (const std::size_t colon = text.rfind(':'); colon != std::string_view::npos) {

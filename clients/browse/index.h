@@ -46,7 +46,6 @@ struct AskedName {
   std::uint64_t chain = 0;
   std::uint64_t draw = 0;
   bool is_bare = false;  ///< "0.250", as ids once were: 0.25 to a table
-  bool is_of(const AnimationName& name) const;
 };
 /// None of a text that is no name.
 std::optional<AskedName> parse_name(std::string_view text);

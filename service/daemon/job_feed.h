@@ -48,8 +48,6 @@ class JobFeed {
   const std::optional<events::Progress>& progress() const { return progress_; }
   /// Why the last reading came to nothing; empty: it did not.
   const std::string& trouble() const { return trouble_; }
-  /// Of the newest numbered event; 0: none.
-  std::uint64_t last_number() const { return last_number_; }
 
  private:
   struct Marked {
@@ -63,7 +61,7 @@ class JobFeed {
   std::deque<events::RunEvent> held_{};                  ///< numbered, consecutive, the newest last
   std::map<std::string, Marked, std::less<>> newest_{};  ///< by kind
   std::optional<events::Progress> progress_{};
-  std::uint64_t last_number_ = 0;
+  std::uint64_t last_number_ = 0;  ///< of the newest numbered event; 0: none
   std::string trouble_{};
   std::uint64_t mark_;
 };

@@ -37,7 +37,6 @@ std::vector<std::string> mpirun_of(const AttemptSpec& spec, const Programs& prog
             fmt::format("{}", spec.ranks), programs.sleight_batch};
   const std::string files = spec.folder + "/" + k_mpi_folder_name;
   std::vector<std::string> command{programs.mpirun, "--bind-to", "none"};
-  if (spec.oversubscribe) command.emplace_back("--oversubscribe");
   for (const auto& [name, value] : {std::pair<std::string, std::string>{"plm", "isolated"},
                                     {"btl", "self,vader"},
                                     {"oob_tcp_if_include", "lo"},
@@ -68,7 +67,7 @@ std::string obstacle_of(const AttemptSpec& spec, const Programs& programs) {
     return "there is no mpirun on the PATH: install Open MPI, or run the job without ranks";
   }
   const std::uint32_t cores = base::cores_here();
-  if (spec.ranks > cores && !spec.oversubscribe)
+  if (spec.ranks > cores)
     return fmt::format("{} ranks, and this machine has {} cores", spec.ranks, cores);
   return {};
 }

@@ -31,7 +31,6 @@ struct AttemptSpec {
   /// In a batch system's job, on the machines that it was given: ranks are spread over them, and
   /// what this machine has does not count.
   bool in_batch = false;
-  bool oversubscribe = false;  ///< more ranks than the machine has cores; then they yield when idle
   std::uint64_t cache_mb = 256;  ///< of each process
   bool strict = false;           ///< a simulation that fails ends the run
   /// How long a program may linger that has told its end, and mpirun without ranks. A run waits up

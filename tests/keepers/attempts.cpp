@@ -110,7 +110,6 @@ int main_of(int argc, char** argv) {
     if (std::string_view(name) != "launch") continue;
     command->add_option("-j", arguments.spec.cores);
     command->add_option("--ranks", arguments.spec.ranks);
-    command->add_flag("--oversubscribe", arguments.spec.oversubscribe);
     command->add_flag("--strict", arguments.spec.strict);
     command->add_option("--grace", arguments.spec.grace_s);
   }

@@ -2,7 +2,6 @@
 A kind of backend is a class that has these cases from Conformance and says how its engine is asked:
 
     command()        the engine, to which a verb is added; it answers as docs/BACKENDS.md says
-    asked_by_batch   whether the keeper gets its signals as in a batch system's job
     wait_options()   options of a job with which it waits in the system's queue; None: there is no queue
     make_away()      makes the system not answer; come_back() ends that
     speed            how much longer than a process of this machine things take
@@ -30,7 +29,6 @@ for ((i = 0; i < 6000; i++)); do sleep 0.05; done"""
 
 
 class Conformance:
-    asked_by_batch = False
     speed = 1
 
     # What a kind may say otherwise.
@@ -77,9 +75,8 @@ class Conformance:
         folder.mkdir()
         (folder / "program").write_text(f"#!/bin/bash\n{script}\n")
         (folder / "program").chmod(0o755)
-        batch = ["--batch"] if self.asked_by_batch else []
         keeper = [str(pathlib.Path(harness.program("sleight-keeper")).resolve()), "--folder", str(folder),
-                  "--attempt", "1", "--grace", "1", *batch, "--", "./program"]
+                  "--attempt", "1", "--grace", "1", "--batch", "--", "./program"]
         return {"attempt": {"daemon": daemon or self.daemon, "job": self.job, "epoch": 1},
                 "folder": str(folder), "command": command or keeper, "label": f"sleight-{self.job}", "cores": 1,
                 "ranks": 0, "memory_bytes": 0, "options": options or {}}

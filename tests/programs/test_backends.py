@@ -19,7 +19,6 @@ def engine(*arguments):
 
 
 class Example(backend_conformance.Conformance, ProgramTest):
-    asked_by_batch = True
 
     def command(self):
         program = pathlib.Path(harness.arguments.source).resolve() / "deploy/backends/sleight-example"

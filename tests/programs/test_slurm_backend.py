@@ -48,7 +48,6 @@ def end_slurm(slurm):
 
 
 class Slurm(backend_conformance.Conformance, ProgramTest):
-    asked_by_batch = True
     speed = 5
 
     @classmethod

@@ -33,21 +33,20 @@ TEST(Command, WithoutRanksNoMpiIsStarted) {
 }
 
 TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
-  // Method: the whole line; more ranks than cores only where asked.
-  AttemptSpec spec{.folder = "/jobs/1 7", .ranks = 3, .oversubscribe = true, .grace_s = 0.5};
+  // Method: the whole line; no more ranks than cores.
+  AttemptSpec spec{.folder = "/jobs/1 7", .ranks = 3, .grace_s = 0.5};
   EXPECT_EQ(
       joined(command_of(spec, k_programs)),
-      "/usr/bin/mpirun --bind-to none --oversubscribe --mca plm isolated --mca btl self,vader "
+      "/usr/bin/mpirun --bind-to none --mca plm isolated --mca btl self,vader "
       "--mca oob_tcp_if_include lo --mca orte_tmpdir_base /jobs/1 7/mpi --mca "
       "btl_vader_backing_directory /jobs/1 7/mpi -n 3 /b/sleight-batch request.toml -o out.h5 "
       "--cache 256 --end-report end.pipe --quiet");
   EXPECT_EQ(joined(keeper_command_of(spec, k_programs)),
             "/b/sleight-keeper --folder /jobs/1 7 --attempt 1 --grace 0.5 --ranks -- " +
                 joined(command_of(spec, k_programs)));
+  spec.ranks = 1;
   EXPECT_EQ(obstacle_of(spec, k_programs), "");
   spec.ranks = 100'000;
-  EXPECT_EQ(obstacle_of(spec, k_programs), "");
-  spec.oversubscribe = false;
   EXPECT_NE(obstacle_of(spec, k_programs).find("100000 ranks"), std::string::npos);
   Programs without = k_programs;
   without.mpirun.clear();
