@@ -269,19 +269,26 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
   for (int i = 0; i < 20; ++i) {
     raws.push_back(std::make_unique<Raw>(socket()));
     open(*raws.back());
+  }
+  // Answers have come, unread, where all connections have more than before, and equally much.
+  const auto wait_for_more_than = [&](int before) {
+    EXPECT_TRUE(testing::comes_true([&] {
+      const int first = raws.front()->unread();
+      return first > before && std::all_of(raws.begin(), raws.end(),
+                                           [&](const auto& raw) { return raw->unread() == first; });
+    }));
+    return raws.front()->unread();
+  };
+  const int opened = wait_for_more_than(0);
+  for (const auto& raw : raws) {
     capnp::MallocMessageBuilder message;
     auto call = call_of_service(message, 2, 12);
     auto ask = call.getParams().getContent().initAs<generated::Service::FetchParams>().initAsk();
     ask.setJob(1);
     ask.setKind(generated::FetchAsk::Kind::ARCHIVE);
-    raws.back()->send(message);
+    raw->send(message);
   }
-  // The files are known when their answers have come, unread: on all connections as many bytes.
-  ASSERT_TRUE(testing::comes_true([&] {
-    const int first = raws.front()->unread();
-    return first > 0 && std::all_of(raws.begin(), raws.end(),
-                                    [&](const auto& raw) { return raw->unread() == first; });
-  }));
+  wait_for_more_than(opened);  // now the files are known
   for (const auto& raw : raws) {
     for (std::uint32_t question = 3; question < 60; ++question) {
       capnp::MallocMessageBuilder message;
