@@ -45,6 +45,26 @@ GivenRequest given_request(const std::string& path, const std::string& word,
   return {.name = path, .text = base::read_text_file(path, request::k_request_bytes_max)};
 }
 
+std::optional<request::Diagnostic> given_twice(std::span<const request::KeySet> sets,
+                                               const OptionsGiven& options) {
+  struct Given {
+    bool is_given;
+    const char* section;
+    const char* key;
+    std::string option;
+  };
+  for (const Given& one : {Given{options.seed, "sampler", "seed", "--seed"},
+                           Given{options.word, "world", "word", "--word"},
+                           Given{!options.answer.empty(), "stop", "", options.answer}}) {
+    const request::KeySet* set =
+        one.is_given ? request::find_set(sets, one.section, one.key) : nullptr;
+    if (set == nullptr) continue;
+    return request::Diagnostic{"--set " + set->text, request::k_no_place,
+                               fmt::format("{} replaces that; leave one of them out", one.option)};
+  }
+  return std::nullopt;
+}
+
 std::string short_name_of(const std::string& path, const std::string& word) {
   if (path.empty()) return word;
   return path == k_standard_input ? "request" : std::filesystem::path(path).stem().string();

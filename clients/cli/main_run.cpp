@@ -305,31 +305,15 @@ namespace {
 
 using Read = base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>;
 
-/// What an option gives too, as that would hold in silence.
-std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet>& sets,
-                                               const DirectArguments& arguments) {
-  const bool is_word = arguments.request_path.empty();
-  const request::KeySet* set = nullptr;
-  const auto is_set = [&](bool option_given, const char* section, const char* key) {
-    if (option_given && set == nullptr) set = request::find_set(sets, section, key);
-    return set != nullptr;
-  };
-  const std::string option = is_set(arguments.seed.has_value(), "sampler", "seed") ? "--seed"
-                             : is_set(is_word, "world", "word")                    ? "--word"
-                             : is_set(arguments.answer.asked().has_value(), "stop", "")
-                                 ? arguments.answer.words()
-                                 : "";
-  if (option.empty()) return std::nullopt;
-  return request::Diagnostic{"--set " + set->text, request::k_no_place,
-                             fmt::format("{} replaces that; leave one of them out", option)};
-}
-
 /// `asked` where an option replaces the request's [stop].
 Read read(const run::Catalogue& catalogue, const cli::GivenRequest& given,
           std::optional<request::Asked> asked, const DirectArguments& arguments) {
   const auto sets = request::plain_sets(arguments.sets);
   if (!sets) return sets.error();
-  if (const auto twice = given_twice(sets.value(), arguments)) return std::vector{*twice};
+  const cli::OptionsGiven options{.seed = arguments.seed.has_value(),
+                                  .word = arguments.request_path.empty(),
+                                  .answer = arguments.answer.words()};
+  if (const auto twice = cli::given_twice(sets.value(), options)) return std::vector{*twice};
   return request::read_request_with(given.text, given.name, catalogue.bindings(), sets.value(),
                                     asked);
 }

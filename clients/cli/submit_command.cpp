@@ -63,21 +63,6 @@ std::string what_differs(const std::vector<request::KeySet>& sets,
   return texts;
 }
 
-/// A set of what an option gives too, as that would hold in silence.
-std::optional<request::Diagnostic> given_twice(const std::vector<request::KeySet>& sets,
-                                               const SubmitOptions& options) {
-  const bool is_word = !options.word.empty();
-  const request::KeySet* set = is_word ? request::find_set(sets, "world", "word") : nullptr;
-  std::string_view option = "--word";
-  if (set == nullptr && options.asked) {
-    set = request::find_set(sets, "stop");
-    option = options.asked_by;
-  }
-  if (set == nullptr) return std::nullopt;
-  return request::Diagnostic{"--set " + set->text, request::k_no_place,
-                             fmt::format("{} replaces that; leave one of them out", option)};
-}
-
 /// KEY=VALUE each; of one key the last counts.
 std::vector<rpc::JobOption> job_options_of(const std::vector<std::string>& texts) {
   std::map<std::string, std::string> values;
@@ -186,7 +171,8 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
                                                          const RequestTexts& texts) {
   const auto combinations = request::expand_sets(options.sets);
   if (!combinations) return combinations.error();
-  if (const auto twice = given_twice(combinations.value().front(), options))
+  if (const auto twice = given_twice(combinations.value().front(),
+                                     {.word = !options.word.empty(), .answer = options.asked_by}))
     return std::vector{*twice};
   const std::size_t count = combinations.value().size();
   if (count > rpc::k_submission_jobs_max) {

@@ -171,19 +171,4 @@ std::vector<RunEvent> read_event_log(const std::string& folder) {
   return events;
 }
 
-std::vector<RunEvent> events_from(std::vector<RunEvent> events, std::uint64_t number) {
-  // Of what is not numbered, the last one of its kind.
-  std::map<std::string_view, std::size_t> newest;
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    if (events[i].number == 0) newest[kind_of(events[i])] = i;
-  }
-  std::vector<RunEvent> wanted;
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    const bool is_wanted =
-        events[i].number == 0 ? newest[kind_of(events[i])] == i : events[i].number >= number;
-    if (is_wanted) wanted.push_back(std::move(events[i]));
-  }
-  return wanted;
-}
-
 }  // namespace sleight::events

@@ -60,7 +60,4 @@ class EventLog {
 /// Nothing where there is no log.
 std::vector<RunEvent> read_event_log(const std::string& folder);
 
-/// Of these: the numbered ones from a number on, and the newest of each other kind.
-std::vector<RunEvent> events_from(std::vector<RunEvent> events, std::uint64_t number);
-
 }  // namespace sleight::events

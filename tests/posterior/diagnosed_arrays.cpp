@@ -29,12 +29,9 @@ std::string measures(const posterior::Array& array) {
   add("ess_bulk", sampling::ess_bulk(draws));
   add("ess_tail", sampling::ess_tail(draws));
   add("ess_mean", sampling::ess_mean(draws));
-  add("ess_sd", sampling::ess_sd(draws));
   add("mcse_mean", sampling::mcse_mean(draws));
-  add("mcse_sd", sampling::mcse_sd(draws));
   for (const double probability : {0.0, 0.05, 0.25, 0.5, 0.9, 1.0}) {
     add(fmt::format("ess_quantile_{}", probability), sampling::ess_quantile(draws, probability));
-    add(fmt::format("mcse_quantile_{}", probability), sampling::mcse_quantile(draws, probability));
   }
   return lines;
 }

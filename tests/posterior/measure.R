@@ -37,21 +37,17 @@ quantile_margin <- function(x, probability) {
 }
 
 measures <- function(x) {
-  from_mean <- x - mean(x)
   mean_margin <- margin(halves(x))
   found <- list(
     rhat = c(rhat(x), Inf),
     ess_bulk = c(ess_bulk(x), margin(posterior:::z_scale(halves(x)))),
     ess_tail = c(ess_tail(x), min(quantile_margin(x, 0.05), quantile_margin(x, 0.95))),
     ess_mean = c(ess_mean(x), mean_margin),
-    ess_sd = c(ess_sd(x), margin(halves(abs(from_mean)))),
-    mcse_mean = c(mcse_mean(x), mean_margin),
-    mcse_sd = c(mcse_sd(x), margin(halves(from_mean^2)))
+    mcse_mean = c(mcse_mean(x), mean_margin)
   )
   for (p in probabilities) {
     at_p <- quantile_margin(x, p)
     found[[paste0("ess_quantile_", p)]] <- c(ess_quantile(x, p, names = FALSE), at_p)
-    found[[paste0("mcse_quantile_", p)]] <- c(mcse_quantile(x, p, names = FALSE), at_p)
   }
   found
 }

@@ -98,16 +98,6 @@ double ess_mean(const Chains& draws) {
   return effective_sample_size(split_in_halves(draws));
 }
 
-double ess_sd(const Chains& draws) {
-  check_shape(draws);
-  const double mean = mean_of(draws.values);
-  std::vector<double> distances;
-  distances.reserve(draws.values.size());
-  for (const double value : draws.values)
-    distances.push_back(std::fabs(value - mean));
-  return ess_mean({.values = distances, .chains = draws.chains, .draws = draws.draws});
-}
-
 double ess_quantile(const Chains& draws, double probability) {
   check_shape(draws);
   CHECK(probability >= 0 && probability <= 1);

@@ -36,9 +36,6 @@ double ess_tail(const Chains& draws);
 /// For the mean of the draws as they are, which must have a finite variance.
 double ess_mean(const Chains& draws);
 
-/// For the standard deviation: of the distances from the mean of all draws.
-double ess_sd(const Chains& draws);
-
 /// For the quantile at a probability: of the indicators that a draw is at most the quantile of all
 /// draws, which are NaN where all are true. At probability 1, the quantile half a draw below.
 /// REQUIRES: probability in [0, 1].

@@ -18,14 +18,4 @@ namespace sleight::sampling {
 /// Of the mean: the standard deviation of all draws over sqrt(ess_mean).
 double mcse_mean(const Chains& draws);
 
-/// Of the standard deviation, from the draws' second and fourth central moments and the effective
-/// sample size of their squared distances from the mean.
-double mcse_sd(const Chains& draws);
-
-/// Of the quantile at a probability: half the distance between the order statistics at the
-/// 0.1586553 and 0.8413447 quantiles (one standard error to either side) of what the binomial law
-/// leaves open about the probability, Beta(n p + 1, n (1 - p) + 1) with n = ess_quantile. Being
-/// between draws, it jumps; 0 where both are one draw or ties. REQUIRES: probability in [0, 1].
-double mcse_quantile(const Chains& draws, double probability);
-
 }  // namespace sleight::sampling

@@ -58,11 +58,6 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
   EXPECT_EQ(events[0].number, 1U);
   EXPECT_EQ(std::get<Phase>(events[1].what).words, "a");
   EXPECT_EQ(events[2].number, 2U);
-
-  const auto from_two = events_from(events, 2);
-  ASSERT_EQ(from_two.size(), 2U);
-  EXPECT_EQ(from_two[0].number, 2U);
-  EXPECT_EQ(std::get<Phase>(from_two[1].what).words, "b");
 }
 
 TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {

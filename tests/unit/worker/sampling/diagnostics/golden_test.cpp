@@ -15,12 +15,11 @@ namespace sleight::sampling {
 namespace {
 
 constexpr double k_na = std::numeric_limits<double>::quiet_NaN();
-using Measures = std::array<double, 9>;
+using Measures = std::array<double, 6>;
 
 Measures measures(const Chains& draws) {
-  return {r_hat(draws),     ess_bulk(draws), ess_tail(draws),
-          ess_mean(draws),  ess_sd(draws),   ess_quantile(draws, 0.25),
-          mcse_mean(draws), mcse_sd(draws),  mcse_quantile(draws, 0.25)};
+  return {r_hat(draws),    ess_bulk(draws),           ess_tail(draws),
+          ess_mean(draws), ess_quantile(draws, 0.25), mcse_mean(draws)};
 }
 
 template <class F>
@@ -48,8 +47,7 @@ TEST(Golden, scattered) {
   expect_golden(
       outer(4, 100, [](int d, int c) { return ((37 * d * d + 11 * c + d * c) % 101) / 101.0; }),
       {1.0032775157084368, 336.62621293123732, 395.31409312823962, 336.66896947319418,
-       436.34045510983856, 362.60383145630203, 0.01537635528973999, 0.006215413253715764,
-       0.024752475247524747});
+       362.60383145630203, 0.01537635528973999});
 }
 
 TEST(Golden, rising_in_an_odd_number_of_draws) {
@@ -57,38 +55,35 @@ TEST(Golden, rising_in_an_odd_number_of_draws) {
   expect_golden(
       outer(2, 61, [](int d, int c) { return ((d * d + 7 * c * d) % 61) / 61.0 + d / 20; }),
       {1.6250387110420594, 3.682729034802616, 58.874371859296474, 3.3655128720392331,
-       25.839701227428211, 5.7166292709754858, 0.50997611337193982, 0.076382580896243071,
-       0.55737704918032793});
+       5.7166292709754858, 0.50997611337193982});
 }
 
 TEST(Golden, short_chains_that_rise_to_their_end) {
   // f = d + (d*d + c) %% 5: the sum of autocorrelations ends where the lags do.
-  expect_golden(
-      outer(3, 15, [](int d, int c) { return d + (d * d + c) % 5; }),
-      {1.7018115226619348, 13.103844909525414, 31.75679347826086, 12.313318433941273,
-       27.276681451977907, 17.698996655518396, 1.3213920041172225, 0.43448879589625283, 2});
+  expect_golden(outer(3, 15, [](int d, int c) { return d + (d * d + c) % 5; }),
+                {1.7018115226619348, 13.103844909525414, 31.75679347826086, 12.313318433941273,
+                 17.698996655518396, 1.3213920041172225});
 }
 
 TEST(Golden, ties) {
   // f = (d*d + c*d) %% 5: the greatest value is above the 0.95 quantile, so there is no tail.
-  expect_golden(
-      outer(3, 25, [](int d, int c) { return (d * d + c * d) % 5; }),
-      {1.0576567708702127, 127.00250479259009, k_na, 124.76125237143344, 68.195464149487364,
-       133.72793974305134, 0.13833165878934037, 0.073058848984631664, 0});
+  expect_golden(outer(3, 25, [](int d, int c) { return (d * d + c * d) % 5; }),
+                {1.0576567708702127, 127.00250479259009, k_na, 124.76125237143344,
+                 133.72793974305134, 0.13833165878934037});
 }
 
 TEST(Golden, three_draws_are_transposed) {
   // f = (3*d + 2*c + d*c) %% 7: what posterior makes of halves of one draw (split_in_halves).
   expect_golden(outer(4, 3, [](int d, int c) { return (3 * d + 2 * c + d * c) % 7; }),
-                {0.87715026984727928, 4, k_na, 4, 4, 4, 1.075730900224108, 0.50132518968063899, 2});
+                {0.87715026984727928, 4, k_na, 4, 4, 1.075730900224108});
 }
 
 TEST(Golden, antithetic_is_capped) {
   // f = (-1)^d*(10 + (d*d + c) %% 7): 80 log10(80) = 152.247...
   expect_golden(
       outer(2, 40, [](int d, int c) { return (d % 2 == 0 ? 1 : -1) * (10 + (d * d + c) % 7); }),
-      {1.0759986249150764, 152.24719895935547, k_na, 152.24719895935547, 64.358226006961218,
-       152.24719895935547, 1.0246400973028531, 0.18117283302515927, 0.5});
+      {1.0759986249150764, 152.24719895935547, k_na, 152.24719895935547, 152.24719895935547,
+       1.0246400973028531});
 }
 
 }  // namespace
