@@ -14,7 +14,7 @@
 #include <system_error>
 
 #include "clients/cli/service_json.h"
-#include "clients/report/text_table.h"
+#include "clients/report/report.h"
 #include "clients/service_client/service_call.h"
 #include "clients/terminal/output.h"
 #include "clients/terminal/terminal.h"
@@ -44,21 +44,31 @@ std::string state_of_token(const rpc::TokenView& token) {
   return token.has_expired ? "expired" : "valid";
 }
 
-Json json_of(const rpc::TokenView& token) {
+report::Report report_of(const rpc::TokenView& token) {
   const auto or_null = [](double time_s) { return time_s > 0 ? Json(time_s) : Json(nullptr); };
   const auto limit = [](std::uint32_t count) { return count > 0 ? Json(count) : Json(nullptr); };
-  return {{"id", token.id},
-          {"name", token.name},
-          {"user", token.user},
-          {"scopes", names_of(token.scopes)},
-          {"state", state_of_token(token)},
-          {"created", token.created_s},
-          {"expires", or_null(token.expires_s)},
-          {"revoked", or_null(token.revoked_s)},
-          {"last_used", or_null(token.last_used_s)},
-          {"last_from", token.last_from.empty() ? Json(nullptr) : Json(token.last_from)},
-          {"jobs_max", limit(token.jobs_max)},
-          {"cores_max", limit(token.cores_max)}};
+  const auto day = [](double time_s) { return time_s > 0 ? day_of(time_s) : std::string("never"); };
+  using report::Column;
+  const std::vector<std::string> scopes = names_of(token.scopes);
+  report::Report report;
+  report.add("id", token.id, Column{.head = "ID"}, terminal::shown(token.id));
+  report.add("user", token.user, Column{.head = "USER", .rank = 3},
+             terminal::name_of_user(token.user));
+  report.add("state", state_of_token(token), Column{.head = "STATE"}, state_of_token(token));
+  report.add("scopes", scopes, Column{.head = "MAY", .rank = 1},
+             fmt::format("{}", fmt::join(scopes, " ")));
+  report.for_programs("created", token.created_s);
+  report.add("expires", or_null(token.expires_s), Column{.head = "EXPIRES", .rank = 2},
+             day(token.expires_s));
+  report.for_programs("revoked", or_null(token.revoked_s));
+  report.add("last_used", or_null(token.last_used_s), Column{.head = "LAST USED", .rank = 4},
+             day(token.last_used_s));
+  report.add("last_from", token.last_from.empty() ? Json(nullptr) : Json(token.last_from),
+             Column{.head = "FROM", .rank = 5}, terminal::shown(token.last_from));
+  report.add("name", token.name, Column{.head = "NAME"}, terminal::shown(token.name));
+  report.for_programs("jobs_max", limit(token.jobs_max));
+  report.for_programs("cores_max", limit(token.cores_max));
+  return report;
 }
 
 /// A file of its own for its owner alone; one that is there is left.
@@ -137,7 +147,7 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
     return service_client::with_service(called, [&](rpc::Client& client) {
       const rpc::TokenView token = client.create_token(ask);
       if (options.json) {
-        Json json = json_of(token);
+        Json json = report_of(token).as_json();
         if (!file) json["token"] = ask.token;
         fmt::print("{}\n", indented(json));
         return terminal::k_ok;
@@ -165,34 +175,16 @@ int list_tokens(const std::string& called, bool all, bool json) {
       std::erase_if(tokens,
                     [](const rpc::TokenView& token) { return state_of_token(token) != "valid"; });
     }
+    const std::vector<report::Report> reports = report::reports_of(tokens, report_of);
     if (json) {
-      Json list = Json::array();
-      for (const rpc::TokenView& token : tokens)
-        list.push_back(json_of(token));
-      fmt::print("{}\n", indented(list));
+      fmt::print("{}\n", indented(report::list_of(reports)));
       return terminal::k_ok;
     }
     if (tokens.empty()) {
       fmt::print("no tokens\n");
       return terminal::k_ok;
     }
-    report::TextTable table{.columns = {{.head = "ID"},
-                                        {.head = "USER", .rank = 3},
-                                        {.head = "STATE"},
-                                        {.head = "MAY", .rank = 1},
-                                        {.head = "EXPIRES", .rank = 2},
-                                        {.head = "LAST USED", .rank = 4},
-                                        {.head = "FROM", .rank = 5},
-                                        {.head = "NAME"}}};
-    for (const rpc::TokenView& token : tokens) {
-      table.rows.push_back({terminal::shown(token.id), terminal::name_of_user(token.user),
-                            state_of_token(token),
-                            fmt::format("{}", fmt::join(names_of(token.scopes), " ")),
-                            token.expires_s > 0 ? day_of(token.expires_s) : "never",
-                            token.last_used_s > 0 ? day_of(token.last_used_s) : "never",
-                            terminal::shown(token.last_from), terminal::shown(token.name)});
-    }
-    fmt::print("{}", to_text(table, terminal::width_of(stdout)));
+    fmt::print("{}", to_text(report::table_of(reports), terminal::width_of(stdout)));
     return terminal::k_ok;
   });
 }
@@ -211,7 +203,7 @@ int revoke_tokens(const std::string& called, const TokenRevokeOptions& options) 
     for (const std::string& id : options.ids) {
       try {
         const rpc::TokenView token = client.revoke_token(id);
-        list.push_back(json_of(token));
+        list.push_back(report_of(token).as_json());
         if (!options.json) {
           fmt::print("token {} ({}) is revoked; its sessions end\n", terminal::shown(token.id),
                      terminal::shown(token.name));

@@ -18,8 +18,10 @@ namespace sleight::report {
 
 class Report {
  public:
-  /// A fact for both.
+  /// A fact for both. Of a table a Column says how its words are set; a head alone means to the
+  /// right, but to the left in the first column and where the head is empty.
   void add(std::string_view key, json::Value value, std::string_view head, std::string words);
+  void add(std::string_view key, json::Value value, Column column, std::string words);
   void for_programs(std::string_view key, json::Value value);
   void for_people(std::string_view head, std::string words);
 
@@ -32,15 +34,14 @@ class Report {
   friend TextTable table_of(const std::vector<Report>& rows);
 
   struct Line {
-    std::string head;
+    Column column;
     std::string words;
   };
   json::Value json_ = json::Value::object();
   std::vector<Line> lines_{};
 };
 
-/// A row each. The first column and those without a head are set to the left, others to the right.
-/// REQUIRES: all have the same heads.
+/// A row each. REQUIRES: all have the same heads.
 TextTable table_of(const std::vector<Report>& rows);
 
 /// Before each line two spaces, as tables within a longer text have.
