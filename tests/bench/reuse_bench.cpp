@@ -20,7 +20,7 @@
 #include <utility>
 
 #include "tests/bench/harness.h"
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/scenes.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::bench {

@@ -18,7 +18,7 @@ AFTERWARDS = {"common/access", "common/archive", "common/archive/digest", "commo
               "common/archive/reader_program", "common/archive/remote", "common/config",
               "common/events", "common/failure_file", "common/hash", "common/json", "common/logging", "common/motion",
               "common/rpc", "common/scene", "common/schema", "common/schema/wire", "common/store", "worker/run/mpi",
-              "worker/worlds/readers", "worker/worlds/segments", "worker/physics/scenes"}
+              "worker/worlds/readers", "worker/worlds/segments"}
 
 
 class ResultsVersion(ProgramTest):

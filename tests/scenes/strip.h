@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string>
 
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/scenes.h"
 
 namespace sleight::scene_pictures {
 

@@ -9,8 +9,8 @@
 #include <functional>
 #include <vector>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/thesis/tables_3/thesis_table.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::thesis {
 

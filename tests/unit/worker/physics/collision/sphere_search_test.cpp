@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/scene/random_meshes.h"
 #include "worker/physics/motion/free_flight.h"
 #include "worker/physics/scene/static_geometry.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics::sphere_search_test {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/scenes.h"
 
 namespace sleight::physics::testing {
 

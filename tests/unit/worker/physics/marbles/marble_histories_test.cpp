@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/marbles/equal_marbles.h"
 #include "tests/unit/worker/physics/simulator/dice.h"
 #include "worker/physics/marbles/marbles.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics::marble_histories_test {
 

@@ -5,11 +5,11 @@
 
 #include "common/random/distributions.h"
 #include "common/random/stream.h"
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/marbles/equal_marbles.h"
 #include "tests/unit/worker/physics/marbles/same_balls.h"
 #include "tests/unit/worker/physics/scene/random_friction.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics {
 namespace {

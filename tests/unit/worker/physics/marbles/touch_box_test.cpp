@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/scene/random_meshes.h"
 #include "worker/physics/marbles/near_features.h"
 #include "worker/physics/scene/static_geometry.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics {
 namespace {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "common/math/vector.h"
+#include "tests/scenes/shared/random_starts.h"
 #include "worker/physics/collision/sphere_search.h"
 #include "worker/physics/scene/friction_map.h"
-#include "worker/physics/scenes/random_starts.h"
 
 namespace sleight::physics::testing {
 

@@ -7,11 +7,11 @@
 #include <cstdlib>
 #include <limits>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/scene/random_meshes.h"
 #include "worker/physics/scene/static_geometry.h"
 #include "worker/physics/scene/static_regions.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics {
 namespace {

@@ -12,9 +12,9 @@
 #include <limits>
 
 #include "common/random/stream.h"
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/scene/random_meshes.h"
-#include "worker/physics/scenes/scenes.h"
 #include "worker/physics/shape/convex_polyhedron.h"
 #include "worker/physics/simulator/simulation.h"
 

@@ -10,11 +10,11 @@
 
 #include "common/math/rotation.h"
 #include "common/math/vector.h"
+#include "tests/scenes/shared/random_starts.h"
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
-#include "worker/physics/scenes/random_starts.h"
-#include "worker/physics/scenes/scenes.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/round_solids.h"
 

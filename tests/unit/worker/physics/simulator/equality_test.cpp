@@ -5,9 +5,9 @@
 #include <array>
 
 #include "tests/engines/engines.h"
+#include "tests/scenes/shared/random_starts.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/scenes_under_test.h"
-#include "worker/physics/scenes/random_starts.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::physics {

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/scenes.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace {

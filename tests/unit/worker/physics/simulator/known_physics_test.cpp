@@ -1,8 +1,8 @@
 // Motions whose outcome is known: bounces, exchanges, the pressure of hard spheres.
 #include <gtest/gtest.h>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics::known_physics_test {
 

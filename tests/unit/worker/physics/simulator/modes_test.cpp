@@ -3,10 +3,10 @@
 
 #include <numbers>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/plain_geometry.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics::modes_test {
 

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "common/math/vector.h"
+#include "tests/scenes/shared/random_starts.h"
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
-#include "worker/physics/scenes/random_starts.h"
-#include "worker/physics/scenes/scenes.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::physics {

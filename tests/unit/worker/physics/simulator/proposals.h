@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/unit/worker/physics/scene/random_friction.h"
 #include "tests/unit/worker/physics/simulator/dice.h"
 #include "worker/physics/scene/scene.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics::testing {
 

@@ -4,11 +4,11 @@
 #include <numbers>
 
 #include "common/random/stream.h"
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/plain_geometry.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/contact/resting.h"
-#include "worker/physics/scenes/scenes.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/shapes.h"
 

@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/simulator/reuse_runs.h"
-#include "worker/physics/scenes/scenes.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::physics {

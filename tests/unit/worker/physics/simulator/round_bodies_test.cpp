@@ -8,13 +8,13 @@
 
 #include "common/math/rotation.h"
 #include "common/math/vector.h"
+#include "tests/scenes/shared/random_starts.h"
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/distance/round_oracle.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/distance/round_distance.h"
 #include "worker/physics/motion/invariants.h"
-#include "worker/physics/scenes/random_starts.h"
-#include "worker/physics/scenes/scenes.h"
 #include "worker/physics/shape/round_solids.h"
 
 namespace sleight::physics {

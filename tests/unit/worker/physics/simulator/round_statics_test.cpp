@@ -7,14 +7,14 @@
 #include <memory>
 
 #include "common/math/vector.h"
+#include "tests/scenes/shared/random_starts.h"
+#include "tests/scenes/shared/scenes.h"
 #include "tests/support/property.h"
 #include "tests/unit/worker/physics/distance/round_oracle.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/distance/round_distance.h"
 #include "worker/physics/motion/invariants.h"
 #include "worker/physics/scene/static_geometry.h"
-#include "worker/physics/scenes/random_starts.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics {
 namespace {

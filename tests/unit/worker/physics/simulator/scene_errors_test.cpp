@@ -1,10 +1,10 @@
 // Bad scenes are refused with an error of the right kind that names the body.
 #include <gtest/gtest.h>
 
+#include "tests/scenes/shared/random_starts.h"
 #include "tests/support/numbers.h"
 #include "tests/unit/worker/physics/simulator/recorded_run.h"
 #include "worker/physics/event/tolerances.h"
-#include "worker/physics/scenes/random_starts.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/shape/shapes.h"
 

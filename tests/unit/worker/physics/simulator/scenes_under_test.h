@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/scenes.h"
 
 namespace sleight::physics::testing {
 

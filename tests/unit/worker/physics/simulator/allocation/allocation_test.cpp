@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "tests/engines/engines.h"
+#include "tests/scenes/shared/scenes.h"
 #include "tests/unit/worker/physics/collision/surface_tables.h"
 #include "tests/unit/worker/physics/counted_allocations.h"
-#include "worker/physics/scenes/scenes.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::physics {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
 
+#include "tests/scenes/shared/scenes.h"
 #include "worker/physics/event/tolerances.h"
-#include "worker/physics/scenes/scenes.h"
 
 namespace sleight::physics::scenes {
 namespace {

@@ -2,8 +2,8 @@
 #include <utility>
 
 #include "common/math/vector.h"
-#include "worker/physics/scenes/random_starts.h"
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/random_starts.h"
+#include "tests/scenes/shared/scenes.h"
 
 namespace sleight::physics::scenes {
 namespace {

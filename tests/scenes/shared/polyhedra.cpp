@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "worker/physics/scenes/random_starts.h"
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/random_starts.h"
+#include "tests/scenes/shared/scenes.h"
 #include "worker/physics/shape/mass_properties.h"
 #include "worker/physics/simulator/simulation.h"
 

@@ -1,6 +1,6 @@
 // Spheres that fall into a box.
-#include "worker/physics/scenes/random_starts.h"
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/random_starts.h"
+#include "tests/scenes/shared/scenes.h"
 #include "worker/physics/simulator/simulation.h"
 
 namespace sleight::physics::scenes {

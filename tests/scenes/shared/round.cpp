@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/math/elementary.h"
-#include "worker/physics/scenes/random_starts.h"
-#include "worker/physics/scenes/scenes.h"
+#include "tests/scenes/shared/random_starts.h"
+#include "tests/scenes/shared/scenes.h"
 #include "worker/physics/shape/round_solids.h"
 
 namespace sleight::physics::scenes {
