@@ -18,8 +18,8 @@ namespace sleight::report {
 
 class Report {
  public:
-  /// A fact for both. Of a table a Column says how its words are set; a head alone means to the
-  /// right, but to the left in the first column and where the head is empty.
+  /// A fact for both. In a table, a column with a head is set to the right, the first column and
+  /// one without a head to the left; a Column says it otherwise.
   void add(std::string_view key, json::Value value, std::string_view head, std::string words);
   void add(std::string_view key, json::Value value, Column column, std::string words);
   void for_programs(std::string_view key, json::Value value);
