@@ -1,12 +1,15 @@
 #include "common/archive/animations_writer.h"
 
+#include <concepts>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "common/archive/specs.h"
 #include "common/base/check.h"
+#include "common/motion/fields.h"
 
 namespace sleight::archive {
 namespace {
@@ -71,65 +74,71 @@ class Rows {
   std::int64_t next_ = 0;
 };
 
-/// The pieces of motion.
+/// A field of segments.
+template <class Value>
+class FieldColumn {
+ public:
+  FieldColumn(const Maker& maker, const motion::Field<Value>& field)
+      : member_(field.member),
+        column_(maker.sink, maker.group,
+                spec_of(field.name, k_type, dims(), field.meaning, field.unit)) {}
+
+  void push(const motion::Segment& segment) {
+    for (const auto element : motion::elements_of(segment.*member_)) {
+      if constexpr (k_type == ElementType::i32) CHECK(std::in_range<std::int32_t>(element));
+      column_.push(static_cast<Stored<Value>>(element));
+    }
+  }
+  void flush_if(ElementType type) {
+    if (type == k_type) column_.flush();
+  }
+
+ private:
+  static constexpr ElementType k_type =
+      std::same_as<Stored<Value>, double> ? ElementType::f64 : ElementType::i32;
+
+  static Dims dims() {
+    Dims dims{{"segment", k_growing}};
+    if (motion::k_width<Value> == k_axis.size) dims.push_back(k_axis);
+    if (motion::k_width<Value> == k_quaternion.size) dims.push_back(k_quaternion);
+    return dims;
+  }
+
+  Value motion::Segment::*member_;
+  Column<Stored<Value>> column_;
+};
+
+/// In the order of the fields: braces see to that.
+auto columns_of(const Maker& maker) {
+  return std::apply(
+      [&](const auto&... fields) { return std::tuple{FieldColumn(maker, fields)...}; },
+      motion::k_fields);
+}
+
+/// The segments of motions.
 class Segments {
  public:
   explicit Segments(const Maker& maker)
       : rows_(maker, "segment", "segment of a motion, animation by animation"),
-        body_(maker.small("body", k_segment, "the feature of /scene that moves")),
-        start_s_(maker.numbers("start_s", k_segment, "when the segment begins", "s")),
-        mode_(maker.small("mode", k_segment, "0 flying, 1 sliding, 2 rolling, 3 resting")),
-        cause_(maker.small("cause", k_segment,
-                           "what began it: 0 it entered, 1 it hit the partner, 2 its mode changed, "
-                           "3 it came to rest or was woken")),
-        partner_(maker.small("partner", k_segment,
-                             "the feature of /scene that was hit; -1 where none was")),
-        position_(maker.numbers("position_m", with(k_segment, k_axis),
-                                "the centre at the segment's beginning", "m")),
-        velocity_(maker.numbers("velocity_mps", with(k_segment, k_axis),
-                                "the centre's velocity just after that", "m s-1")),
-        acceleration_(maker.numbers("acceleration_mps2", with(k_segment, k_axis),
-                                    "the centre's acceleration all along", "m s-2")),
-        orientation_(maker.numbers("orientation", with(k_segment, k_quaternion),
-                                   "from the body's frame to the scene's, at the beginning", "1")),
-        spin_(maker.numbers("angular_velocity_radps", with(k_segment, k_axis),
-                            "in the scene's frame, at the beginning", "rad s-1")),
-        spin_up_(maker.numbers("angular_acceleration_radps2", with(k_segment, k_axis),
-                               "in the scene's frame, all along", "rad s-2")) {}
+        columns_(columns_of(maker)) {}
 
   void push(const Recording& recording) {
     rows_.push(recording.rows());
     for (std::size_t row = 0; row < recording.rows(); ++row) {
       const motion::Segment segment = recording.segment(row);
-      body_.push(small_of(segment.body));
-      start_s_.push(segment.start_s);
-      mode_.push(static_cast<std::int32_t>(segment.mode));
-      cause_.push(static_cast<std::int32_t>(segment.cause));
-      partner_.push(segment.partner);
-      push_vector(position_, segment.position_m);
-      push_vector(velocity_, segment.velocity_mps);
-      push_vector(acceleration_, segment.acceleration_mps2);
-      push_quaternion(orientation_, segment.orientation);
-      push_vector(spin_, segment.angular_velocity_radps);
-      push_vector(spin_up_, segment.angular_acceleration_radps2);
+      std::apply([&](auto&... columns) { (columns.push(segment), ...); }, columns_);
     }
   }
   void flush() {
     rows_.flush();
-    for (auto* column : {&body_, &mode_, &cause_, &partner_})
-      column->flush();
-    for (auto* column :
-         {&start_s_, &position_, &velocity_, &acceleration_, &orientation_, &spin_, &spin_up_})
-      column->flush();
+    // The order decides where a file has what: this one keeps the bytes of earlier versions.
+    for (const ElementType type : {ElementType::i32, ElementType::f64})
+      std::apply([&](auto&... columns) { (columns.flush_if(type), ...); }, columns_);
   }
 
  private:
-  inline static const Dims k_segment{{"segment", k_growing}};
   Rows rows_;
-  Column<std::int32_t> body_;
-  NumberColumn start_s_;
-  Column<std::int32_t> mode_, cause_, partner_;
-  NumberColumn position_, velocity_, acceleration_, orientation_, spin_, spin_up_;
+  decltype(columns_of(std::declval<const Maker&>())) columns_;
 };
 
 /// Parts of the scene that are an animation's own.

@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 
 #include "common/archive/format.h"
+#include "common/archive/specs.h"
 #include "common/archive/structure.h"
 #include "common/base/check.h"
+#include "common/motion/fields.h"
 
 namespace sleight::archive {
 namespace {
@@ -212,39 +214,28 @@ base::Result<motion::Animation, std::string> KeptMotions::animation(
   const auto found = rows(nth, "segment", k_segments_max);
   if (!found) return found.error();
   const Rows& range = found.value();
-  const Small body = column<std::int32_t>("body", range, 1);
-  const Small mode = column<std::int32_t>("mode", range, 1);
-  const Small cause = column<std::int32_t>("cause", range, 1);
-  const Small partner = column<std::int32_t>("partner", range, 1);
-  const Numbers start_s = column<double>("start_s", range, 1);
-  const Numbers position = column<double>("position_m", range, 3);
-  const Numbers velocity = column<double>("velocity_mps", range, 3);
-  const Numbers acceleration = column<double>("acceleration_mps2", range, 3);
-  const Numbers orientation = column<double>("orientation", range, 4);
-  const Numbers spin = column<double>("angular_velocity_radps", range, 3);
-  const Numbers spin_up = column<double>("angular_acceleration_radps2", range, 3);
-  std::vector<motion::Segment> segments;
-  segments.reserve(range.count);
+  std::vector<motion::Segment> segments(range.count);
+  std::size_t sound = range.count;  // all before the first number out of range
+  motion::for_each_field([&]<class Value>(const motion::Field<Value>& field) {
+    constexpr std::size_t width = motion::k_width<Value>;
+    const auto numbers = column<Stored<Value>>(field.name, range, width);
+    for (std::size_t i = 0; i < sound; ++i) {
+      const auto value = motion::value_of<Value>(&numbers[width * i]);
+      if (value)
+        segments[i].*field.member = *value;
+      else
+        sound = i;
+    }
+  });
   for (std::size_t i = 0; i < range.count; ++i) {
-    const auto known_mode = one_of<motion::Mode>(mode[i], motion::k_mode_names.size());
-    const auto known_cause = one_of<motion::Cause>(cause[i], motion::k_cause_names.size());
-    const bool has_partner = partner[i] != motion::k_no_partner;
-    const bool is_partner = partner[i] >= 0 && std::cmp_less(partner[i], scene.features.size()) &&
-                            partner[i] != body[i];
-    if (body[i] < 0 || !known_mode || !known_cause || (has_partner && !is_partner) ||
-        has_partner != (known_cause == motion::Cause::hit))
+    const motion::Segment& segment = segments[i];
+    const bool has_partner = segment.partner != motion::k_no_partner;
+    const bool is_partner = segment.partner >= 0 &&
+                            std::cmp_less(segment.partner, scene.features.size()) &&
+                            std::cmp_not_equal(segment.partner, segment.body);
+    if (i == sound || (has_partner && !is_partner) ||
+        has_partner != (segment.cause == motion::Cause::hit))
       return fmt::format("has a segment {} that no motion has", i);
-    segments.push_back({.body = static_cast<std::uint32_t>(body[i]),
-                        .start_s = start_s[i],
-                        .mode = *known_mode,
-                        .cause = *known_cause,
-                        .partner = partner[i],
-                        .position_m = vector_at(position, i),
-                        .velocity_mps = vector_at(velocity, i),
-                        .acceleration_mps2 = vector_at(acceleration, i),
-                        .orientation = quaternion_at(orientation, i),
-                        .angular_velocity_radps = vector_at(spin, i),
-                        .angular_acceleration_radps2 = vector_at(spin_up, i)});
   }
   return motion::Animation::of(segments, scene.bodies());
 }

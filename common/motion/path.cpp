@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 
 #include <fmt/format.h>
+
+#include "common/motion/fields.h"
 
 namespace sleight::motion {
 namespace {
@@ -11,16 +14,16 @@ namespace {
 /// How far the square of a quaternion's norm may be from 1.
 constexpr double k_norm_off_max = 1e-3;
 
-bool is_sane(const math::Vec3& v) {
-  // False of NaN.
-  return std::abs(v.x()) <= k_number_max && std::abs(v.y()) <= k_number_max &&
-         std::abs(v.z()) <= k_number_max;
-}
-
-bool is_sane(const Segment& s) {
-  return std::abs(s.start_s) <= k_number_max && is_sane(s.position_m) && is_sane(s.velocity_mps) &&
-         is_sane(s.acceleration_mps2) && is_sane(s.angular_velocity_radps) &&
-         is_sane(s.angular_acceleration_radps2);
+bool is_sane(const Segment& segment) {
+  bool is_sane = true;
+  for_each_field([&]<class Value>(const Field<Value>& field) {
+    if constexpr (std::same_as<Element<Value>, double>) {
+      // False of NaN.
+      for (const double element : elements_of(segment.*field.member))
+        is_sane = is_sane && std::abs(element) <= k_number_max;
+    }
+  });
+  return is_sane;
 }
 
 bool is_rotation(const math::Quat& q) {
@@ -56,9 +59,9 @@ base::Result<Animation, std::string> Animation::of(std::span<const Segment> segm
   for (const Segment& segment : segments) {
     if (segment.body >= bodies)
       return fmt::format("moves a body {} of {}", segment.body + 1, bodies);
-    if (!is_sane(segment)) return std::string("has numbers that no motion has");
     if (!is_rotation(segment.orientation))
       return std::string("has orientations that are no rotations");
+    if (!is_sane(segment)) return std::string("has numbers that no motion has");
     Path& path = animation.paths_[segment.body];
     if (path.enters() && path.rest_s() > segment.start_s)
       return std::string("has segments that are not in the order of time");

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "common/math/elementary.h"
+#include "common/motion/fields.h"
 
 namespace sleight::motion {
 namespace {
@@ -39,12 +41,10 @@ Quat turned(const Quat& orientation, const Vec3& w, const Vec3& a, double s) {
 }  // namespace
 
 bool operator==(const Segment& a, const Segment& b) {
-  return a.body == b.body && a.start_s == b.start_s && a.mode == b.mode && a.cause == b.cause &&
-         a.partner == b.partner && a.position_m == b.position_m &&
-         a.velocity_mps == b.velocity_mps && a.acceleration_mps2 == b.acceleration_mps2 &&
-         a.orientation.coeffs() == b.orientation.coeffs() &&
-         a.angular_velocity_radps == b.angular_velocity_radps &&
-         a.angular_acceleration_radps2 == b.angular_acceleration_radps2;
+  const auto is_same = [&](const auto& field) {
+    return elements_of(a.*field.member) == elements_of(b.*field.member);
+  };
+  return std::apply([&](const auto&... fields) { return (is_same(fields) && ...); }, k_fields);
 }
 
 Vec3 position_at(const Segment& segment, double t_s) {

@@ -1,0 +1,116 @@
+// The fields of a segment, listed once: the columns of an archive's motions, the numbers of a
+// motion beside a run's store, the columns that the gallery's page reads.
+//
+// A field that is added here is written and read in all three places. Two lists are other ones on
+// purpose: what the archive's checker expects (common/archive/structure.cpp), and what
+// docs/ARCHIVE_FORMAT.md says.
+//
+// Thread safety: constants and pure functions.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <tuple>
+#include <type_traits>
+
+#include "common/motion/segment.h"
+
+namespace sleight::motion {
+
+template <class Value>
+struct Field {
+  const char* name;  ///< of the archive's column
+  Value Segment::*member;
+  const char* meaning;  ///< one sentence
+  const char* unit = "1";
+};
+/// Clang finds it by itself from version 17 on.
+template <class Value>
+Field(const char*, Value Segment::*, const char*, const char* = "1") -> Field<Value>;
+
+/// In the order of the archive's columns. Numbers of modes and causes mean what is said here.
+inline constexpr std::tuple k_fields{
+    Field{"body", &Segment::body, "the feature of /scene that moves"},
+    Field{"start_s", &Segment::start_s, "when the segment begins", "s"},
+    Field{"mode", &Segment::mode, "0 flying, 1 sliding, 2 rolling, 3 resting"},
+    Field{
+        "cause", &Segment::cause,
+        "what began it: 0 it entered, 1 it hit the partner, 2 its mode changed, 3 it came to rest "
+        "or was woken"},
+    Field{"partner", &Segment::partner, "the feature of /scene that was hit; -1 where none was"},
+    Field{"position_m", &Segment::position_m, "the centre at the segment's beginning", "m"},
+    Field{"velocity_mps", &Segment::velocity_mps, "the centre's velocity just after that", "m s-1"},
+    Field{"acceleration_mps2", &Segment::acceleration_mps2, "the centre's acceleration all along",
+          "m s-2"},
+    Field{"orientation", &Segment::orientation,
+          "from the body's frame to the scene's, at the beginning"},
+    Field{"angular_velocity_radps", &Segment::angular_velocity_radps,
+          "in the scene's frame, at the beginning", "rad s-1"},
+    Field{"angular_acceleration_radps2", &Segment::angular_acceleration_radps2,
+          "in the scene's frame, all along", "rad s-2"}};
+
+/// Calls act(field) of each, in their order.
+template <class Act>
+constexpr void for_each_field(Act act) {
+  std::apply([&](const auto&... fields) { (act(fields), ...); }, k_fields);
+}
+
+/// A field's value as numbers: one, three of a vector (x, y, z), four of a rotation (w, x, y, z).
+template <std::integral Value>
+constexpr std::array<Value, 1> elements_of(Value value) {
+  return {value};
+}
+template <class Value>
+requires std::is_enum_v<Value>
+constexpr std::array<std::underlying_type_t<Value>, 1> elements_of(Value value) {
+  return {static_cast<std::underlying_type_t<Value>>(value)};
+}
+inline std::array<double, 1> elements_of(double value) {
+  return {value};
+}
+inline std::array<double, 3> elements_of(const math::Vec3& value) {
+  return {value.x(), value.y(), value.z()};
+}
+inline std::array<double, 4> elements_of(const math::Quat& value) {
+  return {value.w(), value.x(), value.y(), value.z()};
+}
+template <class Value>
+using Elements = decltype(elements_of(std::declval<const Value&>()));
+template <class Value>
+using Element = typename Elements<Value>::value_type;
+template <class Value>
+inline constexpr std::size_t k_width = std::tuple_size_v<Elements<Value>>;
+
+/// The largest number of a field that has whole numbers.
+template <class Value>
+inline constexpr auto k_last = std::numeric_limits<Value>::max();
+template <>
+inline constexpr std::size_t k_last<Mode> = k_mode_names.size() - 1;
+template <>
+inline constexpr std::size_t k_last<Cause> = k_cause_names.size() - 1;
+
+/// The value with these elements; none if a number is out of the field's range.
+/// REQUIRES: k_width<Value> numbers, whole ones unless they are doubles' field.
+template <class Value, class Number>
+std::optional<Value> value_of(const Number* numbers) {
+  if constexpr (std::same_as<Value, math::Vec3>) {
+    return Value(numbers[0], numbers[1], numbers[2]);
+  } else if constexpr (std::same_as<Value, math::Quat>) {
+    return Value(numbers[0], numbers[1], numbers[2], numbers[3]);
+  } else if constexpr (std::same_as<Value, double>) {
+    return *numbers;
+  } else {
+    const auto number = static_cast<double>(*numbers);
+    const bool is_in_range =
+        number >= static_cast<double>(std::numeric_limits<Element<Value>>::lowest()) &&
+        number <= static_cast<double>(k_last<Value>);
+    if (!is_in_range) return std::nullopt;
+    return static_cast<Value>(*numbers);
+  }
+}
+
+}  // namespace sleight::motion
