@@ -122,12 +122,10 @@ class Segments {
       : rows_(maker, "segment", "segment of a motion, animation by animation"),
         columns_(columns_of(maker)) {}
 
-  void push(const Recording& recording) {
-    rows_.push(recording.rows());
-    for (std::size_t row = 0; row < recording.rows(); ++row) {
-      const motion::Segment segment = recording.segment(row);
+  void push(std::span<const motion::Segment> segments) {
+    rows_.push(segments.size());
+    for (const motion::Segment& segment : segments)
       std::apply([&](auto&... columns) { (columns.push(segment), ...); }, columns_);
-    }
   }
   void flush() {
     rows_.flush();
@@ -289,10 +287,10 @@ void AnimationsWriter::push(std::initializer_list<std::int64_t> addresses,
   columns.densities.push(record.log_prior, record.log_constraint);
   columns.outcomes->push(record.outcome);
   columns.states->push(columns.reader.variables(record.state));
-  const Recording recording = columns.reader.play(record.state).recording;
-  columns.segments.push(recording);
+  const std::vector<motion::Segment> segments = columns.reader.play(record.state).segments;
+  columns.segments.push(segments);
   if (!columns.parts && !columns.points) return;
-  const scene::Variation own = columns.reader.variation(record.state, recording);
+  const scene::Variation own = columns.reader.variation(record.state, segments);
   if (columns.parts) columns.parts->push(own.parts);
   if (columns.points) columns.points->push(own.points);
 }

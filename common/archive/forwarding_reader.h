@@ -31,8 +31,9 @@ class ForwardingReader : public StateReader {
   }
   Motion play(base::BytesView state) const override { return reader_.play(state); }
   const scene::Scene& scene() const override { return reader_.scene(); }
-  scene::Variation variation(base::BytesView state, const Recording& recording) const override {
-    return reader_.variation(state, recording);
+  scene::Variation variation(base::BytesView state,
+                             std::span<const motion::Segment> segments) const override {
+    return reader_.variation(state, segments);
   }
   std::vector<double> prior_draw(std::uint64_t nth) const override {
     return reader_.prior_draw(nth);

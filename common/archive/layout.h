@@ -15,7 +15,7 @@
 //  1. The content is a function of the arguments: nothing here reads a clock, the environment or
 //     the order in which results came about.
 //  2. Memory does not grow with the number of scans: a few batches for each dataset, and at most
-//     2 keep_max kept records (distinct.h). A recording is held one at a time.
+//     2 keep_max kept records (distinct.h). The segments of one are held at a time.
 //  3. An entry that does not apply is NaN.
 #pragma once
 

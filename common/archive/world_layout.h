@@ -1,4 +1,4 @@
-// How a world's states, outcomes and recordings are named in archives, and how their bytes are
+// How a world's states and outcomes are named in archives, and how their bytes are
 // read.
 //
 // The archive and the services treat states as opaque bytes; a world (worker/worlds) gives this
@@ -63,19 +63,6 @@ std::vector<Variable> prior_variables(const WorldLayout& layout);
 /// Of the values of all variables theirs.
 std::vector<double> prior_values(const WorldLayout& layout, std::span<const double> values);
 
-/// The motion of one animation: of each body its segments in the order of time, bodies in any
-/// order. Kept as numbers, which a store takes as they are.
-struct Recording {
-  /// Of a segment, in the order of its members.
-  static constexpr std::size_t k_columns = 24;
-  std::vector<double> values{};  ///< row-major
-
-  std::size_t rows() const { return values.size() / k_columns; }
-  void append(const motion::Segment& segment);
-  /// REQUIRES: row < rows(); what append wrote.
-  motion::Segment segment(std::size_t row) const;
-};
-
 /// Whether a motion ends as the outcome said.
 enum class PlaysOut : std::uint8_t {
   yes,
@@ -86,7 +73,8 @@ enum class PlaysOut : std::uint8_t {
 /// The whole motion of a satisfying state, simulated to its end: it was perhaps decided early.
 struct Motion {
   PlaysOut ends = PlaysOut::yes;
-  Recording recording{};  ///< empty unless it plays out
+  /// Of each body in the order of time, bodies in any order; none unless it plays out.
+  std::vector<motion::Segment> segments{};
 };
 
 /// Reads the opaque state bytes of one world with one request. Thread-safe.
@@ -112,9 +100,9 @@ class StateReader {
   virtual Motion play(base::BytesView state) const = 0;
   /// What the run's animations look like; the same for each.
   virtual const scene::Scene& scene() const = 0;
-  /// What of that is the animation's own. REQUIRES: the recording of that state.
+  /// What of that is the animation's own. REQUIRES: the segments of that state's motion.
   virtual scene::Variation variation(base::BytesView /*state*/,
-                                     const Recording& /*recording*/) const {
+                                     std::span<const motion::Segment> /*segments*/) const {
     return {};
   }
   /// The values of prior_variables of the nth draw from the prior, which takes no simulation: a

@@ -85,6 +85,10 @@ using Element = typename Elements<Value>::value_type;
 template <class Value>
 inline constexpr std::size_t k_width = std::tuple_size_v<Elements<Value>>;
 
+/// How many numbers a segment has.
+inline constexpr std::size_t k_elements = std::apply(
+    []<class... Values>(const Field<Values>&...) { return (k_width<Values> + ...); }, k_fields);
+
 /// The largest number of a field that has whole numbers.
 template <class Value>
 inline constexpr auto k_last = std::numeric_limits<Value>::max();

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
+#include <array>
 #include <filesystem>
 #include <span>
 #include <system_error>
+#include <utility>
 
 #include "common/logging/log.h"
+#include "common/motion/fields.h"
 #include "common/store/checksum.h"
 #include "common/store/database.h"
 
@@ -21,17 +23,37 @@ constexpr const char* k_motions_schema = R"(
     checksum INTEGER NOT NULL);
 )";
 
-std::int64_t sum_of(std::uint64_t salt, base::BytesView state, const archive::Motion& motion) {
-  return checksum_of_motion(salt, state, static_cast<std::int64_t>(motion.ends),
-                            archive::Recording::k_columns,
-                            base::bytes_of(std::span<const double>(motion.recording.values)));
+/// Of a segment: each element of its fields as a double.
+constexpr std::size_t k_segment_bytes = motion::k_elements * sizeof(double);
+
+base::Bytes bytes_of(std::span<const motion::Segment> segments) {
+  base::ByteWriter writer;
+  for (const motion::Segment& segment : segments) {
+    motion::for_each_field([&](const auto& field) {
+      for (const auto element : motion::elements_of(segment.*field.member))
+        writer.put(static_cast<double>(element));
+    });
+  }
+  return writer.take();
 }
 
-/// Those that are whole.
-std::vector<double> numbers_in(base::BytesView bytes) {
-  std::vector<double> values(bytes.size() / sizeof(double));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(double));
-  return values;
+/// None of bytes that are not those of segments.
+std::optional<std::vector<motion::Segment>> segments_of(base::BytesView bytes) {
+  if (bytes.size() % k_segment_bytes != 0) return std::nullopt;
+  std::vector<motion::Segment> segments(bytes.size() / k_segment_bytes);
+  base::ByteReader reader(bytes);
+  bool is_sound = true;
+  for (motion::Segment& segment : segments) {
+    motion::for_each_field([&]<class Value>(const motion::Field<Value>& field) {
+      std::array<double, motion::k_width<Value>> numbers{};
+      for (double& number : numbers)
+        number = reader.get<double>().value();
+      const auto value = motion::value_of<Value>(numbers.data());
+      is_sound = is_sound && value.has_value();
+      segment.*field.member = value.value_or(segment.*field.member);
+    });
+  }
+  return is_sound ? std::optional(std::move(segments)) : std::nullopt;
 }
 
 /// As a map's key: GCC 12 warns wrongly where vectors of bytes are compared.
@@ -116,22 +138,23 @@ std::optional<archive::Motion> StoredMotions::read(base::BytesView state) {
   Statement& select = *file_->find;
   select.bind(1, state);
   std::optional<archive::Motion> motion;
-  bool is_sound = false;
   if (select.step()) {
+    const std::int64_t ends = select.integer(0);
     const base::BytesView numbers = select.blob(2);
-    motion = archive::Motion{.ends = static_cast<archive::PlaysOut>(select.integer(0)),
-                             .recording = {.values = numbers_in(numbers)}};
-    is_sound = select.integer(1) == archive::Recording::k_columns &&
-               sum_of(salt_, state, *motion) == select.integer(3) &&
-               numbers.size() % sizeof(double) == 0;
+    const bool is_ours =
+        select.integer(1) == motion::k_elements &&
+        select.integer(3) == checksum_of_motion(salt_, state, ends, motion::k_elements, numbers);
+    if (auto segments = segments_of(numbers); is_ours && segments)
+      motion = archive::Motion{.ends = static_cast<archive::PlaysOut>(ends),
+                               .segments = *std::move(segments)};
   }
   select.reset();
-  return is_sound ? motion : std::nullopt;
+  return motion;
 }
 
 void StoredMotions::keep(base::BytesView state, const archive::Motion& motion) {
   if (!is_usable_ || is_full_) return;
-  waiting_bytes_ += state.size() + motion.recording.values.size() * sizeof(double);
+  waiting_bytes_ += state.size() + motion.segments.size() * k_segment_bytes;
   waiting_.insert_or_assign(text_of(state), motion);
   if (waiting_bytes_ >= k_motions_bytes) attempt([this] { write(); });
 }
@@ -141,11 +164,13 @@ void StoredMotions::write() {
   file_->database.execute("BEGIN IMMEDIATE");
   for (const auto& [text, motion] : waiting_) {
     const base::BytesView state = base::bytes_of(std::span<const char>(text));
+    const auto ends = static_cast<std::int64_t>(motion.ends);
+    const base::Bytes numbers = bytes_of(motion.segments);
     file_->insert->bind(1, state)
-        .bind(2, static_cast<std::int64_t>(motion.ends))
-        .bind(3, static_cast<std::int64_t>(archive::Recording::k_columns))
-        .bind(4, base::bytes_of(std::span<const double>(motion.recording.values)))
-        .bind(5, sum_of(salt_, state, motion))
+        .bind(2, ends)
+        .bind(3, static_cast<std::int64_t>(motion::k_elements))
+        .bind(4, base::BytesView(numbers))
+        .bind(5, checksum_of_motion(salt_, state, ends, motion::k_elements, numbers))
         .run();
   }
   file_->database.execute("COMMIT");

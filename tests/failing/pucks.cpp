@@ -79,7 +79,7 @@ class PucksReader final : public archive::StateReader {
       segment.velocity_mps = {speed_mps, 0, 0};
       segment.mode = speed_mps > 0 ? motion::Mode::sliding : motion::Mode::resting;
       if (speed_mps > 0) segment.acceleration_mps2 = {-motion.deceleration_mps2, 0, 0};
-      played.recording.append(segment);
+      played.segments.push_back(segment);
     };
     add({.body = 0}, 0, std::max(0.0, push[0]));
     add({.body = 1}, second_m, 0);

@@ -30,13 +30,12 @@ std::vector<motion::Segment> motion_of(const dice::Dice& world, base::BytesView 
   const auto decoded = world.decode(state);
   CHECK(decoded.has_value());
   const dice::Animation animation = world.animate(*decoded);
-  const math::Quat numbered =
-      dice::rotation_of_numbering(animation.outcome.judgement.numberings.front());
-  return worlds::recorded_segments(
-      animation.recording, 0,
-      {.body = [nth](std::uint32_t) { return nth; },
-       .fixed = [table](std::uint32_t) { return static_cast<std::int32_t>(table); }},
-      numbered);
+  const worlds::RecordedBody die{
+      .feature = nth,
+      .turn = dice::rotation_of_numbering(animation.outcome.judgement.numberings.front())};
+  return worlds::recorded_segments(animation.recording, {&die, 1}, [table](std::uint32_t) {
+    return static_cast<std::int32_t>(table);
+  });
 }
 
 /// All dice over one flat table, with the wanted places.

@@ -105,22 +105,22 @@ class Ball2dReader final : public archive::StateReader {
     motion::Cause cause = motion::Cause::start;
     std::int32_t partner = motion::k_no_partner;
     for (const Flight& flight : simulated.flights) {
-      played.recording.append({.start_s = flight.start_s,
-                               .mode = motion::Mode::flying,
-                               .cause = cause,
-                               .partner = partner,
-                               .position_m = in_space(flight.position_m),
-                               .velocity_mps = in_space(flight.velocity_mps),
-                               .acceleration_mps2 = {0, 0, -gravity_mps2}});
+      played.segments.push_back({.start_s = flight.start_s,
+                                 .mode = motion::Mode::flying,
+                                 .cause = cause,
+                                 .partner = partner,
+                                 .position_m = in_space(flight.position_m),
+                                 .velocity_mps = in_space(flight.velocity_mps),
+                                 .acceleration_mps2 = {0, 0, -gravity_mps2}});
       cause = motion::Cause::hit;
       partner = k_table;
     }
     // It ends where the ball lands.
-    played.recording.append({.start_s = simulated.landing.time_s,
-                             .mode = motion::Mode::resting,
-                             .cause = cause,
-                             .partner = partner,
-                             .position_m = {simulated.landing.x_m, 0, 0}});
+    played.segments.push_back({.start_s = simulated.landing.time_s,
+                               .mode = motion::Mode::resting,
+                               .cause = cause,
+                               .partner = partner,
+                               .position_m = {simulated.landing.x_m, 0, 0}});
     return played;
   }
 
@@ -128,7 +128,7 @@ class Ball2dReader final : public archive::StateReader {
 
   /// The table's pieces, each tilted as its collision has it.
   scene::Variation variation(base::BytesView state,
-                             const archive::Recording& recording) const override {
+                             std::span<const motion::Segment> segments) const override {
     const NormalAngles normals = decoded(state);
     const double diameter_m = ball_.parameters().world.diameter_m;
     const double thickness_m = k_piece_thickness_diameters * diameter_m;
@@ -140,7 +140,7 @@ class Ball2dReader final : public archive::StateReader {
       own.parts.push_back({.feature = k_table,
                            .shape = scene::Shape::box,
                            .size_m = {side_m, side_m, thickness_m},
-                           .position_m = recording.segment(i + 1).position_m + down_m,
+                           .position_m = segments[i + 1].position_m + down_m,
                            .orientation = tilt});
     }
     return own;

@@ -336,30 +336,25 @@ class DiceReader final : public archive::StateReader {
   archive::Motion play(base::BytesView state) const override {
     const auto animation = animations_.of(world_, state);
     const archive::PlaysOut ends = played_out(world_, animation->outcome);
-    if (ends != archive::PlaysOut::yes) return {.ends = ends, .recording = {}};
-    const FeatureNumbers features{
-        .body = [](std::uint32_t die) { return die; },
-        .fixed = [this](std::uint32_t) { return static_cast<std::int32_t>(table_); }};
-    archive::Motion motion;
-    for (std::uint32_t die = 0; die < world_.dice(); ++die) {
-      const Quat numbered = rotation_of_numbering(animation->outcome.judgement.numberings[die]);
-      for (const motion::Segment& segment :
-           recorded_segments(animation->recording, die, features, numbered))
-        motion.recording.append(segment);
-    }
-    return motion;
+    if (ends != archive::PlaysOut::yes) return {.ends = ends};
+    std::vector<RecordedBody> dice;
+    for (std::uint32_t die = 0; die < world_.dice(); ++die)
+      dice.push_back({.feature = die,
+                      .turn = rotation_of_numbering(animation->outcome.judgement.numberings[die])});
+    return {.segments = recorded_segments(animation->recording, dice, [this](std::uint32_t) {
+              return static_cast<std::int32_t>(table_);
+            })};
   }
 
   const scene::Scene& scene() const override { return scene_; }
 
   /// The table's control points under and around the places where dice touch it.
   scene::Variation variation(base::BytesView bytes,
-                             const archive::Recording& recording) const override {
+                             std::span<const motion::Segment> segments) const override {
     const State state = decoded(bytes);
     const WorldParameters& world = world_.parameters().world;
     std::vector<Vec3> touches_m;
-    for (std::size_t row = 0; row < recording.rows(); ++row) {
-      const motion::Segment segment = recording.segment(row);
+    for (const motion::Segment& segment : segments) {
       if (segment.partner == static_cast<std::int32_t>(table_) ||
           segment.mode == motion::Mode::resting)
         touches_m.push_back(segment.position_m);

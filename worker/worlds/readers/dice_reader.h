@@ -1,6 +1,6 @@
 // How archives of dice name things.
 //
-// A recording's rows show each die with the numbering that it has (numbering.h): orientations are
+// Segments show each die with the numbering that it has (numbering.h): orientations are
 // those of the numbered die.
 //
 // Likeness distance of two animations: the greatest distance between the centres of a die in both

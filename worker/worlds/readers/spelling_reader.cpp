@@ -156,16 +156,13 @@ class SpellingReader final : public archive::StateReader {
   archive::Motion play(base::BytesView bytes) const override {
     const State state = decoded(bytes);
     const archive::PlaysOut ends = played_out(world_, world_.simulate_to_rest(state));
-    if (ends != archive::PlaysOut::yes) return {.ends = ends, .recording = {}};
+    if (ends != archive::PlaysOut::yes) return {.ends = ends};
     const Animation animation = world_.animate(state);
-    const FeatureNumbers features{.body = [&](std::uint32_t body) { return animation.balls[body]; },
-                                  .fixed = [&](std::uint32_t index) { return fixed_.at(index); }};
-    archive::Motion motion;
-    for (std::uint32_t body = 0; body < animation.balls.size(); ++body) {
-      for (const motion::Segment& segment : recorded_segments(animation.recording, body, features))
-        motion.recording.append(segment);
-    }
-    return motion;
+    std::vector<RecordedBody> bodies;
+    for (const std::uint32_t ball : animation.balls)
+      bodies.push_back({.feature = ball});
+    return {.segments = recorded_segments(animation.recording, bodies,
+                                          [&](std::uint32_t index) { return fixed_.at(index); })};
   }
 
   const scene::Scene& scene() const override { return scene_; }

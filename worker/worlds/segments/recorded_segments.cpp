@@ -26,7 +26,7 @@ struct Beginning {
 };
 
 Beginning beginning_of(const physics::EventKey& event, std::uint32_t body,
-                       const FeatureNumbers& features) {
+                       std::span<const RecordedBody> bodies, const FixedFeature& fixed) {
   switch (event.kind) {
     case physics::EventKind::start:
       return {.cause = motion::Cause::start};
@@ -37,12 +37,11 @@ Beginning beginning_of(const physics::EventKey& event, std::uint32_t body,
     case physics::EventKind::collision: {
       const bool is_fixed = (event.higher & physics::k_static) != 0;
       if (is_fixed && event.lower == body)
-        return {.cause = motion::Cause::hit,
-                .partner = features.fixed(event.higher & ~physics::k_static)};
+        return {.cause = motion::Cause::hit, .partner = fixed(event.higher & ~physics::k_static)};
       if (!is_fixed && (event.lower == body || event.higher == body)) {
         const std::uint32_t other = event.lower == body ? event.higher : event.lower;
         return {.cause = motion::Cause::hit,
-                .partner = static_cast<std::int32_t>(features.body(other))};
+                .partner = static_cast<std::int32_t>(bodies[other].feature)};
       }
       // Others' collision took what it rested on.
       return {.cause = motion::Cause::rest};
@@ -56,23 +55,27 @@ Beginning beginning_of(const physics::EventKey& event, std::uint32_t body,
 }  // namespace
 
 std::vector<motion::Segment> recorded_segments(const physics::Recording& recording,
-                                               std::uint32_t body, const FeatureNumbers& features,
-                                               const math::Quat& turn) {
+                                               std::span<const RecordedBody> bodies,
+                                               const FixedFeature& fixed) {
+  CHECK_EQ(bodies.size(), recording.bodies());
   std::vector<motion::Segment> segments;
-  for (const auto& [segment, event] : recording.segments(physics::BodyId{body})) {
-    const physics::FreeFlight& flight = segment.flight;
-    const Beginning beginning = beginning_of(event, body, features);
-    segments.push_back({.body = features.body(body),
-                        .start_s = physics::seconds(flight.begin - physics::Tick{}),
-                        .mode = mode_of(segment.mode),
-                        .cause = beginning.cause,
-                        .partner = beginning.partner,
-                        .position_m = flight.position_m,
-                        .velocity_mps = flight.velocity_mps,
-                        .acceleration_mps2 = flight.acceleration_mps2,
-                        .orientation = math::composed(flight.orientation, turn),
-                        .angular_velocity_radps = flight.angular_velocity_radps,
-                        .angular_acceleration_radps2 = segment.angular_acceleration_radps2});
+  segments.reserve(recording.segment_count());
+  for (std::uint32_t body = 0; body < bodies.size(); ++body) {
+    for (const auto& [segment, event] : recording.segments(physics::BodyId{body})) {
+      const physics::FreeFlight& flight = segment.flight;
+      const Beginning beginning = beginning_of(event, body, bodies, fixed);
+      segments.push_back({.body = bodies[body].feature,
+                          .start_s = physics::seconds(flight.begin - physics::Tick{}),
+                          .mode = mode_of(segment.mode),
+                          .cause = beginning.cause,
+                          .partner = beginning.partner,
+                          .position_m = flight.position_m,
+                          .velocity_mps = flight.velocity_mps,
+                          .acceleration_mps2 = flight.acceleration_mps2,
+                          .orientation = math::composed(flight.orientation, bodies[body].turn),
+                          .angular_velocity_radps = flight.angular_velocity_radps,
+                          .angular_acceleration_radps2 = segment.angular_acceleration_radps2});
+    }
   }
   return segments;
 }

@@ -1,10 +1,11 @@
-// A simulator's recording as archives hold it (common/motion).
+// A simulator's recording as segments of common/motion, which everything else takes.
 //
 // Thread safety: pure functions.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "common/math/rotation.h"
@@ -13,18 +14,20 @@
 
 namespace sleight::worlds {
 
-/// How a world's archive calls what the simulator numbers.
-struct FeatureNumbers {
-  /// The feature of the scene (common/scene) of a recorded body.
-  std::function<std::uint32_t(std::uint32_t body)> body;
-  /// Of what doesn't move, by its index in the simulator's static geometry.
-  std::function<std::int32_t(std::uint32_t index)> fixed;
+/// A recorded body in the world's archive.
+struct RecordedBody {
+  std::uint32_t feature = 0;                 ///< of the scene (common/scene)
+  math::Quat turn = math::Quat::Identity();  ///< comes before each orientation
 };
 
-/// The segments of one recorded body, in the order of time; `turn` comes before each orientation.
-/// REQUIRES: its moments of inertia are equal, so that it turns about a fixed axis in flight.
+/// The feature of what doesn't move, by its index in the simulator's static geometry.
+using FixedFeature = std::function<std::int32_t(std::uint32_t index)>;
+
+/// The segments of all bodies: body by body, each in the order of time.
+/// REQUIRES: one of `bodies` for each in the recording; their moments of inertia are equal, so that
+/// they turn about a fixed axis in flight.
 std::vector<motion::Segment> recorded_segments(const physics::Recording& recording,
-                                               std::uint32_t body, const FeatureNumbers& features,
-                                               const math::Quat& turn = math::Quat::Identity());
+                                               std::span<const RecordedBody> bodies,
+                                               const FixedFeature& fixed);
 
 }  // namespace sleight::worlds

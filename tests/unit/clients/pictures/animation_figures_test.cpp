@@ -215,7 +215,7 @@ class MovingReader final : public archive::testing::FakeReader {
  public:
   archive::Motion play(base::BytesView state) const override {
     archive::Motion motion = FakeReader::play(state);
-    if (motion.recording.rows() == 0) motion.recording.append({.position_m = {0.1, 0.2, 0.3}});
+    if (motion.segments.empty()) motion.segments.push_back({.position_m = {0.1, 0.2, 0.3}});
     return motion;
   }
 };

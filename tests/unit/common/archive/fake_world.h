@@ -94,7 +94,7 @@ class FakeReader : public StateReader {
     Motion motion;
     for (std::uint64_t i = 0; i < key % 5; ++i) {
       const bool is_hit = i >= 2;
-      motion.recording.append(
+      motion.segments.push_back(
           {.body = static_cast<std::uint32_t>(i % 2),
            .start_s = static_cast<double>(i) + unit_of(key ^ (i << 32)),
            .mode = is_hit ? motion::Mode::rolling : motion::Mode::flying,
@@ -111,12 +111,13 @@ class FakeReader : public StateReader {
 
   const scene::Scene& scene() const override { return scene_; }
 
-  scene::Variation variation(base::BytesView state, const Recording& recording) const override {
+  scene::Variation variation(base::BytesView state,
+                             std::span<const motion::Segment> segments) const override {
     const std::uint64_t key = key_of(state);
     scene::Variation own;
     if (key % 2 == 0)
       own.parts.push_back({.feature = 2, .shape = scene::Shape::box, .size_m = {1, 1, 0.1}});
-    for (std::size_t i = 0; i < recording.rows(); ++i)
+    for (std::size_t i = 0; i < segments.size(); ++i)
       own.points.push_back({.i = static_cast<std::int32_t>(i),
                             .j = -3,
                             .height_m = unit_of(key + i),

@@ -81,21 +81,20 @@ TEST(KeptMotions, ComeBackAsTheyWereWritten) {
     ASSERT_EQ(motions.count(), records.size());
     std::size_t segments = 0;
     for (std::uint64_t i = 0; i < motions.count(); ++i) {
-      const Recording recording = reader.play(records[i].state).recording;
+      const std::vector<motion::Segment> played = reader.play(records[i].state).segments;
       const auto animation = motions.animation(i, scene.value());
       ASSERT_TRUE(animation.ok()) << animation.error();
-      EXPECT_EQ(animation.value().segment_count(), recording.rows());
-      segments += recording.rows();
+      EXPECT_EQ(animation.value().segment_count(), played.size());
+      segments += played.size();
       std::vector<std::size_t> next(2, 0);
-      for (std::size_t row = 0; row < recording.rows(); ++row) {
-        motion::Segment segment = recording.segment(row);
+      for (motion::Segment segment : played) {
         segment.orientation = math::normalized(segment.orientation);
         EXPECT_TRUE(animation.value().path(segment.body).segments()[next[segment.body]++] ==
                     segment);
       }
       const auto own = motions.variation(i, scene.value());
       ASSERT_TRUE(own.ok()) << own.error();
-      const scene::Variation written = reader.variation(records[i].state, recording);
+      const scene::Variation written = reader.variation(records[i].state, played);
       EXPECT_EQ(own.value().points, written.points);
       EXPECT_EQ(own.value().parts.size(), written.parts.size());
       EXPECT_EQ(motions.in_proportion(i), group == k_animations);

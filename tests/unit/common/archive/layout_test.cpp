@@ -125,13 +125,13 @@ TEST(Layout, AnimationsCarryTheirMotion) {
     const auto draw = one<std::int64_t>(archive, k_animations, "draw", i);
     const plan::ScanRecord record =
         run.record({static_cast<std::uint32_t>(chain)}, static_cast<std::uint64_t>(draw));
-    const Recording recording = reader.play(record.state).recording;
+    const std::vector<motion::Segment> segments = reader.play(record.state).segments;
     const auto start =
         static_cast<std::uint64_t>(one<std::int64_t>(archive, k_animations, "segment_start", i));
     ASSERT_EQ(one<std::int64_t>(archive, k_animations, "segment_count", i),
-              static_cast<std::int64_t>(recording.rows()));
-    for (std::uint64_t row = 0; row < recording.rows(); ++row) {
-      const motion::Segment segment = recording.segment(row);
+              static_cast<std::int64_t>(segments.size()));
+    for (std::uint64_t row = 0; row < segments.size(); ++row) {
+      const motion::Segment& segment = segments[row];
       EXPECT_EQ(one<double>(archive, k_animations, "start_s", start + row), segment.start_s);
       EXPECT_EQ(one<double>(archive, k_animations, "position_m", 3 * (start + row) + 1),
                 segment.position_m.y());
@@ -275,7 +275,7 @@ TEST(Layout, FailuresAreCountedByKindAndOnlyWhereThereAreSome) {
 class StuckReader : public FakeReader {
  public:
   Motion play(base::BytesView state) const override {
-    if (key_of(state) % 2 != 0) return {.ends = PlaysOut::failed, .recording = {}};
+    if (key_of(state) % 2 != 0) return {.ends = PlaysOut::failed};
     return FakeReader::play(state);
   }
 };

@@ -22,7 +22,7 @@ class CountingReader final : public FakeReader {
  public:
   Motion play(base::BytesView state) const override {
     ++plays_[base::Bytes(state.begin(), state.end())];
-    if (key_of(state) % 2 != 0) return {.ends = PlaysOut::failed, .recording = {}};
+    if (key_of(state) % 2 != 0) return {.ends = PlaysOut::failed};
     return FakeReader::play(state);
   }
   std::size_t states() const { return plays_.size(); }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/motion/fields.h"
 #include "common/store/database.h"
 #include "tests/unit/common/store/examples.h"
 
@@ -19,15 +20,26 @@ namespace sleight::store {
 namespace {
 
 archive::Motion motion_of(int number) {
-  if (number % 5 == 4) return {.ends = archive::PlaysOut::failed, .recording = {}};
-  if (number % 5 == 3) return {.ends = archive::PlaysOut::otherwise, .recording = {}};
-  archive::Motion motion{.ends = archive::PlaysOut::yes, .recording = {}};
-  for (int i = 0; i < static_cast<int>(archive::Recording::k_columns) * (number % 7); ++i)
-    motion.recording.values.push_back(number / 3.0 + i);
-  if (number % 7 > 0) {
-    motion.recording.values.front() = -0.0;
-    motion.recording.values.back() = std::bit_cast<double>(0x7ff8000000000123ULL);
+  if (number % 5 == 4) return {.ends = archive::PlaysOut::failed};
+  if (number % 5 == 3) return {.ends = archive::PlaysOut::otherwise};
+  archive::Motion motion;
+  for (int i = 0; i < number % 7; ++i) {
+    const math::Vec3 some(number / 3.0, i + 0.1, -1e300 * number);
+    motion.segments.push_back({.body = static_cast<std::uint32_t>(number),
+                               .start_s = -0.0,
+                               .mode = static_cast<motion::Mode>(i % 4),
+                               .cause = static_cast<motion::Cause>((i + number) % 4),
+                               .partner = i - 1,
+                               .position_m = some,
+                               .velocity_mps = 2 * some,
+                               .acceleration_mps2 = 3 * some,
+                               .orientation = {0.1 * i, -0.2, number / 7.0, 1},
+                               .angular_velocity_radps = 4 * some,
+                               .angular_acceleration_radps2 = 5 * some});
   }
+  if (number % 7 > 0)
+    motion.segments.back().angular_acceleration_radps2.z() =
+        std::bit_cast<double>(0x7ff8000000000123ULL);
   return motion;
 }
 
@@ -41,8 +53,12 @@ base::Bytes state_of(int number) {
 bool same(const archive::Motion& a, const archive::Motion& b) {
   const auto bits = [](const archive::Motion& motion) {
     std::vector<std::uint64_t> all;
-    for (const double value : motion.recording.values)
-      all.push_back(std::bit_cast<std::uint64_t>(value));
+    for (const motion::Segment& segment : motion.segments) {
+      motion::for_each_field([&](const auto& field) {
+        for (const auto element : motion::elements_of(segment.*field.member))
+          all.push_back(std::bit_cast<std::uint64_t>(static_cast<double>(element)));
+      });
+    }
     return all;
   };
   return a.ends == b.ends && bits(a) == bits(b);
@@ -140,7 +156,7 @@ TEST_F(StoredMotionsTest, GrowsToItsBound) {
   // Goal: a file takes no more than it may, by what waits at most; what it has stays. Method: a
   // bound of 1 MB, motions of 100 kB.
   StoredMotions motions(folder(), "a", 1 << 20);
-  archive::Motion large{.recording = {.values = std::vector<double>(12'504, 0.5)}};
+  const archive::Motion large{.segments = std::vector<motion::Segment>(521)};
   for (int number = 0; number < 400; ++number)
     motions.keep(state_of(number), large);
   const std::string file = StoredMotions::path(folder());

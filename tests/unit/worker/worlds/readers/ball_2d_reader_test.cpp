@@ -54,7 +54,7 @@ TEST_F(Reader, LayoutFitsWhatIsGiven) {
   EXPECT_EQ(width(layout.variables), 7U);
   EXPECT_EQ(Ball2d(parameters_).outcome_values({}).size(), width(layout.outcomes));
   EXPECT_EQ(layout.proposal_kinds.size(), Ball2d(parameters_).proposal_kinds());
-  EXPECT_EQ(reader_->play(one).recording.rows(), 9U);
+  EXPECT_EQ(reader_->play(one).segments.size(), 9U);
   worlds::testing::check_prior_draws(*reader_);
   std::set<std::string> names;
   for (const auto* variables : {&layout.variables, &layout.outcomes}) {
@@ -101,7 +101,7 @@ TEST_F(Reader, RecordingsAreOneMotion) {
     EXPECT_EQ(reader_->scene().features.at(static_cast<std::size_t>(hops[8].partner)).name,
               "table");
 
-    const scene::Variation own = reader_->variation(one, reader_->play(one).recording);
+    const scene::Variation own = reader_->variation(one, reader_->play(one).segments);
     ASSERT_EQ(own.parts.size(), 7U);
     for (std::size_t i = 0; i < own.parts.size(); ++i) {
       const math::Vec3 up = math::rotated(own.parts[i].orientation, {0, 0, 1});

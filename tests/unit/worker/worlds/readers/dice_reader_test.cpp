@@ -132,10 +132,9 @@ TEST(DiceReader, TheTableIsTheSimulators) {
     const base::Bytes bytes = world.encode(state);
     const archive::Motion motion = reader->play(bytes);
     if (motion.ends == archive::PlaysOut::failed) continue;
-    const archive::Recording recording = motion.recording;
-    const scene::Surface drawn(reader->variation(bytes, recording).points, part->size_m.z());
+    const scene::Surface drawn(reader->variation(bytes, motion.segments).points, part->size_m.z());
     physics::SplineSurface simulated(world.scene(state).surfaces.at(0));
-    for (const motion::Segment& segment : worlds::testing::segments_of(recording)) {
+    for (const motion::Segment& segment : motion.segments) {
       if (segment.partner != static_cast<std::int32_t>(table)) continue;
       ++contacts;
       for (int i = 0; i < 8; ++i) {
@@ -213,7 +212,7 @@ TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
   std::vector<double> distances;  // from state 0
   for (std::uint64_t number = 0; number < k_states; ++number) {
     states.push_back(world.encode(state_of(world, number)));
-    rows.push_back(make_state_reader(parameters)->play(states.back()).recording.rows());
+    rows.push_back(make_state_reader(parameters)->play(states.back()).segments.size());
     distances.push_back(
         worlds::testing::distance_by(*make_state_reader(parameters), states[0], states.back()));
   }
@@ -222,7 +221,7 @@ TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
     random::Stream stream = testing::stream_of(seed, 0);
     for (int i = 0; i < 300; ++i) {
       const auto n = static_cast<std::size_t>(stream.uniform() * k_states);
-      wrong += reader->play(states[n]).recording.rows() != rows[n] ? 1 : 0;
+      wrong += reader->play(states[n]).segments.size() != rows[n] ? 1 : 0;
       wrong += worlds::testing::distance_by(*reader, states[0], states[n]) != distances[n] ? 1 : 0;
     }
   };

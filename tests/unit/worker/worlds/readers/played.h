@@ -13,13 +13,6 @@
 
 namespace sleight::worlds::testing {
 
-inline std::vector<motion::Segment> segments_of(const archive::Recording& recording) {
-  std::vector<motion::Segment> segments;
-  for (std::size_t row = 0; row < recording.rows(); ++row)
-    segments.push_back(recording.segment(row));
-  return segments;
-}
-
 /// The motion of a state that plays out. Hits have partners that are in the scene, and others none;
 /// each body begins by its start.
 inline motion::Animation played(const archive::StateReader& reader, base::BytesView state) {
@@ -27,8 +20,7 @@ inline motion::Animation played(const archive::StateReader& reader, base::BytesV
   EXPECT_EQ(motion.ends, archive::PlaysOut::yes);
   const scene::Scene& scene = reader.scene();
   EXPECT_EQ(scene::fault_of(scene), "");
-  const auto segments = segments_of(motion.recording);
-  for (const motion::Segment& segment : segments) {
+  for (const motion::Segment& segment : motion.segments) {
     const bool is_hit = segment.cause == motion::Cause::hit;
     EXPECT_EQ(is_hit, segment.partner != motion::k_no_partner);
     if (!is_hit) continue;
@@ -37,7 +29,7 @@ inline motion::Animation played(const archive::StateReader& reader, base::BytesV
     EXPECT_NE(scene.features.at(partner).kind, scene::FeatureKind::wanted);
     EXPECT_NE(partner, segment.body);
   }
-  const auto animation = motion::Animation::of(segments, scene.bodies());
+  const auto animation = motion::Animation::of(motion.segments, scene.bodies());
   EXPECT_TRUE(animation.ok()) << (animation.ok() ? std::string() : animation.error());
   if (!animation) return {};
   for (const motion::Path& path : animation.value().paths()) {

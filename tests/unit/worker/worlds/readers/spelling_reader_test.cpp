@@ -90,14 +90,15 @@ TEST(SpellingReader, MotionsAreTheSimulators) {
     const Animation animation = world.animate(state);
     const auto scene = world.scene(state);
     ASSERT_TRUE(scene.has_value());
+    std::vector<RecordedBody> bodies;
+    for (const std::uint32_t ball : animation.balls)
+      bodies.push_back({.feature = ball});
+    const auto motion = motion::Animation::of(
+        recorded_segments(animation.recording, bodies, [](std::uint32_t) { return 99; }),
+        world.balls());
+    ASSERT_TRUE(motion.ok());
     for (std::uint32_t body = 0; body < animation.balls.size(); ++body) {
-      const auto segments =
-          recorded_segments(animation.recording, body,
-                            {.body = [&](std::uint32_t one) { return animation.balls[one]; },
-                             .fixed = [](std::uint32_t) { return 99; }});
-      motion::Path path(animation.balls[body]);
-      for (const motion::Segment& segment : segments)
-        path.append(segment);
+      const motion::Path& path = motion.value().path(animation.balls[body]);
       const auto entries = animation.recording.segments({body});
       for (int i = 0; i < 40; ++i) {
         const physics::Tick tick =
@@ -115,7 +116,7 @@ TEST(SpellingReader, MotionsAreTheSimulators) {
             math::inverse(physics::orientation_of(*simulated, scene->bodies[body].inertia, tick)));
         EXPECT_LT(1 - std::fabs(turn.w()), 1e-11);
       }
-      for (const motion::Segment& segment : segments) {
+      for (const motion::Segment& segment : path.segments()) {
         if (segment.cause != motion::Cause::hit || segment.partner == 99) continue;
         const auto other =
             std::ranges::find(animation.balls, static_cast<std::uint32_t>(segment.partner));
@@ -216,7 +217,7 @@ TEST(SpellingReader, WedgedBallsDontPlayOut) {
     if (!world.satisfied(world.simulate(state))) continue;
     if (reader->play(world.encode(state)).ends == archive::PlaysOut::yes) {
       ++plays;
-      EXPECT_GT(reader->play(world.encode(state)).recording.rows(), 1U);
+      EXPECT_GT(reader->play(world.encode(state)).segments.size(), 1U);
     } else {
       ++fails;
     }
