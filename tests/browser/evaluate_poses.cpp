@@ -22,11 +22,13 @@
 
 #include "clients/gallery_server/meshes.h"
 #include "clients/gallery_server/packed.h"
+#include "clients/gallery_server/recording.h"
 #include "clients/gallery_server/snapshot.h"
 #include "common/archive/hdf5/reader.h"
 #include "common/base/error.h"
 #include "common/json/value.h"
 #include "common/math/rotation.h"
+#include "common/motion/fields.h"
 #include "common/motion/segment.h"
 #include "common/random/stream.h"
 
@@ -92,49 +94,23 @@ motion::Segment any_segment(random::Stream& stream, std::uint64_t n) {
           .angular_acceleration_radps2 = vector_or_none(stream, 1000)};
 }
 
-void append_turn(std::vector<double>& to, const math::Quat& q) {
-  to.insert(to.end(), {q.w(), q.x(), q.y(), q.z()});
-}
-
 int write_segments(std::uint64_t count, std::uint64_t seed, const std::string& folder) {
-  std::vector<std::uint32_t> body;
-  std::vector<std::uint8_t> mode, cause;
-  std::vector<std::int32_t> partner;
-  std::vector<double> start, time, position, velocity, acceleration, orientation, spin, spin_rate;
-  std::vector<double> at, moving, turned;
+  std::vector<motion::Segment> all;
+  std::vector<double> time, at, moving, turned;
   for (std::uint64_t n = 0; n < count; ++n) {
     random::Stream stream({.seed = seed, .purpose = random::Purpose::scene}, n);
     const motion::Segment segment = any_segment(stream, n);
     // From its very beginning to as long as rests are looked at.
     const double t_s = segment.start_s + (n % 50 == 0 ? 0 : 0.5 * stream.uniform());
-    body.push_back(segment.body);
-    start.push_back(segment.start_s);
-    mode.push_back(static_cast<std::uint8_t>(segment.mode));
-    cause.push_back(static_cast<std::uint8_t>(segment.cause));
-    partner.push_back(segment.partner);
+    all.push_back(segment);
     time.push_back(t_s);
-    gallery::append(position, segment.position_m);
-    gallery::append(velocity, segment.velocity_mps);
-    gallery::append(acceleration, segment.acceleration_mps2);
-    append_turn(orientation, segment.orientation);
-    gallery::append(spin, segment.angular_velocity_radps);
-    gallery::append(spin_rate, segment.angular_acceleration_radps2);
     gallery::append(at, motion::position_at(segment, t_s));
     gallery::append(moving, motion::velocity_at(segment, t_s));
-    append_turn(turned, motion::orientation_at(segment, t_s));
+    const auto turn = motion::elements_of(motion::orientation_at(segment, t_s));
+    turned.insert(turned.end(), turn.begin(), turn.end());
   }
   gallery::Packed segments;
-  segments.add("body", body);
-  segments.add("start_s", start);
-  segments.add("mode", mode);
-  segments.add("cause", cause);
-  segments.add("partner", partner);
-  segments.add("position_m", position);
-  segments.add("velocity_mps", velocity);
-  segments.add("acceleration_mps2", acceleration);
-  segments.add("orientation", orientation);
-  segments.add("angular_velocity_radps", spin);
-  segments.add("angular_acceleration_radps2", spin_rate);
+  gallery::add_segments(segments, "", all);
   segments.add("t_s", time);
   gallery::Packed expected;
   expected.add("position_m", at);
