@@ -14,14 +14,16 @@
 #include "clients/browse/archives/kept_animations.h"
 #include "clients/pictures/trace.h"
 #include "common/archive/format.h"
+#include "common/archive/kept_motions.h"
 #include "common/archive/summary.h"
 #include "common/base/error.h"
+#include "common/motion/path.h"
+#include "common/scene/scene.h"
 
 namespace sleight::world_plots {
 namespace {
 
 using analysis::RequestNumbers;
-using analysis::Rows;
 
 constexpr const char* k_paths = "paths";
 
@@ -37,7 +39,6 @@ struct Asked {
   double diameter_m;
   double target;  ///< in diameters, as all that follows
   double tolerance;
-  double gravity_mps2;
   std::string step;  ///< what a draw is called
 };
 
@@ -46,64 +47,48 @@ Asked asked_of(const archive::Source& source) {
   const Asked asked{.diameter_m = numbers.at("world", "diameter_m"),
                     .target = numbers.at("constraint", "target_diameters"),
                     .tolerance = numbers.at("constraint", "tolerance_diameters"),
-                    .gravity_mps2 = numbers.at("world", "gravity_mps2"),
                     .step = analysis::scan_label(numbers)};
   if (!(asked.diameter_m > 0 && asked.tolerance >= 0) || !std::isfinite(asked.diameter_m) ||
-      !std::isfinite(asked.target) || !std::isfinite(asked.tolerance) ||
-      !std::isfinite(asked.gravity_mps2)) {
+      !std::isfinite(asked.target) || !std::isfinite(asked.tolerance)) {
     throw base::Error(base::ExitCode::bad_archive,
                       source.name() + ": its request has numbers that no ball has");
   }
   return asked;
 }
 
-/// The hops of one animation, in columns.
-struct Segments {
-  std::vector<double> duration_s;
-  std::vector<double> position_m;    ///< x, z pairs
-  std::vector<double> velocity_mps;  ///< x, z pairs
-  std::vector<double> normal_rad;    ///< of the collision that began it; NaN for the drop
+/// One animation's hops: all segments but the last, where the ball lies.
+struct Hops {
+  std::vector<motion::Segment> segments;
+  std::vector<double> normal_rad;  ///< of the collision that began each; NaN for the drop
 };
 
-/// x and z of vectors.
-std::vector<double> in_plane(const std::vector<double>& vectors) {
-  std::vector<double> pairs;
-  for (std::size_t i = 0; i + 2 < vectors.size(); i += 3)
-    pairs.insert(pairs.end(), {vectors[i], vectors[i + 2]});
-  return pairs;
+Hops read_hops(const archive::Source& source, const scene::Scene& scene, std::size_t animation) {
+  const auto motion =
+      archive::KeptMotions(source, archive::k_animations).animation(animation, scene);
+  if (!motion) browse::refuse_animation(source, animation, motion.error());
+  if (motion.value().segment_count() == 0)
+    browse::refuse_animation(source, animation, "has no motion");
+  if (motion.value().segment_count() > k_hops_max)
+    browse::refuse_animation(source, animation, fmt::format("has more than {} hops", k_hops_max));
+  const auto segments = motion.value().path(0).segments();
+  Hops hops{.segments = {segments.begin(), segments.end()},
+            .normal_rad = {std::numeric_limits<double>::quiet_NaN()}};
+  if (segments.size() < 2) return hops;
+  const std::vector<double> normals =
+      analysis::read_rows(source, archive::k_animations, "normal_rad", segments.size() - 2,
+                          {.first = animation, .count = 1});
+  hops.normal_rad.insert(hops.normal_rad.end(), normals.begin(), normals.end());
+  return hops;
 }
 
-Segments read_segments(const archive::Source& source, std::size_t animation) {
-  const analysis::Rows rows = browse::segments_of(source, animation, k_hops_max);
-  if (rows.count == 0) browse::refuse_animation(source, animation, "has no motion");
-  const std::vector<double> start_s =
-      analysis::read_rows(source, archive::k_animations, "start_s", 1, rows);
-  const std::uint64_t hops = rows.count - 1;  // the last row is where the ball lies
-  Segments segments{
-      .duration_s = {},
-      .position_m =
-          in_plane(analysis::read_rows(source, archive::k_animations, "position_m", 3, rows)),
-      .velocity_mps =
-          in_plane(analysis::read_rows(source, archive::k_animations, "velocity_mps", 3, rows)),
-      .normal_rad = {std::numeric_limits<double>::quiet_NaN()}};
-  for (std::size_t i = 0; i < hops; ++i)
-    segments.duration_s.push_back(start_s[i + 1] - start_s[i]);
-  if (hops == 0) return segments;
-  const std::vector<double> normals = analysis::read_rows(
-      source, archive::k_animations, "normal_rad", hops - 1, {.first = animation, .count = 1});
-  segments.normal_rad.insert(segments.normal_rad.end(), normals.begin(), normals.end());
-  return segments;
-}
-
-/// One hop as points of its parabola, in diameters.
-void append_hop(const Segments& segments, std::size_t row, const Asked& asked,
+/// A segment until the next one as points of its parabola, in diameters.
+void append_hop(const motion::Segment& segment, double end_s, double diameter_m,
                 std::vector<plot::Point>& path) {
   for (int i = 0; i <= k_points_per_hop; ++i) {
-    const double t = segments.duration_s[row] * i / k_points_per_hop;
-    const double x_m = segments.position_m[2 * row] + segments.velocity_mps[2 * row] * t;
-    const double z_m = segments.position_m[2 * row + 1] + segments.velocity_mps[2 * row + 1] * t -
-                       0.5 * asked.gravity_mps2 * t * t;
-    path.push_back({x_m / asked.diameter_m, z_m / asked.diameter_m});
+    const double share = static_cast<double>(i) / k_points_per_hop;
+    const math::Vec3 place_m =
+        motion::position_at(segment, segment.start_s + share * (end_s - segment.start_s));
+    path.push_back({place_m.x() / diameter_m, place_m.z() / diameter_m});
   }
 }
 
@@ -127,7 +112,7 @@ void append_values(const std::vector<plot::Point>& points, std::vector<double>& 
   }
 }
 
-plot::Panel path_panel(const Segments& segments, const Asked& asked) {
+plot::Panel path_panel(const Hops& hops, const Asked& asked) {
   plot::Panel panel{
       .x_label = "x (ball diameters)", .y_label = "height (diameters)", .equal_aspect = true};
   // The target is a flat disc on the table, the table the line on which the ball's centre bounces.
@@ -139,11 +124,11 @@ plot::Panel path_panel(const Segments& segments, const Asked& asked) {
                                     .label = "target"});
   std::vector<plot::Point> path;
   std::vector<plot::Series> arrows;
-  for (std::size_t row = 0; row < segments.duration_s.size(); ++row) {
-    append_hop(segments, row, asked, path);
-    const double tilt = segments.normal_rad[row];
+  for (std::size_t i = 0; i + 1 < hops.segments.size(); ++i) {
+    append_hop(hops.segments[i], hops.segments[i + 1].start_s, asked.diameter_m, path);
+    const double tilt = hops.normal_rad[i];
     if (std::isnan(tilt)) continue;
-    const plot::Point foot{segments.position_m[2 * row] / asked.diameter_m, 0};
+    const plot::Point foot{hops.segments[i].position_m.x() / asked.diameter_m, 0};
     const double length = 0.6;
     arrows.push_back(
         plot::Arrow{.from = foot,
@@ -205,8 +190,9 @@ plot::Figure paths_figure(const archive::Source& source, const pictures::DrawnPa
                       .height_px = 520.0 * static_cast<double>(rows),
                       .columns = columns,
                       .panels = {}};
+  const scene::Scene scene = browse::required_scene(source);
   for (const std::size_t i : chosen) {
-    plot::Panel panel = path_panel(read_segments(source, i), asked);
+    plot::Panel panel = path_panel(read_hops(source, scene, i), asked);
     panel.title = fmt::format("chain {}, draw {}", chains[i], scans[i]);
     panel.legend = i == chosen.front();
     figure.panels.push_back(std::move(panel));

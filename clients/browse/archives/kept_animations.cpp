@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <set>
 #include <string>
@@ -57,28 +56,6 @@ std::vector<double> of_animations(const archive::Source& source, std::string_vie
   return analysis::read_rows(
       source, group, dataset, 1,
       {.count = group == archive::k_finds ? summary.finds.animations : summary.animations});
-}
-
-analysis::Rows segments_of(const archive::Source& source, std::size_t animation,
-                           std::uint64_t most) {
-  const std::string_view group = drawn_group(source);
-  const archive::Summary summary = archive::summary_of(source);
-  const std::uint64_t segments =
-      group == archive::k_finds ? summary.finds.segments : summary.segments;
-  const analysis::Rows own{.first = animation, .count = 1};
-  const double start = read_rows(source, group, "segment_start", 1, own).front();
-  const double count = read_rows(source, group, "segment_count", 1, own).front();
-  // In doubles, before any cast: the numbers are not trusted, and none may be NaN.
-  const bool whole = start >= 0 && count >= 0 && std::trunc(start) == start &&
-                     std::trunc(count) == count && start + count <= static_cast<double>(segments);
-  if (!whole || count > static_cast<double>(most)) {
-    throw base::Error(
-        base::ExitCode::bad_archive,
-        fmt::format("{}: an animation claims {} segments from {}; there are {}, and at most {} to "
-                    "an animation",
-                    source.name(), count, start, segments, most));
-  }
-  return {.first = static_cast<std::uint64_t>(start), .count = static_cast<std::uint64_t>(count)};
 }
 
 void refuse_animation(const archive::Source& source, std::string_view name,

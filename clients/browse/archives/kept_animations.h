@@ -28,12 +28,6 @@ std::string where_found(const archive::Source& source, std::size_t animation,
 /// One number of each kept animation.
 std::vector<double> of_animations(const archive::Source& source, std::string_view dataset);
 
-/// Rows along `segment` of one animation, as the archive claims them. Throws
-/// base::Error(bad_archive) when they are not within the table or more than `most`: a damaged
-/// archive must not make a picture of gigabytes.
-analysis::Rows segments_of(const archive::Source& source, std::size_t animation,
-                           std::uint64_t most);
-
 /// Throws base::Error(bad_archive): "<archive>: its animation <name> <reason>". Of a row of the
 /// drawn group its number is the name.
 [[noreturn]] void refuse_animation(const archive::Source& source, std::string_view name,
