@@ -10,15 +10,16 @@ namespace sleight::gallery {
 
 void add_segments(Packed& to, const std::string& prefix,
                   std::span<const motion::Segment> segments) {
-  motion::for_each_field([&]<class Value>(const motion::Field<Value>& field) {
-    std::vector<motion::Element<Value>> column;
-    column.reserve(segments.size() * motion::k_width<Value>);
-    for (const motion::Segment& segment : segments) {
-      const auto elements = motion::elements_of(segment.*field.member);
-      column.insert(column.end(), elements.begin(), elements.end());
-    }
-    to.add(prefix + field.name, column);
-  });
+  motion::for_each_field(motion::k_fields,
+                         [&]<class Value>(const motion::Field<motion::Segment, Value>& field) {
+                           std::vector<motion::Element<Value>> column;
+                           column.reserve(segments.size() * motion::k_width<Value>);
+                           for (const motion::Segment& segment : segments) {
+                             const auto elements = motion::elements_of(segment.*field.member);
+                             column.insert(column.end(), elements.begin(), elements.end());
+                           }
+                           to.add(prefix + field.name, column);
+                         });
 }
 
 json::Value add_animation(Packed& to, const std::string& prefix, const std::string& name,

@@ -1,5 +1,6 @@
 #include "common/archive/animations_writer.h"
 
+#include <algorithm>
 #include <concepts>
 #include <optional>
 #include <string>
@@ -8,25 +9,13 @@
 #include <vector>
 
 #include "common/archive/specs.h"
+#include "common/archive/tables.h"
 #include "common/base/check.h"
-#include "common/motion/fields.h"
 
 namespace sleight::archive {
 namespace {
 
 using Integers = Column<std::int64_t>;
-using NumberColumn = Column<double>;
-
-Dims with(const Dims& leading, const Dimension& last) {
-  Dims dims = leading;
-  dims.push_back(last);
-  return dims;
-}
-
-void push_quaternion(NumberColumn& column, const math::Quat& q) {
-  for (const double value : {q.w(), q.x(), q.y(), q.z()})
-    column.push(value);
-}
 
 /// Makes columns of one group.
 struct Maker {
@@ -35,13 +24,6 @@ struct Maker {
 
   Integers integers(const char* name, const Dims& dims, const char* long_name) const {
     return {sink, group, spec_of(name, ElementType::i64, dims, long_name)};
-  }
-  Column<std::int32_t> small(const char* name, const Dims& dims, const char* long_name) const {
-    return {sink, group, spec_of(name, ElementType::i32, dims, long_name)};
-  }
-  NumberColumn numbers(const char* name, const Dims& dims, const char* long_name,
-                       const char* unit) const {
-    return {sink, group, spec_of(name, ElementType::f64, dims, long_name, unit)};
   }
 };
 
@@ -74,17 +56,17 @@ class Rows {
   std::int64_t next_ = 0;
 };
 
-/// A field of segments.
-template <class Value>
+/// A field of a table.
+template <class Record, class Value>
 class FieldColumn {
  public:
-  FieldColumn(const Maker& maker, const motion::Field<Value>& field)
+  FieldColumn(const Maker& maker, const char* dim, const motion::Field<Record, Value>& field)
       : member_(field.member),
         column_(maker.sink, maker.group,
-                spec_of(field.name, k_type, dims(), field.meaning, field.unit)) {}
+                spec_of(field.name, k_type, dims(dim), field.meaning, field.unit)) {}
 
-  void push(const motion::Segment& segment) {
-    for (const auto element : motion::elements_of(segment.*member_)) {
+  void push(const Record& record) {
+    for (const auto element : motion::elements_of(record.*member_)) {
       if constexpr (k_type == ElementType::i32) CHECK(std::in_range<std::int32_t>(element));
       column_.push(static_cast<Stored<Value>>(element));
     }
@@ -97,35 +79,35 @@ class FieldColumn {
   static constexpr ElementType k_type =
       std::same_as<Stored<Value>, double> ? ElementType::f64 : ElementType::i32;
 
-  static Dims dims() {
-    Dims dims{{"segment", k_growing}};
+  static Dims dims(const char* dim) {
+    Dims dims{{dim, k_growing}};
     if (motion::k_width<Value> == k_axis.size) dims.push_back(k_axis);
     if (motion::k_width<Value> == k_quaternion.size) dims.push_back(k_quaternion);
     return dims;
   }
 
-  Value motion::Segment::*member_;
+  Value Record::*member_;
   Column<Stored<Value>> column_;
 };
 
 /// In the order of the fields: braces see to that.
-auto columns_of(const Maker& maker) {
+template <const auto& fields>
+auto columns_of(const Maker& maker, const char* dim) {
   return std::apply(
-      [&](const auto&... fields) { return std::tuple{FieldColumn(maker, fields)...}; },
-      motion::k_fields);
+      [&](const auto&... each) { return std::tuple{FieldColumn(maker, dim, each)...}; }, fields);
 }
 
-/// The segments of motions.
-class Segments {
+/// Rows that belong to an animation each.
+template <const auto& fields>
+class AnimationTable {
  public:
-  explicit Segments(const Maker& maker)
-      : rows_(maker, "segment", "segment of a motion, animation by animation"),
-        columns_(columns_of(maker)) {}
+  AnimationTable(const Maker& maker, const char* dim, const char* counted)
+      : rows_(maker, dim, counted), columns_(columns_of<fields>(maker, dim)) {}
 
-  void push(std::span<const motion::Segment> segments) {
-    rows_.push(segments.size());
-    for (const motion::Segment& segment : segments)
-      std::apply([&](auto&... columns) { (columns.push(segment), ...); }, columns_);
+  void push(std::span<const RecordOf<fields>> records) {
+    rows_.push(records.size());
+    for (const auto& record : records)
+      std::apply([&](auto&... columns) { (columns.push(record), ...); }, columns_);
   }
   void flush() {
     rows_.flush();
@@ -136,81 +118,7 @@ class Segments {
 
  private:
   Rows rows_;
-  decltype(columns_of(std::declval<const Maker&>())) columns_;
-};
-
-/// Parts of the scene that are an animation's own.
-class OwnParts {
- public:
-  explicit OwnParts(const Maker& maker)
-      : rows_(maker, "part", "part of the scene that is an animation's own"),
-        feature_(maker.small("part_feature", k_part, "the feature of /scene that it belongs to")),
-        shape_(maker.small("part_shape", k_part, "along shape of /scene")),
-        size_(maker.numbers("part_size_m", with(k_part, k_axis), "as in /scene", "m")),
-        position_(maker.numbers("part_position_m", with(k_part, k_axis), "of its middle", "m")),
-        orientation_(maker.numbers("part_orientation", with(k_part, k_quaternion),
-                                   "from its frame to the feature's", "1")) {}
-
-  void push(std::span<const scene::Part> parts) {
-    rows_.push(parts.size());
-    for (const scene::Part& part : parts) {
-      CHECK_EQ(part.triangles, 0U);
-      feature_.push(small_of(part.feature));
-      shape_.push(static_cast<std::int32_t>(part.shape));
-      push_vector(size_, part.size_m);
-      push_vector(position_, part.position_m);
-      push_quaternion(orientation_, part.orientation);
-    }
-  }
-  void flush() {
-    rows_.flush();
-    feature_.flush();
-    shape_.flush();
-    for (auto* column : {&size_, &position_, &orientation_})
-      column->flush();
-  }
-
- private:
-  inline static const Dims k_part{{"part", k_growing}};
-  Rows rows_;
-  Column<std::int32_t> feature_, shape_;
-  NumberColumn size_, position_, orientation_;
-};
-
-/// Control points of a surface.
-class OwnPoints {
- public:
-  explicit OwnPoints(const Maker& maker)
-      : rows_(maker, "point", "control point of the surface, near where bodies touch it"),
-        i_(maker.small("point_i", k_point, "it lies at x = i times the spacing")),
-        j_(maker.small("point_j", k_point, "it lies at y = j times the spacing")),
-        height_(maker.numbers("point_height_m", k_point, "its height", "m")),
-        restitution_(maker.numbers("point_restitution", k_point, "of what meets it", "1")),
-        friction_(maker.numbers("point_friction", k_point, "Coulomb's coefficient there", "1")) {}
-
-  void push(std::span<const scene::ControlPoint> points) {
-    rows_.push(points.size());
-    for (const scene::ControlPoint& point : points) {
-      i_.push(point.i);
-      j_.push(point.j);
-      height_.push(point.height_m);
-      restitution_.push(point.restitution);
-      friction_.push(point.friction);
-    }
-  }
-  void flush() {
-    rows_.flush();
-    i_.flush();
-    j_.flush();
-    for (auto* column : {&height_, &restitution_, &friction_})
-      column->flush();
-  }
-
- private:
-  inline static const Dims k_point{{"point", k_growing}};
-  Rows rows_;
-  Column<std::int32_t> i_, j_;
-  NumberColumn height_, restitution_, friction_;
+  decltype(columns_of<fields>(std::declval<const Maker&>(), "")) columns_;
 };
 
 /// Coordinates of places and turns, which other datasets of the group hang on.
@@ -235,15 +143,17 @@ struct AnimationsWriter::Columns {
                               "whether it is a draw of the model, and not merely found")),
         proportion(is_in_proportion ? 1 : 0),
         densities(maker.sink, maker.group, k_animation),
-        segments(maker) {
+        segments(maker, "segment", "segment of a motion, animation by animation") {
     const WorldLayout& layout = reader.layout();
     Dims written{k_axis, k_quaternion};
     write_own_coordinates(maker.sink, maker.group, layout.variables, written);
     write_own_coordinates(maker.sink, maker.group, layout.outcomes, written);
     outcomes.emplace(maker.sink, maker.group, k_animation, layout.outcomes);
     states.emplace(maker.sink, maker.group, k_animation, layout.variables);
-    if (reader.scene().has_own_parts) parts.emplace(maker);
-    if (reader.scene().has_own_points) points.emplace(maker);
+    if (reader.scene().has_own_parts)
+      parts.emplace(maker, "part", "part of the scene that is an animation's own");
+    if (reader.scene().has_own_points)
+      points.emplace(maker, "point", "control point of the surface, near where bodies touch it");
   }
 
   static std::vector<Integers> columns_of(const Maker& maker, std::span<const Address> addresses) {
@@ -262,10 +172,10 @@ struct AnimationsWriter::Columns {
   Column<std::int8_t> in_proportion;
   std::int8_t proportion;
   DensityColumns densities;
-  Segments segments;
+  AnimationTable<motion::k_fields> segments;
   std::optional<VariableColumns> outcomes{}, states{};
-  std::optional<OwnParts> parts{};
-  std::optional<OwnPoints> points{};
+  std::optional<AnimationTable<k_part_fields>> parts{};
+  std::optional<AnimationTable<k_point_fields>> points{};
 };
 
 AnimationsWriter::AnimationsWriter(const StateReader& reader, std::string_view group,
@@ -291,7 +201,10 @@ void AnimationsWriter::push(std::initializer_list<std::int64_t> addresses,
   columns.segments.push(segments);
   if (!columns.parts && !columns.points) return;
   const scene::Variation own = columns.reader.variation(record.state, segments);
-  if (columns.parts) columns.parts->push(own.parts);
+  if (columns.parts) {
+    CHECK(std::ranges::all_of(own.parts, [](const auto& part) { return part.triangles == 0; }));
+    columns.parts->push(own.parts);
+  }
   if (columns.points) columns.points->push(own.points);
 }
 

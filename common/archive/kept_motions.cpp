@@ -9,10 +9,9 @@
 #include <fmt/format.h>
 
 #include "common/archive/format.h"
-#include "common/archive/specs.h"
 #include "common/archive/structure.h"
+#include "common/archive/tables.h"
 #include "common/base/check.h"
-#include "common/motion/fields.h"
 
 namespace sleight::archive {
 namespace {
@@ -209,32 +208,38 @@ std::vector<Element> KeptMotions::column(std::string_view name, const Rows& rows
       source_.read(group_, name, rows.first * width, rows.count * width));
 }
 
+template <const auto& fields>
+auto KeptMotions::records(const Rows& rows) const {
+  std::vector<RecordOf<fields>> records(rows.count);
+  motion::for_each_field(fields,
+                         [&]<class Record, class Value>(const motion::Field<Record, Value>& field) {
+                           constexpr std::size_t width = motion::k_width<Value>;
+                           const auto numbers = column<Stored<Value>>(field.name, rows, width);
+                           for (std::size_t i = 0; i < records.size(); ++i) {
+                             const auto value = motion::value_of<Value>(&numbers[width * i]);
+                             if (value)
+                               records[i].*field.member = *value;
+                             else
+                               records.resize(i);
+                           }
+                         });
+  return records;
+}
+
 base::Result<motion::Animation, std::string> KeptMotions::animation(
     std::uint64_t nth, const scene::Scene& scene) const {
   const auto found = rows(nth, "segment", k_segments_max);
   if (!found) return found.error();
   const Rows& range = found.value();
-  std::vector<motion::Segment> segments(range.count);
-  std::size_t sound = range.count;  // all before the first number out of range
-  motion::for_each_field([&]<class Value>(const motion::Field<Value>& field) {
-    constexpr std::size_t width = motion::k_width<Value>;
-    const auto numbers = column<Stored<Value>>(field.name, range, width);
-    for (std::size_t i = 0; i < sound; ++i) {
-      const auto value = motion::value_of<Value>(&numbers[width * i]);
-      if (value)
-        segments[i].*field.member = *value;
-      else
-        sound = i;
-    }
-  });
+  const auto segments = records<motion::k_fields>(range);
   for (std::size_t i = 0; i < range.count; ++i) {
+    if (i == segments.size()) return fmt::format("has a segment {} that no motion has", i);
     const motion::Segment& segment = segments[i];
     const bool has_partner = segment.partner != motion::k_no_partner;
     const bool is_partner = segment.partner >= 0 &&
                             std::cmp_less(segment.partner, scene.features.size()) &&
                             std::cmp_not_equal(segment.partner, segment.body);
-    if (i == sound || (has_partner && !is_partner) ||
-        has_partner != (segment.cause == motion::Cause::hit))
+    if ((has_partner && !is_partner) || has_partner != (segment.cause == motion::Cause::hit))
       return fmt::format("has a segment {} that no motion has", i);
   }
   return motion::Animation::of(segments, scene.bodies());
@@ -248,41 +253,23 @@ base::Result<scene::Variation, std::string> KeptMotions::variation(
     const auto found = rows(nth, "part", k_own_rows_max);
     if (!found) return found.error();
     const Rows& range = found.value();
-    const Small feature = column<std::int32_t>("part_feature", range, 1);
-    const Small shape = column<std::int32_t>("part_shape", range, 1);
-    const Numbers size = column<double>("part_size_m", range, 3);
-    const Numbers position = column<double>("part_position_m", range, 3);
-    const Numbers orientation = column<double>("part_orientation", range, 4);
-    for (std::size_t i = 0; i < range.count; ++i) {
-      const auto known = one_of<scene::Shape>(shape[i], scene::k_shape_names.size());
-      if (!known || feature[i] < 0) return fmt::format("has a part {} that is none", i);
-      own.parts.push_back({.feature = static_cast<std::uint32_t>(feature[i]),
-                           .shape = *known,
-                           .size_m = vector_at(size, i),
-                           .position_m = vector_at(position, i),
-                           .orientation = quaternion_at(orientation, i)});
-    }
+    own.parts = records<k_part_fields>(range);
+    if (own.parts.size() < range.count)
+      return fmt::format("has a part {} that is none", own.parts.size());
     if (std::string fault = scene::fault_of_parts(own.parts, scene); !fault.empty()) return fault;
   }
   if (find_dataset(group, "point") != nullptr) {
     const auto found = rows(nth, "point", k_own_rows_max);
     if (!found) return found.error();
     const Rows& range = found.value();
-    const Small i = column<std::int32_t>("point_i", range, 1);
-    const Small j = column<std::int32_t>("point_j", range, 1);
-    const Numbers height = column<double>("point_height_m", range, 1);
-    const Numbers restitution = column<double>("point_restitution", range, 1);
-    const Numbers friction = column<double>("point_friction", range, 1);
-    for (std::size_t row = 0; row < range.count; ++row) {
-      const bool is_sane = std::abs(height[row]) <= motion::k_number_max && restitution[row] >= 0 &&
-                           restitution[row] <= 1 && friction[row] >= 0 && i[row] > -k_index_max &&
-                           i[row] < k_index_max && j[row] > -k_index_max && j[row] < k_index_max;
+    own.points = records<k_point_fields>(range);
+    for (std::size_t row = 0; row < own.points.size(); ++row) {
+      const scene::ControlPoint& point = own.points[row];
+      const bool is_sane = std::abs(point.height_m) <= motion::k_number_max &&
+                           point.restitution >= 0 && point.restitution <= 1 &&
+                           point.friction >= 0 && point.i > -k_index_max && point.i < k_index_max &&
+                           point.j > -k_index_max && point.j < k_index_max;
       if (!is_sane) return fmt::format("has a control point {} that is none", row);
-      own.points.push_back({.i = i[row],
-                            .j = j[row],
-                            .height_m = height[row],
-                            .restitution = restitution[row],
-                            .friction = friction[row]});
     }
     if (!are_in_order(own.points)) return std::string("has control points that are not in order");
   }

@@ -53,6 +53,9 @@ class KeptMotions {
   };
   base::Result<Rows, std::string> rows(std::uint64_t nth, const std::string& dim,
                                        std::uint64_t most) const;
+  /// Rows of a table (tables.h), up to the first with a number out of its field's range.
+  template <const auto& fields>
+  auto records(const Rows& rows) const;
   template <class Element>
   std::vector<Element> column(std::string_view name, const Rows& rows, std::uint64_t width) const;
 

@@ -2,26 +2,18 @@
 // the densities of a record. Private to common/archive.
 #pragma once
 
-#include <concepts>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include "common/archive/columns.h"
 #include "common/archive/model.h"
 #include "common/archive/world_layout.h"
-#include "common/motion/fields.h"
 
 namespace sleight::archive {
 
 using Dims = std::vector<Dimension>;
-
-/// What elements of a segment's field are written as.
-template <class Value>
-using Stored =
-    std::conditional_t<std::same_as<motion::Element<Value>, double>, double, std::int32_t>;
 
 /// REQUIRES: it fits.
 std::int64_t signed_of(std::uint64_t value);

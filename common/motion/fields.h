@@ -21,16 +21,17 @@
 
 namespace sleight::motion {
 
-template <class Value>
+/// A field of a record that an archive keeps in a column.
+template <class Record, class Value>
 struct Field {
-  const char* name;  ///< of the archive's column
-  Value Segment::*member;
+  const char* name;  ///< of the column
+  Value Record::*member;
   const char* meaning;  ///< one sentence
   const char* unit = "1";
 };
 /// Clang finds it by itself from version 17 on.
-template <class Value>
-Field(const char*, Value Segment::*, const char*, const char* = "1") -> Field<Value>;
+template <class Record, class Value>
+Field(const char*, Value Record::*, const char*, const char* = "1") -> Field<Record, Value>;
 
 /// In the order of the archive's columns. Numbers of modes and causes mean what is said here.
 inline constexpr std::tuple k_fields{
@@ -54,9 +55,9 @@ inline constexpr std::tuple k_fields{
           "in the scene's frame, all along", "rad s-2"}};
 
 /// Calls act(field) of each, in their order.
-template <class Act>
-constexpr void for_each_field(Act act) {
-  std::apply([&](const auto&... fields) { (act(fields), ...); }, k_fields);
+template <class Fields, class Act>
+constexpr void for_each_field(const Fields& fields, Act act) {
+  std::apply([&](const auto&... each) { (act(each), ...); }, fields);
 }
 
 /// A field's value as numbers: one, three of a vector (x, y, z), four of a rotation (w, x, y, z).
@@ -87,9 +88,10 @@ inline constexpr std::size_t k_width = std::tuple_size_v<Elements<Value>>;
 
 /// How many numbers a segment has.
 inline constexpr std::size_t k_elements = std::apply(
-    []<class... Values>(const Field<Values>&...) { return (k_width<Values> + ...); }, k_fields);
+    []<class... Values>(const Field<Segment, Values>&...) { return (k_width<Values> + ...); },
+    k_fields);
 
-/// The largest number of a field that has whole numbers.
+/// The largest number of a field that has whole numbers. An enumeration says its own.
 template <class Value>
 inline constexpr auto k_last = std::numeric_limits<Value>::max();
 template <>

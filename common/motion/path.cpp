@@ -16,7 +16,7 @@ constexpr double k_norm_off_max = 1e-3;
 
 bool is_sane(const Segment& segment) {
   bool is_sane = true;
-  for_each_field([&]<class Value>(const Field<Value>& field) {
+  for_each_field(k_fields, [&]<class Value>(const Field<Segment, Value>& field) {
     if constexpr (std::same_as<Element<Value>, double>) {
       // False of NaN.
       for (const double element : elements_of(segment.*field.member))

@@ -29,7 +29,7 @@ constexpr std::size_t k_segment_bytes = motion::k_elements * sizeof(double);
 base::Bytes bytes_of(std::span<const motion::Segment> segments) {
   base::ByteWriter writer;
   for (const motion::Segment& segment : segments) {
-    motion::for_each_field([&](const auto& field) {
+    motion::for_each_field(motion::k_fields, [&](const auto& field) {
       for (const auto element : motion::elements_of(segment.*field.member))
         writer.put(static_cast<double>(element));
     });
@@ -44,14 +44,15 @@ std::optional<std::vector<motion::Segment>> segments_of(base::BytesView bytes) {
   base::ByteReader reader(bytes);
   bool is_sound = true;
   for (motion::Segment& segment : segments) {
-    motion::for_each_field([&]<class Value>(const motion::Field<Value>& field) {
-      std::array<double, motion::k_width<Value>> numbers{};
-      for (double& number : numbers)
-        number = reader.get<double>().value();
-      const auto value = motion::value_of<Value>(numbers.data());
-      is_sound = is_sound && value.has_value();
-      segment.*field.member = value.value_or(segment.*field.member);
-    });
+    motion::for_each_field(motion::k_fields,
+                           [&]<class Value>(const motion::Field<motion::Segment, Value>& field) {
+                             std::array<double, motion::k_width<Value>> numbers{};
+                             for (double& number : numbers)
+                               number = reader.get<double>().value();
+                             const auto value = motion::value_of<Value>(numbers.data());
+                             is_sound = is_sound && value.has_value();
+                             segment.*field.member = value.value_or(segment.*field.member);
+                           });
   }
   return is_sound ? std::optional(std::move(segments)) : std::nullopt;
 }

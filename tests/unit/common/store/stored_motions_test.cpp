@@ -54,7 +54,7 @@ bool same(const archive::Motion& a, const archive::Motion& b) {
   const auto bits = [](const archive::Motion& motion) {
     std::vector<std::uint64_t> all;
     for (const motion::Segment& segment : motion.segments) {
-      motion::for_each_field([&](const auto& field) {
+      motion::for_each_field(motion::k_fields, [&](const auto& field) {
         for (const auto element : motion::elements_of(segment.*field.member))
           all.push_back(std::bit_cast<std::uint64_t>(static_cast<double>(element)));
       });

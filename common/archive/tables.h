@@ -1,0 +1,47 @@
+// The tables that an animation has rows of, by their fields: its segments, and parts and control
+// points of the scene that are its own. Private to common/archive.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <type_traits>
+
+#include "common/motion/fields.h"
+#include "common/scene/scene.h"
+
+namespace sleight::archive {
+
+/// What elements of a field are written as.
+template <class Value>
+using Stored =
+    std::conditional_t<std::same_as<motion::Element<Value>, double>, double, std::int32_t>;
+
+inline constexpr std::tuple k_part_fields{
+    motion::Field{"part_feature", &scene::Part::feature,
+                  "the feature of /scene that it belongs to"},
+    motion::Field{"part_shape", &scene::Part::shape, "along shape of /scene"},
+    motion::Field{"part_size_m", &scene::Part::size_m, "as in /scene", "m"},
+    motion::Field{"part_position_m", &scene::Part::position_m, "of its middle", "m"},
+    motion::Field{"part_orientation", &scene::Part::orientation,
+                  "from its frame to the feature's"}};
+
+inline constexpr std::tuple k_point_fields{
+    motion::Field{"point_i", &scene::ControlPoint::i, "it lies at x = i times the spacing"},
+    motion::Field{"point_j", &scene::ControlPoint::j, "it lies at y = j times the spacing"},
+    motion::Field{"point_height_m", &scene::ControlPoint::height_m, "its height", "m"},
+    motion::Field{"point_restitution", &scene::ControlPoint::restitution, "of what meets it"},
+    motion::Field{"point_friction", &scene::ControlPoint::friction, "Coulomb's coefficient there"}};
+
+template <class Record, class... Values>
+Record record_of(const std::tuple<motion::Field<Record, Values>...>& fields);
+/// What such a list is of.
+template <const auto& fields>
+using RecordOf = decltype(record_of(fields));
+
+}  // namespace sleight::archive
+
+template <>
+inline constexpr std::size_t sleight::motion::k_last<sleight::scene::Shape> =
+    sleight::scene::k_shape_names.size() - 1;
