@@ -51,7 +51,8 @@ struct AskedName {
 std::optional<AskedName> parse_name(std::string_view text);
 
 /// A piece of the path of a body's centre: position + velocity s + acceleration s^2 / 2 with s from
-/// start_s on, until the body's next piece; the last one has no end.
+/// start_s on, until the body's next piece; the last one has no end. A whole motion::Segment is
+/// twice as large: with that, an index takes twice the memory and searches are a quarter slower.
 struct Piece {
   double start_s = 0;
   math::Vec3 position_m{0, 0, 0};

@@ -1,9 +1,8 @@
 // The fields of a segment, listed once: the columns of an archive's motions, the numbers of a
 // motion beside a run's store, the columns that the gallery's page reads.
 //
-// A field that is added here is written and read in all three places. Two lists are other ones on
-// purpose: what the archive's checker expects (common/archive/structure.cpp), and what
-// docs/ARCHIVE_FORMAT.md says.
+// A field that is added here is written and read in all three places. The archive's checker has a
+// list of its own (common/archive/structure.cpp), so that it is a second opinion.
 //
 // Thread safety: constants and pure functions.
 #pragma once
@@ -16,6 +15,7 @@
 #include <optional>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "common/motion/segment.h"
 
@@ -91,7 +91,7 @@ inline constexpr std::size_t k_elements = std::apply(
     []<class... Values>(const Field<Segment, Values>&...) { return (k_width<Values> + ...); },
     k_fields);
 
-/// The largest number of a field that has whole numbers. An enumeration says its own.
+/// The largest number of a field of whole numbers. REQUIRES: a line for each enumeration.
 template <class Value>
 inline constexpr auto k_last = std::numeric_limits<Value>::max();
 template <>
@@ -100,7 +100,7 @@ template <>
 inline constexpr std::size_t k_last<Cause> = k_cause_names.size() - 1;
 
 /// The value with these elements; none if a number is out of the field's range.
-/// REQUIRES: k_width<Value> numbers, whole ones unless they are doubles' field.
+/// REQUIRES: k_width<Value> numbers.
 template <class Value, class Number>
 std::optional<Value> value_of(const Number* numbers) {
   if constexpr (std::same_as<Value, math::Vec3>) {

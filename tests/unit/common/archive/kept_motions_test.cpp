@@ -144,6 +144,9 @@ TEST(KeptMotions, DamageIsNamed) {
                 HasSubstr("no motion has"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "mode")[0] = 4; }),
                 HasSubstr("no motion has"));
+    // It is 0 in a byte.
+    EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "mode")[0] = 256; }),
+                HasSubstr("no motion has"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "cause")[0] = 1; }),
                 HasSubstr("no motion has"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "partner")[0] = 2; }),
