@@ -30,6 +30,10 @@ FailingLanding FailingBall::simulate(const State& state) const {
   return outcome;
 }
 
+bool FailingBall::satisfied(const Outcome& outcome) const {
+  return !outcome.starts_overlap && ball_.satisfied(outcome.landing);
+}
+
 double FailingBall::log_constraint(const Outcome& outcome) const {
   if (outcome.starts_overlap) return -std::numeric_limits<double>::infinity();
   return ball_.log_constraint(outcome.landing);

@@ -39,9 +39,7 @@ class FailingBall {
   double log_prior(const State& state) const { return ball_.log_prior(state); }
   Outcome simulate(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
-  bool satisfied(const Outcome& outcome) const {
-    return !outcome.starts_overlap && ball_.satisfied(outcome.landing);
-  }
+  bool satisfied(const Outcome& outcome) const;
   plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
   bool starts_overlap(const Outcome& outcome) const { return outcome.starts_overlap; }
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
