@@ -1,6 +1,6 @@
-// What a command found out of one thing, once for people and for programs: each fact has its key in
-// JSON and its words in one place. Reports of many alike things are a list in JSON and a table's
-// rows.
+// A report says what a command found out about one thing, to people and to programs: each fact has
+// its key in JSON and its words in one place. Reports of many alike things make a table, or a list
+// in JSON.
 //
 // Values; thread-safe as such.
 #pragma once
