@@ -41,38 +41,14 @@
 #include <vector>
 
 #include "worker/physics/contact/force_balance.h"
+#include "worker/physics/contact/touch_record.h"
+#include "worker/physics/contact/weight_balance.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/event/tolerances.h"
 #include "worker/physics/motion/rigid_body.h"
 #include "worker/physics/scene/scene.h"
 
 namespace sleight::physics {
-
-/// A body's partner is static geometry.
-inline constexpr BodyId k_static_partner{UINT32_MAX};
-
-/// One impact as a body felt it.
-struct TouchRecord {
-  Tick tick{};
-  BodyId partner = k_static_partner;
-  StaticId feature{};  ///< of static geometry: which
-  double friction = 0;
-  Vec3 normal = Vec3::Zero();  ///< from the partner to the body
-  Vec3 arm_m = Vec3::Zero();   ///< from the body's centre to the contact
-};
-
-/// Whether forces at contacts, each within its friction cone, can hold a weight that acts at a
-/// place from the body's centre: sums of forces and of torques are zero to within a small part of
-/// the weight. `reach_m` turns torques into forces. Cones are pyramids of four edges, which lie
-/// inside of them.
-bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
-               const Vec3& weight_at_m = Vec3::Zero());
-
-/// Whether one or two contacts certainly don't carry a weight at the centre, which is quickly seen:
-/// in a turn about the line through them, or about the one contact towards which the weight falls,
-/// no push does work. What the weight works meanwhile, over the size of that motion, is left of it
-/// at least. `down`: unit.
-bool falls_over(std::span<const TouchRecord> contacts, const Vec3& down, double reach_m);
 
 class Resting {
  public:
@@ -239,15 +215,13 @@ class Resting {
     std::span<const TouchRecord> holding() const { return {held.data(), held_count}; }
   };
 
-  /// Which of some contacts, as bits.
-  using Chosen = std::uint32_t;
   /// Contacts that carry a body that has been slow for so long: firmly, with its weight a little to
   /// any side, or as it is, and then for long enough to have toppled otherwise. None if they don't.
-  Chosen carrying(std::span<const TouchRecord> contacts, const Present& state,
-                  TickCount slow) const;
+  Contacts carrying(std::span<const TouchRecord> contacts, const Present& state,
+                    TickCount slow) const;
   /// The same of those contacts of a body that it may lean on. One that is jammed, or has stayed,
   /// leans on all that push it up.
-  Chosen supporting(const Log& log, Tick now) const;
+  Contacts supporting(const Log& log, Tick now) const;
   bool may_lean_on(const TouchRecord& touch) const {
     if (touch.partner == k_static_partner) return true;
     const Log& other = logs_[touch.partner];

@@ -1,0 +1,27 @@
+// What a body remembers of an impact, for decisions about rest.
+//
+// Thread safety: values.
+#pragma once
+
+#include <cstdint>
+
+#include "worker/physics/event/ids.h"
+#include "worker/physics/event/tick.h"
+#include "worker/physics/motion/rigid_body.h"
+
+namespace sleight::physics {
+
+/// A body's partner is static geometry.
+inline constexpr BodyId k_static_partner{UINT32_MAX};
+
+/// One impact as a body felt it.
+struct TouchRecord {
+  Tick tick{};
+  BodyId partner = k_static_partner;
+  StaticId feature{};  ///< of static geometry: which
+  double friction = 0;
+  Vec3 normal = Vec3::Zero();  ///< from the partner to the body
+  Vec3 arm_m = Vec3::Zero();   ///< from the body's centre to the contact
+};
+
+}  // namespace sleight::physics
