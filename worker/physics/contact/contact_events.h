@@ -36,10 +36,9 @@
 //                                  it has no slip to pay its bounces from
 //   notes_corners(b)               corners that carry beside those that touched
 // and says what happened to whoever keeps a history:
+//   goes_live(b)                   from now on something other than its history may change it
+//   reads(b, other)                what happens to b depends on the other one's state
 //   learns(b)                      its contact state changes, beyond what it touches
-//   is_asked(member, asker)        its state is read for a decision about rest, and may change
-//   is_read(member, asker)         the same, of a resting body that the decision leaves as it is
-//   wakes(b, from, rested)         what it leant on has moved; whether it was at rest by then
 //
 // Everything is a function of the table's state at the event, so both engines do the same, bit for
 // bit. What they do is held to physics, and to kept hashes, by the tests of either.
@@ -110,10 +109,9 @@ concept BodiesAtEvent = requires(T& at, BodyId body, StaticId met, FeatureId fea
   { at.impact_on_static(body, twist, contact, law) } -> std::same_as<Twist>;
   { at.leaving(body, contact, twist) } -> std::same_as<Twist>;
   at.notes_corners(body);
+  at.goes_live(body);
+  at.reads(body, body);
   at.learns(body);
-  at.is_asked(body, body);
-  at.is_read(body, body);
-  at.wakes(body, body, bool{});
 };
 
 // ---- laws ---------------------------------------------------------------------------------------
@@ -147,7 +145,9 @@ template <BodiesAtEvent At>
 void wake_dependents(At& at, BodyId body) {
   for (const BodyId dependent : at.resting().wake(body)) {
     const bool rested = at.is_resting(dependent);
-    at.wakes(dependent, body, rested);
+    at.goes_live(dependent);
+    if (rested) at.reads(body, dependent);
+    at.learns(dependent);
     if (!rested) continue;
     at.begin_after(dependent, {});
     at.resting().woke(dependent, at.tick(), at.place_of_rest(dependent));
@@ -159,7 +159,7 @@ template <BodiesAtEvent At>
 bool has_left(At& at, BodyId body) {
   if (!at.resting().in_place(body)) return false;
   return at.resting().has_left(body, at.place_of_rest(body),
-                               at.fastest_point_mps(body, at.twist(body)), at.reach_m(body));
+                               at.fastest_point_mps(body, at.twist(body)));
 }
 
 /// What rested on those whose motion has changed, and that have left their places, wakes.
@@ -444,7 +444,7 @@ void collide_static(At& at, BodyId body, StaticId index, const PieceContact& con
 /// What a decision about rest needs to know of a body; what carries it all the time is noted as
 /// touched.
 template <BodiesAtEvent At>
-Resting::Present present_of(At& at, BodyId body) {
+RestDecision::Present present_of(At& at, BodyId body) {
   const std::span<const StaticId> features =
       at.stays(body) ? at.supports(body).all() : std::span<const StaticId>{};
   FewContacts few;
@@ -460,21 +460,16 @@ Resting::Present present_of(At& at, BodyId body) {
                                       .arm_m = -at.reach_m(body) * contact.normal});
   }
   at.notes_corners(body);
-  Resting::Present present{.speed_mps = at.fastest_point_mps(body, at.twist(body)),
-                           .weight_n = at.mass_kg(body) * at.gravity_mps2(),
-                           .reach_m = at.reach_m(body),
-                           .centre_m = at.place_m(body),
-                           .round = at.is_round(body)};
-  if (!at.stays(body)) return present;
-  const auto stands_still = [&] {
-    if (at.is_round(body)) return at.stands(body, few.all());
+  RestDecision::Present present{.speed_mps = at.fastest_point_mps(body, at.twist(body)),
+                                .centre_m = at.place_m(body),
+                                .stays = at.stays(body),
+                                .stays_on = features};
+  if (!present.stays) return present;
+  if (at.is_round(body)) {
+    present.stands = at.stands(body, few.all());
+  } else {
     const auto still = at.lying(body, features.front(), at.supports(body).face, {});
-    return still && still->stands;
-  };
-  if (stands_still()) {
-    present.stance = Resting::Stance::holds;
-  } else if (at.resting().touched_only(body, at.tick(), features)) {
-    present.stance = Resting::Stance::slides;
+    present.stands = still && still->stands;
   }
   return present;
 }
@@ -483,30 +478,38 @@ Resting::Present present_of(At& at, BodyId body) {
 template <BodiesAtEvent At>
 std::size_t rest(At& at, BodyId body) {
   at.changed().clear();
-  const auto present = [&](BodyId member) {
-    at.is_asked(member, body);
-    return present_of(at, member);
-  };
-  const auto looks = [&](BodyId member) {
-    at.is_read(member, body);
-    return Resting::Present{.weight_n = at.mass_kg(member) * at.gravity_mps2(),
-                            .reach_m = at.reach_m(member),
-                            .centre_m = at.place_m(member)};
-  };
-  for (const BodyId member : at.resting().decide(body, at.tick(), present, looks))
+  RestDecision& decision = at.resting().decide(body, at.tick());
+  while (const auto member = decision.asks()) {
+    at.reads(body, *member);
+    at.learns(*member);
+    // Its partners are asked about next, and it may come to rest on them.
+    for (const TouchRecord& touch : at.resting().touches(*member)) {
+      if (touch.partner == k_static_partner || at.tick() - touch.tick > at.resting().rest_span())
+        continue;
+      at.goes_live(touch.partner);
+      at.reads(*member, touch.partner);
+    }
+    decision.tell(*member, present_of(at, *member));
+  }
+  const RestDecision::Outcome outcome = decision.decide();
+  for (const BodyId member : outcome.read)
+    at.reads(body, member);
+  for (const BodyId member : outcome.rest) {
     at.begin_rest(member);
-  const std::size_t count = at.changed().size();
-  for (const BodyId member : at.resting().overloaded()) {
-    at.wakes(member, body, true);
-    at.resting().rouse(member, body);
+    at.resting().rests_at(member, at.place_m(member));
+  }
+  for (const BodyId member : outcome.wake) {
+    at.goes_live(member);
+    at.reads(body, member);
+    at.learns(member);
     at.begin_after(member, {});
     at.resting().woke(member, at.tick(), at.place_of_rest(member));
   }
-  if (count == 0 && has_left(at, body)) {
+  if (outcome.rest.empty() && has_left(at, body)) {
     at.resting().leave(body);
     wake_dependents(at, body);
   }
-  return count;
+  return outcome.rest.size();
 }
 
 }  // namespace sleight::physics::contact

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "worker/physics/contact/lasting_contact.h"
-#include "worker/physics/contact/resting.h"
+#include "worker/physics/contact/rest_log.h"
 #include "worker/physics/event/tolerances.h"
 
 namespace sleight::physics {
@@ -65,10 +65,10 @@ struct CollisionCount {
 /// What such a body does, for people. `slow_contacts_end`: whether the scene says how these end.
 std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_end);
 
-/// All contact state but for two parts: the touches lie in a list of TouchRecord (resting.h), and
+/// All contact state but for two parts: the touches lie in a list of TouchRecord (rest_log.h), and
 /// the counts and times of collisions follow from the event itself (World::restore).
 struct ContactState {
-  Resting::State rest;
+  RestState rest;
   Supports supports;
 };
 

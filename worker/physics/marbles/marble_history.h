@@ -13,7 +13,7 @@
 
 #include "worker/physics/contact/contact_state.h"
 #include "worker/physics/contact/recent_contacts.h"
-#include "worker/physics/contact/resting.h"
+#include "worker/physics/contact/rest_log.h"
 #include "worker/physics/event/event.h"
 #include "worker/physics/marbles/touch_box.h"
 #include "worker/physics/motion/segment.h"
@@ -69,7 +69,7 @@ struct MarbleHistory {
     std::size_t meetings = 0;  ///< the same
     std::uint64_t work = 0;    ///< of events up to here that count as its own
     Marble marble;
-    Resting::State rest;
+    RestState rest;
     std::size_t first_met = 0;  ///< in `met`
     std::size_t met_count = 0;
   };
@@ -86,7 +86,7 @@ struct MarbleHistory {
   std::vector<Meeting> meetings{};  ///< in the order of time
   Checkpoint last{};                ///< after its last event
   // What checkpoints know of contacts.
-  Resting::TouchList touches{};
+  std::vector<TouchRecord> touches{};
   std::vector<RecentContacts::Entry> met{};
   std::uint64_t work = 0;  ///< of the events that count as its own
   Tick until{};            ///< known so far

@@ -48,7 +48,10 @@ void Marbles::start(const Scene& scene, const NearFeatures& near, Tick end,
                    : 0;
   const double bounce_s = pull_mps2 > 0 ? 2 * scene.slow.separation_speed_mps / pull_mps2 : 1;
   const std::size_t count = scene.bodies.size();
-  resting_.reset(count, scene.slow, ticks_after(k_jam_bounces * bounce_s));
+  const std::vector<RestingBody> resting(
+      count,
+      {.weight_n = inertia_.mass_kg * scene.gravity_mps2, .reach_m = radius_m_, .round = true});
+  resting_.reset(resting, scene.slow, ticks_after(k_jam_bounces * bounce_s));
   recent_.reset(count);
   balls_.assign(count, {});
   surroundings_.assign(count, {});

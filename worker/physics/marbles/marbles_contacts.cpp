@@ -186,19 +186,11 @@ class Marbles::AtEvent {
   }
 
   void notes_corners(BodyId /*ball*/) {}
+  void goes_live(BodyId /*ball*/) {}
+  void reads(BodyId ball, BodyId other) {
+    if (marbles_.records_ && ball != other) marbles_.keep_meeting(ball, other);
+  }
   void learns(BodyId /*ball*/) {}
-  void is_asked(BodyId member, BodyId asker) {
-    if (!marbles_.records_) return;
-    if (member != asker) marbles_.keep_meeting(asker, member);
-    resting().for_each_partner(member, tick_,
-                               [&](BodyId partner) { marbles_.keep_meeting(member, partner); });
-  }
-  void is_read(BodyId member, BodyId asker) {
-    if (marbles_.records_ && member != asker) marbles_.keep_meeting(asker, member);
-  }
-  void wakes(BodyId ball, BodyId from, bool rested) {
-    if (marbles_.records_ && rested) marbles_.keep_meeting(from, ball);
-  }
 
  private:
   Marbles& marbles_;

@@ -82,7 +82,7 @@ void Marbles::keep_checkpoints(BodyId of) {
   for (const BodyId ball : met_) {
     MarbleHistory& kept = kept_[ball];
     if (kept.checkpoints.size() == k_checkpoints_max) {
-      kept.touches.resize(kept.checkpoints.back().rest.first_touch());
+      kept.touches.resize(kept.checkpoints.back().rest.first_touch);
       kept.met.resize(kept.checkpoints.back().first_met);
       kept.checkpoints.pop_back();
     }

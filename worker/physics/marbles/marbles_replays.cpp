@@ -220,7 +220,7 @@ void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
   own.flights.assign(history.flights.begin(), history.flights.begin() + parts);
   std::ranges::copy_if(history.checkpoints, std::back_inserter(own.checkpoints), is_before);
   // Lists grow with checkpoints, so what later ones know lies behind.
-  const std::size_t touches = checkpoint.rest.first_touch() + checkpoint.rest.touch_count();
+  const std::size_t touches = checkpoint.rest.first_touch + checkpoint.rest.touch_count();
   const std::size_t met = checkpoint.first_met + checkpoint.met_count;
   own.touches.assign(history.touches.begin(),
                      history.touches.begin() + static_cast<std::ptrdiff_t>(touches));

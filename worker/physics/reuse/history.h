@@ -49,7 +49,7 @@ struct HistoryEvent {
   double gap_m = 0;  ///< of a collision of two bodies
   std::span<const Participant> participants;
   std::span<const Segment> segments;
-  /// One for each that touches, and as many as each with a contact state has: Resting::State says
+  /// One for each that touches, and as many as each with a contact state has: RestState says
   /// where.
   std::span<const TouchRecord> touches;
   std::span<const ContactState> contact_states;

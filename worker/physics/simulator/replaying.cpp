@@ -146,7 +146,8 @@ std::span<const BodyId> Replaying::make_supporters_live() {
   for (std::size_t i = 0; i < replayed.gone_live().size(); ++i) {
     const BodyId body = replayed.gone_live()[i];
     if (!bodies().is_resting(body)) continue;
-    world_.resting().for_each_supporter(body, [&](BodyId other) { replayed.make_live(other); });
+    for (const BodyId other : world_.resting().supporters(body))
+      replayed.make_live(other);
   }
   return replayed.gone_live();
 }

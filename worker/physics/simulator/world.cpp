@@ -27,7 +27,15 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
                  return body.inertia.symmetry == InertiaSymmetry::general;
                });
   const double bounce_s = pull_mps2 > 0 ? 2 * slow.separation_speed_mps / pull_mps2 : 1;
-  resting_.reset(count, slow, ticks_after(k_jam_bounces * bounce_s));
+  std::vector<RestingBody> resting;
+  resting.reserve(count);
+  for (BodyId body{}; body < count; ++body) {
+    const BodyConstants& constants = bodies_.constants(body);
+    resting.push_back({.weight_n = constants.inertia.mass_kg * scene.gravity_mps2,
+                       .reach_m = constants.reach_m,
+                       .round = constants.is_sphere});
+  }
+  resting_.reset(resting, slow, ticks_after(k_jam_bounces * bounce_s));
   replayed_.reset(count);
   changed_.reserve(count);
   collided_.resize(count);

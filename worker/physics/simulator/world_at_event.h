@@ -151,20 +151,9 @@ class World::AtEvent {
     if (stays(body)) world_.note_plane_supports(body, tick());
     world_.note_near_corners(body, tick());
   }
+  void goes_live(BodyId body) { world_.replayed_.make_live(body); }
+  void reads(BodyId /*body*/, BodyId other) { world_.recorder_.takes_part(other); }
   void learns(BodyId body) { world_.recorder_.learns(body); }
-  /// Its partners are asked next, and it may come to rest on them.
-  void is_asked(BodyId member, BodyId /*asker*/) {
-    learns(member);
-    resting().for_each_partner(member, tick(), [&](BodyId partner) {
-      world_.replayed_.make_live(partner);
-      world_.recorder_.takes_part(partner);
-    });
-  }
-  void is_read(BodyId member, BodyId /*asker*/) { world_.recorder_.takes_part(member); }
-  void wakes(BodyId body, BodyId /*from*/, bool /*rested*/) {
-    world_.replayed_.make_live(body);
-    learns(body);
-  }
 
  private:
   const BodyConstants& constants(BodyId body) const { return world_.bodies_.constants(body); }

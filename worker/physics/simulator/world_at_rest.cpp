@@ -301,7 +301,8 @@ Segment World::segment_at_rest(BodyId body) const {
 
 void World::begin_at_rest(BodyId body) {
   recorder_.learns(body);
-  resting_.lies(body, at_rest_[body].touches, at_rest_[body].supporters);
+  resting_.lies(body, bodies_.position_at(body, Tick{}), at_rest_[body].touches,
+                at_rest_[body].supporters);
 }
 
 }  // namespace sleight::physics

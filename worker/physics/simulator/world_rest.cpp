@@ -1,6 +1,7 @@
 // Bodies that go to rest, and which lasting contacts carry them beside those that they touched;
 // spheres whose contact changes.
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "worker/physics/collision/piece_corners.h"
@@ -58,16 +59,17 @@ void World::change_mode(BodyId body, const EventKey& event) {
 }
 
 void World::note_near_corners(BodyId body, Tick tick) {
-  Resting::Touches felt = resting_.touches(body, tick);
-  for (std::size_t i = 0; i < felt.count; ++i) {
-    const TouchRecord& touch = felt.records[i];
-    const bool seen = std::any_of(
-        felt.records.begin(), felt.records.begin() + i, [&](const TouchRecord& earlier) {
-          return earlier.partner == touch.partner && earlier.feature == touch.feature &&
-                 math::dot(earlier.normal, touch.normal) > k_same_face_cosine;
-        });
+  resting_.forget_old_touches(body, tick);
+  // A copy, as the list changes on the way.
+  std::array<TouchRecord, k_touch_records_max> copy;
+  const auto end = std::ranges::copy(resting_.touches(body), copy.begin()).out;
+  for (auto touch = copy.begin(); touch != end; ++touch) {
+    const bool seen = std::any_of(copy.begin(), touch, [&](const TouchRecord& earlier) {
+      return earlier.partner == touch->partner && earlier.feature == touch->feature &&
+             math::dot(earlier.normal, touch->normal) > k_same_face_cosine;
+    });
     if (seen) continue;
-    corners_like(body, touch, tick, k_near_corner * bodies_.constants(body).reach_m,
+    corners_like(body, *touch, tick, k_near_corner * bodies_.constants(body).reach_m,
                  [this, body](const TouchRecord& near) { resting_.still_touches(body, near); });
   }
 }

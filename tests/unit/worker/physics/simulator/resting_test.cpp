@@ -310,7 +310,7 @@ TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
   // resting cube; the speed that the cube would get is below or above wake_speed_mps.
   Resting rule;
   Scene scene = floor_scene({.restitution = 0.5, .friction = 0.4});
-  rule.reset(1, scene.slow, ticks_after(1));
+  rule.reset({}, scene.slow, ticks_after(1));
   scene.bodies.push_back(cube_at({0, 0, 0.0101}));
   scene.bodies.push_back(ball_at({-0.05, 0, 0.012}));
   // The cube and the ball have equal masses, 20 g: a jump of (1 + e) v against a fixed cube.
