@@ -46,8 +46,8 @@ struct CollisionCount {
   std::uint32_t at_tick = 0;
   std::uint32_t in_window = 0;
 
-  /// One more; how many it had at this tick.
-  std::uint32_t add(Tick now) {
+  /// One more.
+  void add(Tick now) {
     at_tick = tick == now ? at_tick + 1 : 1;
     tick = now;
     if (now - window > k_window) {
@@ -55,7 +55,6 @@ struct CollisionCount {
       in_window = 0;
     }
     ++in_window;
-    return at_tick;
   }
   /// So many that the simulation can't go on.
   bool is_too_much() const {

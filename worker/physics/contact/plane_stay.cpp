@@ -30,6 +30,32 @@ bool settles(const BodyOnPlane& body, const FreeFlight& now, const PlaneMotion& 
 
 }  // namespace
 
+Flat flat_at(const StaticGeometry& statics, StaticId met, std::uint32_t face) {
+  if (met < statics.plane_count()) {
+    const HalfSpace& plane = statics.plane({met});
+    return {.normal = plane.normal,
+            .offset_m = plane.offset_m,
+            .sides = {},
+            .map = statics.friction_map(met)};
+  }
+  const ConvexView& view = *statics.piece({met}).view;
+  const Face& one = view.faces[face];
+  return {.normal = one.normal,
+          .offset_m = one.offset_m,
+          .sides = std::span(view.sides + one.first_side, one.side_count)};
+}
+
+std::optional<std::uint32_t> face_met(const StaticGeometry& statics, StaticId met,
+                                      const Vec3& normal) {
+  if (met < statics.plane_count()) return 0;
+  constexpr double k_same_cosine = 1 - 1e-9;  // but for rounding
+  const ConvexView& view = *statics.piece({met}).view;
+  for (std::uint32_t face = 0; face < view.face_count; ++face) {
+    if (math::dot(view.faces[face].normal, normal) > k_same_cosine) return face;
+  }
+  return std::nullopt;
+}
+
 bool is_over(const Flat& flat, const Vec3& place_m) {
   return std::ranges::all_of(
       flat.sides, [&](const Side& side) { return dot(side.inward, place_m) - side.offset_m >= 0; });

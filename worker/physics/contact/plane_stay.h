@@ -40,6 +40,11 @@ struct Flat {
   std::span<const Side> sides;       ///< of a face
   const FrictionMap* map = nullptr;  ///< of a plane that has one
 };
+/// REQUIRES: a plane or a static polyhedron or triangle; of a plane any face.
+Flat flat_at(const StaticGeometry& statics, StaticId met, std::uint32_t face);
+/// Which face of these has a normal; of a plane 0.
+std::optional<std::uint32_t> face_met(const StaticGeometry& statics, StaticId met,
+                                      const Vec3& normal);
 /// Whether a point lies over it.
 bool is_over(const Flat& flat, const Vec3& place_m);
 

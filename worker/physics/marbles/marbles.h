@@ -183,7 +183,7 @@ class Marbles {
 
   // What happens (marbles_contacts.cpp).
   class AtEvent;
-  std::uint32_t count_at(BodyId ball, Tick tick);
+  const CollisionCount& count_at(BodyId ball, Tick tick);
   void collide(BodyId a, BodyId b, Tick tick);
   void collide_static(BodyId ball, FeatureId feature, Tick tick);
   void change_mode(BodyId ball, Tick tick);

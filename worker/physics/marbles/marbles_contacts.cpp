@@ -39,153 +39,110 @@ void Marbles::segment_begun(BodyId index) {
   changed_.push_back(index);
 }
 
-std::uint32_t Marbles::count_at(BodyId ball, Tick tick) {
+const CollisionCount& Marbles::count_at(BodyId ball, Tick tick) {
   CollisionCount& collided = balls_[ball].collided;
-  const std::uint32_t count = collided.add(tick);
+  collided.add(tick);
   if (collided.is_too_much()) {
     fail(SceneError::Kind::too_many_collisions,
          fmt::format("{}: {} at tick {} ({:.9g} s)", name(ball), words_of_too_much(collided, true),
                      tick.value, seconds(tick - Tick{})));
   }
-  return count;
+  return collided;
 }
 
 // ---- as contact_events.h asks for them ----------------------------------------------------------
 
-class Marbles::AtEvent {
+class Marbles::AtEvent : public contact::Event {
  public:
-  AtEvent(Marbles& marbles, Tick tick) : marbles_(marbles), tick_(tick) {}
+  AtEvent(Marbles& marbles, Tick now)
+      : Event{.tick = now,
+              .changed = marbles.changed_,
+              .resting = marbles.resting_,
+              .scene = {.statics = *marbles.statics_,
+                        .slow = marbles.scene_->slow,
+                        .gravity_mps2 = marbles.scene_->gravity_mps2},
+              .contacts = marbles.scene_->contacts,
+              .may_stay = marbles.contacts_last_,
+              .alone_for = marbles.alone_for_},
+        marbles_(marbles) {}
 
-  Tick tick() const { return tick_; }
-  std::vector<BodyId>& changed() { return marbles_.changed_; }
-  Resting& resting() { return marbles_.resting_; }
-  const StaticGeometry& statics() const { return *marbles_.statics_; }
-  const SlowContacts& slow() const { return marbles_.scene_->slow; }
-  const Vec3& gravity_mps2() const { return marbles_.scene_->gravity_mps2; }
-  TickCount alone_for() const { return marbles_.alone_for_; }
+  /// All are one.
+  struct Ball {
+    double reach_m;
+    const Inertia& inertia;
+    const SphereMass& sphere_mass;
+    MaterialId material;
+  };
+  Ball body(BodyId /*ball*/) const {
+    return {.reach_m = marbles_.radius_m_,
+            .inertia = marbles_.inertia_,
+            .sphere_mass = marbles_.mass_,
+            .material = marbles_.material_};
+  }
+  const RoundBody& round_body(BodyId /*ball*/) const { return marbles_.round_; }
 
-  bool is_resting(BodyId ball) const { return marbles_.is_resting(ball); }
-  bool is_round(BodyId /*ball*/) const { return true; }
+  MotionMode mode(BodyId ball) const { return marbles_.balls_[ball].segment.mode; }
   /// Kept, as an event asks several times where its ball is.
   const Vec3& place_m(BodyId ball) {
     if (ball != placed_) {
       placed_ = ball;
-      place_m_ = marbles_.place_at(ball, tick_);
+      place_m_ = marbles_.place_at(ball, tick);
     }
     return place_m_;
   }
-  Twist twist(BodyId ball) const { return marbles_.twist_at(ball, tick_); }
-  Pose place_of_rest(BodyId ball) { return {place_m(ball), Quat::Identity()}; }
-  double reach_m(BodyId /*ball*/) const { return marbles_.radius_m_; }
-  double mass_kg(BodyId /*ball*/) const { return marbles_.inertia_.mass_kg; }
-  double fastest_point_mps(BodyId /*ball*/, const Twist& twist) const {
-    return physics::fastest_point_mps(marbles_.radius_m_, twist);
-  }
-
-  const RoundBody& round_body(BodyId /*ball*/) const { return marbles_.round_; }
-  bool may_stay(BodyId /*ball*/) const { return marbles_.contacts_last_; }
-  bool may_lie(BodyId /*ball*/, StaticId /*feature*/) const { return false; }
-  std::optional<std::uint32_t> face_met(StaticId /*feature*/, const Vec3& /*normal*/) const {
-    return std::nullopt;
-  }
-  std::optional<PlaneStay> lying(BodyId /*ball*/, StaticId /*feature*/, std::uint32_t /*face*/,
-                                 const Twist& /*twist*/) const {
-    return std::nullopt;
-  }
-  Twist lifted(BodyId /*ball*/, const Twist& twist) const { return twist; }
-  bool stays(BodyId ball) const { return in_contact(marbles_.balls_[ball].segment); }
+  Twist twist(BodyId ball) const { return marbles_.twist_at(ball, tick); }
   Supports& supports(BodyId ball) { return marbles_.balls_[ball].supports; }
-  LastingContact lasting_contact(BodyId ball, FeatureId feature) {
-    const SurfaceLaw& law = marbles_.scene_->contacts.between(
-        marbles_.material_, statics().material_of_feature(feature));
-    return {.normal = normal_at(statics().feature(feature), place_m(ball)),
-            .friction = statics().friction_at({feature}, place_m(ball), law.friction),
-            .rolling_friction = law.rolling_friction};
-  }
-  /// How it would move from rest hangs on normals and friction, and those of faces stay as they
+  /// How it would move from rest depends on normals and friction, and those of faces stay as they
   /// are.
-  bool stands(BodyId ball, std::span<const LastingContact> contacts) {
+  bool stands(BodyId ball, std::span<const LastingContact> on) {
     Marble& own = marbles_.balls_[ball];
     const bool same =
-        own.stance_tick == tick_ || std::ranges::all_of(own.supports.all(), [&](StaticId met) {
-          return statics().feature({met}).kind == FeatureKind::face &&
-                 statics().friction_map(met) == nullptr;
+        own.stance_tick == tick || std::ranges::all_of(own.supports.all(), [&](StaticId met) {
+          return scene.statics.feature({met}).kind == FeatureKind::face &&
+                 scene.statics.friction_map(met) == nullptr;
         });
     if (own.stance == Marble::Stance::unknown || !same) {
-      own.stance_tick = tick_;
-      own.stance = stands_on(marbles_.round_, contacts, gravity_mps2()) ? Marble::Stance::stands
-                                                                        : Marble::Stance::moves;
+      own.stance_tick = tick;
+      own.stance = stands_on(marbles_.round_, on, scene.gravity_mps2) ? Marble::Stance::stands
+                                                                      : Marble::Stance::moves;
     }
     return own.stance == Marble::Stance::stands;
   }
-  Tick slow_from(BodyId /*ball*/, const Segment& segment, Tick end) const {
-    return physics::slow_from(segment, marbles_.radius_m_, marbles_.inertia_, slow(), end);
-  }
 
   FreeFlight flight_after(BodyId ball, const Twist& twist) {
-    return {.begin = tick_,
+    return {.begin = tick,
             .position_m = place_m(ball),
             .velocity_mps = twist.velocity_mps,
-            .acceleration_mps2 = gravity_mps2(),
+            .acceleration_mps2 = scene.gravity_mps2,
             .orientation = marbles_.balls_[ball].segment.flight.orientation,
             .angular_velocity_radps = twist.angular_velocity_radps};
-  }
-  void begin_segment(BodyId ball, const Segment& segment) {
-    placed_ = k_none;
-    marbles_.begin_segment(ball, segment);
   }
   void begin_after(BodyId ball, const Twist& twist) {
     Segment& segment = marbles_.balls_[ball].segment;
     // Its orientation stays.
     segment.flight.position_m = place_m(ball);
-    segment.flight.begin = tick_;
+    segment.flight.begin = tick;
     segment.flight.velocity_mps = twist.velocity_mps;
-    segment.flight.acceleration_mps2 = gravity_mps2();
+    segment.flight.acceleration_mps2 = scene.gravity_mps2;
     segment.flight.angular_velocity_radps = twist.angular_velocity_radps;
     segment.angular_acceleration_radps2 = Vec3::Zero();
     segment.mode = MotionMode::free;
     marbles_.segment_begun(ball);
   }
-  void begin_rest(BodyId ball) {
-    Segment segment{.flight = flight_after(ball, {}), .mode = MotionMode::resting};
-    segment.flight.acceleration_mps2 = Vec3::Zero();
-    begin_segment(ball, segment);
+  void begin_segment(BodyId ball, const Segment& segment) {
+    placed_ = k_none;
+    marbles_.begin_segment(ball, segment);
   }
 
-  std::uint32_t count(BodyId ball) { return marbles_.count_at(ball, tick_); }
-  const CollisionCount& collided(BodyId ball) const { return marbles_.balls_[ball].collided; }
+  const CollisionCount& count(BodyId ball) { return marbles_.count_at(ball, tick); }
   void meets(BodyId a, BodyId b, double gap_m) {
-    marbles_.recent_.note(a, b, tick_, gap_m);
-    if (marbles_.records_) marbles_.keep_meeting(a, b);
-    if (marbles_.contacts_last_) supports(a).met_body = supports(b).met_body = tick_;
+    marbles_.recent_.note(a, b, tick, gap_m);
+    reads(a, b);
   }
   void touches(BodyId ball, const TouchRecord& touch, bool slowly) {
-    resting().touched(ball, touch, slowly);
-  }
-  ImpactOutput impact(BodyId a, BodyId b, const PieceContact& contact, const ContactLaw& law,
-                      bool a_fixed, bool b_fixed) const {
-    return sphere_impact({.mass_a = a_fixed ? SphereMass{} : marbles_.mass_,
-                          .mass_b = b_fixed ? SphereMass{} : marbles_.mass_,
-                          .a = twist(a),
-                          .b = twist(b),
-                          .normal = contact.normal,
-                          .law = law});
-  }
-  Twist impact_on_static(BodyId /*ball*/, const Twist& before, const PieceContact& contact,
-                         const ContactLaw& law) const {
-    return sphere_impact({.mass_a = {},
-                          .mass_b = marbles_.mass_,
-                          .a = {},
-                          .b = before,
-                          .normal = contact.normal,
-                          .law = law})
-        .b;
-  }
-  Twist leaving(BodyId /*ball*/, const PieceContact& contact, const Twist& twist) const {
-    return hop(marbles_.round_, contact.normal, twist, contact::hop_speed_mps(slow()));
+    resting.touched(ball, touch, slowly);
   }
 
-  void notes_corners(BodyId /*ball*/) {}
   void goes_live(BodyId /*ball*/) {}
   void reads(BodyId ball, BodyId other) {
     if (marbles_.records_ && ball != other) marbles_.keep_meeting(ball, other);
@@ -194,7 +151,6 @@ class Marbles::AtEvent {
 
  private:
   Marbles& marbles_;
-  Tick tick_;
   BodyId placed_ = k_none;
   Vec3 place_m_;  ///< of that one
 };
@@ -202,7 +158,7 @@ class Marbles::AtEvent {
 // ---- what happens -------------------------------------------------------------------------------
 
 void Marbles::collide(BodyId a, BodyId b, Tick tick) {
-  static_assert(contact::BodiesAtEvent<AtEvent>);
+  static_assert(contact::SpheresAtEvent<AtEvent> && !contact::AnyAtEvent<AtEvent>);
   const Vec3 place_a_m = place_at(a, tick);
   const Vec3 between_m = place_at(b, tick) - place_a_m;
   AtEvent at(*this, tick);
@@ -216,7 +172,7 @@ void Marbles::collide_static(BodyId ball, FeatureId feature, Tick tick) {
   const Vec3 normal = normal_at(statics_->feature(feature), place_m);
   const SurfaceLaw& law =
       scene_->contacts.between(material_, statics_->material_of_feature(feature));
-  const bool plastic = count_at(ball, tick) > k_elastic_at_a_tick;
+  const bool plastic = count_at(ball, tick).at_tick > k_elastic_at_a_tick;
   AtEvent at(*this, tick);
   contact::collide_static(
       at, ball, {feature}, {.normal = normal, .point_m = place_m - radius_m_ * normal},
@@ -228,7 +184,7 @@ void Marbles::collide_static(BodyId ball, FeatureId feature, Tick tick) {
 
 void Marbles::change_mode(BodyId ball, Tick tick) {
   AtEvent at(*this, tick);
-  contact::change_mode(at, ball, balls_[ball].segment.mode == MotionMode::rolling);
+  contact::change_mode(at, ball);
 }
 
 std::size_t Marbles::rest(BodyId ball, Tick tick) {

@@ -116,31 +116,4 @@ bool MetStatics::touching(BodyId body, StaticId met, Tick tick) const {
   return false;
 }
 
-// ---- what is flat -------------------------------------------------------------------------------
-
-Flat MetStatics::flat(StaticId met, std::uint32_t face) const {
-  if (met < geometry_.plane_count()) {
-    const HalfSpace& plane = geometry_.plane({met});
-    return {.normal = plane.normal,
-            .offset_m = plane.offset_m,
-            .sides = {},
-            .map = geometry_.friction_map(met)};
-  }
-  const ConvexView& view = *geometry_.piece({met}).view;
-  const Face& one = view.faces[face];
-  return {.normal = one.normal,
-          .offset_m = one.offset_m,
-          .sides = std::span(view.sides + one.first_side, one.side_count)};
-}
-
-std::optional<std::uint32_t> MetStatics::face_met(StaticId met, const Vec3& normal) const {
-  if (met < geometry_.plane_count()) return 0;
-  constexpr double k_same_cosine = 1 - 1e-9;  // but for rounding
-  const ConvexView& view = *geometry_.piece({met}).view;
-  for (std::uint32_t face = 0; face < view.face_count; ++face) {
-    if (math::dot(view.faces[face].normal, normal) > k_same_cosine) return face;
-  }
-  return std::nullopt;
-}
-
 }  // namespace sleight::physics

@@ -6,14 +6,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "worker/physics/collision/convex_search.h"
 #include "worker/physics/collision/surface_search.h"
-#include "worker/physics/contact/plane_stay.h"
 #include "worker/physics/scene/static_geometry.h"
 #include "worker/physics/simulator/bodies.h"
 
@@ -63,11 +61,6 @@ class MetStatics {
   /// The solid that holds a place, by name; empty if none. A body deep inside of one may touch
   /// nothing of it.
   std::string solid_at(const Vec3& place_m) const;
-
-  /// What a body can lie on: a plane, or a face of a static polyhedron or triangle.
-  Flat flat(StaticId met, std::uint32_t face) const;
-  /// Which face has a normal; of a plane 0.
-  std::optional<std::uint32_t> face_met(StaticId met, const Vec3& normal) const;
 
  private:
   Bodies& bodies_;

@@ -128,22 +128,18 @@ class World {
   /// collide for two spheres in flight that don't turn, in a world of plain spheres: the same
   /// bits from less memory.
   void collide_plain(BodyId a, BodyId b, const EventKey& event);
-  /// Counts a collision of a body; how many it had at this tick.
-  std::uint32_t count_at(BodyId body, Tick tick) {
-    const std::uint32_t count = collided_[body].add(tick);
+  /// Counts a collision of a body.
+  const CollisionCount& count_at(BodyId body, Tick tick) {
+    collided_[body].add(tick);
     if (collided_[body].is_too_much()) [[unlikely]]
       note_too_much(body, tick);
-    return count;
+    return collided_[body];
   }
   void note_too_much(BodyId body, Tick tick);
   void note_failure(SceneError::Kind kind, const std::string& what, BodyId body, Tick tick);
   std::string message_of(const std::string& what, BodyId body, Tick tick) const;
   /// A body has touched a surface, at an arm from its centre.
   void note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m, const Vec3& arm_m);
-  void note_touch(BodyId body, const TouchRecord& touch, bool slowly) {
-    resting_.touched(body, touch, slowly);
-    recorder_.touches(body, touch, slowly);
-  }
 
   // Rest (world_rest.cpp).
   /// Corners that carry as well as those that a body touched with, for the decision about rest.

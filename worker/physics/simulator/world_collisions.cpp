@@ -33,7 +33,7 @@ void World::collide(BodyId a, BodyId b, const EventKey& event) {
     collide_plain(a, b, event);
     return;
   }
-  static_assert(contact::BodiesAtEvent<AtEvent>);
+  static_assert(contact::AnyAtEvent<AtEvent>);
   AtEvent at(*this, event);
   const bool resolved = contact::collide(
       at, a, b, predictions_.contact_at(a, b, event),
@@ -45,7 +45,7 @@ void World::collide(BodyId a, BodyId b, const EventKey& event) {
 
 void World::collide_static(BodyId body, StaticId met, const EventKey& event) {
   const PieceContact contact = predictions_.static_contact_at(body, met, event);
-  const bool plastic = count_at(body, event.tick) > k_elastic_at_a_tick;
+  const bool plastic = count_at(body, event.tick).at_tick > k_elastic_at_a_tick;
   const SurfaceLaw law = statics_.law(body, met, contact.point_m);
   const bool surface = statics_.is_surface(body, met);
   if (surface) {
@@ -91,7 +91,8 @@ void World::collide_plain(BodyId a, BodyId b, const EventKey& event) {
   Vec3 between_m = place_b_m - place_a_m;
   if (bodies_.periodic()) between_m = Vec3(between_m + bodies_.to_nearest_image(between_m));
   const Vec3 normal = between_m / math::norm(between_m);
-  const bool plastic = std::max(count_at(a, tick), count_at(b, tick)) > k_elastic_at_a_tick;
+  const bool plastic =
+      std::max(count_at(a, tick).at_tick, count_at(b, tick).at_tick) > k_elastic_at_a_tick;
   Vec3 velocity_a_mps = first.velocity_mps + seconds(tick - first.begin) * first.acceleration_mps2;
   Vec3 velocity_b_mps =
       second.velocity_mps + seconds(tick - second.begin) * second.acceleration_mps2;

@@ -39,7 +39,7 @@ World::PlaneSupports World::supports_on(BodyId body, StaticId met, const Flat& f
 
 std::optional<PlaneStay> World::stay_of(BodyId body, StaticId met, std::uint32_t face,
                                         const Twist& twist, Tick tick) {
-  const Flat flat = statics_.flat(met, face);
+  const Flat flat = flat_at(statics_.geometry(), met, face);
   const PlaneSupports supports = supports_on(body, met, flat, tick);
   // What has sunk, as cones do by rounding, is let go and caught again where it touches.
   if (supports.count < 2 || supports.lowest_m < -k_sunk_m) return std::nullopt;
@@ -65,7 +65,7 @@ std::optional<PlaneStay> World::stay_of(BodyId body, StaticId met, std::uint32_t
 void World::note_plane_supports(BodyId body, Tick tick) {
   const StaticId met = bodies_.supports_of(body).features[0];
   const std::uint32_t face = bodies_.supports_of(body).face;
-  const Flat flat = statics_.flat(met, face);
+  const Flat flat = flat_at(statics_.geometry(), met, face);
   const PlaneSupports supports = supports_on(body, met, flat, tick);
   for (const PlaneSupport& support : std::span(supports.all).first(supports.count))
     resting_.still_touches(body, {.tick = tick,

@@ -55,7 +55,7 @@ std::size_t World::rest(BodyId body, const EventKey& event) {
 
 void World::change_mode(BodyId body, const EventKey& event) {
   AtEvent at(*this, event);
-  contact::change_mode(at, body, bodies_.mode(body) == MotionMode::rolling);
+  contact::change_mode(at, body);
 }
 
 void World::note_near_corners(BodyId body, Tick tick) {
