@@ -1,9 +1,6 @@
 // The command line of `sleight`: what each local command takes and which function it hands over to.
 #include "clients/cli/main_app.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -33,13 +30,12 @@ constexpr std::uint64_t k_number_max = 1'000'000'000'000;
 void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
   CLI::App* command = app.add_subcommand("direct", "Run a direction request on this machine");
   add_run_options(*command, arguments);
-  command->add_option("-j,--threads", arguments.threads, "Threads; one a core if not given")
+  command->add_option("-j,--threads", arguments.threads, "Number of threads. Default: one per core")
       ->check(CLI::Range(1, 4096))
       ->type_name("N");
   command->footer(
-      "The run goes on where it stopped when the same command is given again, after Ctrl-C, a\n"
-      "time limit, kill -9 or loss of power. Neither threads nor interruptions change the "
-      "archive.\n\n"
+      "To resume a run, repeat the command. This works after Ctrl-C, a time limit, kill -9 or a\n"
+      "power failure. Threads and interruptions don't change the archive.\n\n"
       "Examples:\n"
       "  sleight direct --word SLEIGHT -o s.h5\n"
       "  sleight direct --word HI -n 8 --found -o hi.h5\n"
@@ -58,8 +54,8 @@ struct RequestHelpArguments {
 };
 
 void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& action) {
-  CLI::App* check = app.add_subcommand("check", "Check a request; print it with every key");
-  check->add_option("request", arguments.path, "The direction request; -: standard input")
+  CLI::App* check = app.add_subcommand("check", "Check a request and print it with every key");
+  check->add_option("request", arguments.path, "Direction request (TOML). -: standard input")
       ->required()
       ->type_name("REQUEST.toml");
   add_sets_option(*check, arguments.sets);
@@ -69,8 +65,9 @@ void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& ac
       "  sleight check requests/ball_2d.toml --set sampler.chains=8 --set stop.scans=1000");
   check->callback([&] { action = [&] { return check_request(arguments.path, arguments.sets); }; });
 
-  CLI::App* keys = app.add_subcommand("keys", "List the worlds, or every request key of one");
-  keys->add_option("world", arguments.world, "The world's name")->type_name("WORLD");
+  CLI::App* keys = app.add_subcommand("keys", "List the worlds, or all request keys of one world");
+  keys->add_option("world", arguments.world, "Name of a world. Default: list the worlds")
+      ->type_name("WORLD");
   keys->footer("Examples:\n  sleight keys\n  sleight keys ball_2d\n  sleight keys spelling");
   keys->callback([&] { action = [&] { return print_keys(arguments.world); }; });
 }
@@ -104,13 +101,13 @@ struct ReplayArguments {
 
 void add_replay(CLI::App& app, ReplayArguments& arguments, Action& action) {
   CLI::App* command = app.add_subcommand("replay", "Repeat a simulation that failed in a run");
-  command->add_option("file", arguments.path, "Of OUTPUT.h5.run/failures")
+  command->add_option("file", arguments.path, "Failure file, from OUTPUT.h5.run/failures")
       ->required()
       ->type_name("FAILURE.toml");
-  command->add_flag("--json", arguments.json, "As JSON");
+  command->add_flag("--json", arguments.json, "Print JSON");
   command->footer(
-      "Exits with 8 if the simulation fails as it did, or otherwise, and with 0 if this version\n"
-      "carries it out. A file that was changed, or is none of a failure, exits with 3.\n\n"
+      "Exit codes: 0 the simulation succeeds in this version; 8 it fails, in the same way or in\n"
+      "another; 3 the file is not a failure file, or was changed.\n\n"
       "Example:\n  sleight replay hi.h5.run/failures/failure-0-3-1760.toml");
   command->callback([&] { action = [&] { return replay(arguments.path, arguments.json); }; });
 }
@@ -123,60 +120,62 @@ struct ArchiveArguments {
 
 void add_derive(CLI::App& archive, DeriveArguments& arguments, Action& action) {
   CLI::App* command =
-      archive.add_subcommand("derive", "The archive of a run so far, out of its store");
-  command->add_option("run", arguments.folder, "The run's folder")
+      archive.add_subcommand("derive", "Write an archive of what a run has computed so far");
+  command->add_option("run", arguments.folder, "Folder of the run")
       ->required()
       ->type_name("NAME.h5.run");
-  command->add_option("-o,--output", arguments.output, "The archive")
+  command->add_option("-o,--output", arguments.output, "Archive to write")
       ->required()
       ->type_name("OUTPUT.h5");
-  command->add_flag("--json", arguments.json, "What it holds, as JSON");
+  command->add_flag("--json", arguments.json, "Print a summary of the archive as JSON");
   command->footer(
-      "Works beside the running job, and on a copy of its folder that was made while nobody wrote\n"
-      "it. The archive is the one that the run would have if it ended now.\n\nExample:\n"
+      "The archive is the one that the run would give if it stopped now. The run may continue\n"
+      "meanwhile. A copy of the run's folder works too, if nothing wrote to it while copying.\n\n"
+      "Example:\n"
       "  sleight archive derive ball.h5.run -o ball_so_far.h5");
   command->callback([&] { action = [&] { return derive(arguments); }; });
 }
 
 CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action) {
-  CLI::App* archive = app.add_subcommand("archive", "Look into a sample archive");
+  CLI::App* archive =
+      app.add_subcommand("archive", "Inspect a sample archive or export its tables");
   archive->require_subcommand(1);
   std::string& path = arguments.export_options.path;
   const auto add = [&](const char* name, const char* help, bool with_json,
                        std::function<int()> run) {
     CLI::App* command = archive->add_subcommand(name, help);
-    command->add_option("archive", path, "The archive")->required()->type_name("ARCHIVE.h5");
-    if (with_json) command->add_flag("--json", arguments.json, "As JSON");
+    command->add_option("archive", path, "Archive to read")->required()->type_name("ARCHIVE.h5");
+    if (with_json) command->add_flag("--json", arguments.json, "Print JSON");
     command->callback([&action, run = std::move(run)] { action = run; });
     return command;
   };
-  add("info", "What it holds", true, [&] {
+  add("info", "Print a summary of an archive", true, [&] {
     return cli::archive_info(path, arguments.json);
   })->footer("Examples:\n  sleight archive info ball.h5\n  sleight archive info ball.h5 --json");
-  add("digest", "Hash of its content: equal for equal content", true, [&] {
+  add("digest", "Print the digest (SHA-256) of an archive's content", true, [&] {
     return cli::archive_digest(path, arguments.json);
   })->footer("Example:\n  sleight archive digest ball.h5");
-  add("verify", "Check structure, invariants and digest", true,
+  add("verify", "Check an archive's structure, invariants and digest", true,
       [&] { return cli::archive_verify(path, arguments.json); })
       ->footer(
-          "Exits with 6 and prints every finding when something is wrong.\n\nExample:\n"
+          "Prints every error and exits with 6 if there are any.\n\nExample:\n"
           "  sleight archive verify ball.h5");
-  CLI::App* exported = add("export", "A table as CSV", false,
+  CLI::App* exported = add("export", "Export a table as CSV", false,
                            [&] { return cli::archive_export_csv(arguments.export_options); });
-  exported->add_flag("--csv", arguments.csv, "Comma-separated values, the only format yet")
+  exported->add_flag("--csv", arguments.csv, "Write comma-separated values, the only format so far")
       ->required();
-  exported
-      ->add_option("--table", arguments.export_options.table,
-                   fmt::format("{}", fmt::join(archive::csv_tables(), ", ")))
+  exported->add_option("--table", arguments.export_options.table, "Table to export")
       ->check(CLI::IsMember(archive::csv_tables()))
       ->capture_default_str()
       ->type_name("TABLE");
   exported
       ->add_option("--animation", arguments.export_options.animations,
-                   "Of a table of segments only this animation; may be given repeatedly")
+                   "Export only this animation of a table of segments. Repeatable")
       ->allow_extra_args(false)
       ->type_name("N");
-  exported->add_option("-o,--output", arguments.export_options.output, "stdout if not given")
+  exported
+      ->add_option("-o,--output", arguments.export_options.output,
+                   "CSV file to write. Default: standard output")
       ->type_name("FILE.csv");
   exported->footer(
       "Examples:\n"
@@ -191,16 +190,18 @@ struct DiagnoseArguments {
 };
 
 void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
-  CLI::App* command = app.add_subcommand("diagnose", "Whether an archive's chains have mixed");
-  command->add_option("archive", arguments.path, "The archive")
+  CLI::App* command =
+      app.add_subcommand("diagnose", "Check whether an archive's chains have mixed");
+  command->add_option("archive", arguments.path, "Archive to read")
       ->required()
       ->type_name("ARCHIVE.h5");
-  command->add_flag("--json", arguments.json, "As JSON");
+  command->add_flag("--json", arguments.json, "Print JSON");
   command->footer(
-      "Judges log p, the outcomes and the state by R-hat (at most 1.01) and effective sample size\n"
-      "(at least 400, and 100 for each chain): the longest round of a tempered run, or the second\n"
-      "half of plain chains. Ladders must have made a round trip. Exits with 7 and says why when\n"
-      "the chains have not mixed. No complaint is no proof: chains that all miss a mode agree.\n\n"
+      "Checks R-hat (at most 1.01) and effective sample size (at least 400, and 100 per chain)\n"
+      "of log p, the outcomes and the state. Uses the longest round of a tempered run, or the\n"
+      "second half of plain chains. A tempered ladder must also have made a round trip. If the\n"
+      "chains have not mixed, prints the reasons and exits with 7. A pass is no proof: chains\n"
+      "that all miss the same mode agree with each other.\n\n"
       "Examples:\n"
       "  sleight diagnose ball.h5\n"
       "  sleight diagnose ball.h5 --json | jq .reasons");
@@ -218,24 +219,27 @@ struct PlotArguments {
 
 void add_plot(CLI::App& app, PlotArguments& arguments, Action& action) {
   cli::PlotOptions& options = arguments.options;
-  CLI::App* command = app.add_subcommand("plot", "Draw an archive: on the terminal, SVG or PNG");
-  command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
-  command->add_option("-o,--output", options.output, "A picture; the terminal if not given")
+  CLI::App* command =
+      app.add_subcommand("plot", "Plot an archive on the terminal or into an SVG or PNG file");
+  command->add_option("archive", options.path, "Archive to read")
+      ->required()
+      ->type_name("ARCHIVE.h5");
+  command
+      ->add_option("-o,--output", options.output, "Image to write. Default: plot on the terminal")
       ->type_name("FILE.svg|FILE.png");
   command->add_option("--what", options.what, cli::help_of_whats(arguments.worlds))
       ->check(CLI::IsMember(cli::whats_of(arguments.worlds)));
-  command->add_option("--chain", options.chain, "Only this chain")
+  command->add_option("--chain", options.chain, "Plot only this chain. Default: all")
       ->check(CLI::Range(std::uint64_t{0}, k_number_max).description(""))
       ->type_name("N");
-  command->add_option("--draws", options.draws, "Only the first so many draws")
+  command->add_option("--draws", options.draws, "Plot only the first N draws. Default: all")
       ->check(CLI::Range(std::uint64_t{1}, k_number_max).description(""))
       ->type_name("N");
-  command->add_option("--count", options.count, "Paths or animations to draw")
+  command->add_option("--count", options.count, "Number of paths or animations to plot")
       ->check(CLI::Range(1, 12))
       ->type_name("N")
       ->capture_default_str();
-  command
-      ->add_option("--note", options.notes, "A line for an SVG's metadata; may be given repeatedly")
+  command->add_option("--note", options.notes, "Metadata to add to an SVG. Repeatable")
       ->allow_extra_args(false)
       ->type_name("NAME=VALUE");
   command->footer(
@@ -273,13 +277,14 @@ CommandLine::~CommandLine() = default;
 void build_app(CLI::App& app, CommandLine& line) {
   app.name("sleight");
   app.description(
-      "Sleight directs physical simulations: say how a chaotic motion must end, get many "
-      "different\n"
-      "plausible animations that end so.");
+      "Sleight directs physical simulations: say how a chaotic motion must end, and get many "
+      "different,\n"
+      "plausible animations that end that way.");
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
-  app.footer(std::string("`sleight COMMAND --help` has examples.\n\n") + k_exit_codes);
-  app.add_flag("-v,--verbose", line.verbose, "More on stderr");
+  app.footer(std::string("`sleight COMMAND --help` shows a command's options and examples.\n\n") +
+             k_exit_codes);
+  app.add_flag("-v,--verbose", line.verbose, "Log more to stderr");
 
   // Runs and archives on this machine.
   CommandLine::Arguments& arguments = *line.arguments_;

@@ -188,12 +188,12 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
 }  // namespace
 
 const char* const k_exit_codes =
-    "Exit codes: 0 done (also at a time limit); 1 a bug; 2 wrong usage; 3 errors in the request;\n"
-    "4 the output belongs to another run; 5 the environment (disk, files); 6 a bad archive;\n"
-    "7 chains that have not mixed, or that nobody can judge (diagnose); 8 a simulation failed "
-    "(with\n"
-    "--strict, or replayed); 9 not allowed; 10 a job failed; 11 a job was cancelled; 12 no server "
-    "runs;\n130 interrupted, with everything stored.";
+    "Exit codes: 0 success (also at a time limit); 1 bug; 2 wrong usage;\n"
+    "3 errors in the request; 4 output belongs to another run;\n"
+    "5 system error (disk, files, memory); 6 invalid archive;\n"
+    "7 chains have not mixed, or cannot be judged (diagnose);\n"
+    "8 simulation failed (--strict, replay); 9 not allowed; 10 job failed; 11 job cancelled;\n"
+    "12 service not running; 130 interrupted, all work stored.";
 
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher) {
   base::report_uncaught_exceptions();
@@ -203,37 +203,39 @@ void note_what_repeats(int argc, const char* const* argv, const std::string& lau
 
 void add_run_options(CLI::App& app, DirectArguments& arguments) {
   CLI::Option* request = app.add_option("request", arguments.request_path,
-                                        "The direction request, a TOML file; -: standard input")
+                                        "Direction request (TOML). -: standard input")
                              ->type_name("REQUEST.toml");
-  app.add_option("--word", arguments.word, "In place of a request: balls that spell this")
+  app.add_option("--word", arguments.word,
+                 "Spell this word with balls, instead of reading a request")
       ->excludes(request)
       ->type_name("WORD");
   add_answer_options(app, arguments.answer);
   add_sets_option(app, arguments.sets);
-  app.add_flag("--print-request", arguments.print_request, "Show the request, and do nothing else");
+  app.add_flag("--print-request", arguments.print_request, "Print the request and exit");
   app.add_option("-o,--output", arguments.output,
-                 "The archive, NAME.h5; the run store is the folder NAME.h5.run beside it")
+                 "Archive to write, NAME.h5. The run itself is stored in the folder NAME.h5.run")
       ->type_name("OUTPUT.h5");
-  app.add_flag("--fresh", arguments.fresh, "Start over: give up an earlier run of this output");
-  app.add_option("--time-limit", arguments.time_limit,
-                 "Stop in order after so long (20s, 5m, 1.5h); the same command goes on")
+  app.add_flag("--fresh", arguments.fresh,
+               "Discard an earlier run of this output and start from scratch");
+  app.add_option(
+         "--time-limit", arguments.time_limit,
+         "Stop cleanly after this time (20s, 5m, 1.5h). The same command resumes. Default: none")
       ->type_name("TIME");
-  app.add_option("--seed", arguments.seed, "Replaces the request's seed")
+  app.add_option("--seed", arguments.seed, "Random seed. Default: the request's")
       ->check(CLI::Range(std::uint64_t{0}, request::k_seed_max))
       ->type_name("N");
   app.add_option("--cache", arguments.cache_mb,
-                 "Megabytes in which each process keeps simulations for their chains' next steps; "
-                 "changes no result")
+                 "Simulation cache of each process, in MB. Affects speed, not results")
       ->check(CLI::Range(0, 1'000'000))
       ->type_name("MB")
       ->capture_default_str();
-  app.add_flag("--json", arguments.json, "The summary on stdout as JSON");
+  app.add_flag("--json", arguments.json, "Print the summary as JSON");
   app.add_flag("--strict", arguments.strict,
-               "End the run when a simulation fails, instead of refusing that state");
-  app.add_flag("-q,--quiet", arguments.quiet, "No progress on stderr");
+               "Stop the run if a simulation fails. Default: reject the proposal and continue");
+  app.add_flag("-q,--quiet", arguments.quiet, "Don't show progress");
   app.add_option(
          "--end-report", arguments.end_report,
-         "For supervisors: a pipe (mkfifo) that gets one JSON line of how the session ended")
+         "Named pipe (mkfifo) that gets one line of JSON when the session ends, for supervisors")
       ->type_name("PIPE");
 }
 
@@ -252,20 +254,22 @@ std::string AnswerOptions::words() const {
 }
 
 void add_answer_options(CLI::App& app, AnswerOptions& options) {
-  app.add_option("-n,--number", options.number,
-                 "Animations to make, in place of the request's [stop]. Default: 5")
+  app.add_option(
+         "-n,--number", options.number,
+         "Number of animations, in place of the request's [stop]. Default without [stop]: 5")
       ->check(CLI::Range(1U, request::k_independent_solutions_max))
       ->type_name("N");
-  CLI::Option* found = app.add_flag("--found", options.found,
-                                    "Stop at what a search finds, without relaxing it by chains");
+  CLI::Option* found = app.add_flag(
+      "--found", options.found,
+      "Return solutions as a search finds them, without relaxing them by Markov chains");
   app.add_flag("--in-proportion", options.in_proportion,
-               "Draw independent solutions in the model's proportions, which may take long")
+               "Draw independent solutions in the model's proportions. May take long")
       ->excludes(found);
 }
 
 void add_sets_option(CLI::App& app, std::vector<std::string>& sets) {
   app.add_option("--set", sets,
-                 "A key in place of the request's, as sampler.seed=7; may be given repeatedly")
+                 "Override a key of the request, for example sampler.seed=7. Repeatable")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
 }
@@ -273,8 +277,8 @@ void add_sets_option(CLI::App& app, std::vector<std::string>& sets) {
 void build_batch_app(CLI::App& app, DirectArguments& arguments) {
   app.name("sleight-batch");
   app.description(
-      "Runs a direction request over the ranks of an MPI job; the archive is the same for any\n"
-      "number of ranks.");
+      "Runs a direction request on the ranks of an MPI job. The archive does not depend on the "
+      "number\nof ranks.");
   app.set_version_flag("--version", version_text());
   add_run_options(app, arguments);
   app.footer(std::string("Examples:\n"

@@ -113,9 +113,9 @@ std::vector<std::string> whats_of(const pictures::PlotsOfWorlds& worlds) {
 }
 
 std::string help_of_whats(const pictures::PlotsOfWorlds& worlds) {
-  std::string help =
-      fmt::format("{}: outcome and log p, the default where there are draws; {}: the motion",
-                  pictures::k_trace, pictures::k_drawn_animations);
+  std::string help = fmt::format(
+      "{}: outcome and log p (default if there are draws); {}: motion (default otherwise)",
+      pictures::k_trace, pictures::k_drawn_animations);
   for (const OwnWhat& own : own_whats_of(worlds)) {
     help += fmt::format("; {}: {} ({})", own.kind.what, own.kind.help, fmt::join(own.worlds, ", "));
   }

@@ -208,7 +208,7 @@ std::string Ball2d::world() const {
 
 std::vector<pictures::WorldPlots::Kind> Ball2d::kinds() const {
   return {{.what = std::string(pictures::k_trace)},
-          {.what = k_paths, .help = "the same as the thesis shows it"}};
+          {.what = k_paths, .help = "motion, drawn as in the thesis"}};
 }
 
 pictures::Picture Ball2d::draw(std::string_view what, const archive::Source& source,

@@ -349,7 +349,7 @@ std::string Dice::world() const {
 }
 
 std::vector<pictures::WorldPlots::Kind> Dice::kinds() const {
-  return {{.what = "plausibility", .help = "starts and tables beside blind throws'"}};
+  return {{.what = "plausibility", .help = "starts and tables compared with blind throws"}};
 }
 
 pictures::Picture Dice::draw(std::string_view /*what*/, const archive::Source& source,

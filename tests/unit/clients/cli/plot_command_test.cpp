@@ -16,7 +16,9 @@
 namespace sleight::cli {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 class MadeUpPlots final : public pictures::WorldPlots {
  public:
@@ -59,9 +61,9 @@ TEST(PlotCommand, WhatCanBeAskedForComesFromTheWorlds) {
   const pictures::PlotsOfWorlds worlds = two_worlds();
   EXPECT_THAT(whats_of(worlds), ElementsAre("trace", "animations", "smoke", "mirrors"));
   EXPECT_THAT(whats_of({}), ElementsAre("trace", "animations"));
-  EXPECT_EQ(help_of_whats(worlds),
-            "trace: outcome and log p, the default where there are draws; animations: the motion; "
-            "smoke: what burns (marbles, rods); mirrors: what shines (rods)");
+  EXPECT_THAT(help_of_whats(worlds), AllOf(HasSubstr("trace: "), HasSubstr("animations: "),
+                                           HasSubstr("smoke: what burns (marbles, rods)"),
+                                           HasSubstr("mirrors: what shines (rods)")));
 }
 
 TEST(PlotCommand, AWorldDrawsWhatItHas) {
