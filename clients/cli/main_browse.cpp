@@ -7,86 +7,95 @@ namespace {
 
 constexpr const char* k_query_words =
     "Queries:\n"
-    "  die 3 in x 0..20mm y -5..5mm during 0.4..0.6s   its centre is in the box at some moment "
+    "  die 3 in x 0..20mm y -5..5mm during 0.4..0.6s   its centre is in this box at some time "
     "then\n"
-    "  any in z 30mm..            some body's is, ever (`every`: each body's)\n"
-    "  every ends in x -0.1..0.1  where each body rests\n"
+    "  any in z 30mm..                                 some body's centre is, at any time\n"
+    "  every ends in x -0.1..0.1                       each body comes to rest in this box\n"
     "  die 1 touches table during ..0.2s\n"
     "  die 1 touches table then die 1 touches die 2\n"
     "  log_prior -30..-20    rest_s < 2s    offsets[2] > 0\n"
-    "  then, not, and, or bind in this order; ( ) too. `sleight find ARCHIVE.h5 --names` lists "
-    "what they can speak "
-    "of.\n"
-    "  Paths are solved, not sampled. Lengths are metres and times seconds where no unit is "
-    "said.\n\n";
+    "  Precedence, highest first: then, not, and, or; parentheses group. Default units are\n"
+    "  metres and seconds. Motion is solved exactly, not sampled at frames. To list the names\n"
+    "  that queries can use, run `sleight find ARCHIVE.h5 --names`.\n\n";
 
 void add_asked(CLI::App& command, browse::QueryOptions& asked) {
-  command.add_option("--where", asked.where, "Only animations of which this query is true")
+  command.add_option("--where", asked.where, "Keep animations that match this query. Repeatable")
       ->allow_extra_args(false)
       ->type_name("QUERY");
-  command.add_option("--in", asked.in, "The same, as in --in 'die 3: x 0..20mm during 0.4..0.6s'")
+  command
+      .add_option(
+          "--in", asked.in,
+          "Keep animations with a body in a box, such as 'die 3: x 0..20mm during 0.4..0.6s'")
       ->allow_extra_args(false)
       ->type_name("QUERY");
-  command.add_option("--not", asked.not_in, "Only animations of which this query is not true")
+  command.add_option("--not", asked.not_in, "Remove animations that match this query. Repeatable")
       ->allow_extra_args(false)
       ->type_name("QUERY");
 }
 
 void add_archives(CLI::App& command, std::vector<std::string>& paths) {
-  command.add_option("archives", paths, "The archives, of one run or of several")
+  command.add_option("archives", paths, "Archives to read, from one or more runs")
       ->required()
       ->type_name("ARCHIVE.h5");
 }
 
 void add_find(CLI::App& app, cli::FindOptions& options, Action& action) {
-  CLI::App* command = app.add_subcommand("find", "The animations of archives that a query means");
+  CLI::App* command = app.add_subcommand("find", "Find animations that match a query");
   add_archives(*command, options.paths);
   add_asked(*command, options.asked);
-  command->add_option("--sort", options.sort, "In the order of this number")->type_name("NUMBER");
-  command->add_flag("--descending", options.descending, "The greatest first");
-  command->add_option("-n,--limit", options.limit, "Most that are shown")
+  command->add_option("--sort", options.sort, "Sort by this number (see --names)")
+      ->type_name("NUMBER");
+  command->add_flag("--descending", options.descending, "Sort the largest number first");
+  command
+      ->add_option("-n,--limit", options.limit,
+                   "Maximum number of animations to print. Default: all")
       ->check(CLI::Range(1, 1'000'000'000).description(""))
       ->type_name("N");
   command->add_flag("--names", options.names,
-                    "What queries can speak of: bodies, things and numbers");
-  command->add_flag("--ids", options.ids, "Their names alone, a line each, as export takes them");
-  command->add_flag("--json", options.json, "As JSON, with all numbers");
-  command->footer(std::string(k_query_words) +
-                  "All options must hold. An archive that can't be read is left out, and said.\n\n"
-                  "Examples:\n"
-                  "  sleight find die.h5 --in 'die 1: x 0..40mm y -20..20mm during 0.2..0.4s'\n"
-                  "  sleight find hi.h5 more/*.h5 --where 'any touches ball 1' --sort log_prior "
-                  "--descending -n 10\n"
-                  "  sleight find ball.h5 --where 'ball touches table then ball in x 0.. z 0.2..' "
-                  "--not 'log_prior ..-12'\n"
-                  "  sleight export die.h5 -o best --ids $(sleight find die.h5 --sort log_prior "
-                  "--descending -n 3 --ids)\n"
-                  "  sleight find die.h5 --names");
+                    "List the names that queries can use: bodies, fixed things and numbers");
+  command->add_flag("--ids", options.ids,
+                    "Print only ids, one per line, as `sleight export --ids` takes them");
+  command->add_flag("--json", options.json, "Print JSON, with all numbers");
+  command->footer(
+      std::string(k_query_words) +
+      "An animation must match all queries. Unreadable archives are reported and skipped.\n\n"
+      "Examples:\n"
+      "  sleight find die.h5 --in 'die 1: x 0..40mm y -20..20mm during 0.2..0.4s'\n"
+      "  sleight find hi.h5 more/*.h5 --where 'any touches ball 1' --sort log_prior "
+      "--descending -n 10\n"
+      "  sleight find ball.h5 --where 'ball touches table then ball in x 0.. z 0.2..' "
+      "--not 'log_prior ..-12'\n"
+      "  sleight export die.h5 -o best --ids $(sleight find die.h5 --sort log_prior "
+      "--descending -n 3 --ids)\n"
+      "  sleight find die.h5 --names");
   command->callback([&] { action = [&] { return cli::find_animations(options); }; });
 }
 
 void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
   CLI::App* command =
-      app.add_subcommand("groups", "What looks alike, with an animation for each group");
+      app.add_subcommand("groups", "Group animations that look alike and show one of each group");
   add_archives(*command, options.paths);
-  command->add_option("-k,--groups", options.groups, "How many")
+  command->add_option("-k,--groups", options.groups, "Number of groups")
       ->check(CLI::Range(1, 1'000'000).description(""))
       ->capture_default_str()
       ->type_name("K");
-  command->add_option("--by", options.by, "medoids: best for this K; hierarchy: nested for all K")
+  command
+      ->add_option("--by", options.by,
+                   "medoids: best groups for this K; hierarchy: groups that nest for all K")
       ->check(CLI::IsMember({"medoids", "hierarchy"}))
       ->capture_default_str()
       ->type_name("WAY");
   add_asked(*command, options.asked);
-  command->add_option("-o,--output", options.output, "A picture of those that stand for groups")
+  command
+      ->add_option("-o,--output", options.output,
+                   "Image to write, with the representative of each group")
       ->type_name("FILE.svg|FILE.png");
-  command->add_flag("--json", options.json, "As JSON, with all members");
+  command->add_flag("--json", options.json, "Print JSON, with all members");
   command->footer(
-      "Alike are animations whose bodies are at the same places at equal times and meet in the "
-      "same\n"
-      "order; docs/BROWSING.md has the formula. Of more than 500 animations the groups are those "
-      "of\n"
-      "200 (of 500 for more than 100 groups), and each other one goes to the nearest.\n\n"
+      "Animations look alike if their bodies are at the same places at the same times and\n"
+      "collide in the same order; docs/BROWSING.md has the formula. Above 500 animations, the\n"
+      "groups come from a sample of 200 (500 for more than 100 groups), and each other animation\n"
+      "joins the group with the nearest representative.\n\n"
       "Examples:\n"
       "  sleight groups hi.h5 -k 12\n"
       "  sleight groups die.h5 -k 6 -o die_groups.png\n"
@@ -95,19 +104,23 @@ void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
 }
 
 void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
-  CLI::App* command = app.add_subcommand("compare", "In what two archives differ");
-  command->add_option("first", options.first, "An archive")->required()->type_name("FIRST.h5");
-  command->add_option("second", options.second, "Another")->required()->type_name("SECOND.h5");
-  command->add_option("-k,--groups", options.groups, "Into so many groups both together are put")
+  CLI::App* command = app.add_subcommand("compare", "Compare two archives");
+  command->add_option("first", options.first, "First archive")->required()->type_name("FIRST.h5");
+  command->add_option("second", options.second, "Second archive")
+      ->required()
+      ->type_name("SECOND.h5");
+  command
+      ->add_option("-k,--groups", options.groups,
+                   "Number of groups for the animations of both archives together")
       ->check(CLI::Range(1, 500).description(""))
       ->capture_default_str()
       ->type_name("K");
-  command->add_flag("--json", options.json, "As JSON");
+  command->add_flag("--json", options.json, "Print JSON");
   command->footer(
-      "Their requests, the numbers of their animations, how many of each look alike, and a test "
-      "by\n"
-      "nearest neighbours: a small p says that the two sets look different. Kept animations are\n"
-      "distinct ones, not the model's proportions: for means of the model see /posterior.\n\n"
+      "Compares the requests, the numbers of the animations (such as log_prior), and how many\n"
+      "animations of each archive are in each group. A test of nearest neighbours compares the\n"
+      "looks: a small p means that the two sets look different. Archives keep distinct\n"
+      "animations, not the model's proportions; for means of the model use /posterior.\n\n"
       "Examples:\n"
       "  sleight compare die.h5 die_more_sigma.h5\n"
       "  sleight compare hi.h5 hi_tempered.h5 -k 12 --json");
@@ -117,62 +130,69 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
 /// What is exported is chosen here; how it is written, in add_export.
 void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
-      .add_option("--ids", choice.ids,
-                  "These animations: cCHAIN.DRAW, or find.NUMBER of a search's finds; RUN: may "
-                  "stand before")
+      .add_option(
+          "--ids", choice.ids,
+          "Animation ids: cCHAIN.DRAW, or find.NUMBER for a search's finds; RUN: may precede them")
       ->type_name("ID...");
   command
       .add_option("--select", choice.select,
-                  "Those of which this query is true (`sleight find --help`)")
+                  "Animations that match this query (`sleight find --help`). Repeatable")
       ->allow_extra_args(false)
       ->type_name("QUERY");
   command
-      .add_option("--representatives", choice.representatives,
-                  "Of all, or those selected, one for each of N groups that look alike")
+      .add_option(
+          "--representatives", choice.representatives,
+          "One animation for each of N groups of similar ones, among those of --select or all")
       ->check(CLI::Range(1, 1'000'000).description(""))
       ->type_name("N");
   command.add_flag("--all", choice.all,
-                   fmt::format("All, also where there are more than {}", cli::k_export_max));
+                   fmt::format("Export all animations, even more than {}", cli::k_export_max));
 }
 
 void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "export", "Animations as models for Blender and others, as tables, pictures and films");
-  command->add_option("archive", options.path, "The archive")->required()->type_name("ARCHIVE.h5");
+  CLI::App* command =
+      app.add_subcommand("export", "Export animations as 3D models, tables, images or videos");
+  command->add_option("archive", options.path, "Archive to read")
+      ->required()
+      ->type_name("ARCHIVE.h5");
   command
       ->add_option(
           "--format", options.format,
-          "glb: glTF 2.0 with bodies, scene and motion; csv: a table; png: a folder of "
-          "frames; svg: a picture of the whole motion; mp4: a film, by ffmpeg. Without, as "
-          "OUT ends, or glb")
+          "glb: 3D model with motion (glTF 2.0, for Blender and others); csv: table; png: folder "
+          "of frames; svg: image of the whole motion; mp4: video (needs ffmpeg). Default: the "
+          "ending of OUT, else glb")
       ->check(CLI::IsMember(cli::export_formats()))
       ->type_name("FORMAT");
   add_choice(*command, options.choice);
   command
-      ->add_option("-o,--output", options.output,
-                   "A file that ends as the format does; else a folder for a file each")
+      ->add_option(
+          "-o,--output", options.output,
+          "File with the format's ending, or folder with a file per animation. Default for csv: "
+          "standard output")
       ->type_name("OUT");
-  command->add_flag("--together", options.together, "All as clips of one .glb");
+  command->add_flag("--together", options.together,
+                    "Write all animations as clips of one .glb file");
   command
       ->add_option("--fps", options.fps,
-                   "Of png and mp4, frames a second (24). Of glb a key on each whole frame and "
-                   "nowhere else; without, as many as keep places to 0.1 mm and turns to 0.2 "
-                   "degrees")
+                   "Frames per second (png, mp4; default: 24). For glb: place keyframes on whole "
+                   "frames only; default: as many as keep positions within 0.1 mm and rotations "
+                   "within 0.2 degrees")
       ->check(CLI::Range(cli::k_export_fps_min, cli::k_export_fps_max).description(""))
       ->type_name("N");
-  command->add_option("--view", options.view, "Of png and mp4: both, above or front")
+  command->add_option("--view", options.view, "Camera view (png, mp4)")
       ->check(CLI::IsMember(cli::export_views()))
       ->capture_default_str()
       ->type_name("VIEW");
-  command->add_option("--scale", options.scale, "Of png and mp4: so many times 1280 x 720")
+  command
+      ->add_option("--scale", options.scale, "Image size (png, mp4), as a multiple of 1280 x 720")
       ->capture_default_str()
       ->type_name("FACTOR");
-  command->add_option("--table", options.table, "Of csv: animations, segments or points")
+  command->add_option("--table", options.table, "Table to export (csv)")
       ->check(CLI::IsMember(cli::export_tables()))
       ->capture_default_str()
       ->type_name("TABLE");
-  command->add_flag("--force", options.force, "Replace files that sleight did not make");
-  command->add_flag("--json", options.json, "What was written, as JSON");
+  command->add_flag("--force", options.force, "Overwrite files that sleight did not make");
+  command->add_flag("--json", options.json, "Print the list of written files as JSON");
   command->footer(
       "Examples:\n"
       "  sleight export ball.h5 --ids c0.250 -o ball.glb\n"

@@ -43,8 +43,8 @@ std::string fault_of_folder(const std::string& text) {
 
 void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const analysis::Rules& rules,
                          Action& action) {
-  CLI::App* command =
-      app.add_subcommand("gallery", "Archives in the browser: a wall of animations, player, plots");
+  CLI::App* command = app.add_subcommand(
+      "gallery", "Show archives in the browser, with all animations, a player and plots");
   command
       ->add_option("archives", options.paths,
                    "Archives, folders of archives, or jobs of the service")
@@ -53,34 +53,34 @@ void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const anal
   command
       ->add_option(
           "--port", options.port,
-          fmt::format("Listen there; without, on {} or any that is free", cli::k_usual_port))
+          fmt::format("TCP port to listen on. Default: {}, or any free port", cli::k_usual_port))
       ->check(CLI::Range(1, 65535).description(""))
       ->type_name("PORT");
   command
-      ->add_option("--host", options.hosts,
-                   "As a browser calls this gallery, where that isn't 127.0.0.1:PORT or "
-                   "localhost:PORT: HOST:PORT of an ssh -L to another port")
+      ->add_option(
+          "--host", options.hosts,
+          "Further address by which browsers reach the gallery, such as localhost:8080 for "
+          "ssh -L to another port. 127.0.0.1:PORT and localhost:PORT always work. Repeatable")
       ->allow_extra_args(false)
       ->check(CLI::Validator(fault_of_host, ""))
       ->type_name("HOST:PORT");
   command->add_flag_callback(
       "--no-browser", [&options] { options.opens_browser = false; },
-      "Print the link and open nothing");
+      "Print the link without opening a browser");
   command
       ->add_option("--save", options.save,
                    "Write the gallery as a folder of static files, to publish or to open by "
-                   "double-click, and serve nothing; a saved gallery that is there is replaced")
+                   "double-click, and exit. Replaces an earlier saved gallery")
       ->check(CLI::Validator(fault_of_folder, ""))
       ->type_name("FOLDER");
-  command->add_flag("--json", options.json, "The link, port and pid as one line of JSON");
+  command->add_flag("--json", options.json, "Print link, port and process id as one line of JSON");
   command->footer(
-      "The gallery listens on this machine's loopback alone. Its link lets one browser in; others\n"
-      "of this machine's users can't see anything. From another machine: ssh -L "
-      "PORT:127.0.0.1:PORT\n"
-      "HOST, then the same link. Archives that grow or are replaced are read anew by themselves;\n"
-      "of a job that runs new animations come as they are committed.\n"
-      "Stars, tags and notes are kept in ~/.local/share/sleight/notes, or beside the archive in a\n"
-      "folder \"sleight-notes\" where there is one; never in an archive.\n\n"
+      "The gallery listens on this machine's loopback address only. Its link admits one\n"
+      "browser; other users of the machine cannot see anything. From another machine, run\n"
+      "`ssh -L PORT:127.0.0.1:PORT HOST` and open the same link.\n\n"
+      "The page updates when an archive changes and when a running job commits new animations.\n"
+      "Stars, tags and notes are stored in ~/.local/share/sleight/notes, or in a folder\n"
+      "\"sleight-notes\" beside the archive if there is one; never in an archive.\n\n"
       "Examples:\n"
       "  sleight gallery hi.h5\n"
       "  sleight gallery results/ --no-browser --port 9000\n"
