@@ -29,8 +29,8 @@ constexpr std::int32_t k_priority_max = 1'000'000;
 constexpr std::uint32_t k_ranks_max = 65536;
 constexpr std::uint32_t k_lines_max = 100'000;
 
-const char* const k_jobs_help = "17, a range 3..8, or a group g5; several may be given";
-const char* const k_json_help = "As JSON";
+const char* const k_jobs_help = "Job number (17), range (3..8) or group (g5)";
+const char* const k_json_help = "Print JSON";
 
 /// A command whose options live as long as the app. `run` is its work.
 template <class Options, class Run>
@@ -65,7 +65,7 @@ void add_submit(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::SubmitOptions>();
   const auto answer = std::make_shared<AnswerOptions>();
   CLI::App* command = add_command(
-      app, "submit", "Hand a direction request to the service", action,
+      app, "submit", "Submit a direction request to the service", action,
       [answer](const std::string& socket, cli::SubmitOptions given) {
         given.asked = answer->asked();
         given.asked_by = answer->words();
@@ -74,49 +74,61 @@ void add_submit(CLI::App& app, Action& action) {
       options);
   CLI::Option* request = command
                              ->add_option("request", options->request_path,
-                                          "The direction request, a TOML file; -: standard input")
+                                          "Direction request (TOML). -: standard input")
                              ->type_name("REQUEST.toml");
-  command->add_option("--word", options->word, "In place of a request: balls that spell this")
+  command
+      ->add_option("--word", options->word,
+                   "Spell this word with balls, instead of reading a request")
       ->excludes(request)
       ->type_name("WORD");
   add_answer_options(*command, *answer);
   command
       ->add_option(
           "--set", options->sets,
-          "A key in place of the request's, as sampler.seed=7; a range (1..20) or a list ({1,4}) "
-          "makes a group")
+          "Override a key of the request, for example sampler.seed=7. A range (1..20) or list "
+          "({1,4}) submits a group of jobs. Repeatable")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
-  command->add_option("--cores", options->cores, "A wish; the cores that are free if not given")
+  command
+      ->add_option(
+          "--cores", options->cores,
+          "Maximum number of cores. Default: the service's job_cores, usually all free cores")
       ->check(CLI::Range(std::uint32_t{1}, static_cast<std::uint32_t>(config::k_cores_max)))
       ->type_name("N");
-  command->add_option("--ranks", options->ranks, "Run under mpirun with so many ranks")
+  command->add_option("--ranks", options->ranks, "Run under mpirun with this number of ranks")
       ->check(CLI::Range(1U, k_ranks_max))
       ->type_name("N");
   command
       ->add_option("--memory", options->memory,
-                   "In which its processes together keep simulations (2GB); changes no result")
+                   "Simulation cache of all its processes together (2GB). Affects speed, not "
+                   "results. Default: "
+                   "the service's cache_mb per process")
       ->type_name("SIZE");
-  command->add_option("--priority", options->priority, "Among your jobs: higher ones first")
+  command
+      ->add_option("--priority", options->priority,
+                   "Priority among your own jobs; higher ones run first. Default: 0")
       ->check(CLI::Range(-k_priority_max, k_priority_max))
       ->type_name("N");
-  command->add_option("--name", options->name, "For people; the file's or the word if not given")
+  command
+      ->add_option("--name", options->name,
+                   "Name of the job. Default: the request's file name, or the word")
       ->type_name("TEXT");
   command
       ->add_option("--option", options->options,
-                   "For the system that runs it, as partition=long under Slurm; may be given "
-                   "repeatedly")
+                   "Option for the system that runs the job, for example partition=long for Slurm. "
+                   "Repeatable")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
-  command->add_flag("--strict", options->strict,
-                    "End the run when a simulation fails, instead of refusing that state");
-  command->add_flag("--watch", options->watch, "Show how it goes until it ends, as `watch` does");
-  command->add_flag("--wait", options->wait, "Wait until it ends, as `wait` does");
+  command->add_flag(
+      "--strict", options->strict,
+      "Stop the run if a simulation fails. Default: reject the proposal and continue");
+  command->add_flag("--watch", options->watch,
+                    "Show progress until the job ends, as `sleight watch` does");
+  command->add_flag("--wait", options->wait, "Wait until the job ends, as `sleight wait` does");
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
-      "Prints the job's id. With --watch or --wait the exit code is that of `sleight wait`; "
-      "Ctrl-C\n"
-      "then leaves the job running. `sleight server start` starts the service.\n\n"
+      "Prints the job's id. With --watch or --wait, Ctrl-C leaves the job running, and the exit\n"
+      "code is that of `sleight wait`. To start the service, run `sleight server start`.\n\n"
       "Examples:\n"
       "  sleight submit --word SLEIGHT\n"
       "  sleight submit requests/hi.toml --watch\n"
@@ -126,32 +138,35 @@ void add_submit(CLI::App& app, Action& action) {
 
 void add_list(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::ListOptions>();
-  CLI::App* command =
-      add_command(app, "list", "The service's jobs", action, cli::list_jobs, options);
+  CLI::App* command = add_command(app, "list", "List jobs", action, cli::list_jobs, options);
   command
       ->add_option("--state", options->states,
-                   "Only those in this state; may be given repeatedly (queued, starting, running, "
-                   "yielding, held, done, failed, cancelled)")
+                   "List only jobs in this state: queued, starting, running, yielding, held, done, "
+                   "failed or cancelled. Repeatable")
       ->allow_extra_args(false)
       ->type_name("STATE");
-  command->add_flag("--mine", options->mine, "Only yours");
-  command->add_option("--user", options->user, "Only this user's")->type_name("USER");
-  command->add_option("--group", options->group, "Only this group's")->type_name("GROUP");
-  command->add_option("--name", options->name, "Only those with this in their name")
+  command->add_flag("--mine", options->mine, "List only your jobs");
+  command->add_option("--user", options->user, "List only jobs of this user")->type_name("USER");
+  command->add_option("--group", options->group, "List only jobs of this group (g5)")
+      ->type_name("GROUP");
+  command->add_option("--name", options->name, "List only jobs whose name contains this text")
       ->type_name("TEXT");
-  command->add_option("--count", options->count, "Most that are shown")
+  command->add_option("--count", options->count, "Maximum number of jobs to list")
       ->check(
           CLI::Range(std::uint32_t{1}, std::numeric_limits<std::uint32_t>::max()).description(""))
       ->type_name("N")
       ->capture_default_str();
-  command->add_flag("--all", options->all, "All of them");
-  command->add_flag("--oldest-first", options->oldest_first, "Not the newest first");
-  command->add_option("--after", options->after, "Those after a page: `after` of its JSON")
+  command->add_flag("--all", options->all, "List all jobs, however many");
+  command->add_flag("--oldest-first", options->oldest_first,
+                    "List the oldest job first. Default: the newest");
+  command
+      ->add_option("--after", options->after,
+                   "List the jobs after an earlier page, given by `after` in its JSON")
       ->type_name("CURSOR");
-  command->add_flag("--complete", options->complete, "Lines for shell completion")->group("");
+  command->add_flag("--complete", options->complete, "Print lines for shell completion")->group("");
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
-      "Solutions that a search found and those in the model's proportions are counted apart.\n\n"
+      "Solutions of a search and solutions in the model's proportions are counted separately.\n\n"
       "Examples:\n"
       "  sleight list\n"
       "  sleight list --state running --state queued\n"
@@ -161,24 +176,27 @@ void add_list(CLI::App& app, Action& action) {
 void add_looks(CLI::App& app, Action& action) {
   const auto status = std::make_shared<cli::StatusOptions>();
   CLI::App* command =
-      add_command(app, "status", "All about jobs", action, cli::show_status, status);
+      add_command(app, "status", "Show jobs in detail", action, cli::show_status, status);
   add_jobs(*command, *status);
-  command->add_flag("--history", status->history, "Each change of state, when and why");
+  command->add_flag("--history", status->history,
+                    "Show each change of state, with time and reason");
   command->footer(
       "Examples:\n  sleight status 17\n  sleight status 17 --history\n"
       "  sleight status g5 --json | jq '.[].state'");
 
   const auto watched = std::make_shared<cli::WatchOptions>();
-  command = add_command(app, "watch", "How jobs go, until they end", action, cli::watch, watched);
+  command = add_command(app, "watch", "Show the progress of jobs until they end", action,
+                        cli::watch, watched);
   add_jobs(*command, *watched);
-  command->add_option("--from", watched->from_number, "Events from this number on")
+  command
+      ->add_option("--from", watched->from_number, "Number of the first event to show. Default: 1")
       ->check(CLI::Range(std::uint64_t{1}, k_number_max).description(""))
       ->type_name("N");
   command->footer(
-      "With --json a line an event: solutions, failures, ends of rounds and of sessions have\n"
-      "numbers from 1 without a gap. Goes on when the service is restarted; Ctrl-C leaves the "
-      "jobs\n"
-      "running. Exits with 0 if all are done, 10 if one failed, 11 if one was cancelled.\n\n"
+      "With --json, prints one line per event. Solutions, failures, and ends of rounds and\n"
+      "sessions are numbered from 1 without gaps. A restart of the service doesn't end the\n"
+      "command; Ctrl-C leaves the jobs running.\n\n"
+      "Exit codes: 0 all jobs are done; 10 a job failed; 11 a job was cancelled.\n\n"
       "Examples:\n"
       "  sleight watch 17\n"
       "  sleight watch 17 --json --from 12\n"
@@ -188,15 +206,16 @@ void add_looks(CLI::App& app, Action& action) {
   command = add_command(app, "wait", "Wait until jobs end", action, cli::wait, awaited);
   add_jobs(*command, *awaited);
   command->footer(
-      "Prints nothing but how they ended. Exits with 0 if all are done, 10 if one failed, 11 if "
-      "one\nwas cancelled.\n\n"
+      "Prints only how the jobs ended.\n\n"
+      "Exit codes: 0 all jobs are done; 10 a job failed; 11 a job was cancelled.\n\n"
       "Example:\n  sleight wait 17 && sleight fetch 17");
 
   const auto logs = std::make_shared<cli::LogsOptions>();
-  command = add_command(app, "logs", "What a job's program wrote", action, cli::show_logs, logs);
-  command->add_option("job", logs->job, "One job, 17")->required()->type_name("JOB");
-  command->add_flag("-f,--follow", logs->follow, "Go on until the job ends");
-  command->add_option("--lines", logs->lines, "The last so many")
+  command =
+      add_command(app, "logs", "Print the output of a job's program", action, cli::show_logs, logs);
+  command->add_option("job", logs->job, "Job number (17)")->required()->type_name("JOB");
+  command->add_flag("-f,--follow", logs->follow, "Keep printing new lines until the job ends");
+  command->add_option("--lines", logs->lines, "Number of lines to print, from the end")
       ->check(CLI::Range(1U, k_lines_max).description(""))
       ->type_name("N")
       ->capture_default_str();
@@ -217,13 +236,15 @@ void add_stops(CLI::App& app, Action& action) {
     add_jobs(*command, *options);
     command->footer(footer);
   };
-  add("cancel", "End jobs in order", rpc::ChangeKind::cancel,
-      "A running job stops at a scan's end and keeps the archive of what it has.\n\n"
+  add("cancel", "Cancel jobs", rpc::ChangeKind::cancel,
+      "A running job stops at the end of a scan, with an archive of its results so far.\n\n"
       "Examples:\n  sleight cancel 17\n  sleight cancel g5\n  sleight cancel 17 19 23..30");
-  add("hold", "Stop jobs until `resume`", rpc::ChangeKind::hold,
-      "Nothing is lost: `sleight resume` goes on to the same archive.\n\n"
-      "Example:\n  sleight hold 17");
-  add("resume", "Go on with held, failed or cancelled jobs", rpc::ChangeKind::resume,
+  add("hold", "Stop jobs until `sleight resume`", rpc::ChangeKind::hold,
+      "No work is lost: `sleight resume` continues the run, and the archive is the same as\n"
+      "without the stop.\n\n"
+      "Example:\n"
+      "  sleight hold 17");
+  add("resume", "Resume held, failed or cancelled jobs", rpc::ChangeKind::resume,
       "Example:\n  sleight resume 17");
 }
 
@@ -233,27 +254,31 @@ void add_priority(CLI::App& app, Action& action) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = add_command(
-      app, "priority", "Which of your jobs come first", action,
+      app, "priority", "Set the priority of your jobs", action,
       [](const std::string& socket, const Options& given) {
         return cli::change(socket, given,
                            {.kind = rpc::ChangeKind::set_priority, .priority = given.priority});
       },
       options);
   add_jobs(*command, *options);
-  command->add_option("--to", options->priority, "Higher ones come first; 0 if never given")
+  command
+      ->add_option("--to", options->priority,
+                   "New priority; jobs with a higher one run first. Jobs start with 0")
       ->required()
       ->check(CLI::Range(-k_priority_max, k_priority_max))
       ->type_name("N");
   command->footer(
-      "It orders the jobs of one user; between users, their shares of the machine do. A job that\n"
-      "runs is not stopped for it.\n\n"
-      "Examples:\n  sleight priority 17 --to 5\n  sleight priority g5 --to -1");
+      "Priorities order the jobs of one user. Between users, their shares of the machine\n"
+      "decide. No running job is stopped for one with a higher priority.\n\n"
+      "Examples:\n"
+      "  sleight priority 17 --to 5\n"
+      "  sleight priority g5 --to -1");
 }
 
 void add_extend(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::ExtendOptions>();
   CLI::App* command = add_command(
-      app, "extend", "Ask more of jobs", action,
+      app, "extend", "Ask jobs for more scans, rounds or solutions", action,
       [](const std::string& socket, const cli::ExtendOptions& given) {
         return cli::change(
             socket, given,
@@ -261,30 +286,30 @@ void add_extend(CLI::App& app, Action& action) {
       },
       options);
   add_jobs(*command, *options);
-  CLI::App* rule = command->add_option_group("[stop]", "One rule, in place of the request's");
-  rule->add_option("--scans", options->scans, "Scans of each chain")
+  CLI::App* rule = command->add_option_group("[stop]", "One rule, which replaces the request's");
+  rule->add_option("--scans", options->scans, "Number of scans of each chain")
       ->check(CLI::Range(std::uint64_t{1}, request::k_scans_max).description(""))
       ->type_name("N");
-  rule->add_option("--rounds", options->rounds, "Rounds of tempering")
+  rule->add_option("--rounds", options->rounds, "Number of rounds")
       ->check(CLI::Range(1U, request::k_rounds_max))
       ->type_name("N");
-  rule->add_option("--solutions", options->solutions, "Independent solutions")
+  rule->add_option("--solutions", options->solutions, "Number of solutions")
       ->check(CLI::Range(1U, request::k_independent_solutions_max))
       ->type_name("N");
-  rule->add_option("--odds", options->odds, "Standard error of log P, in nats")
+  rule->add_option("--odds", options->odds, "Standard error of log P(satisfied), in nats")
       ->check(CLI::Range(request::k_odds_min, request::k_odds_max))
       ->type_name("X");
   rule->require_option(1);
   command->footer(
-      "The numbers are of the whole run, not added to it. The archive is the one that the longer\n"
-      "request would have given at once.\n\n"
+      "Numbers are totals of the whole run, not additions. The archive is the one that the longer\n"
+      "request would have given from the start.\n\n"
       "Examples:\n  sleight extend 17 --solutions 100\n  sleight extend g5 --scans 40000");
 }
 
 void add_fetch(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::FetchOptions>();
   CLI::App* command = add_command(
-      app, "fetch", "Bring jobs' archives here", action,
+      app, "fetch", "Download the archives of jobs", action,
       [](const std::string& socket, const cli::FetchOptions& given) {
         return cli::fetch(socket, given, service_client::check_archive);
       },
@@ -292,21 +317,21 @@ void add_fetch(CLI::App& app, Action& action) {
   command->add_option("jobs", options->jobs, k_jobs_help)->required()->type_name("JOB");
   command
       ->add_option("-o,--output", options->output,
-                   "job-17.h5 if not given; of several jobs a folder, g5 of a group")
+                   "File to write; a folder for several jobs. Default: job-17.h5; g5 for a group")
       ->type_name("FILE");
-  command->add_flag("--so-far", options->so_far, "Of what the run has by now");
+  command->add_flag("--so-far", options->so_far, "Fetch an archive of the results so far");
   command
       ->add_option("--recordings", options->recordings,
-                   "Kept animations by their ids (3,7,10..20), into a folder")
+                   "Fetch kept animations by id (3,7,10..20) into a folder")
       ->type_name("IDS");
   command->add_flag("--failures", options->failures,
-                    "Files for `sleight replay` of simulations that failed, into a folder");
-  command->add_flag("--force", options->force, "Replace what is there");
-  command->add_flag("-q,--quiet", options->quiet, "No progress, no names");
+                    "Fetch the files of failed simulations, for `sleight replay`, into a folder");
+  command->add_flag("--force", options->force, "Overwrite existing files");
+  command->add_flag("-q,--quiet", options->quiet, "Don't show progress or file names");
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
-      "A file is checked against its digest and put in place when it is whole; the same command\n"
-      "goes on with a part that came. A file that is there with other content is left alone.\n\n"
+      "Each file appears once it is complete and its digest is right. To resume a download,\n"
+      "repeat the command. Without --force, an existing file with other content is an error.\n\n"
       "Examples:\n"
       "  sleight fetch 17 -o hi.h5\n"
       "  sleight fetch 17 --so-far -o hi_so_far.h5\n"
@@ -317,12 +342,13 @@ void add_fetch(CLI::App& app, Action& action) {
 void add_keeps(CLI::App& app, Action& action) {
   const auto deleted = std::make_shared<cli::DeleteOptions>();
   CLI::App* command =
-      add_command(app, "delete", "Delete jobs that have ended", action, cli::delete_jobs, deleted);
+      add_command(app, "delete", "Delete jobs that have ended, with their archives and logs",
+                  action, cli::delete_jobs, deleted);
   add_jobs(*command, *deleted);
-  command->add_flag("-y,--yes", deleted->yes, "Don't ask");
+  command->add_flag("-y,--yes", deleted->yes, "Don't ask for confirmation");
   command->footer(
-      "With their archives and logs. Nothing is deleted where one of them has not ended, or is\n"
-      "pinned. Asks on a terminal.\n\n"
+      "If one of the jobs has not ended, or is pinned, deletes none. On a terminal, asks for\n"
+      "confirmation.\n\n"
       "Examples:\n  sleight delete 17\n  sleight delete g5 -y");
 
   struct PinOptions : cli::JobsOptions {
@@ -330,31 +356,39 @@ void add_keeps(CLI::App& app, Action& action) {
   };
   const auto pinned = std::make_shared<PinOptions>();
   command = add_command(
-      app, "pin", "Keep jobs whatever the rule for finished jobs says", action,
+      app, "pin", "Protect jobs from deletion", action,
       [](const std::string& socket, const PinOptions& given) {
         return cli::change(socket, given,
                            {.kind = given.off ? rpc::ChangeKind::unpin : rpc::ChangeKind::pin});
       },
       pinned);
   add_jobs(*command, *pinned);
-  command->add_flag("--off", pinned->off, "The rule holds again");
-  command->footer("Examples:\n  sleight pin 17\n  sleight pin 17 --off");
+  command->add_flag("--off", pinned->off, "Remove the protection");
+  command->footer(
+      "The service deletes finished jobs after some time (`sleight config`: keep_days,\n"
+      "keep_bytes), but no pinned ones.\n\n"
+      "Examples:\n"
+      "  sleight pin 17\n"
+      "  sleight pin 17 --off");
 }
 
 void add_server(CLI::App& app, Action& action) {
-  CLI::App* server = app.add_subcommand("server", "The service of this machine");
+  CLI::App* server =
+      app.add_subcommand("server", "Start, stop or inspect the service on this machine");
   server->require_subcommand(1);
   const auto start = std::make_shared<cli::ServerStartOptions>();
-  CLI::App* command = server->add_subcommand("start", "Start it in the background");
+  CLI::App* command = server->add_subcommand("start", "Start the service in the background");
   add_setting_options(*command, start->given);
-  command->add_flag("--foreground", start->foreground, "Here, until Ctrl-C");
+  command->add_flag("--foreground", start->foreground, "Run in the foreground until Ctrl-C");
   command->add_flag("--json", start->json, k_json_help);
   command->callback([&action, start] { action = [start] { return cli::start_server(*start); }; });
   command->footer(
-      "Returns when it answers; its log is server.log in its state folder. Nothing needs "
-      "configuring:\n`sleight config` shows the settings. One that runs already is left as it "
-      "is.\n\n"
-      "Examples:\n  sleight server start\n  sleight server start --cores 8 --memory 24GB");
+      "Returns when the service answers. Its log is server.log in its state folder. All\n"
+      "settings have defaults; `sleight config` lists them. A service that is already running\n"
+      "stays as it is.\n\n"
+      "Examples:\n"
+      "  sleight server start\n"
+      "  sleight server start --cores 8 --memory 24GB");
 
   const auto add = [&](const char* name, const char* help, auto run, const char* footer) {
     const auto json = std::make_shared<bool>(false);
@@ -364,12 +398,12 @@ void add_server(CLI::App& app, Action& action) {
         [&action, json, run] { action = [json, run] { return run(service_called(), *json); }; });
     one->footer(footer);
   };
-  add("stop", "End it; jobs run on", cli::stop_server,
-      "The next one takes the jobs over.\n\nExample:\n  sleight server stop");
-  add("drain", "Start nothing more, and stop in order what runs", cli::drain_server,
-      "Before the machine goes down, say. The next start goes on with the jobs.\n\n"
+  add("stop", "Stop the service; jobs keep running", cli::stop_server,
+      "The next `sleight server start` takes the jobs over.\n\nExample:\n  sleight server stop");
+  add("drain", "Stop all running jobs cleanly and start no more", cli::drain_server,
+      "Use it before the machine goes down. The next start of the service resumes the jobs.\n\n"
       "Example:\n  sleight server drain");
-  add("status", "How it stands", cli::show_server,
+  add("status", "Show the state of the service", cli::show_server,
       "Examples:\n  sleight server status\n  sleight server status --json | jq .pid");
 }
 

@@ -13,44 +13,50 @@ namespace {
 using Action = std::function<int()>;
 
 constexpr std::uint32_t k_limit_max = 1'000'000;
-const char* const k_token_json_help = "As JSON";
+const char* const k_token_json_help = "Print JSON";
 
 void add_create(CLI::App& token, Action& action) {
   const auto options = std::make_shared<cli::TokenCreateOptions>();
-  CLI::App* command = token.add_subcommand("create", "Make one, and show it this once");
-  command->add_option("--name", options->name, "For people: what it is for")
+  CLI::App* command = token.add_subcommand("create", "Create an access token and print it once");
+  command->add_option("--name", options->name, "Name of the token, for people")
       ->required()
       ->type_name("TEXT");
   command
       ->add_option("--scope", options->scopes,
-                   "What it is for; may be given repeatedly (read, submit, manage, operate); read, "
-                   "submit and manage if not given")
+                   "Permission: read, submit, manage or operate. Repeatable. Default: read, submit "
+                   "and manage")
       ->allow_extra_args(false)
       ->type_name("SCOPE");
-  command->add_option("--expires", options->expires, "After so long: 90d, 12h, or never")
+  command
+      ->add_option("--expires", options->expires, "Time until the token expires: 90d, 12h or never")
       ->type_name("TIME")
       ->capture_default_str();
   command
       ->add_option("--user", options->user,
                    "User who owns the token; only the service's own user may name another")
       ->type_name("USER");
-  command->add_option("--jobs", options->jobs_max, "Most unfinished jobs that it may have at once")
+  command
+      ->add_option("--jobs", options->jobs_max,
+                   "Maximum number of unfinished jobs for this token. Default: the user's limit")
       ->check(CLI::Range(1U, k_limit_max))
       ->type_name("N");
-  command->add_option("--cores", options->cores_max, "Most cores for each of its jobs")
+  command
+      ->add_option("--cores", options->cores_max,
+                   "Maximum number of cores for each of its jobs. Default: the user's limit")
       ->check(CLI::Range(1U, k_limit_max))
       ->type_name("N");
-  command->add_option("-o,--output", options->output, "Into this new file, for its owner alone")
+  command
+      ->add_option("-o,--output", options->output,
+                   "New file for the token, readable only by its owner. Default: print the token")
       ->type_name("FILE");
   command->add_flag("--json", options->json, k_token_json_help);
   command->callback([&action, options] {
     action = [options] { return cli::create_token(service_called(), *options); };
   });
   command->footer(
-      "A token does what its user may, as far as its scopes go: read (list, status, watch, logs,\n"
-      "fetch), submit, manage (cancel, hold, resume, extend, delete, pin, priority), operate "
-      "(drain "
-      "and\nstop the service). The service keeps its hash alone.\n\n"
+      "A token permits what its user may do, within its scopes: read (list, status, watch, logs,\n"
+      "fetch), submit, manage (cancel, hold, resume, extend, delete, pin, priority) and operate\n"
+      "(drain and stop the service). The service stores only a hash of the token.\n\n"
       "Examples:\n"
       "  sleight token create --name laptop -o laptop.token\n"
       "  sleight token create --name gallery --scope read --expires never\n"
@@ -63,9 +69,9 @@ void add_list_and_revoke(CLI::App& token, Action& action) {
     bool json = false;
   };
   const auto list = std::make_shared<List>();
-  CLI::App* command = token.add_subcommand("list", "Those that are valid");
+  CLI::App* command = token.add_subcommand("list", "List valid tokens");
   command->add_flag("--all", list->all,
-                    "Also those that were revoked or have expired, for 30 days");
+                    "Include tokens that were revoked or expired in the last 30 days");
   command->add_flag("--json", list->json, k_token_json_help);
   command->callback([&action, list] {
     action = [list] { return cli::list_tokens(service_called(), list->all, list->json); };
@@ -74,8 +80,8 @@ void add_list_and_revoke(CLI::App& token, Action& action) {
       "Examples:\n  sleight token list\n  sleight token list --json | jq '.[].last_used'");
 
   const auto revoked = std::make_shared<cli::TokenRevokeOptions>();
-  command = token.add_subcommand("revoke", "End them, and their sessions within a second");
-  command->add_option("ids", revoked->ids, "As `sleight token list` shows them")
+  command = token.add_subcommand("revoke", "Revoke tokens and end their sessions within a second");
+  command->add_option("ids", revoked->ids, "Token id, from `sleight token list`")
       ->required()
       ->type_name("ID");
   command->add_flag("--json", revoked->json, k_token_json_help);
@@ -83,33 +89,38 @@ void add_list_and_revoke(CLI::App& token, Action& action) {
     action = [revoked] { return cli::revoke_tokens(service_called(), *revoked); };
   });
   command->footer(
-      "Jobs that were submitted by it go on.\n\nExample:\n  sleight token revoke 7k2m9q4x1c");
+      "Jobs submitted with the token continue.\n\nExample:\n  sleight token revoke 7k2m9q4x1c");
 }
 
 void add_logins(CLI::App& app, Action& action) {
   const auto options = std::make_shared<cli::LoginOptions>();
-  CLI::App* command = app.add_subcommand("login", "Use a service of another machine");
-  command->add_option("server", options->address, "Its host, and its port if that isn't 7423")
+  CLI::App* command = app.add_subcommand("login", "Log in to a service on another machine");
+  command
+      ->add_option("server", options->address,
+                   "Host of the service, and its port. Default port: 7423")
       ->required()
       ->type_name("HOST:PORT");
   command
       ->add_option("--token-file", options->token_file,
-                   "Where its token is; standard input if not given")
+                   "File with the token. Default: standard input")
       ->type_name("FILE");
   CLI::Option* fingerprint =
       command
-          ->add_option("--fingerprint", options->fingerprint,
-                       "Of its certificate, as `sleight server status` there says")
+          ->add_option(
+              "--fingerprint", options->fingerprint,
+              "Fingerprint of the service's certificate, from `sleight server status` there")
           ->type_name("SHA256:HEX");
-  command->add_option("--ca", options->ca_file, "Of the authority that vouches for it, in PEM")
+  command
+      ->add_option("--ca", options->ca_file,
+                   "Certificate (PEM) of the authority that signed the service's certificate")
       ->excludes(fingerprint)
       ->type_name("FILE");
   command->add_flag("--json", options->json, k_token_json_help);
   command->callback([&action, options] { action = [options] { return cli::login(*options); }; });
   command->footer(
-      "On the service's machine `sleight token create` makes the token. It is kept in\n"
-      "~/.config/sleight/servers, for you alone. Afterwards SLEIGHT_SERVER, or `server` in\n"
-      "config.toml, says that commands are for that service.\n\n"
+      "To create a token, run `sleight token create` on the service's machine. `sleight login`\n"
+      "stores it in ~/.config/sleight/servers, readable only by you. To send commands to that\n"
+      "service, set SLEIGHT_SERVER, or `server` in config.toml.\n\n"
       "Examples:\n"
       "  sleight login render.example.org --fingerprint SHA256:4f0c... --token-file laptop.token\n"
       "  ssh render.example.org sleight token create --name laptop | sleight login "
@@ -121,8 +132,8 @@ void add_logins(CLI::App& app, Action& action) {
     bool json = false;
   };
   const auto gone = std::make_shared<Logout>();
-  command = app.add_subcommand("logout", "Forget a service of another machine");
-  command->add_option("server", gone->address, "As it was logged in to")
+  command = app.add_subcommand("logout", "Delete the stored login of a service");
+  command->add_option("server", gone->address, "Address, as given to `sleight login`")
       ->required()
       ->type_name("HOST:PORT");
   command->add_flag("--json", gone->json, k_token_json_help);
@@ -134,7 +145,7 @@ void add_logins(CLI::App& app, Action& action) {
 }  // namespace
 
 void add_token_commands(CLI::App& app, Action& action) {
-  CLI::App* token = app.add_subcommand("token", "Who may call the service from other machines");
+  CLI::App* token = app.add_subcommand("token", "Manage access tokens for use from other machines");
   token->require_subcommand(1);
   add_create(*token, action);
   add_list_and_revoke(*token, action);
