@@ -81,13 +81,14 @@ int write_man_pages(const std::string& folder) {
 
 void add_config(CLI::App& app, OwnArguments& arguments, Action& action) {
   CLI::App* command =
-      app.add_subcommand("config", "The settings of the service, and where each comes from");
-  command->add_flag("--json", arguments.json, "As JSON");
+      app.add_subcommand("config", "List the service's settings and where each comes from");
+  command->add_flag("--json", arguments.json, "Print JSON");
   command->footer(
-      "Nothing needs configuring. A setting comes from the command line, from SLEIGHT_STATE or\n"
-      "SLEIGHT_SOCKET, from the file $XDG_CONFIG_HOME/sleight/config.toml (else\n"
-      "~/.config/sleight/config.toml), or has its default. The file is TOML and has the keys\n"
-      "that this command lists; those that begin with \"limits.\" are below [limits] there.\n\n"
+      "Every setting has a default. The first of these that gives a value wins:\n"
+      "the command line;\n"
+      "the environment (SLEIGHT_STATE, SLEIGHT_SOCKET, SLEIGHT_SERVER, SLEIGHT_ALLOW_ROOT);\n"
+      "the file $XDG_CONFIG_HOME/sleight/config.toml, else ~/.config/sleight/config.toml.\n\n"
+      "The file is TOML with the listed keys; limits.jobs is the key jobs in section [limits].\n\n"
       "Examples:\n"
       "  sleight config\n"
       "  sleight config --json | jq .settings.state.value");
@@ -96,16 +97,16 @@ void add_config(CLI::App& app, OwnArguments& arguments, Action& action) {
 
 void add_completion(CLI::App& app, OwnArguments& arguments, Action& action) {
   CLI::App* command = app.add_subcommand("completion", "Print a shell's completion script");
-  command->add_option("shell", arguments.shell, "The shell")
+  command->add_option("shell", arguments.shell, "Shell to complete in")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}))
       ->type_name("SHELL");
-  command->add_option("program", arguments.program, "Of which program")
+  command->add_option("program", arguments.program, "Program to complete")
       ->check(CLI::IsMember(std::vector<std::string>(k_programs.begin(), k_programs.end())))
       ->capture_default_str()
       ->type_name("PROGRAM");
   command->footer(
-      "The script is for a shell's start-up file; of zsh behind its compinit.\n\n"
+      "Load the script in the shell's start-up file; in zsh, after compinit.\n\n"
       "Examples:\n"
       "  source <(sleight completion bash)\n"
       "  source <(sleight completion zsh)\n"
@@ -117,9 +118,11 @@ void add_completion(CLI::App& app, OwnArguments& arguments, Action& action) {
 }
 
 void add_man(CLI::App& app, OwnArguments& arguments, Action& action) {
-  CLI::App* command = app.add_subcommand("man", "Print the manual page, or write all pages");
+  CLI::App* command = app.add_subcommand("man", "Print the manual page or write all pages");
   command->group("");  // hidden: `man sleight` is what people ask
-  command->add_option("--directory", arguments.folder, "Write the pages of all programs there")
+  command
+      ->add_option("--directory", arguments.folder,
+                   "Write the manual pages of all programs to this folder")
       ->type_name("FOLDER");
   command->footer("Examples:\n  sleight man | man -l -\n  sleight man --directory share/man/man1");
   command->callback([&] { action = [&] { return write_man_pages(arguments.folder); }; });

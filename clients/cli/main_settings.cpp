@@ -15,28 +15,43 @@ struct SettingOption {
   const char* help;
 };
 
+static_assert(config::k_disk_reserve_bytes == 1'000'000'000 && config::k_slice_s == 10 &&
+                  config::k_keep_days == 30 && config::k_keep_bytes == 50'000'000'000 &&
+                  config::k_cache_mb == 256,
+              "said in the help");
+
 constexpr SettingOption k_options[] = {
-    {"state", "--state", "FOLDER", "Folder of the daemon: its jobs, their archives, its log"},
-    {"socket", "--socket", "PATH", "Where the daemon is called"},
-    {"group", "--group", "NAME", "Group whose members may use the daemon, beside its own user"},
+    {"state", "--state", "FOLDER",
+     "Folder for jobs, archives and the log. Default: ~/.local/state/sleight"},
+    {"socket", "--socket", "PATH",
+     "Path of the service's Unix socket. Default: socket in the state folder"},
+    {"group", "--group", "NAME",
+     "Group whose members may use the service, besides its own user. Default: none"},
     {"listen", "--listen", "ADDRESS",
-     "Where the daemon is called from other machines, over TLS (0.0.0.0:7423)"},
+     "Address for access from other machines, over TLS (0.0.0.0:7423). Default: none"},
     {"tls_certificate", "--tls-certificate", "FILE",
-     "Absolute path of the daemon's TLS certificate, in PEM. Default: one that it makes itself"},
-    {"tls_key", "--tls-key", "FILE", "Absolute path of that certificate's key, in PEM"},
+     "TLS certificate (absolute path, PEM). Default: self-signed"},
+    {"tls_key", "--tls-key", "FILE", "Private key of the TLS certificate (absolute path, PEM)"},
     {"backend", "--backend", "NAME",
-     "What runs jobs: local (this machine), slurm, or a program's path"},
-    {"allow_root", "--allow-root", nullptr, "The daemon may run as root, and so may every job"},
-    {"cores", "--cores", "N", "For all running jobs together"},
-    {"memory", "--memory", "SIZE", "For all running jobs together (24GB)"},
+     "System that runs jobs: local (this machine), slurm, or a program's absolute path. Default: "
+     "local"},
+    {"allow_root", "--allow-root", nullptr, "Allow the service, and so every job, to run as root"},
+    {"cores", "--cores", "N",
+     "Number of cores for all running jobs together. Default: all; 1024 on a batch "
+     "system"},
+    {"memory", "--memory", "SIZE",
+     "Memory for all running jobs together (24GB). Default: 3/4 of the machine's; 4TB on a "
+     "batch system"},
     {"disk_reserve", "--disk-reserve", "SIZE",
-     "With less free on the disk nothing starts and running jobs are held"},
+     "Free disk space below which no job starts and running jobs are held. Default: 1GB"},
     {"slice", "--slice", "TIME",
-     "Least time for which a job runs before it yields to waiting ones"},
-    {"keep_days", "--keep-days", "N", "Days after which a finished job is deleted, unless pinned"},
+     "Minimum time for which a job runs before it yields to waiting jobs. Default: 10s"},
+    {"keep_days", "--keep-days", "N",
+     "Days until a finished job is deleted, unless pinned. Default: 30"},
     {"keep_bytes", "--keep-bytes", "SIZE",
-     "Most that finished jobs keep on the disk; beyond it the oldest go that are not pinned"},
-    {"cache_mb", "--cache", "MB", "Memory in which each process of a job keeps simulations"},
+     "Maximum disk space of finished jobs; beyond it, the oldest unpinned ones are deleted. "
+     "Default: 50GB"},
+    {"cache_mb", "--cache", "MB", "Simulation cache of each process of a job, in MB. Default: 256"},
 };
 
 }  // namespace
@@ -63,12 +78,12 @@ void add_setting_options(CLI::App& app, std::vector<config::Given>& given) {
 void build_daemon_app(CLI::App& app, std::vector<config::Given>& given) {
   app.name("sleightd");
   app.description(
-      "Sleight's service: takes direction requests as jobs and runs them.\n"
-      "`sleight server start` starts it in the background.");
+      "Sleight's service: accepts direction requests as jobs and runs them. To start it in the\n"
+      "background, run `sleight server start`.");
   app.set_version_flag("--version", version_text());
   add_setting_options(app, given);
   app.footer(
-      "`sleight config` shows the settings that hold and where each comes from.\n\nExamples:\n"
+      "To list all settings and where each comes from, run `sleight config`.\n\nExamples:\n"
       "  sleightd\n"
       "  sleightd --state /scratch/ada/sleight --cores 8 --memory 24GB\n"
       "  sleightd --listen 0.0.0.0:7423");

@@ -42,48 +42,51 @@ struct Range {
 /// `duration_s`.
 template <class AnySettings, class Visitor>
 void visit(AnySettings& s, Visitor& visitor) {
-  visitor.path("state", s.state, "folder of the daemon: its jobs, their archives, its log");
-  visitor.path("socket", s.socket, "where the daemon is called");
-  visitor.name("group", s.group, "of the users who may call the daemon, beside its own");
-  visitor.address("listen", s.listen, "where the daemon is called from other machines, over TLS");
+  visitor.path("state", s.state, "folder for jobs, archives and the log");
+  visitor.path("socket", s.socket, "path of the service's Unix socket");
+  visitor.name("group", s.group, "group whose members may use the service, besides its own user");
+  visitor.address("listen", s.listen, "address for access from other machines, over TLS");
   visitor.path("tls_certificate", s.tls_certificate,
-               "of the daemon there, in PEM; one of its own making if not given");
-  visitor.path("tls_key", s.tls_key, "of tls_certificate, in PEM");
+               "TLS certificate (absolute path, PEM); default: self-signed");
+  visitor.path("tls_key", s.tls_key, "private key of tls_certificate (absolute path, PEM)");
   visitor.name("backend", s.backend,
-               "what runs jobs: \"local\" for this machine, \"slurm\", or a program's path");
-  visitor.flag("allow_root", s.allow_root, "the daemon may run as root, and so may every job");
-  visitor.count("cores", s.cores, Range{1, k_cores_max, "cores"}, "for all running jobs together");
+               "system that runs jobs: \"local\" (this machine), \"slurm\", or a program's path");
+  visitor.flag("allow_root", s.allow_root, "allow the service, and so every job, to run as root");
+  visitor.count("cores", s.cores, Range{1, k_cores_max, "cores"},
+                "number of cores for all running jobs together");
   visitor.count("job_cores", s.job_cores, Range{0, k_cores_max, "cores"},
-                "of a job that doesn't say; 0: those that are free");
-  visitor.bytes("memory", s.memory_bytes, 1, "for all running jobs together");
+                "cores of a job without --cores; 0: all free cores");
+  visitor.bytes("memory", s.memory_bytes, 1, "memory for all running jobs together");
   visitor.bytes("disk_reserve", s.disk_reserve_bytes, 0,
-                "with less left on the disk nothing starts and running jobs are held");
+                "free disk space below which no job starts and running jobs are held");
   visitor.duration_s("slice", s.slice_s,
-                     "a job runs at least so long before it yields to those that wait");
+                     "minimum time for which a job runs before it yields to waiting jobs");
   visitor.count("keep_days", s.keep_days, Range{0, 36500, "days"},
-                "after so long a finished job is deleted, unless pinned");
-  visitor.bytes("keep_bytes", s.keep_bytes, 0,
-                "of finished jobs together; beyond it the oldest that are not pinned go");
+                "days until a finished job is deleted, unless pinned");
+  visitor.bytes(
+      "keep_bytes", s.keep_bytes, 0,
+      "maximum disk space of finished jobs; beyond it, the oldest unpinned ones are deleted");
   visitor.count("cache_mb", s.cache_mb, Range{0, 1'000'000, "MB"},
-                "in which each process of a job keeps simulations");
-  visitor.address("server", s.server, "of another machine, which commands call over TLS");
+                "simulation cache of each process of a job, in MB");
+  visitor.address("server", s.server, "service on another machine that commands use, over TLS");
   visitor.count("limits.jobs", s.limits.jobs, Range{1, k_integer_max, "jobs"},
-                "of one user, that have not ended");
+                "maximum unfinished jobs of a user");
   visitor.count("limits.cores", s.limits.cores, Range{1, k_cores_max, "cores"},
-                "of one user's running jobs");
+                "maximum cores of a user's running jobs");
   visitor.count("limits.core_hours", s.limits.core_hours, Range{1, k_integer_max, "core-hours"},
-                "of one user, in a day");
-  visitor.bytes("limits.bytes", s.limits.bytes, 1, "on the disk, of one user's jobs");
+                "maximum core-hours of a user per day");
+  visitor.bytes("limits.bytes", s.limits.bytes, 1, "maximum disk space of a user's jobs");
   visitor.count("limits.states", s.limits.states, Range{1, k_integer_max, "states"},
-                "of one job: chains x temperatures, or x particles");
+                "maximum states of a job: chains x temperatures, or chains x particles");
   visitor.count("limits.simulations", s.limits.simulations, Range{1, k_integer_max, "simulations"},
-                "of one job, as far as its [stop] says how many");
-  visitor.name("slurm.account", s.slurm.account, "of jobs that don't say otherwise");
-  visitor.name("slurm.partition", s.slurm.partition, "likewise");
-  visitor.name("slurm.qos", s.slurm.qos, "likewise");
-  visitor.name("slurm.time", s.slurm.time, "likewise: the longest time of one start");
-  visitor.name("slurm.more", s.slurm.more, "further options of sbatch, such as --exclusive");
-  visitor.path("slurm.script", s.slurm.script, "direct.sbatch, if not the one that is installed");
+                "maximum simulations of a job, if [stop] determines their number");
+  visitor.name("slurm.account", s.slurm.account, "default account of jobs");
+  visitor.name("slurm.partition", s.slurm.partition, "default partition of jobs");
+  visitor.name("slurm.qos", s.slurm.qos, "default quality of service of jobs");
+  visitor.name("slurm.time", s.slurm.time, "default time limit of one start of a job");
+  visitor.name("slurm.more", s.slurm.more, "further sbatch options, such as --exclusive");
+  visitor.path("slurm.script", s.slurm.script,
+               "batch script (absolute path); default: the installed direct.sbatch");
 }
 
 /// A value with what gave it.
