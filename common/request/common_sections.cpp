@@ -60,45 +60,47 @@ void check_excursions(Binder& sampler, const SamplerParameters& p) {
 
 /// What comes before the scans that are judged, and what excursions and ascents consist of.
 void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
-  sampler.optional_integer("anneal_scans", p.anneal_scans,
-                           {.minimum = 1,
-                            .maximum = 1000000,
-                            .unit = "scans",
-                            .help = "simulated annealing from the prior before all else"});
+  sampler.optional_integer(
+      "anneal_scans", p.anneal_scans,
+      {.minimum = 1,
+       .maximum = 1000000,
+       .unit = "scans",
+       .help = "length of simulated annealing from the prior, before all else"});
   sampler.optional_integer("burn_in_rounds", p.burn_in_rounds,
                            {.minimum = 1,
                             .maximum = 20,
                             .unit = "rounds",
-                            .help = "of parallel tempering, to find temperatures, before "
-                                    "simulated_tempering, tempered_transitions and "
-                                    "annealed_importance, 4 if absent; of sequential, that don't "
-                                    "count, 1 if absent"});
+                            .help = "rounds of parallel tempering that set the temperatures "
+                                    "(simulated_tempering, tempered_transitions, "
+                                    "annealed_importance; default: 4), or discarded rounds "
+                                    "(sequential; default: 1)"});
   sampler.optional_integer("lanes", p.lanes,
                            {.minimum = 1,
                             .maximum = 1024,
-                            .help = "ascents beside each other, of a chain: annealed_importance; "
-                                    "8 if absent"});
+                            .help = "parallel ascents of a chain (annealed_importance); default: "
+                                    "8"});
   sampler.optional_integer("steps_per_level", p.steps_per_level,
                            {.minimum = 1,
                             .maximum = 1000,
                             .unit = "steps",
-                            .help = "from one temperature to the next: tempered_transitions, "
-                                    "annealed_importance; 1 if absent"});
-  sampler.optional_integer(
-      "particles", p.particles,
-      {.minimum = 2, .maximum = k_particles_max, .help = "of an island: sequential; 64 if absent"});
+                            .help = "steps from one temperature to the next "
+                                    "(tempered_transitions, annealed_importance); default: 1"});
+  sampler.optional_integer("particles", p.particles,
+                           {.minimum = 2,
+                            .maximum = k_particles_max,
+                            .help = "particles of an island (sequential); default: 64"});
   sampler.optional_integer("tour_scans", p.tour_scans,
                            {.minimum = 2,
                             .maximum = 1000000,
                             .unit = "scans",
-                            .help = "after which chains start anew; the last of them alone is a "
-                                    "draw: sequential; they never do if absent"});
+                            .help = "scans until a chain restarts, of which only the last is a "
+                                    "draw (sequential); default: no restarts"});
   sampler.optional_integer("relax_scans", p.relax_scans,
                            {.minimum = 1,
                             .maximum = k_relax_scans_max,
                             .unit = "scans",
-                            .help = "of a chain that relaxes each find: search; finds are left as "
-                                    "they are if absent"});
+                            .help = "length of the chain that relaxes each find (search); "
+                                    "default: no relaxation"});
 }
 
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
@@ -110,41 +112,40 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
       Named<Method>{"annealed_importance", Method::annealed_importance},
       Named<Method>{"sequential", Method::sequential},
       Named<Method>{"search", Method::search}};
-  sampler.choice("method", p.method, std::span<const Named<Method>>(k_methods),
-                 "how animations are drawn");
+  sampler.choice("method", p.method, std::span<const Named<Method>>(k_methods), "sampling method");
   static constexpr std::array k_starts{Named<Start>{"prior", Start::prior},
                                        Named<Start>{"search", Start::search}};
   sampler.choice(
       "start", p.start, std::span<const Named<Start>>(k_starts),
-      "where chains of metropolis_hastings and replicas of parallel_tempering start; from a search "
-      "their burn-in is judged");
-  sampler.integer(
-      "chains", p.chains,
-      {.minimum = 1, .maximum = k_chains_max, .help = "chains, independent of each other"});
-  sampler.optional_integer("replicas", p.replicas,
-                           {.minimum = 2,
-                            .maximum = k_replicas_max,
-                            .help = "temperatures of a ladder; chosen from its barrier if absent"});
+      "initial states (metropolis_hastings, parallel_tempering): draws from the prior, or finds of "
+      "a search followed by a tested burn-in");
+  sampler.integer("chains", p.chains,
+                  {.minimum = 1, .maximum = k_chains_max, .help = "number of independent chains"});
+  sampler.optional_integer(
+      "replicas", p.replicas,
+      {.minimum = 2,
+       .maximum = k_replicas_max,
+       .help =
+           "number of temperatures of a ladder; default: chosen from its communication barrier"});
   sampler.optional_integer("ladder_power", p.ladder_power,
                            {.minimum = 1,
                             .maximum = k_ladder_power_max,
-                            .help = "of a ladder's first round, also in a burn-in: of n inverse "
-                                    "temperatures (12 unless replicas says so) the i-th is (i / (n "
-                                    "- 1))^ladder_power; 6 if absent. Later ones are learnt"});
+                            .help = "exponent of a ladder's first round, also in a burn-in: "
+                                    "inverse temperature i of n is (i / (n - 1))^ladder_power, "
+                                    "where n is replicas or 12; default: 6. Later rounds adapt "
+                                    "the ladder"});
   sampler.integer("seed", p.seed,
                   {.minimum = 0,
                    .maximum = static_cast<std::int64_t>(k_seed_max),
-                   .help = "another seed, another run; the same seed, the same bits"});
-  sampler.integer("iterations_per_scan", p.iterations_per_scan,
-                  {.minimum = 1,
-                   .maximum = 1000000,
-                   .unit = "proposals",
-                   .help = "proposals that make a scan"});
+                   .help = "random seed; the same seed gives the same bits"});
+  sampler.integer(
+      "iterations_per_scan", p.iterations_per_scan,
+      {.minimum = 1, .maximum = 1000000, .unit = "proposals", .help = "proposals per scan"});
   sampler.integer("round_scans", p.round_scans,
                   {.minimum = 1,
                    .maximum = k_round_scans_max,
                    .unit = "scans",
-                   .help = "length of the first round; each later one is twice as long"});
+                   .help = "length of the first round; each later round is twice as long"});
   bind_what_some_methods_have(sampler, p);
   refuse_other_methods_keys(sampler, p.method);
   check_excursions(sampler, p);
@@ -155,36 +156,34 @@ void bind_stop(Binder& stop, StopRule& p) {
                         {.minimum = 1,
                          .maximum = static_cast<std::int64_t>(k_scans_max),
                          .unit = "scans",
-                         .help = "ends after so many scans of each chain, annealing and burn-in "
-                                 "included"});
+                         .help = "stop after this number of scans of each chain, including "
+                                 "annealing and burn-in"});
   stop.optional_integer("rounds", p.rounds,
                         {.minimum = 1,
                          .maximum = k_rounds_max,
                          .unit = "rounds",
-                         .help = "ends after so many rounds of each chain"});
+                         .help = "stop after this number of rounds of each chain"});
   stop.optional_integer("independent_solutions", p.independent_solutions,
                         {.minimum = 1,
                          .maximum = k_independent_solutions_max,
-                         .help = "ends when so many lineages have a satisfying animation; 5 if no "
-                                 "rule is given"});
+                         .help = "stop when this number of lineages have a satisfying animation; "
+                                 "default without a rule: 5"});
   stop.optional_number("odds", p.odds,
                        {.minimum = k_odds_min,
                         .maximum = k_odds_max,
                         .unit = "nats",
-                        .help = "ends when islands know log P(satisfied) to this standard error: "
-                                "sequential, whose islands are then all that is made; 0.1 is a "
-                                "tenth of P"});
+                        .help = "stop when the standard error of log P(satisfied) is this small "
+                                "(sequential); makes islands only, no chains; 0.1 means 10% of P"});
   stop.optional_integer("found", p.found,
                         {.minimum = 1,
                          .maximum = k_found_max,
-                         .help = "a search ends with so many finds, 5 if absent; beside other "
-                                 "rules, a search before the chains"});
+                         .help = "stop a search after this number of finds; default: 5. With "
+                                 "other rules, the search runs before the chains"});
   stop.optional_integer("takes", p.takes,
                         {.minimum = 1,
                          .maximum = k_takes_max,
-                         .help = "ends when so many finds of a search, each relaxed by "
-                                 "relax_scans, still satisfy; 5 if neither a rule nor a sampler "
-                                 "is given"});
+                         .help = "stop when this number of finds still satisfy after relax_scans; "
+                                 "default without a rule and a sampler: 5"});
 }
 
 void bind_output(Binder& output, OutputParameters& p) {
@@ -192,27 +191,29 @@ void bind_output(Binder& output, OutputParameters& p) {
                  {.minimum = 1,
                   .maximum = 1000000000,
                   .unit = "scans",
-                  .help = "1 keeps every scan's state, 10 every tenth"});
+                  .help = "interval between stored states; 1: every scan, 10: every tenth"});
   output.integer("keep_max", p.keep_max,
                  {.minimum = 0,
                   .maximum = 1000000,
                   .unit = "animations",
-                  .help = "the most satisfying animations that are kept; 20 beside the odds"});
+                  .help = "maximum number of stored satisfying animations; default with odds: 20"});
   output.integer("keep_per_lineage", p.keep_per_lineage,
                  {.minimum = 0,
                   .maximum = 1000,
                   .unit = "animations",
-                  .help = "of these, at most so many from one lineage"});
-  output.number("min_distance", p.min_distance,
-                {.minimum = 0,
-                 .maximum = 1e6,
-                 .unit = "units of likeness",
-                 .help = "least distance of two that are kept, as the world measures likeness"});
+                  .help = "maximum number of these from one lineage"});
+  output.number(
+      "min_distance", p.min_distance,
+      {.minimum = 0,
+       .maximum = 1e6,
+       .unit = "units of likeness",
+       .help =
+           "minimum distance between two stored animations, in the world's measure of likeness"});
   output.integer("prior_draws", p.prior_draws,
                  {.minimum = 0,
                   .maximum = k_prior_draws,
-                  .help = "draws from the prior, to compare samples with; 100 beside a search "
-                          "alone, or the odds"});
+                  .help = "number of prior draws, to compare samples with; default with odds or a "
+                          "search alone: 100"});
 }
 
 /// Keys of the common sections that say something of a search.
@@ -462,7 +463,7 @@ const WorldBinding* bind_sections(SectionBinders& sections, std::span<const Worl
     names.push_back({world.name, &world});
   const WorldBinding* chosen = nullptr;
   sections.world.required_choice("name", chosen, std::span<const Named<const WorldBinding*>>(names),
-                                 "the world to simulate");
+                                 "world to simulate");
   bind_sampler(sections.sampler, request.sampler);
   const std::size_t common_keys = sections.sampler.keys().size();
   bind_stop(sections.stop, request.stop);

@@ -91,7 +91,7 @@ std::string key_table(const WorldBinding& world) {
   // Few people need [sampler], which has the most keys.
   std::stable_partition(sections.begin(), sections.end(),
                         [](const SectionKeys& keys) { return keys.name != "sampler"; });
-  const Row title{"key", "unit", "range", "default", "what it is"};
+  const Row title{"key", "unit", "range", "default", "meaning"};
   std::string text = fmt::format("{}: {}\n", world.name, world.summary);
   for (const SectionKeys& section : sections) {
     std::vector<Row> rows{title};
