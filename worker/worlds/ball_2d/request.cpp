@@ -8,19 +8,22 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                {.minimum = 0.001,
                 .maximum = 1000,
                 .unit = "m",
-                .help = "the ball's diameter D; scales the picture only"});
-  world.number(
-      "gravity_mps2", p.gravity_mps2,
-      {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "gravity; scales time only"});
+                .help = "ball diameter D; only scales the picture"});
+  world.number("gravity_mps2", p.gravity_mps2,
+               {.minimum = 0.01,
+                .maximum = 1000,
+                .unit = "m/s2",
+                .help = "gravitational acceleration; only scales time"});
   world.number("drop_height_diameters", p.drop_height_diameters,
                {.minimum = 0.01,
                 .maximum = 10000,
                 .unit = "D",
-                .help = "how far the ball falls before its first collision"});
-  world.integer("collisions", p.collisions,
-                {.minimum = 1,
-                 .maximum = k_collisions_max,
-                 .help = "collisions with a random normal; the ball lands on the next one"});
+                .help = "fall height before the first collision"});
+  world.integer(
+      "collisions", p.collisions,
+      {.minimum = 1,
+       .maximum = k_collisions_max,
+       .help = "number of collisions with a random normal; the ball lands on the next one"});
   // A standard deviation near 0 would leave nothing to direct, and of 0 no density.
   world.angle_deg("normal_sd_deg", p.normal_sd_rad,
                   {.minimum = 0.001,
@@ -30,7 +33,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                {.minimum = 0,
                 .above_minimum = true,
                 .maximum = 1,
-                .help = "speed along the normal after a collision, relative to before"});
+                .help = "coefficient of restitution, along the normal"});
 }
 
 void bind_constraint(request::Binder& constraint, ConstraintParameters& p) {
@@ -38,17 +41,17 @@ void bind_constraint(request::Binder& constraint, ConstraintParameters& p) {
                     {.minimum = -10000,
                      .maximum = 10000,
                      .unit = "D",
-                     .help = "where the ball should land, from below its start"});
+                     .help = "target position, relative to the point below the start"});
   constraint.number("sigma_diameters", p.sigma_diameters,
                     {.minimum = 1e-6,
                      .maximum = 10000,
                      .unit = "D",
-                     .help = "standard deviation of the landing about the target"});
+                     .help = "standard deviation of the landing point around the target"});
   constraint.number("tolerance_diameters", p.tolerance_diameters,
                     {.minimum = 1e-6,
                      .maximum = 10000,
                      .unit = "D",
-                     .help = "an animation that lands within it of the target is satisfied"});
+                     .help = "maximum distance from the target of a satisfying animation"});
 }
 
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
@@ -56,11 +59,11 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
                  {.minimum = 0,
                   .above_minimum = true,
                   .maximum = 1,
-                  .help = "a proposal changes each normal with this probability"});
+                  .help = "probability that a proposal changes each normal"});
   sampler.angle_deg("change_half_width_deg", p.change_half_width_rad,
                     {.minimum = 0.001,
                      .maximum = 180,
-                     .help = "and by an angle uniform between minus and plus this"});
+                     .help = "half width of the uniform distribution of this change"});
 }
 
 void bind(request::WorldSections& sections, Parameters& parameters) {
@@ -73,7 +76,7 @@ void bind(request::WorldSections& sections, Parameters& parameters) {
 
 request::WorldBinding request_binding() {
   return request::bind_world<Parameters>(
-      "ball_2d", "a ball that bounces on a table in two dimensions and lands near a target", &bind);
+      "ball_2d", "a ball bounces on a table in two dimensions and lands near a target", &bind);
 }
 
 }  // namespace sleight::worlds::ball_2d

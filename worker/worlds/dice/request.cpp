@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -24,6 +25,13 @@ constexpr std::array<request::Named<StartOrientation>, 2> k_orientation_names{
     {{"uniform", StartOrientation::uniform}, {"fixed", StartOrientation::fixed}}};
 constexpr std::uint32_t k_goals_max = 100;  ///< of one sort
 constexpr double k_far_mm = 100'000;
+
+// Help of several keys.
+constexpr std::string_view k_sd_help = "standard deviation; 0: fixed";
+constexpr std::string_view k_sigma_help = "standard deviation of the constraint p_c";
+constexpr std::string_view k_tolerance_help =
+    "maximum distance from the goal that still satisfies it";
+constexpr std::string_view k_step_help = "standard deviation of the largest steps";
 
 void length_mm(Binder& binder, std::string_view key, double& value_m, NumberOptions options) {
   double value_mm = std::round(value_m * 1e12) / 1e9;
@@ -54,39 +62,37 @@ void bind_velocities(Binder& die, DieStart& start) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto k = static_cast<Eigen::Index>(axis);
     die.number(k_velocity[axis], start.velocity_mps[k],
-               {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "mean"});
+               {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "mean velocity"});
     die.number(k_velocity_sd[axis], start.velocity_sd_mps[k],
-               {.minimum = 0,
-                .maximum = 100,
-                .unit = "m/s",
-                .help = "standard deviation; 0: it is not uncertain"});
+               {.minimum = 0, .maximum = 100, .unit = "m/s", .help = k_sd_help});
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto k = static_cast<Eigen::Index>(axis);
-    die.number(k_spin[axis], start.spin_radps[k],
-               {.minimum = -1000, .maximum = 1000, .unit = "rad/s", .help = "mean"});
+    die.number(
+        k_spin[axis], start.spin_radps[k],
+        {.minimum = -1000, .maximum = 1000, .unit = "rad/s", .help = "mean angular velocity"});
     die.number(k_spin_sd[axis], start.spin_sd_radps[k],
-               {.minimum = 0,
-                .maximum = 1000,
-                .unit = "rad/s",
-                .help = "standard deviation; 0: it is not uncertain"});
+               {.minimum = 0, .maximum = 1000, .unit = "rad/s", .help = k_sd_help});
   }
 }
 
 void bind_orientation(Binder& die, DieKeys& keys) {
-  die.choice<StartOrientation>("orientation", keys.start.orientation, k_orientation_names,
-                               "any, all as likely, or the one that up and yaw_deg, or qw to qz "
-                               "give");
-  die.optional_integer("up", keys.up,
-                       {.minimum = 1, .maximum = k_faces, .help = "the face on top, if fixed"});
-  die.angle_deg("yaw_deg", keys.yaw_rad,
-                {.minimum = -360, .maximum = 360, .help = "then turned about the vertical"});
+  die.choice<StartOrientation>(
+      "orientation", keys.start.orientation, k_orientation_names,
+      "initial orientation: uniform, or fixed by up and yaw_deg, or by qw to qz");
+  die.optional_integer(
+      "up", keys.up,
+      {.minimum = 1, .maximum = k_faces, .help = "face on top, if fixed; default: 3"});
+  die.angle_deg(
+      "yaw_deg", keys.yaw_rad,
+      {.minimum = -360, .maximum = 360, .help = "rotation about the vertical after up, if fixed"});
   constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
   bool gives_quaternion = false;
   double square = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    die.number(k_parts[i], keys.quaternion[i],
-               {.minimum = -1, .maximum = 1, .help = "of a quaternion in place of up, if fixed"});
+    die.number(
+        k_parts[i], keys.quaternion[i],
+        {.minimum = -1, .maximum = 1, .help = "quaternion in place of up and yaw_deg, if fixed"});
     // By its value: a normalised request has every key, given or not.
     gives_quaternion = gives_quaternion || keys.quaternion[i] != (i == 0 ? 1 : 0);
     square += keys.quaternion[i] * keys.quaternion[i];
@@ -113,25 +119,23 @@ void bind_die(Binder& die, DieKeys& keys) {
     length_mm(die, key, value_m, {.minimum = -k_far_mm, .maximum = k_far_mm, .help = help});
   };
   const auto sd = [&](std::string_view key, double& value_m) {
-    length_mm(
-        die, key, value_m,
-        {.minimum = 0, .maximum = 1000, .help = "standard deviation; 0: it is not uncertain"});
+    length_mm(die, key, value_m, {.minimum = 0, .maximum = 1000, .help = k_sd_help});
   };
-  place("x_mm", start.position_m.x(), "where its centre is let go, on average");
+  place("x_mm", start.position_m.x(), "mean initial position of the centre");
   die.optional_number("y_mm", keys.y_mm,
                       {.minimum = -k_far_mm,
                        .maximum = k_far_mm,
                        .unit = "mm",
-                       .help = "likewise; dice stand 45 mm apart without it"});
+                       .help = "mean initial position of the centre; default: dice 45 mm apart"});
   length_mm(die, "height_mm", start.position_m.z(),
-            {.minimum = 0, .maximum = k_far_mm, .help = "of its centre above the table"});
+            {.minimum = 0, .maximum = k_far_mm, .help = "mean initial height of the centre"});
   sd("x_sd_mm", start.position_sd_m.x());
   sd("y_sd_mm", start.position_sd_m.y());
   sd("height_sd_mm", start.position_sd_m.z());
   bind_velocities(die, start);
   bind_orientation(die, keys);
   die.number("start_s", start.start_s,
-             {.minimum = 0, .maximum = 100, .unit = "s", .help = "when it is let go"});
+             {.minimum = 0, .maximum = 100, .unit = "s", .help = "release time"});
 }
 
 void bind_dice(Binder& world, WorldParameters& p) {
@@ -140,9 +144,9 @@ void bind_dice(Binder& world, WorldParameters& p) {
   world.optional_integer("dice", count,
                          {.minimum = 1,
                           .maximum = k_dice_max,
-                          .help = "how many; as many as there are tables [[world.die]], or 1"});
+                          .help = "number of dice; default: number of tables [[world.die]], or 1"});
   world.tables<DieKeys>("die", given,
-                        {.count_max = k_dice_max, .help = "how each starts, in order"}, bind_die);
+                        {.count_max = k_dice_max, .help = "start of each die, in order"}, bind_die);
   if (count && !given.empty() && *count != given.size() && world.valid("dice")) {
     world.error("dice", fmt::format("there are {} tables [[world.die]]: leave it out, or give as "
                                     "many",
@@ -164,9 +168,10 @@ void bind_range(Binder& world, const std::string& name, Range& range, double max
   const std::string low = name + "_low";
   const std::string high = name + "_high";
   world.number(low, range.low,
-               {.minimum = 0, .maximum = maximum, .help = "least of a control point of the table"});
-  world.number(high, range.high,
-               {.minimum = 0, .maximum = maximum, .help = "greatest; the same: it is constant"});
+               {.minimum = 0, .maximum = maximum, .help = "minimum at the table's control points"});
+  world.number(
+      high, range.high,
+      {.minimum = 0, .maximum = maximum, .help = "maximum there; equal to the minimum: constant"});
   if (world.valid(low) && world.valid(high) && range.low > range.high) {
     world.error(high, fmt::format("must be at least {}", low));
     range = {range.high, range.high};
@@ -175,29 +180,34 @@ void bind_range(Binder& world, const std::string& name, Range& range, double max
 
 void bind_world(Binder& world, WorldParameters& p) {
   bind_dice(world, p);
-  length_mm(world, "side_mm", p.side_m, {.minimum = 1, .maximum = 1000, .help = "of a die"});
+  length_mm(world, "side_mm", p.side_m,
+            {.minimum = 1, .maximum = 1000, .help = "edge length of a die"});
   world.number("density_kgpm3", p.density_kgpm3,
-               {.minimum = 1, .maximum = 30000, .unit = "kg/m3", .help = "of the dice"});
+               {.minimum = 1, .maximum = 30000, .unit = "kg/m3", .help = "density of the dice"});
   world.number("dice_restitution", p.dice_restitution,
-               {.minimum = 0, .maximum = 1, .help = "of dice that meet"});
+               {.minimum = 0, .maximum = 1, .help = "coefficient of restitution between dice"});
   world.number("dice_friction", p.dice_friction,
-               {.minimum = 0, .maximum = 10, .help = "of dice that meet"});
-  world.number("gravity_mps2", p.gravity_mps2,
-               {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "downwards"});
+               {.minimum = 0, .maximum = 10, .help = "friction coefficient between dice"});
   world.number(
-      "time_max_s", p.time_max_s,
-      {.minimum = 0.01, .maximum = 100, .unit = "s", .help = "for dice that do not come to rest"});
+      "gravity_mps2", p.gravity_mps2,
+      {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "gravitational acceleration"});
+  world.number("time_max_s", p.time_max_s,
+               {.minimum = 0.01,
+                .maximum = 100,
+                .unit = "s",
+                .help = "time limit for dice that do not come to rest"});
   TableParameters& table = p.table;
-  length_mm(world, "spacing_mm", table.spacing_m,
-            {.minimum = 1, .maximum = 10000, .help = "of the table's control points"});
+  length_mm(
+      world, "spacing_mm", table.spacing_m,
+      {.minimum = 1, .maximum = 10000, .help = "distance between the table's control points"});
   world.integer("columns", table.columns,
-                {.minimum = 1, .maximum = k_grid_max, .help = "of control points, along x"});
+                {.minimum = 1, .maximum = k_grid_max, .help = "number of control points along x"});
   world.integer("rows", table.rows,
-                {.minimum = 1, .maximum = k_grid_max, .help = "of control points, along y"});
+                {.minimum = 1, .maximum = k_grid_max, .help = "number of control points along y"});
   length_mm(world, "height_sd_mm", table.height_sd_m,
             {.minimum = 0,
              .maximum = 1000,
-             .help = "of a control point; the table itself varies by 0.48 of it"});
+             .help = "standard deviation of control points (of the surface: 0.48 times this)"});
   bind_range(world, "restitution", table.restitution, 1);
   bind_range(world, "friction", table.friction, 10);
   for (const char* key : {"spacing_mm", "height_sd_mm"}) {
@@ -235,7 +245,8 @@ struct GoalBinder {
   std::vector<GoalPlace> places = {};  ///< of `goals`
 
   void bind_die(Binder& table, GoalKeys& keys) const {
-    table.integer("die", keys.die, {.minimum = 1, .maximum = k_dice_max, .help = "which one"});
+    table.integer("die", keys.die,
+                  {.minimum = 1, .maximum = k_dice_max, .help = "number of the die"});
     keys.goal.die = keys.die - 1;
     if (table.valid("die") && keys.die > world.dice.size()) {
       keys.goal.die = 0;
@@ -249,7 +260,7 @@ struct GoalBinder {
                           {.minimum = 0,
                            .maximum = 100,
                            .unit = "s",
-                           .help = "when; without it at the end, at rest"});
+                           .help = "time of the goal; default: the end, at rest"});
     if (keys.goal.at_s && *keys.goal.at_s > world.time_max_s) {
       keys.goal.at_s.reset();
       table.error("at_s", "must be at most time_max_s of [world]");
@@ -257,18 +268,16 @@ struct GoalBinder {
   }
   static void bind_lengths(Binder& table, GoalKeys& keys, double tolerance_min) {
     length_mm(table, "sigma_mm", keys.goal.sigma,
-              {.minimum = 0.001, .maximum = k_far_mm, .help = "standard deviation of p_c"});
-    length_mm(
-        table, "tolerance_mm", keys.goal.tolerance,
-        {.minimum = tolerance_min, .maximum = k_far_mm, .help = "a throw within it satisfies"});
+              {.minimum = 0.001, .maximum = k_far_mm, .help = k_sigma_help});
+    length_mm(table, "tolerance_mm", keys.goal.tolerance,
+              {.minimum = tolerance_min, .maximum = k_far_mm, .help = k_tolerance_help});
   }
   static void bind_angles(Binder& table, GoalKeys& keys) {
     table.angle_deg("sigma_deg", keys.goal.sigma,
-                    {.minimum = 0.001, .maximum = 360, .help = "standard deviation of p_c"});
-    table.angle_deg("tolerance_deg", keys.goal.tolerance,
-                    {.minimum = 0.001,
-                     .maximum = k_face_tolerance_max_deg,
-                     .help = "a throw within it satisfies"});
+                    {.minimum = 0.001, .maximum = 360, .help = k_sigma_help});
+    table.angle_deg(
+        "tolerance_deg", keys.goal.tolerance,
+        {.minimum = 0.001, .maximum = k_face_tolerance_max_deg, .help = k_tolerance_help});
   }
 
   /// An array of goals, each of which `bind` reads, from `defaults` on.
@@ -339,7 +348,7 @@ void bind_turn(Binder& table, TurnKeys& keys) {
   double square = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     table.number(k_parts[i], keys.quaternion[i],
-                 {.minimum = -1, .maximum = 1, .help = "of the die's orientation"});
+                 {.minimum = -1, .maximum = 1, .help = "quaternion of the orientation"});
     square += keys.quaternion[i] * keys.quaternion[i];
   }
   const auto& q = keys.quaternion;
@@ -357,21 +366,25 @@ void GoalBinder::bind_all() {
 }
 
 void GoalBinder::bind_places() {
-  const NumberOptions place{.minimum = -k_far_mm, .maximum = k_far_mm, .help = "of its centre"};
-  tables<PlaceKeys>("place", "where a die's centre is", [&](Binder& table, PlaceKeys& keys) {
-    length_mm(table, "x_mm", keys.place.centre_m.x(), place);
-    length_mm(table, "y_mm", keys.place.centre_m.y(), place);
-    bind_lengths(table, keys, 0.001);
-    bind_time(table, keys);
-    keys.goal.wanted = keys.place;
-  });
-  tables<RegionKeys>("region", "a rectangle that a die's centre is in",
+  const NumberOptions place{
+      .minimum = -k_far_mm, .maximum = k_far_mm, .help = "position of the centre"};
+  NumberOptions bound = place;
+  bound.help = "bound of the centre's position";
+  tables<PlaceKeys>("place", "goal: position of a die's centre",
+                    [&](Binder& table, PlaceKeys& keys) {
+                      length_mm(table, "x_mm", keys.place.centre_m.x(), place);
+                      length_mm(table, "y_mm", keys.place.centre_m.y(), place);
+                      bind_lengths(table, keys, 0.001);
+                      bind_time(table, keys);
+                      keys.goal.wanted = keys.place;
+                    });
+  tables<RegionKeys>("region", "goal: rectangle that contains a die's centre",
                      [&](Binder& table, RegionKeys& keys) {
                        Region& region = keys.region;
-                       length_mm(table, "x_low_mm", region.low_m.x(), place);
-                       length_mm(table, "x_high_mm", region.high_m.x(), place);
-                       length_mm(table, "y_low_mm", region.low_m.y(), place);
-                       length_mm(table, "y_high_mm", region.high_m.y(), place);
+                       length_mm(table, "x_low_mm", region.low_m.x(), bound);
+                       length_mm(table, "x_high_mm", region.high_m.x(), bound);
+                       length_mm(table, "y_low_mm", region.low_m.y(), bound);
+                       length_mm(table, "y_high_mm", region.high_m.y(), bound);
                        bind_lengths(table, keys, 0);
                        bind_time(table, keys);
                        keys.goal.wanted = region;
@@ -383,25 +396,29 @@ void GoalBinder::bind_places() {
 }
 
 void GoalBinder::bind_directions() {
-  tables<FaceKeys>("face", "which face of a die is up", [&](Binder& table, FaceKeys& keys) {
-    table.integer("up", keys.up,
-                  {.minimum = 1, .maximum = k_faces, .help = "opposites add up to 7"});
+  tables<FaceKeys>("face", "goal: face of a die on top", [&](Binder& table, FaceKeys& keys) {
+    table.integer(
+        "up", keys.up,
+        {.minimum = 1, .maximum = k_faces, .help = "face on top; opposite faces add up to 7"});
     bind_angles(table, keys);
     bind_time(table, keys);
     keys.goal.wanted = FaceDirection{.face = keys.up, .direction = Vec3(0, 0, 1)};
   });
-  tables<YawKeys>("yaw", "where to a face at the side points", [&](Binder& table, YawKeys& keys) {
-    table.integer("face", keys.face, {.minimum = 1, .maximum = k_faces, .help = "which one"});
-    table.angle_deg("yaw_deg", keys.yaw_rad,
-                    {.minimum = -360,
-                     .maximum = 360,
-                     .help = "of its outward normal, from the x axis towards the y axis"});
-    bind_angles(table, keys);
-    bind_time(table, keys);
-    const math::SinCos yaw = math::sincos(keys.yaw_rad);
-    keys.goal.wanted = FaceDirection{.face = keys.face, .direction = Vec3(yaw.cos, yaw.sin, 0)};
-  });
-  tables<TurnKeys>("orientation", "a die's orientation", [&](Binder& table, TurnKeys& keys) {
+  tables<YawKeys>(
+      "yaw", "goal: direction of a face on the side", [&](Binder& table, YawKeys& keys) {
+        table.integer("face", keys.face,
+                      {.minimum = 1, .maximum = k_faces, .help = "number of the face"});
+        table.angle_deg(
+            "yaw_deg", keys.yaw_rad,
+            {.minimum = -360,
+             .maximum = 360,
+             .help = "azimuth of its outward normal, from the x axis towards the y axis"});
+        bind_angles(table, keys);
+        bind_time(table, keys);
+        const math::SinCos yaw = math::sincos(keys.yaw_rad);
+        keys.goal.wanted = FaceDirection{.face = keys.face, .direction = Vec3(yaw.cos, yaw.sin, 0)};
+      });
+  tables<TurnKeys>("orientation", "goal: orientation of a die", [&](Binder& table, TurnKeys& keys) {
     bind_turn(table, keys);
     bind_angles(table, keys);
     bind_time(table, keys);
@@ -409,32 +426,32 @@ void GoalBinder::bind_directions() {
 }
 
 void GoalBinder::bind_motion() {
-  tables<VelocityKeys>("velocity", "a die's velocity", [&](Binder& table, VelocityKeys& keys) {
-    constexpr std::array<const char*, 3> k_parts{"x_mps", "y_mps", "z_mps"};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      table.number(k_parts[axis], keys.velocity_mps[static_cast<Eigen::Index>(axis)],
-                   {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "of its centre"});
-    }
-    table.number(
-        "sigma_mps", keys.goal.sigma,
-        {.minimum = 1e-6, .maximum = 100, .unit = "m/s", .help = "standard deviation of p_c"});
-    table.number(
-        "tolerance_mps", keys.goal.tolerance,
-        {.minimum = 1e-6, .maximum = 100, .unit = "m/s", .help = "a throw within it satisfies"});
-    bind_time(table, keys);
-    keys.goal.wanted = Velocity{keys.velocity_mps};
-  });
+  tables<VelocityKeys>(
+      "velocity", "goal: velocity of a die", [&](Binder& table, VelocityKeys& keys) {
+        constexpr std::array<const char*, 3> k_parts{"x_mps", "y_mps", "z_mps"};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          table.number(
+              k_parts[axis], keys.velocity_mps[static_cast<Eigen::Index>(axis)],
+              {.minimum = -100, .maximum = 100, .unit = "m/s", .help = "velocity of the centre"});
+        }
+        table.number("sigma_mps", keys.goal.sigma,
+                     {.minimum = 1e-6, .maximum = 100, .unit = "m/s", .help = k_sigma_help});
+        table.number("tolerance_mps", keys.goal.tolerance,
+                     {.minimum = 1e-6, .maximum = 100, .unit = "m/s", .help = k_tolerance_help});
+        bind_time(table, keys);
+        keys.goal.wanted = Velocity{keys.velocity_mps};
+      });
   tables<BeforeKeys>(
-      "before", "a time before which a die rests", [&](Binder& table, BeforeKeys& keys) {
-        table.number(
-            "time_s", keys.time_s,
-            {.minimum = 0, .maximum = 100, .unit = "s", .help = "from the first start on"});
-        table.number(
-            "sigma_s", keys.goal.sigma,
-            {.minimum = 1e-6, .maximum = 100, .unit = "s", .help = "standard deviation of p_c"});
-        table.number(
-            "tolerance_s", keys.goal.tolerance,
-            {.minimum = 0, .maximum = 100, .unit = "s", .help = "a throw within it satisfies"});
+      "before", "goal: latest time when a die comes to rest", [&](Binder& table, BeforeKeys& keys) {
+        table.number("time_s", keys.time_s,
+                     {.minimum = 0,
+                      .maximum = 100,
+                      .unit = "s",
+                      .help = "latest time of rest, from the first release"});
+        table.number("sigma_s", keys.goal.sigma,
+                     {.minimum = 1e-6, .maximum = 100, .unit = "s", .help = k_sigma_help});
+        table.number("tolerance_s", keys.goal.tolerance,
+                     {.minimum = 0, .maximum = 100, .unit = "s", .help = k_tolerance_help});
         keys.goal.wanted = RestBefore{keys.time_s};
         const auto first = std::ranges::min_element(world.dice, {}, &DieStart::start_s);
         const double start_s = world.dice.at(keys.goal.die).start_s - first->start_s;
@@ -477,29 +494,35 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
   const auto share = [&](std::string_view key, double& value, std::string_view help) {
     sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
   };
-  share("change_all", p.change_all, "share of proposals that draw everything anew");
-  share("change_die", p.change_die, "share of those that throw one die anew");
-  share("change_start", p.change_start, "share of those that change one component of a start");
-  share("change_control", p.change_control, "share of those that change any control point");
-  share("change_contact", p.change_contact, "share of those that change one at a collision");
+  share("change_all", p.change_all, "share of proposals that redraw everything");
+  share("change_die", p.change_die, "share of proposals that redraw the start of one die");
+  share("change_start", p.change_start, "share of proposals that change one component of a start");
+  share("change_control", p.change_control,
+        "share of proposals that change a random control point");
+  share("change_contact", p.change_contact,
+        "share of proposals that change a control point at a collision");
   length_mm(sampler, "position_step_mm", p.position_m,
-            {.minimum = 1e-6, .maximum = 1000, .help = "standard deviation of the largest step"});
+            {.minimum = 1e-6, .maximum = 1000, .help = k_step_help});
   const auto step = [&](std::string_view key, double& value, std::string_view unit,
                         double maximum) {
     sampler.number(key, value,
-                   {.minimum = 1e-9, .maximum = maximum, .unit = unit, .help = "likewise"});
+                   {.minimum = 1e-9, .maximum = maximum, .unit = unit, .help = k_step_help});
   };
   step("velocity_step_mps", p.velocity_mps, "m/s", 100);
   step("spin_step_radps", p.spin_radps, "rad/s", 1000);
-  sampler.angle_deg("turn_step_deg", p.turn_rad,
-                    {.minimum = 1e-6, .maximum = 360, .help = "likewise, of the orientation"});
+  sampler.angle_deg(
+      "turn_step_deg", p.turn_rad,
+      {.minimum = 1e-6, .maximum = 360, .help = "standard deviation of the largest rotations"});
   length_mm(sampler, "height_step_mm", p.height_m,
-            {.minimum = 1e-6, .maximum = 1000, .help = "likewise, of a control point"});
+            {.minimum = 1e-6,
+             .maximum = 1000,
+             .help = "standard deviation of the largest steps of control points"});
   step("restitution_step", p.restitution, "", 1);
   step("friction_step", p.friction, "", 10);
-  sampler.integer(
-      "halvings", p.halvings,
-      {.minimum = 0, .maximum = 40, .help = "a step is halved 0 to so many times, all as likely"});
+  sampler.integer("halvings", p.halvings,
+                  {.minimum = 0,
+                   .maximum = 40,
+                   .help = "a step is halved 0 to this number of times, with equal probabilities"});
   for (const char* key :
        {"change_all", "change_die", "change_start", "change_control", "change_contact"}) {
     if (!sampler.valid(key)) return;
@@ -514,7 +537,7 @@ void bind(request::WorldSections& sections, Parameters& parameters) {
   bind_world(sections.world, parameters.world);
   sections.constraint.choice<Numbering>(
       "numbering", parameters.numbering, k_numbering_names,
-      "free: dice are numbered after the throw, as suits best; fixed: before");
+      "free: number the faces after the throw, as fits best; fixed: before it");
   GoalBinder{sections.constraint, parameters.world, parameters.goals}.bind_all();
   check_faces(sections.constraint, parameters);
   bind_proposal(sections.sampler, parameters.proposal);
@@ -566,7 +589,7 @@ void serve_best(request::WorldSections& sections, request::SamplerParameters& sa
 
 request::WorldBinding request_binding() {
   return request::bind_world<Parameters>(
-      "dice", "dice thrown on a bumpy table that come to rest as is wanted", &bind, &serve_best);
+      "dice", "dice are thrown on a bumpy table and come to rest as requested", &bind, &serve_best);
 }
 
 }  // namespace sleight::worlds::dice

@@ -112,18 +112,18 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
   world.text(
       "word", word,
       {.characters_max = 20,
-       .help = "what the balls spell: A to Z, 0 to 9 and spaces; without it and a bitmap the "
-               "thesis's HI, which is smaller than this font's"});
-  world.choice<Font>("font", font, k_fonts, "how high the word's letters are");
+       .help = "word to spell: A to Z, 0 to 9 and spaces; default without a bitmap: the thesis's "
+               "HI, which is smaller than HI in this font"});
+  world.choice<Font>("font", font, k_fonts, "height of the word's letters");
   world.text("bitmap", bitmap,
              {.characters_max = (k_columns_max + 2) * (k_rows_max + 2),
-              .help = "in place of a word: rows of '.' and '#', one line each"});
+              .help = "pattern in place of a word: rows of '.' and '#', one per line"});
   world.optional_integer<std::uint32_t>(
       "columns", columns,
-      {.minimum = 1, .maximum = k_columns_max, .help = "of bins; the pattern's if not given"});
+      {.minimum = 1, .maximum = k_columns_max, .help = "columns of bins; default: the pattern's"});
   world.optional_integer<std::uint32_t>(
       "rows", rows,
-      {.minimum = 1, .maximum = k_rows_max, .help = "of bins; the pattern's if not given"});
+      {.minimum = 1, .maximum = k_rows_max, .help = "rows of bins; default: the pattern's"});
   if (!world.valid("word") || !world.valid("bitmap") || !world.valid("font")) return;
   if (!word.empty() && !bitmap.empty()) {
     world.error("bitmap", "give a word or a bitmap, not both");
@@ -190,45 +190,53 @@ void check_sizes(request::Binder& world, const WorldParameters& p) {
 }
 
 void bind_world(request::Binder& world, WorldParameters& p) {
-  length_mm(world, "bin_mm", p.bin_m, {.minimum_mm = 1, .help = "clear side of a bin"});
+  length_mm(world, "bin_mm", p.bin_m, {.minimum_mm = 1, .help = "inner side length of a bin"});
   length_mm(world, "partition_mm", p.partition_m,
             {.minimum_mm = 0.1, .maximum_mm = 30, .help = "thickness of the partitions"});
   length_mm(world, "partition_height_mm", p.partition_height_m,
             {.minimum_mm = 0.1, .help = "height of the partitions"});
-  length_mm(world, "box_height_mm", p.box_height_m, {.minimum_mm = 1, .help = "of its walls"});
+  length_mm(world, "box_height_mm", p.box_height_m,
+            {.minimum_mm = 1, .help = "height of the box's walls"});
   length_mm(world, "drop_height_mm", p.drop_height_m,
-            {.minimum_mm = 1, .help = "of a ball's lowest point when it is dropped"});
+            {.minimum_mm = 1, .help = "height of a ball's lowest point when dropped"});
   length_mm(world, "vertex_sd_mm", p.vertex_sd_m,
-            {.help = "standard deviation of each coordinate of a partition vertex"});
-  length_mm(world, "dome_mm", p.dome_m, {.help = "height of a floor's middle above its rim"});
-  length_mm(world, "ball_diameter_mm", p.ball_diameter_m, {.minimum_mm = 0.5, .help = "of a ball"});
+            {.help = "standard deviation of each coordinate of partition vertices"});
+  length_mm(world, "dome_mm", p.dome_m, {.help = "height of a bin floor's centre above its rim"});
+  length_mm(world, "ball_diameter_mm", p.ball_diameter_m,
+            {.minimum_mm = 0.5, .help = "diameter of a ball"});
   world.number("density_kgpm3", p.density_kgpm3,
-               {.minimum = 1, .maximum = 30000, .unit = "kg/m3", .help = "of the balls; glass"});
-  world.number(
-      "drop_interval_s", p.drop_interval_s,
-      {.minimum = 0.001, .maximum = 10, .unit = "s", .help = "ball i is dropped at i times this"});
+               {.minimum = 1,
+                .maximum = 30000,
+                .unit = "kg/m3",
+                .help = "density of the balls; 2500: glass"});
+  world.number("drop_interval_s", p.drop_interval_s,
+               {.minimum = 0.001, .maximum = 10, .unit = "s", .help = "time between drops"});
   world.number("restitution", p.restitution,
-               {.minimum = 0, .maximum = 1, .help = "of all impacts"});
-  world.number("friction", p.friction, {.minimum = 0, .maximum = 10, .help = "of all contacts"});
-  world.number("gravity_mps2", p.gravity_mps2,
-               {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "downwards"});
+               {.minimum = 0, .maximum = 1, .help = "coefficient of restitution of all impacts"});
+  world.number("friction", p.friction,
+               {.minimum = 0, .maximum = 10, .help = "friction coefficient of all contacts"});
+  world.number(
+      "gravity_mps2", p.gravity_mps2,
+      {.minimum = 0.01, .maximum = 1000, .unit = "m/s2", .help = "gravitational acceleration"});
   world.number("bounce_end", p.bounce_end,
                {.minimum = 0.001,
                 .maximum = 0.1,
-                .help = "of sqrt(gravity x diameter): bounces that would part more slowly end"});
-  world.number("rest_speed", p.rest_speed,
-               {.minimum = 0.002,
-                .maximum = 0.5,
-                .help = "of sqrt(gravity x diameter): a ball in balance that is slower rests"});
+                .help = "separation speed below which bounces end, in sqrt(gravity x diameter)"});
+  world.number(
+      "rest_speed", p.rest_speed,
+      {.minimum = 0.002,
+       .maximum = 0.5,
+       .help = "speed below which a balanced ball comes to rest, in sqrt(gravity x diameter)"});
   // The slowest bounces would keep a ball from ever being so slow.
   if (world.valid("bounce_end") && world.valid("rest_speed") &&
       p.rest_speed < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_speed", fmt::format("must be at least {} times bounce_end, found {:.3g}",
                                           k_bounce_ends_min, p.rest_speed / p.bounce_end));
   }
-  world.number(
-      "rest_time", p.rest_time,
-      {.minimum = 0.01, .maximum = 10, .help = "of sqrt(diameter / gravity): after so long"});
+  world.number("rest_time", p.rest_time,
+               {.minimum = 0.01,
+                .maximum = 10,
+                .help = "time below rest_speed until a ball rests, in sqrt(diameter / gravity)"});
   // What a ball touched longer ago than the rest time doesn't hold it: it would miss what it has
   // just bounced from.
   if (world.valid("bounce_end") && world.valid("rest_time") &&
@@ -242,7 +250,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                {.minimum = 0.01,
                 .maximum = 100,
                 .unit = "s",
-                .help = "after the last drop, for balls that do not come to rest"});
+                .help = "time limit after the last drop, for balls that do not come to rest"});
   check_sizes(world, p);
 }
 
@@ -287,43 +295,45 @@ void check_kernel(request::Binder& sampler, Kernel kernel) {
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   sampler.choice<Kernel>(
       "kernel", p.kernel, k_kernels,
-      "thesis: A.2.2 as printed, which is biased; for the thesis's figures only");
+      "proposal ratios; thesis: A.2.2 as printed, biased, only for the thesis's figures");
   check_kernel(sampler, p.kernel);
   const auto share = [&](std::string_view key, double& value, std::string_view help) {
     sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
   };
-  share("change_all", p.change_all, "share of proposals that draw everything anew");
-  share("change_vertices", p.change_vertices, "share of those that move partition vertices");
-  share("change_ball", p.change_ball, "share of those that drop one ball elsewhere");
-  share("disable_balls", p.disable_balls, "share of those that take balls out");
-  share("enable_balls", p.enable_balls, "share of those that bring balls in: disable_balls too");
-  share("aim_ball", p.aim_ball, "share of those that drop a loose ball about an empty bin");
+  share("change_all", p.change_all, "share of proposals that redraw everything");
+  share("change_vertices", p.change_vertices, "share of proposals that move partition vertices");
+  share("change_ball", p.change_ball, "share of proposals that drop one ball elsewhere");
+  share("disable_balls", p.disable_balls, "share of proposals that remove balls");
+  share("enable_balls", p.enable_balls,
+        "share of proposals that add balls; must equal disable_balls");
+  share("aim_ball", p.aim_ball, "share of proposals that drop a loose ball near an empty bin");
   share("scatter_ball", p.scatter_ball,
-        "share of those that draw a ball anew that fills a bin: aim_ball's way back");
-  share("vertex_probability", p.vertex_probability, "with which a proposal moves each vertex");
+        "share of proposals that redraw the drop of a ball that fills a bin; reverse of aim_ball");
+  share("vertex_probability", p.vertex_probability,
+        "probability that change_vertices moves each vertex");
   length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m,
-            {.minimum_mm = 1e-6, .help = "standard deviation of each coordinate of that move"});
+            {.minimum_mm = 1e-6, .help = "standard deviation of each coordinate of a vertex move"});
   std::optional<double> vertex_redraw;
   sampler.optional_number("vertex_redraw", vertex_redraw,
                           {.minimum = 0,
                            .above_minimum = true,
                            .maximum = 1,
-                           .help = "share of change_vertices that draws one vertex anew, wherever "
-                                   "it was; 0 if absent"});
+                           .help = "share of change_vertices that redraws one vertex from the "
+                                   "prior; default: 0"});
   p.vertex_redraw = vertex_redraw.value_or(0);
   length_mm(sampler, "ball_move_sd_mm", p.ball_sd_m,
-            {.help = "standard deviation of how far a ball's drop moves"});
+            {.help = "standard deviation of a drop's displacement"});
   sampler.number("flip_probability", p.flip_probability,
                  {.minimum = 0,
                   .above_minimum = true,
                   .maximum = 1,
                   .below_maximum = true,
-                  .help = "with which each ball is taken out or brought in"});
+                  .help = "probability that each ball is removed or added"});
   sampler.integer("solo_steps", p.solo_steps,
                   {.minimum = 0,
                    .maximum = k_solo_steps_max,
-                   .help = "proposals of an iteration, each judged by the changed balls alone "
-                           "before all are simulated; 0: none are, and it has one"});
+                   .help = "proposals per iteration, each first tested by simulating only the "
+                           "changed balls; 0: off, one ordinary proposal per iteration"});
   for (const char* key : {"change_all", "change_vertices", "change_ball", "disable_balls",
                           "enable_balls", "aim_ball", "scatter_ball", "solo_steps"}) {
     if (!sampler.valid(key)) return;
@@ -496,10 +506,11 @@ void serve_best(request::WorldSections& sections, request::SamplerParameters& sa
 void bind(request::WorldSections& sections, Parameters& parameters) {
   bind_pattern(sections.world, parameters.pattern);
   bind_world(sections.world, parameters.world);
-  sections.constraint.number("log_lambda", parameters.constraint.log_lambda,
-                             {.minimum = 0,
-                              .maximum = 100,
-                              .help = "p_c = lambda^k for k filled bins; the natural logarithm"});
+  sections.constraint.number(
+      "log_lambda", parameters.constraint.log_lambda,
+      {.minimum = 0,
+       .maximum = 100,
+       .help = "natural logarithm of lambda; p_c = lambda^k for k filled bins"});
   bind_proposal(sections.sampler, parameters.proposal);
   if (sections.world.valid("word") && sections.world.valid("bitmap"))
     check_memory(sections.sampler, parameters.pattern.count());
@@ -509,8 +520,8 @@ void bind(request::WorldSections& sections, Parameters& parameters) {
 
 request::WorldBinding request_binding() {
   return request::bind_world<Parameters>(
-      "spelling", "balls dropped into a box of bins that come to rest in designated ones", &bind,
-      &serve_best);
+      "spelling", "balls are dropped into a box and come to rest in the bins that spell a word",
+      &bind, &serve_best);
 }
 
 }  // namespace sleight::worlds::spelling
