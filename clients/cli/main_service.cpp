@@ -100,9 +100,8 @@ void add_submit(CLI::App& app, Action& action) {
       ->type_name("N");
   command
       ->add_option("--memory", options->memory,
-                   "Simulation cache of all its processes together (2GB). Affects speed, not "
-                   "results. Default: "
-                   "the service's cache_mb per process")
+                   "Simulation cache of all processes together, for example 2GB. Affects speed, "
+                   "not results. Default: the service's cache_mb per process")
       ->type_name("SIZE");
   command
       ->add_option("--priority", options->priority,
@@ -316,8 +315,9 @@ void add_fetch(CLI::App& app, Action& action) {
       options);
   command->add_option("jobs", options->jobs, k_jobs_help)->required()->type_name("JOB");
   command
-      ->add_option("-o,--output", options->output,
-                   "File to write; a folder for several jobs. Default: job-17.h5; g5 for a group")
+      ->add_option(
+          "-o,--output", options->output,
+          "Output file, or folder for several jobs. Default: job-NUMBER.h5, or gNUMBER for a group")
       ->type_name("FILE");
   command->add_flag("--so-far", options->so_far, "Fetch an archive of the results so far");
   command

@@ -17,7 +17,8 @@ struct SettingOption {
 
 static_assert(config::k_disk_reserve_bytes == 1'000'000'000 && config::k_slice_s == 10 &&
                   config::k_keep_days == 30 && config::k_keep_bytes == 50'000'000'000 &&
-                  config::k_cache_mb == 256,
+                  config::k_cache_mb == 256 && config::k_system_cores == 1024 &&
+                  config::k_system_memory_bytes == 4'000'000'000'000,
               "said in the help");
 
 constexpr SettingOption k_options[] = {
@@ -28,7 +29,8 @@ constexpr SettingOption k_options[] = {
     {"group", "--group", "NAME",
      "Group whose members may use the service, besides its own user. Default: none"},
     {"listen", "--listen", "ADDRESS",
-     "Address for access from other machines, over TLS (0.0.0.0:7423). Default: none"},
+     "Address for access from other machines, over TLS, for example 0.0.0.0:7423. "
+     "Default: none"},
     {"tls_certificate", "--tls-certificate", "FILE",
      "TLS certificate (absolute path, PEM). Default: self-signed"},
     {"tls_key", "--tls-key", "FILE", "Private key of the TLS certificate (absolute path, PEM)"},
@@ -40,8 +42,8 @@ constexpr SettingOption k_options[] = {
      "Number of cores for all running jobs together. Default: all; 1024 on a batch "
      "system"},
     {"memory", "--memory", "SIZE",
-     "Memory for all running jobs together (24GB). Default: 3/4 of the machine's; 4TB on a "
-     "batch system"},
+     "Memory for all running jobs together, for example 24GB. Default: 3/4 of the "
+     "machine's; 4TB on a batch system"},
     {"disk_reserve", "--disk-reserve", "SIZE",
      "Free disk space below which no job starts and running jobs are held. Default: 1GB"},
     {"slice", "--slice", "TIME",

@@ -33,7 +33,7 @@ void add_create(CLI::App& token, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--user", options->user,
-                   "User who owns the token; only the service's own user may name another")
+                   "Owner of the token. Default: you. Only the service's own user may name another")
       ->type_name("USER");
   command
       ->add_option("--jobs", options->jobs_max,
