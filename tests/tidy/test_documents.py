@@ -18,9 +18,10 @@ from test_tidy import TidyTest  # noqa: E402
 class Documents(TidyTest):
     # Put together here, so that the check doesn't take them for citations of this project's own.
     GUIDE = "docs/" + "GUIDE"
+    ARCHITECTURE = "docs/ARCHITECTURE.md"
 
     def documents(self):
-        """A glossary that knows the code, links that lead somewhere, a comment that cites."""
+        """A glossary with names of the code, a row for a folder, links that resolve, a citation."""
         return {
             "README.md": f"[guide]({self.GUIDE}.md#how-it-works-so) and [code](common/base), "
                          "![picture](docs/a.svg), [home](https://example.com/x), `[no](link)`\n"
@@ -29,6 +30,7 @@ class Documents(TidyTest):
             f"{self.GUIDE}.md": "# Guide\n[here](#how-it-works-so), [up](../README.md)\n"
                                 "## How it works: `so`\n",
             "docs/GLOSSARY.md": "| clock | `base::Clock` | `common/base/clock.h` |\n",
+            self.ARCHITECTURE: "| `common/base` | basics; not `worker/maps` |\n",
             "common/base/CMakeLists.txt": "# Basics.\nsleight_library()\n",
             "common/base/clock.h":
                 f'// See {self.GUIDE}.md, "How it\n// works: `so`".\nnamespace base {{\n'
@@ -77,9 +79,13 @@ class Documents(TidyTest):
         self.assert_finds_in("docs/GLOSSARY.md", known + "| time | `common/base/watch.h` |\n",
                              ("docs/GLOSSARY.md:2", "there is no common/base/watch.h"))
 
-    def test_folders_that_the_glossary_lacks(self):
+    def test_folders_without_a_row(self):
         self.assert_finds_in("worker/maps/CMakeLists.txt", "# Maps.\nsleight_library()\n",
-                             ("worker/maps/CMakeLists.txt:1", "names nothing of this folder"))
+                             ("worker/maps/CMakeLists.txt:1", "no table row for worker/maps"))
+        for text in ("`common/base` is no row\n", "```\n| `common/base` | in a fence |\n```\n"):
+            with self.subTest(text):
+                self.assert_finds_in(self.ARCHITECTURE, text,
+                                     ("common/base/CMakeLists.txt:1", "no table row for common/base"))
 
 
 class Provenance(TidyTest):

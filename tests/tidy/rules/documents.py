@@ -1,7 +1,7 @@
-"""Documents: links lead somewhere, and the glossary and the code know the same names.
+"""Documents: links and citations resolve, the glossary's names exist, each library has a row.
 
-A name in backticks of docs/GLOSSARY.md is a file or a folder where it has a slash, else a word of
-the code. The other way round, each folder of a library has a file or itself in the glossary.
+A name in backticks in docs/GLOSSARY.md must be a file or folder if it has a slash, else a word of
+the code. Each library's folder must be in the first cell of a table row in docs/ARCHITECTURE.md.
 """
 
 import posixpath
@@ -9,6 +9,7 @@ import re
 
 from .tree import Finding, is_cpp, is_in
 
+ARCHITECTURE = "docs/ARCHITECTURE.md"
 GLOSSARY = "docs/GLOSSARY.md"
 CODE_FOLDERS = ("common", "worker", "service", "clients")
 _CODE_SPAN = re.compile(r"`([^`\n]+)`")
@@ -32,6 +33,8 @@ def check(tree):
         yield from _cited(tree, path, anchors)
     if GLOSSARY in files:
         yield from _glossary(tree, places)
+    if ARCHITECTURE in files:
+        yield from _folder_rows(tree)
 
 
 def _folders(path):
@@ -102,24 +105,26 @@ def _cited(tree, path, anchors):
 def _glossary(tree, places):
     words = {word for path in tree.files if is_in(path, CODE_FOLDERS)
              for word in _code_words(tree, path)}
-    named = set()
     for number, line in _lines_outside_fences(tree, GLOSSARY):
         for match in _CODE_SPAN.finditer(line):
             name = match.group(1)
             if "/" in name.strip("/"):
-                named.add(name.rstrip("/"))
                 if name.rstrip("/") not in places:
                     yield Finding(GLOSSARY, number, f"there is no {name}")
                 continue
             for word in _WORD.findall(name):
                 if word not in words:
                     yield Finding(GLOSSARY, number, f"no code has the name {word}")
-    covered = {folder for name in named for folder in (name, posixpath.dirname(name))}
+
+
+def _folder_rows(tree):
+    rows = {match.group(1) for _, line in _lines_outside_fences(tree, ARCHITECTURE)
+            if line.startswith("|") for match in _CODE_SPAN.finditer(line.split("|")[1])}
     for path in tree.files:
         folder = posixpath.dirname(path)
         if (is_in(path, CODE_FOLDERS) and path.endswith("/CMakeLists.txt") and
-                folder not in covered and _LIBRARY.search(tree.text(path))):
-            yield Finding(path, 1, f"{GLOSSARY} names nothing of this folder: explain its main word")
+                folder not in rows and _LIBRARY.search(tree.text(path))):
+            yield Finding(path, 1, f"{ARCHITECTURE} has no table row for {folder}: add what it is for")
 
 
 def _code_words(tree, path):
