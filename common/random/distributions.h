@@ -36,9 +36,6 @@ concept Distribution = std::copyable<T> && requires(const T& distribution, Strea
 static_assert(Distribution<Uniform>);
 static_assert(Distribution<Normal>);
 static_assert(Distribution<TruncatedNormal>);
-static_assert(Distribution<Exponential>);
-static_assert(Distribution<WrappedNormal>);
-static_assert(Distribution<UniformAngle>);
 static_assert(Distribution<UniformDirection2>);
 static_assert(Distribution<UniformDirection3>);
 static_assert(Distribution<UniformRotation>);

@@ -22,11 +22,6 @@ void check(const Normal& d) {
   CHECK(d.sd > 0 && std::isfinite(d.sd));
 }
 
-void check(const Exponential& d) {
-  CHECK(d.rate > 0 && std::isfinite(d.rate));
-  CHECK(std::isfinite(1 / d.rate));
-}
-
 }  // namespace
 
 double Uniform::draw(Stream& stream) const {
@@ -66,17 +61,6 @@ double NormalLogDensity::operator()(double x) const {
   CHECK(!std::isnan(x));
   const double z = (x - normal_.mean) / normal_.sd;
   return (-0.5 * z * z - log_sd_) - k_half_log_two_pi;
-}
-
-double Exponential::draw(Stream& stream) const {
-  check(*this);
-  return -math::log(stream.uniform()) / rate;
-}
-
-double Exponential::log_density(double x) const {
-  check(*this);
-  CHECK(!std::isnan(x));
-  return x >= 0 ? math::log(rate) - rate * x : k_outside;
 }
 
 }  // namespace sleight::random

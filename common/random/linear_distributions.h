@@ -1,7 +1,7 @@
-// Distributions on the line: uniform, normal, exponential. What all distributions share, and the
+// Distributions on the line: uniform and normal. What all distributions share, and the
 // meaning of "exact", is in distributions.h; the truncated normal has its own header.
 //
-// Units: x and the parameters share one unit; a rate has its inverse. Densities are with respect to
+// Units: x and the parameters share one unit. Densities are with respect to
 // length in that unit.
 #pragma once
 
@@ -42,16 +42,6 @@ class NormalLogDensity {
  private:
   Normal normal_;
   double log_sd_;
-};
-
-/// On [0, infinity), density rate exp(-rate x): -log(u)/rate. One word per draw. The grid of u
-/// bounds draws to 36.8/rate; the mass beyond is 1e-16. REQUIRES: rate > 0 and finite, and 1/rate
-/// finite.
-struct Exponential {
-  double rate = 1;
-
-  double draw(Stream& stream) const;
-  double log_density(double x) const;
 };
 
 /// A draw from Normal{0, 1}.

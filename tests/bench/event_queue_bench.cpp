@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/math/elementary.h"
 #include "common/random/distributions.h"
 #include "tests/bench/harness.h"
 #include "tests/engines/calendar_queue.h"
@@ -42,13 +43,13 @@ struct Step {
 
 std::vector<Step> drawn_steps(std::uint32_t slots) {
   random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, slots);
-  const random::Exponential wait{.rate = 1 / k_mean_wait_ticks};
+  constexpr double k_rate = 1 / k_mean_wait_ticks;
   const random::Uniform shift{.low = -0.01 * k_mean_wait_ticks, .high = 0.01 * k_mean_wait_ticks};
   const random::UniformInteger slot{.count = slots};
   std::vector<Step> steps(std::size_t{1} << 15);
   for (Step& step : steps) {
     for (TickCount& ticks : step.waits)
-      ticks = static_cast<TickCount>(wait.draw(stream)) + 1;
+      ticks = static_cast<TickCount>(-math::log(stream.uniform()) / k_rate) + 1;
     for (std::int32_t& ticks : step.shifts)
       ticks = static_cast<std::int32_t>(shift.draw(stream));
     step.partner = static_cast<std::uint32_t>(slot.draw(stream));

@@ -23,6 +23,16 @@
 
 namespace sleight::physics {
 
+struct PairSlot {
+  std::uint64_t key = k_no_key;
+};
+using PairTable = FlatTable<PairSlot>;
+
+/// The key of a pair of bodies, in either order. REQUIRES: a != b.
+constexpr std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
+  return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
+}
+
 class SweepAndPrune {
  public:
   explicit SweepAndPrune(const BroadPhaseOptions& options)

@@ -11,7 +11,6 @@
 #include <span>
 
 #include "common/hash/sha256.h"
-#include "common/math/angle.h"
 #include "common/math/elementary.h"
 #include "common/math/rotation.h"
 #include "common/math/vector.h"
@@ -73,7 +72,7 @@ void add_elementary(BitHash& hash) {
          {math::sin(x), math::cos(x), math::tan(x), both.sin, both.cos, math::exp(x),
           math::expm1(x), math::log(std::fabs(x)), math::log1p(std::fabs(x)),
           math::pow(std::fabs(x), y), math::atan2(y, x), math::acos(u), math::asin(u), math::erf(x),
-          math::erfc(x), math::wrapped_angle(x), std::sqrt(std::fabs(x))}) {
+          math::erfc(x), std::sqrt(std::fabs(x))}) {
       hash.add(value);
     }
   }
@@ -132,14 +131,10 @@ std::string sleight_hash() {
   add_vectors(hash);
   add_draws(hash, 2, random::Uniform{.low = -0.1, .high = 0.3});
   add_draws(hash, 3, random::Normal{.mean = 0.1, .sd = 0.7});
-  add_draws(hash, 4, random::Exponential{.rate = 0.3});
   add_draws(hash, 5, random::TruncatedNormal{.mean = 0.1, .sd = 0.7, .low = -1, .high = 2});
   add_draws(hash, 6, random::TruncatedNormal{.mean = 0.1, .sd = 0.7, .low = 0, .high = 0.3});
   add_draws(hash, 7, random::TruncatedNormal{.mean = 0.1, .sd = 0.7, .low = 6});
   add_draws(hash, 8, random::TruncatedNormal{.mean = 0.1, .sd = 0.7, .low = -3.1, .high = -3});
-  add_draws(hash, 9, random::WrappedNormal{.mean = 3, .sd = 0.7});
-  add_draws(hash, 10, random::WrappedNormal{.mean = 3, .sd = 3});
-  add_draws(hash, 11, random::UniformAngle{});
   add_draws(hash, 12, random::UniformDirection2{});
   add_draws(hash, 13, random::UniformDirection3{});
   add_draws(hash, 14, random::UniformRotation{});

@@ -113,15 +113,4 @@ class FlatTable {
   int shift_ = 0;
 };
 
-/// A pair of bodies.
-struct PairSlot {
-  std::uint64_t key = k_no_key;
-};
-using PairTable = FlatTable<PairSlot>;
-
-/// The same for (a, b) and (b, a). REQUIRES: a != b.
-constexpr std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
-  return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
-}
-
 }  // namespace sleight::physics

@@ -1,11 +1,10 @@
-// Goal: Uniform, Normal and Exponential draw from the density that they state.
+// Goal: Uniform and Normal draw from the density that they state.
 // Method: chi-square of draws and comparison of densities with Boost.Math; normalisation by
 // quadrature; supports, extreme and invalid parameters.
 #include "common/random/linear_distributions.h"
 
 #include <gtest/gtest.h>
 
-#include <boost/math/distributions/exponential.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/uniform.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -123,19 +122,6 @@ TEST(Normal, neighbouring_draws_are_independent) {
   expect_plausible(chi_square_p_value(counts), "pairs");
 }
 
-TEST(Exponential, agrees_with_boost) {
-  for (const double rate : {1.0, 0.02, 1e6, 1e-200, 1e200}) {
-    expect_agreement("exponential", Exponential{.rate = rate},
-                     boost::math::exponential_distribution<double>(rate));
-  }
-}
-
-TEST(Exponential, has_no_density_below_zero) {
-  EXPECT_EQ(Exponential{}.log_density(-0x1p-1074), -k_infinity);
-  EXPECT_EQ(Exponential{}.log_density(0), 0);
-  EXPECT_EQ(Exponential{}.log_density(k_infinity), -k_infinity);
-}
-
 TEST(LinearDistributionsDeathTest, refuse_what_is_no_distribution) {
   Stream stream = test_stream();
   EXPECT_DEATH((Uniform{.low = 1, .high = 1}.draw(stream)), "check failed");
@@ -147,9 +133,6 @@ TEST(LinearDistributionsDeathTest, refuse_what_is_no_distribution) {
   EXPECT_DEATH((Normal{.mean = k_infinity, .sd = 1}.draw(stream)), "check failed");
   EXPECT_DEATH((Normal{.mean = 0, .sd = k_nan}.draw(stream)), "check failed");
   EXPECT_DEATH((Normal{}.log_density(k_nan)), "check failed");
-  EXPECT_DEATH((Exponential{.rate = 0}.draw(stream)), "check failed");
-  EXPECT_DEATH((Exponential{.rate = k_infinity}.draw(stream)), "check failed");
-  EXPECT_DEATH((Exponential{.rate = 0x1p-1074}.draw(stream)), "check failed");
 }
 
 }  // namespace
