@@ -1,5 +1,5 @@
-// What the service says, as JSON for scripts. docs/SERVICE.md ("Commands") states the shapes, to
-// which fields are only added.
+// The service's answers as JSON for scripts. docs/SERVICE.md ("JSON") specifies the fields; new
+// versions only add fields.
 //
 // Ids are numbers; a group is "g5", as commands take it. Times are seconds since 1970; null: not
 // yet, or not known. Pure; thread-safe.

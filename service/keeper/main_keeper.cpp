@@ -49,7 +49,7 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
       ->required()
       ->type_name("PROGRAM ARGUMENTS...");
   app.footer(
-      "The server starts it for each attempt of a job; docs/SERVICE.md says what it does.\n"
+      "The service starts it for each attempt of a job (docs/OPERATING.md).\n"
       "SIGUSR1 and Ctrl-C end the program in order, SIGTERM kills it and all that it started.\n\n"
       "Exit codes: 0 the attempt has ended, however it did: attempt.json says how; 2 the command "
       "line\n"

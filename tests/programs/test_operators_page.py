@@ -1,6 +1,6 @@
-"""Goal: what the operator's page of docs/SERVICE tells people to type works as it stands. Method: every command of
-its blocks marked `sh`, in their order, in one shell; the names of the machine, of its port, its group and its folders are
-replaced by this test's own, and commands that follow a daemon's start wait until it answers."""
+"""Goal: the commands of docs/OPERATING.md work as printed. Method: run every block marked `sh`, in order, in one shell.
+The names of machine, port, group and folders are replaced by this test's own. After each start of a daemon, wait until
+it answers."""
 
 import pathlib
 import re
@@ -10,7 +10,6 @@ import subprocess
 import harness
 from service_harness import ServiceTest
 
-SECTION = "## Running it for others"
 FINGERPRINT = "sleight server status --json | jq -r .fingerprint"
 
 
@@ -21,13 +20,9 @@ def free_port():
 
 
 class OperatorsPage(ServiceTest):
-    def page(self):
-        text = (pathlib.Path(harness.arguments.source) / "docs" / "SERVICE.md").read_text()
-        begin = text.index(f"\n{SECTION}\n")
-        return text[begin:text.index("\n## ", begin + 4)]
-
     def script(self):
-        blocks = re.findall(r"^```sh\n(.*?)^```$", self.page(), re.S | re.M)
+        page = (pathlib.Path(harness.arguments.source) / "docs" / "OPERATING.md").read_text()
+        blocks = re.findall(r"^```sh\n(.*?)^```$", page, re.S | re.M)
         self.assertGreater(len(blocks), 6)
         text = "\n".join(blocks)
         names = {"/var/lib/sleight": str(self.state), "/run/sleight/socket": str(self.path("socket")),
@@ -58,7 +53,7 @@ class OperatorsPage(ServiceTest):
         result = subprocess.run(["bash"], input=self.script(), text=True, cwd=self.folder, env=environment,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=100)
         self.assertEqual(result.returncode, 0, result.stdout)
-        # What the commands are for came of them.
+        # The commands had their effects.
         self.assertRegex(self.succeed(harness.sleight("archive", "info", self.path("ball.h5"))).stdout, "ball_2d")
         self.assertRegex(result.stdout, r"limits\.states +4096 +file")
         self.assertRegex(result.stdout, r"slurm\.partition +batch +file")
