@@ -1,8 +1,8 @@
-# Debian's package of what is installed: `cmake --preset package && cmake --build --preset package`, then
-# `cpack --preset package` puts sleight_*.deb into build/package. `deploy/soak packages` judges it with
-# lintian, and installs and upgrades it in a Debian 12 of its own.
+# The Debian package: `cmake --preset package && cmake --build --preset package`, then `cpack --preset package`
+# writes sleight_*.deb to build/package. `deploy/soak packages` checks it with lintian, and installs and upgrades
+# it in a fresh Debian 12.
 #
-# What a package needs beyond programs lies in deploy/systemd and deploy/debian.
+# Files of the package other than programs are in deploy/systemd and deploy/debian.
 
 install(FILES deploy/systemd/sleightd.service DESTINATION lib/systemd/system)
 install(FILES deploy/systemd/sysusers.conf DESTINATION lib/sysusers.d RENAME sleight.conf)
@@ -22,13 +22,13 @@ set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_SOURCE_DIR}/deploy/cmake/debian_files.cmake)
 set(CPACK_DEBIAN_PACKAGE_VERSION ${version})
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-# Below the project's own line.
+# The project's description is the first line; this text follows.
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
-"One says how a chaotic motion must end (this die shows a six there, these
-marbles spell a word) and Sleight finds many different animations that end
-so and are plausible: on one machine, by mpirun on many, or as a service.")
+"Specify how a chaotic motion must end (this die shows a six there, these
+marbles spell a word), and Sleight finds many different, plausible animations
+that end that way: on one machine, under mpirun, or as a service.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# mpirun is for --ranks alone; systemd brings systemd-sysusers.
+# Only --ranks needs mpirun. systemd includes systemd-sysusers.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd, fonts-dejavu-core")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "openmpi-bin")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ffmpeg")

@@ -1,10 +1,9 @@
-# Precompiled headers: what other projects' headers cost to parse (2.5 MB of libstdc++, 1.7 MB of
-# Eigen) is paid once for each set of flags, not once for each object.
+# Precompiled headers: the compiler parses external headers (2.5 MB of libstdc++, 1.7 MB of Eigen) once
+# per set of flags instead of once per object.
 #
-# Sources don't see this: each includes what it uses, and `-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON`
-# builds without. Headers of ours are not in it, or a change of one would build everything anew.
-# GCC takes such a header only where flags and macros are those that it was made with, and says so
-# (-Winvalid-pch), which is an error here.
+# Sources don't depend on this: each includes what it uses. `-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON` builds
+# without precompiled headers. Our own headers are left out, since each change of one would rebuild everything.
+# GCC uses a precompiled header only with the same flags and macros, and otherwise warns (-Winvalid-pch).
 
 set(SLEIGHT_PRECOMPILED
   <algorithm> <array> <atomic> <bit> <chrono> <cmath> <compare> <concepts> <cstdint> <cstdlib>
@@ -15,7 +14,7 @@ set(SLEIGHT_PRECOMPILED
   <Eigen/Core> <Eigen/Geometry>)
 
 #   sleight_precompiled(NAME LINKS libraries... [HEADERS more...] [OPTIONS flags...])
-# An object library of no source of its own, whose precompiled header others use by REUSE_FROM.
+# An object library without sources, whose precompiled header other targets use by REUSE_FROM.
 function(sleight_precompiled name)
   cmake_parse_arguments(ARG "" "" "LINKS;HEADERS;OPTIONS" ${ARGN})
   set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)

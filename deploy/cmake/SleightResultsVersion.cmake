@@ -1,12 +1,11 @@
-# The results version: a hash of the sources and flags that decide what a run stores, so that a new
-# page, service or document strands no run (docs/DETERMINISM.md).
+# The results version: a hash of the sources and flags that determine what a run stores. Changes of pages,
+# service or documents don't change it, so existing runs can still be resumed (docs/DETERMINISM.md).
 #
-# What decides is computed by the libraries that worker/run links, and by itself. The compiler has
-# said which files went into their objects; deploy/version --results hashes these. Left out are the
-# files of libraries that say DECIDES_NOTHING: worker/run hands their readers on, and no other library
-# that computes may know them, which is checked here.
+# worker/run and the libraries that it links compute the results. deploy/version --results hashes the files
+# that the compiler opened for their objects, except files of libraries marked DECIDES_NOTHING. worker/run
+# only passes on the readers of those. No other library that computes may link them; this file checks that.
 
-# All libraries of ours under one, itself included.
+# All our libraries that `root` links, and itself.
 function(sleight_libraries_under root out)
   set(all)
   set(next ${root})
@@ -29,16 +28,16 @@ function(sleight_libraries_under root out)
 endfunction()
 
 #   sleight_results_version(worker_run OUTPUT file.cpp)
-# Writes results_version() of clients/cli/results_version.h, when what `root` is made of has been
-# compiled; results_version.json in the build's folder says what that is.
+# Writes results_version() of clients/cli/results_version.h, after the parts of `root` have been compiled.
+# results_version.json in the build folder lists these parts.
 function(sleight_results_version root)
   cmake_parse_arguments(ARG "" "OUTPUT" "" ${ARGN})
   if(NOT CMAKE_GENERATOR STREQUAL "Ninja")
-    message(FATAL_ERROR "Sleight is built by Ninja, whose record tells the results version: "
-                        "cmake --preset release")
+    message(FATAL_ERROR "The generator is ${CMAKE_GENERATOR}, but the results version needs Ninja: "
+                        "use cmake --preset release")
   endif()
   if(CMAKE_SOURCE_DIR STREQUAL CMAKE_BINARY_DIR)
-    message(FATAL_ERROR "Build in another folder than the sources': cmake --preset release")
+    message(FATAL_ERROR "The build folder must not be the source folder: use cmake --preset release")
   endif()
   sleight_libraries_under(${root} libraries)
   set(deciding)
@@ -61,7 +60,7 @@ function(sleight_results_version root)
       endif()
       get_target_property(nothing ${link} SLEIGHT_DECIDES_NOTHING)
       if(nothing)
-        message(FATAL_ERROR "${name} decides results and links ${link}, which says DECIDES_NOTHING")
+        message(FATAL_ERROR "${name} computes results, so it must not link ${link}, which is marked DECIDES_NOTHING")
       endif()
     endforeach()
     get_target_property(type ${name} TYPE)

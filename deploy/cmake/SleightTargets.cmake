@@ -1,23 +1,21 @@
-# How a folder declares what it holds.
+# Functions by which a folder declares its targets.
 #
 #   sleight_library(SOURCES a.cpp b.cpp LINKS common_base Eigen... [DECIDES_NOTHING])   one per folder
-#   sleight_program(sleight SOURCES main.cpp LINKS ...)               lands in build/<preset>/bin
-#   sleight_program_parts(mains SOURCES main_run.cpp LINKS ...)       that several programs share
+#   sleight_program(sleight SOURCES main.cpp LINKS ...)               built in build/<preset>/bin
+#   sleight_program_parts(mains SOURCES main_run.cpp LINKS ...)       parts that several programs share
 #   sleight_test(SOURCES x_test.cpp LINKS common_math [ALL_SOURCES long_test.cpp] [ALL_TESTS Long.*:Suite.Name]
 #                [LABELS slow] [TIMEOUT seconds] [COMPUTES])
 #
-# Sources of libraries, programs' parts and tests are compiled a few at a time
-# (SleightTogether.cmake).
+# Sources of libraries, program parts and tests are compiled several at a time (SleightTogether.cmake).
 #
-# A test's own objects are built with less optimisation than what they test, as compiling them takes
-# longer than running them; COMPUTES says that it is the other way round.
+# A test's own objects have less optimisation than the code under test, since compiling them takes longer than
+# running them. COMPUTES marks tests that run longer than they compile.
 #
-# ALL_SOURCES are compiled, and ALL_TESTS (a GoogleTest filter) run, by deploy/test --all but not by
-# deploy/test (SLEIGHT_TESTS).
+# deploy/test --all compiles ALL_SOURCES and runs ALL_TESTS (a GoogleTest filter); deploy/test does neither
+# (SLEIGHT_TESTS).
 #
-# A library's name is its folder with '/' as '_': common/math is common_math. DECIDES_NOTHING: what it
-# does with a run's rows comes after them, so its changes make no other results version
-# (SleightResultsVersion.cmake).
+# A library's name is its folder with '/' as '_': common/math is common_math. DECIDES_NOTHING marks a library that
+# only uses stored rows, so its changes don't change the results version (SleightResultsVersion.cmake).
 
 function(sleight_folder_name out)
   file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
@@ -25,13 +23,13 @@ function(sleight_folder_name out)
   set(${out} ${name} PARENT_SCOPE)
 endfunction()
 
-# Folders whose time goes by in waiting; all others compute.
+# Folders that mostly wait; all others compute.
 set(SLEIGHT_SHELL_FOLDERS
   "^(clients|service)_|_readers$|^tests_(attacks|keepers|backends)$"
   "^common_(access|config|events|failure_file|json|logging|request|rpc|archive_reader_program)$")
 string(REPLACE ";" "|" SLEIGHT_SHELL_FOLDERS "${SLEIGHT_SHELL_FOLDERS}")
 
-# The flags and the precompiled header of a folder's products.
+# Flags and precompiled header of a folder's products.
 function(sleight_product target)
   sleight_folder_name(name)
   if(name MATCHES "${SLEIGHT_SHELL_FOLDERS}" AND NOT name MATCHES "^(clients_browse|service_core)$")
@@ -68,7 +66,7 @@ function(sleight_program name)
   endif()
 endfunction()
 
-# What programs have in common of their mains, compiled once: like these it may join the sides.
+# Parts that several programs' mains share, compiled once. Like mains, they may link all sides.
 function(sleight_program_parts name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})

@@ -1,4 +1,4 @@
-# Before the package is packed: what Debian wants compressed is, and it has a changelog.
+# Runs before the package is packed: writes a changelog, and compresses it and the manual pages, as Debian requires.
 find_program(GZIP gzip REQUIRED)
 file(GLOB pages ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/share/man/man*/*.[0-9])
 set(changelog ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/share/doc/sleight/changelog.gz)
@@ -6,7 +6,7 @@ string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 string(REGEX REPLACE "[.]gz$" "" plain ${changelog})
 file(WRITE ${plain} "sleight (${CPACK_DEBIAN_PACKAGE_VERSION}) bookworm; urgency=medium
 
-  * Built from the commit that the version names; its history says what is new.
+  * Built from the commit in the version. For changes, see that commit's history.
 
  -- ${CPACK_PACKAGE_CONTACT}  ${date}
 ")

@@ -1,19 +1,21 @@
 #!/usr/bin/env python3
-"""The results version of a build: a hash of what decides the rows that runs store.
+"""The results version of a build: a hash of everything that determines the rows that runs store.
 
     deploy/version --results BUILD [--source FOLDER] [--list] [--cpp FILE]
 
-BUILD is a preset's build folder, in which CMake has put `results_version.json`: the libraries that
-decide, the folders left out, the compiler, and what else is linked. Hashed are, for all objects of
-these libraries: each file that the compiler opened, by its place in the source tree (others by their
-whole path) and content; for each source the flags that can change what is computed; the compiler; and
-the library of elementary functions. Not hashed: generated files, files that lie in a folder left out,
-flags that change only speed, checks, warnings or places (FLAGS_LEFT_OUT), and which sources were
-compiled together. So builds of all presets have one results version, and tests compare their digests.
+BUILD is a preset's build folder. CMake has written `results_version.json` there, with the deciding
+libraries, the folders left out, the compiler, and other linked libraries. For all objects of the deciding
+libraries, the hash covers each file that the compiler opened: its content, and its path in the source tree
+(outside the tree, the full path). It also covers each source's flags that can change results, the
+compiler, and the library of elementary functions.
 
-The files come from Ninja's record of what the compiler said (`.ninja_deps`). Ninja writes it object
-by object, before it starts what depends on the object; so it may be read while a build goes on.
---source hashes another tree's files in place of the build's, which is how a test plants changes.
+The hash leaves out generated files, files in the folders left out, flags that change only speed, checks,
+warnings or paths (FLAGS_LEFT_OUT), and which sources were compiled together. So builds of all presets have
+the same results version, and tests compare their digests.
+
+The list of files comes from Ninja's record of the compiler's dependencies (`.ninja_deps`). Ninja writes an
+object's record before it starts anything that depends on the object, so this program may run during a build.
+--source hashes the files of another tree instead; a test uses this to plant changes.
 """
 import argparse
 import hashlib
@@ -26,7 +28,7 @@ import sys
 
 MAGIC = b"# ninjadeps\n"
 DEPS_RECORD = 0x80000000
-# -Ofast and what -Wp, and -Wa, hand on are not among them.
+# -Ofast, and flags that -Wp, and -Wa, pass on, are hashed.
 FLAGS_LEFT_OUT = re.compile(
     r"-(O([0-3gs]|)$|g|W(?![pa],)|I|M|fsanitize|fno-sanitize|fno-omit-frame-pointer|fdiagnostics"
     r"|pthread$|DNDEBUG$|DSLEIGHT_SANITIZED)")
@@ -34,11 +36,11 @@ VALUES_LEFT_OUT = {"-I", "-isystem", "-include", "-o", "-c", "-MF", "-MT", "-MQ"
 
 
 class CannotTell(Exception):
-    """The build doesn't say which files it was made of."""
+    """The build's record of its files is missing or unreadable."""
 
 
 def dependencies(build):
-    """Of each output the files that its compiler opened, from Ninja's record (format 3 or 4)."""
+    """The files that the compiler opened for each output, from Ninja's record (format 3 or 4)."""
     path = os.path.join(build, ".ninja_deps")
     with open(path, "rb") as file:
         data = file.read()
@@ -46,8 +48,8 @@ def dependencies(build):
         raise CannotTell(f"{path}: is no record of Ninja's")
     version, = struct.unpack_from("<i", data, len(MAGIC))
     if version not in (3, 4):
-        raise CannotTell(f"{path}: format {version}; 3 and 4 are known")
-    head = 4 + (8 if version == 4 else 4)  # output, then its time
+        raise CannotTell(f"{path}: expected format 3 or 4, found {version}")
+    head = 4 + (8 if version == 4 else 4)  # output and its time
     names, found = [], {}
     place = len(MAGIC) + 4
     while place + 4 <= len(data):
@@ -56,7 +58,7 @@ def dependencies(build):
         size &= ~DEPS_RECORD
         place += 4
         if place + size > len(data):
-            break  # being written
+            break  # Ninja is still writing this record
         if is_deps:
             output, = struct.unpack_from("<i", data, place)
             count = (size - head) // 4
@@ -69,7 +71,7 @@ def dependencies(build):
 
 
 def sources_in(path):
-    """The sources that one file stands for: those that CMake put together in it, or itself."""
+    """The sources that a file includes if CMake generated it for a unity build, else the file itself."""
     if os.path.basename(os.path.dirname(path)) != "Unity":
         return [path]
     with open(path, encoding="utf-8") as file:
@@ -77,7 +79,7 @@ def sources_in(path):
 
 
 def objects_of(build, libraries):
-    """(object, source file, flags) of these libraries, and the folder that they are built in."""
+    """(object, source file, flags) of these libraries, and the build folder."""
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
         commands = json.load(file)
     folders = {f"CMakeFiles/{library}.dir/" for library in libraries}
@@ -88,19 +90,19 @@ def objects_of(build, libraries):
         if any(f"/{folder}" in f"/{output}" for folder in folders):
             objects.append((output, command["file"], flags_of(words)))
     if not objects:
-        raise CannotTell(f"{build}: no object of {', '.join(libraries)}")
+        raise CannotTell(f"{build}: found no object of {', '.join(libraries)}")
     return objects, commands[0]["directory"]
 
 
 def flags_of(words):
-    """The flags that can change what is computed, in their order."""
+    """The flags that can change results, in order."""
     flags, i = [], 0
     while i < len(words):
         word = words[i]
         if word in VALUES_LEFT_OUT:
             i += 2
             continue
-        if word == "--param":  # ggc-: how much memory the compiler takes
+        if word == "--param":  # ggc- parameters only affect the compiler's memory
             if not words[i + 1].startswith("ggc-"):
                 flags += words[i:i + 2]
             i += 2
@@ -112,7 +114,7 @@ def flags_of(words):
 
 
 def add_opened(name, found, folder, opened):
-    """Adds a file, and of a precompiled header what that was made of."""
+    """Adds a file, and for a precompiled header also the files in it."""
     path = os.path.normpath(os.path.join(folder, name))
     if path in opened:
         return
@@ -122,8 +124,8 @@ def add_opened(name, found, folder, opened):
 
 
 class Deciding:
-    """What decides the results of a build: files, by their names in the hash; each object's flags;
-    the compiler; and the libraries of elementary functions that it is linked with."""
+    """Everything that determines a build's results: files by their names in the hash, each object's flags,
+    the compiler, and the linked libraries of elementary functions."""
 
     def __init__(self, build):
         with open(os.path.join(build, "results_version.json"), encoding="utf-8") as file:
@@ -135,7 +137,7 @@ class Deciding:
         opened, self.flags = set(), []
         for output, file, its_flags in objects:
             if output not in found:
-                raise CannotTell(f"{build}: nothing is known of {output}; build it first")
+                raise CannotTell(f"{build}: no record of {output}; build it first")
             for name in found[output]:
                 add_opened(name, found, folder, opened)
             self.flags += [(self.name_of(path, source), its_flags) for path in sources_in(file)]
@@ -151,11 +153,11 @@ class Deciding:
 
     @staticmethod
     def name_of(path, source):
-        """A file's place in the source tree, or its whole path where it lies elsewhere."""
+        """A file's path in the source tree, or its full path if it is elsewhere."""
         return os.path.relpath(path, source) if path.startswith(source + os.sep) else path
 
     def version(self, source=None):
-        """The hash; with another tree's files in place of this one's, where one is given."""
+        """The hash. With `source`, hashes the files of that tree instead of this one's."""
         total = hashlib.sha256()
         for name in sorted(self.files):
             path = self.files[name]
@@ -171,13 +173,13 @@ class Deciding:
 
 
 def main():
-    """Prints the version, or its files, or writes it as C++."""
+    """Prints the version or its files, or writes the version as C++."""
     parser = argparse.ArgumentParser(prog="deploy/version --results", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build")
-    parser.add_argument("--source", help="a tree whose files are hashed in place of the build's")
-    parser.add_argument("--list", action="store_true", help="the files, one a line")
-    parser.add_argument("--cpp", metavar="FILE", help="writes C++, where that differs from FILE")
+    parser.add_argument("--source", help="tree whose files are hashed instead of the build's")
+    parser.add_argument("--list", action="store_true", help="list the hashed files")
+    parser.add_argument("--cpp", metavar="FILE", help="write the version to FILE as C++, if it changed")
     arguments = parser.parse_args()
 
     deciding = Deciding(arguments.build)
