@@ -30,7 +30,8 @@ target_compile_options(sleight_options INTERFACE
   # A fused multiply-add rounds once, two instructions round twice. So fusing would change bits between CPUs.
   -ffp-contract=off
   # No code reads errno or floating-point exceptions after arithmetic, so square roots and roundings can be
-  # instructions instead of calls. Results keep their bits. HI and a die execute 2% fewer instructions.
+  # instructions instead of calls. Results keep their bits, and hi.toml and die.toml
+  # execute 2% fewer instructions.
   -fno-math-errno -fno-trapping-math
   # For all targets, since some libraries need it and a precompiled header fits one set of macros.
   -pthread

@@ -28,7 +28,7 @@ import sys
 
 MAGIC = b"# ninjadeps\n"
 DEPS_RECORD = 0x80000000
-# -Ofast, and flags that -Wp, and -Wa, pass on, are hashed.
+# The hash covers -Ofast and all flags that begin with `-Wp,` or `-Wa,`.
 FLAGS_LEFT_OUT = re.compile(
     r"-(O([0-3gs]|)$|g|W(?![pa],)|I|M|fsanitize|fno-sanitize|fno-omit-frame-pointer|fdiagnostics"
     r"|pthread$|DNDEBUG$|DSLEIGHT_SANITIZED)")
