@@ -121,7 +121,7 @@ const TableArray* Binder::declare_tables(std::string_view key, const TablesOptio
   const std::string name = fmt::format("[{}.{}]", section_name_, key);
   const Value* value = declare({.key = std::string(key),
                                 .range = fmt::format("<= {} tables", options.count_max),
-                                .expected = fmt::format("tables, each below [{}]", name),
+                                .expected = fmt::format("tables, each with the header [{}]", name),
                                 .presence = Presence::optional,
                                 .help = std::string(options.help)});
   arrays_.push_back({.key = std::string(key), .name = name, .specs = {}, .tables = {}});
@@ -131,7 +131,7 @@ const TableArray* Binder::declare_tables(std::string_view key, const TablesOptio
     refuse(*value);
   } else if (array->tables.size() > options.count_max) {
     fail(key, array->tables[options.count_max].place,
-         fmt::format("at most {} tables [{}], found {}", options.count_max, name,
+         fmt::format("expected at most {} tables [{}], found {}", options.count_max, name,
                      array->tables.size()));
     array = nullptr;
   }
@@ -210,7 +210,7 @@ void Binder::text(std::string_view key, std::string& value, const TextOptions& o
         hint = fmt::format(", which has {} characters", character_count(*found));
       } else if (!std::holds_alternative<Unwanted>(given_value->held)) {
         const bool is_set = given_value->place == k_no_place;
-        hint = fmt::format("; a string stands in quotes: {}\"{}\"{}",
+        hint = fmt::format("; a string needs quotes: {}\"{}\"{}",
                            is_set ? fmt::format("--set '{}.{}=", section_name_, key) : "",
                            description(*given_value), is_set ? "'" : "");
       }

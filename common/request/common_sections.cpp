@@ -25,14 +25,18 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
   const bool has_steps = ascends || method == Method::tempered_transitions;
   const auto refuse = [&](std::string_view key, bool has, std::string_view methods) {
     if (has || !sampler.given(key)) return;
-    sampler.error(key, fmt::format("goes with method {}", methods));
+    sampler.error(key, fmt::format("requires method {}", methods));
   };
-  refuse("replicas", !is_plain, "\"parallel_tempering\" and those that burn in with it");
-  refuse("ladder_power", !is_plain, "\"parallel_tempering\" and those that burn in with it");
+  constexpr std::string_view k_with_ladders =
+      "\"parallel_tempering\", \"simulated_tempering\", \"tempered_transitions\" or "
+      "\"annealed_importance\"";
+  refuse("replicas", !is_plain, k_with_ladders);
+  refuse("ladder_power", !is_plain, k_with_ladders);
   refuse("burn_in_rounds", burns_in,
          "\"simulated_tempering\", \"tempered_transitions\", \"annealed_importance\" or "
          "\"sequential\"");
-  refuse("anneal_scans", !has_islands, "\"metropolis_hastings\" and others without islands");
+  if (has_islands && sampler.given("anneal_scans"))
+    sampler.error("anneal_scans", "not used by method \"sequential\"");
   refuse("particles", has_islands, "\"sequential\"");
   refuse("tour_scans", has_islands, "\"sequential\"");
   refuse("start", method == Method::metropolis_hastings || method == Method::parallel_tempering,
@@ -54,7 +58,7 @@ void check_excursions(Binder& sampler, const SamplerParameters& p) {
   if (steps < k_excursion_iterations_max) return;
   sampler.error("iterations_per_scan",
                 fmt::format("a tempered transition has {} iterations (2 x {} temperatures x "
-                            "steps_per_level x iterations_per_scan), which must stay below {}",
+                            "steps_per_level x iterations_per_scan); expected fewer than {}",
                             steps, levels, k_excursion_iterations_max));
 }
 
@@ -65,42 +69,43 @@ void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
       {.minimum = 1,
        .maximum = 1000000,
        .unit = "scans",
-       .help = "length of simulated annealing from the prior, before all else"});
+       .help = "length of an initial simulated annealing from the prior; default: 0"});
   sampler.optional_integer("burn_in_rounds", p.burn_in_rounds,
                            {.minimum = 1,
                             .maximum = 20,
                             .unit = "rounds",
-                            .help = "rounds of parallel tempering that set the temperatures "
-                                    "(simulated_tempering, tempered_transitions, "
-                                    "annealed_importance; default: 4), or discarded rounds "
-                                    "(sequential; default: 1)"});
+                            .help = "number of burn-in rounds. simulated_tempering, "
+                                    "tempered_transitions and annealed_importance use them to "
+                                    "choose temperatures (default: 4); sequential discards them "
+                                    "(default: 1)"});
   sampler.optional_integer("lanes", p.lanes,
                            {.minimum = 1,
                             .maximum = 1024,
-                            .help = "parallel ascents of a chain (annealed_importance); default: "
-                                    "8"});
+                            .help = "number of parallel ascents per chain "
+                                    "(annealed_importance); default: 8"});
   sampler.optional_integer("steps_per_level", p.steps_per_level,
                            {.minimum = 1,
                             .maximum = 1000,
                             .unit = "steps",
-                            .help = "steps from one temperature to the next "
+                            .help = "number of steps between two temperatures "
                                     "(tempered_transitions, annealed_importance); default: 1"});
   sampler.optional_integer("particles", p.particles,
                            {.minimum = 2,
                             .maximum = k_particles_max,
-                            .help = "particles of an island (sequential); default: 64"});
+                            .help = "number of particles per island (sequential); default: 64"});
   sampler.optional_integer("tour_scans", p.tour_scans,
                            {.minimum = 2,
                             .maximum = 1000000,
                             .unit = "scans",
-                            .help = "scans until a chain restarts, of which only the last is a "
-                                    "draw (sequential); default: no restarts"});
+                            .help = "restart a chain after this number of scans, and use only "
+                                    "the last scan before a restart as a draw (sequential); "
+                                    "default: no restarts"});
   sampler.optional_integer("relax_scans", p.relax_scans,
                            {.minimum = 1,
                             .maximum = k_relax_scans_max,
                             .unit = "scans",
-                            .help = "length of the chain that relaxes each find (search); "
-                                    "default: no relaxation"});
+                            .help = "length of a chain that starts at each find and relaxes it "
+                                    "(search); default: no relaxation"});
 }
 
 void bind_sampler(Binder& sampler, SamplerParameters& p) {
@@ -117,8 +122,8 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
                                        Named<Start>{"search", Start::search}};
   sampler.choice(
       "start", p.start, std::span<const Named<Start>>(k_starts),
-      "initial states (metropolis_hastings, parallel_tempering): draws from the prior, or finds of "
-      "a search followed by a tested burn-in");
+      "initial states (metropolis_hastings, parallel_tempering): \"prior\" uses prior draws; "
+      "\"search\" uses finds of a search, followed by a tested burn-in");
   sampler.integer("chains", p.chains,
                   {.minimum = 1, .maximum = k_chains_max, .help = "number of independent chains"});
   sampler.optional_integer(
@@ -126,14 +131,14 @@ void bind_sampler(Binder& sampler, SamplerParameters& p) {
       {.minimum = 2,
        .maximum = k_replicas_max,
        .help =
-           "number of temperatures of a ladder; default: chosen from its communication barrier"});
+           "number of temperatures in a ladder; default: chosen from its communication barrier"});
   sampler.optional_integer("ladder_power", p.ladder_power,
                            {.minimum = 1,
                             .maximum = k_ladder_power_max,
-                            .help = "exponent of a ladder's first round, also in a burn-in: "
-                                    "inverse temperature i of n is (i / (n - 1))^ladder_power, "
-                                    "where n is replicas or 12; default: 6. Later rounds adapt "
-                                    "the ladder"});
+                            .help = "exponent of a ladder in its first round, also in a burn-in; "
+                                    "default: 6. Inverse temperature i of n is (i / (n - 1))"
+                                    "^ladder_power, where n is replicas, or 12 if that is not "
+                                    "set. Later rounds adapt the ladder"});
   sampler.integer("seed", p.seed,
                   {.minimum = 0,
                    .maximum = static_cast<std::int64_t>(k_seed_max),
@@ -167,23 +172,25 @@ void bind_stop(Binder& stop, StopRule& p) {
                         {.minimum = 1,
                          .maximum = k_independent_solutions_max,
                          .help = "stop when this number of lineages have a satisfying animation; "
-                                 "default without a rule: 5"});
+                                 "default if no stop rule is given: 5"});
   stop.optional_number("odds", p.odds,
                        {.minimum = k_odds_min,
                         .maximum = k_odds_max,
                         .unit = "nats",
-                        .help = "stop when the standard error of log P(satisfied) is this small "
-                                "(sequential); makes islands only, no chains; 0.1 means 10% of P"});
+                        .help = "stop when the standard error of log P(satisfied) falls to this "
+                                "value (sequential); 0.1 means 10% of P. The run makes islands "
+                                "only, no chains"});
   stop.optional_integer("found", p.found,
                         {.minimum = 1,
                          .maximum = k_found_max,
                          .help = "stop a search after this number of finds; default: 5. With "
-                                 "other rules, the search runs before the chains"});
+                                 "other stop rules, the search runs before the chains"});
   stop.optional_integer("takes", p.takes,
                         {.minimum = 1,
                          .maximum = k_takes_max,
-                         .help = "stop when this number of finds still satisfy after relax_scans; "
-                                 "default without a rule and a sampler: 5"});
+                         .help = "stop when this number of finds still satisfy the constraint "
+                                 "after relax_scans; default if neither a stop rule nor a sampler "
+                                 "is given: 5"});
 }
 
 void bind_output(Binder& output, OutputParameters& p) {
@@ -201,7 +208,7 @@ void bind_output(Binder& output, OutputParameters& p) {
                  {.minimum = 0,
                   .maximum = 1000,
                   .unit = "animations",
-                  .help = "maximum number of these from one lineage"});
+                  .help = "maximum number of stored animations from one lineage"});
   output.number(
       "min_distance", p.min_distance,
       {.minimum = 0,
@@ -209,11 +216,12 @@ void bind_output(Binder& output, OutputParameters& p) {
        .unit = "units of likeness",
        .help =
            "minimum distance between two stored animations, in the world's measure of likeness"});
-  output.integer("prior_draws", p.prior_draws,
-                 {.minimum = 0,
-                  .maximum = k_prior_draws,
-                  .help = "number of prior draws, to compare samples with; default with odds or a "
-                          "search alone: 100"});
+  output.integer(
+      "prior_draws", p.prior_draws,
+      {.minimum = 0,
+       .maximum = k_prior_draws,
+       .help = "number of prior draws, for comparison with the samples; default with odds "
+               "or method \"search\": 100"});
 }
 
 /// Keys of the common sections that say something of a search.
@@ -251,18 +259,17 @@ void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionR
   const bool relaxes = request.sampler.relax_scans.has_value();
   if (relaxes) {
     keep_only(sections.sampler, common_keys, k_sampler_keys_of_takes,
-              "is not used by a search whose finds are relaxed");
+              "not used by method \"search\" with relax_scans");
     keep_only(sections.stop, all(sections.stop), k_stop_keys_of_takes,
-              "does not go with relax_scans, whose search ends by 'takes'");
+              "can't be combined with relax_scans; set 'takes' instead");
   } else {
     keep_only(sections.sampler, all(sections.sampler), k_sampler_keys_of_search,
-              "is not used by method \"search\" without relax_scans: it has no chains");
+              "not used by method \"search\" without relax_scans, which runs no chains");
     keep_only(sections.stop, all(sections.stop), k_stop_keys_of_search,
-              "counts scans, samples or relaxed finds, and method \"search\" without relax_scans "
-              "has none; it ends by 'found'");
+              "not used by method \"search\" without relax_scans; set 'found' instead");
   }
   keep_only(sections.output, all(sections.output), k_output_keys_of_search,
-            "is about chains, and method \"search\" has none");
+            "not used by method \"search\", because it makes no draws");
   request.sampler.chains = 0;
   settle_few_prior_draws(sections.output, request.output);
 }
@@ -349,11 +356,11 @@ void settle_stop(SectionBinders& sections, DirectionRequest& request) {
 void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   const bool searches = request.sampler.method == Method::search;
   if (request.sampler.relax_scans && !searches && sections.sampler.valid("method"))
-    sections.sampler.error("relax_scans", "goes with method \"search\"");
+    sections.sampler.error("relax_scans", "requires method \"search\"");
   if (sections.stop.given("takes") && !request.sampler.relax_scans) {
     sections.stop.error("takes",
-                        "goes with a [sampler] that is left open, or with method \"search\" and "
-                        "relax_scans, and with no other rule");
+                        "requires method \"search\" with relax_scans, or no [sampler] keys except "
+                        "'seed'; other stop rules can't be given");
   }
 }
 
@@ -366,15 +373,15 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   if (!sections.stop.given("odds") || !sections.stop.valid("odds")) return;
   if (method != Method::sequential)
     return sections.stop.error("odds",
-                               "goes with method \"sequential\", whose islands tell the odds");
+                               "requires method \"sequential\", whose islands estimate the odds");
   for (const char* rule : {"rounds", "independent_solutions"}) {
     if (sections.stop.given(rule))
       sections.stop.error(rule,
-                          "does not go with odds: nothing is drawn in proportion then; a run for "
-                          "independent_solutions tells the odds by the islands that it makes");
+                          "can't be combined with odds, because such a run makes no draws; a run "
+                          "with independent_solutions also estimates the odds, from its islands");
   }
   keep_only(sections.sampler, sections.sampler.keys().size(), k_sampler_keys_of_odds,
-            "is not used where odds are asked for: islands are made then, and no chains");
+            "not used with [stop] odds, because such a run makes islands and no chains");
   request.sampler.chains = 1;
   request.sampler.tour_scans.reset();
   request.sampler.burn_in_rounds = 0;
@@ -389,14 +396,15 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
 void check_start(SectionBinders& sections, const DirectionRequest& request) {
   const SamplerParameters& p = request.sampler;
   if (p.start == Start::prior) return sections.sampler.settle("start", "");
-  if (p.anneal_scans) sections.sampler.error("anneal_scans", "does not go with start = \"search\"");
+  if (p.anneal_scans)
+    sections.sampler.error("anneal_scans", "can't be combined with start = \"search\"");
   if (p.method == Method::parallel_tempering) return;
   constexpr std::uint32_t k_chains_judged_min = 2;
   constexpr std::uint32_t k_judged_round_min = 4;
   const std::string why = "start = \"search\"";
   if (sections.sampler.valid("chains") && p.chains < k_chains_judged_min) {
-    sections.sampler.error("chains", fmt::format("must be at least {} with {}, whose burn-in is "
-                                                 "judged by comparing chains",
+    sections.sampler.error("chains", fmt::format("must be at least {} with {}, which compares "
+                                                 "chains to test the burn-in",
                                                  k_chains_judged_min, why));
   }
   if (sections.sampler.valid("round_scans") && p.round_scans < k_judged_round_min) {
@@ -404,9 +412,10 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
                            fmt::format("must be at least {} with {}", k_judged_round_min, why));
   }
   if (request.stop.rounds) {
-    sections.stop.error("rounds", fmt::format("does not go with {}: how many rounds a burn-in "
-                                              "takes is judged; ask for independent_solutions",
-                                              why));
+    sections.stop.error("rounds",
+                        fmt::format("can't be combined with {}, whose burn-in decides its "
+                                    "own length; use independent_solutions instead",
+                                    why));
   }
 }
 
@@ -415,12 +424,12 @@ void check_tours(SectionBinders& sections, const DirectionRequest& request) {
   if (!request.sampler.tour_scans || !sections.sampler.valid("tour_scans")) return;
   if (sections.sampler.given("burn_in_rounds"))
     sections.sampler.error("burn_in_rounds",
-                           "does not go with tour_scans: a tour's scans but the "
-                           "last one burn in");
+                           "can't be combined with tour_scans; all scans of a tour but the last "
+                           "are burn-in");
   if (sections.stop.given("rounds") && sections.stop.valid("rounds"))
     sections.stop.error("rounds",
-                        "does not go with tour_scans: ask for scans or "
-                        "independent_solutions");
+                        "can't be combined with tour_scans; use scans or independent_solutions "
+                        "instead");
 }
 
 /// Islands and searches are for worlds that act in stages.
@@ -432,7 +441,7 @@ void check_stages(SectionBinders& sections, const DirectionRequest& request,
     if (other.acts_in_stages) names.push_back(other.name);
   const std::string which = names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "));
   const std::string why =
-      fmt::format("goes with worlds that act in stages{}, not with {}", which, world.name);
+      fmt::format("requires a world that acts in stages{}; {} does not", which, world.name);
   const Method method = request.sampler.method;
   if (sections.sampler.valid("method") &&
       (method == Method::search || method == Method::sequential)) {

@@ -33,7 +33,7 @@ std::vector<Diagnostic> Diagnostics::sorted() const {
     const std::size_t hidden = all.size() - k_diagnostics_max;
     const Place place = all[k_diagnostics_max].place;
     all.resize(k_diagnostics_max);
-    all.push_back({file_, place, fmt::format("from here on {} more errors are not shown", hidden)});
+    all.push_back({file_, place, fmt::format("{} more errors are not shown", hidden)});
   }
   return all;
 }

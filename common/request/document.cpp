@@ -64,7 +64,7 @@ Place within(std::string_view text, Place place) {
 /// What the parser must not be given, at the place where that shows.
 std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
   if (text.size() > k_request_bytes_max) {
-    return {{Place{}, fmt::format("the file has {} bytes; a request has at most {} (1 MiB)",
+    return {{Place{}, fmt::format("the file has {} bytes; the limit for a request is {} (1 MiB)",
                                   text.size(), k_request_bytes_max)}};
   }
   Place place;

@@ -19,8 +19,8 @@ void complain_if_no_longer(std::string_view rule, const std::optional<Number>& a
                            std::string& complaint) {
   if (!asked || !before || !complaint.empty()) return;
   if (less_is_longer ? *asked < *before : *asked > *before) return;
-  complaint = fmt::format("[stop] has {} = {} already: ask for {}", rule, *before,
-                          less_is_longer ? "less" : "more");
+  complaint = fmt::format("[stop] has {} = {} already; give a {} number", rule, *before,
+                          less_is_longer ? "smaller" : "larger");
 }
 
 std::vector<std::pair<std::string, std::string>> rules_of(const DirectionRequest& request,
@@ -47,7 +47,7 @@ std::vector<std::pair<std::string, std::string>> rules_of(const DirectionRequest
 
 base::Result<std::string, NotLonger> extended_text(const DirectionRequest& request,
                                                    const Extension& extension) {
-  if (extension == Extension{}) return NotLonger{"nothing more is asked for"};
+  if (extension == Extension{}) return NotLonger{"no stop rule is given"};
   const StopRule& before = request.stop;
   const bool searches = request.sampler.method == Method::search;
   std::string complaint;

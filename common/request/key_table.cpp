@@ -21,8 +21,8 @@ Row row_of(const KeySpec& spec) {
                                : spec.presence == Presence::optional ? "none"
                                                                      : spec.fallback;
   const bool is_long = spec.range.size() > k_range_characters_max;
-  return {spec.key, spec.unit.empty() ? "-" : spec.unit, is_long ? "below" : spec.range, fallback,
-          is_long ? fmt::format("{}: {}", spec.help, spec.range) : spec.help};
+  return {spec.key, spec.unit.empty() ? "-" : spec.unit, is_long ? "see meaning" : spec.range,
+          fallback, is_long ? fmt::format("{}: {}", spec.help, spec.range) : spec.help};
 }
 
 /// The next line of `text`, which loses it: as many words as fit, one at least.

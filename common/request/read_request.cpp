@@ -65,21 +65,19 @@ class UnknownKeys {
     diagnostics_.add(entry.place,
                      fmt::format("unknown key '{}' in [{}]; {}", shown(entry.key), array.name,
                                  near ? fmt::format("did you mean '{}'?", *near)
-                                      : fmt::format("it has '{}'", fmt::join(known, "', '"))));
+                                      : fmt::format("known keys: '{}'", fmt::join(known, "', '"))));
   }
 
   void loose(const Entry& entry) {
     if (is_command_line_option(entry.key)) return command_line_option(entry);
     std::string why;
     if (is_section(entry.key)) {
-      why =
-          fmt::format("'{0}' must be a section, written [{0}] once, with its keys below; found {1}",
-                      entry.key, description(entry.value));
+      why = fmt::format("'{0}' must be a section, with the line [{0}] above its keys; found {1}",
+                        entry.key, description(entry.value));
     } else if (const std::string* home = home_of(entry.key)) {
-      why = fmt::format("key '{}' stands outside every section; it belongs in [{}]", entry.key,
-                        *home);
+      why = fmt::format("key '{}' is outside every section; it belongs in [{}]", entry.key, *home);
     } else {
-      why = fmt::format("key '{}' stands outside every section; {}", shown(entry.key),
+      why = fmt::format("key '{}' is outside every section; {}", shown(entry.key),
                         meant_section(entry.key));
     }
     diagnostics_.add(entry.place, why);
@@ -88,8 +86,8 @@ class UnknownKeys {
  private:
   void command_line_option(const Entry& entry) {
     diagnostics_.add(entry.place,
-                     fmt::format("'{}' is a command-line option, not a request key, since it may "
-                                 "not change results",
+                     fmt::format("'{}' is a command-line option, not a request key, because it "
+                                 "doesn't affect results",
                                  entry.key));
   }
 
@@ -101,7 +99,7 @@ class UnknownKeys {
     if (const auto near = nearest(name, section_names_)) {
       return fmt::format("did you mean [{}]?", *near);
     }
-    return fmt::format("a request has [{}]", fmt::join(section_names_, "], ["));
+    return fmt::format("known sections: [{}]", fmt::join(section_names_, "], ["));
   }
 
   std::string meant_key(const Entry& entry, const std::vector<std::string>& known) const {
@@ -120,7 +118,7 @@ class UnknownKeys {
         unwanted != nullptr && *unwanted == Unwanted::table) {
       return "sections do not nest";
     }
-    return fmt::format("it has '{}'", fmt::join(known, "', '"));
+    return fmt::format("known keys: '{}'", fmt::join(known, "', '"));
   }
 
   const std::string* home_of(std::string_view key) const {
@@ -187,15 +185,16 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
   const bool is_chosen = sampler.given("method") || sampler.given("anneal_scans") ||
                          sampler.given("burn_in_rounds") || sampler.given("round_scans") ||
                          sampler.given("tour_scans");
-  stop.error("scans",
-             fmt::format(
-                 "expected more than {}, which annealing and burn-in take of each chain before its "
-                 "first animation counts{}, found {}; ask for more scans, or for {}",
-                 before, is_chosen ? "" : " where [sampler] leaves them open", *request.stop.scans,
-                 !is_chosen ? "independent_solutions in their place, which decides by itself"
-                 : request.sampler.tour_scans
-                     ? "less tour_scans in [sampler]"
-                     : "less anneal_scans, burn_in_rounds or round_scans in [sampler]"));
+  stop.error(
+      "scans",
+      fmt::format(
+          "expected more than {}, the number of scans that each chain spends on annealing and "
+          "burn-in{}, found {}; set more scans, or {}",
+          before, is_chosen ? "" : " by default", *request.stop.scans,
+          !is_chosen ? "use independent_solutions instead, which needs no such number"
+          : request.sampler.tour_scans
+              ? "reduce tour_scans in [sampler]"
+              : "reduce anneal_scans, burn_in_rounds or round_scans in [sampler]"));
 }
 
 void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& request) {
@@ -206,8 +205,8 @@ void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& req
     if (scans > k_scans_max) {
       stop.error(
           "rounds",
-          fmt::format("{} rounds, each twice as long as the one before and the first of {} "
-                      "scans, are {} scans of each chain, of at most {}; ask for fewer",
+          fmt::format("{} rounds that start at {} scans and double in length make {} scans per "
+                      "chain; the limit is {}; use fewer rounds",
                       *request.stop.rounds, request.sampler.round_scans, scans, k_scans_max));
     }
   }
@@ -220,9 +219,9 @@ void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& req
   if (request.stop.independent_solutions && plain_chains && sampler.valid("method") &&
       sampler.valid("chains") && *request.stop.independent_solutions > request.sampler.chains) {
     stop.error("independent_solutions",
-               fmt::format("expected at most {}, the number of chains, found {}: with method "
-                           "\"metropolis_hastings\" each chain is one lineage and gives one "
-                           "independent solution; set chains = {} in [sampler], or ask for fewer",
+               fmt::format("expected at most {}, the number of chains, found {}; with method "
+                           "\"metropolis_hastings\", a chain yields one independent solution; set "
+                           "chains = {} in [sampler], or use fewer solutions",
                            request.sampler.chains, *request.stop.independent_solutions,
                            *request.stop.independent_solutions));
   }
@@ -346,7 +345,7 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
   // What is left over, missing or at odds is an error too.
   report_unknown(document, sections, world != nullptr, diagnostics);
   if (!is_mentioned(document, "world")) {
-    diagnostics.add({}, fmt::format("missing section [world]; it needs 'name', for instance "
+    diagnostics.add({}, fmt::format("missing section [world]; add it with a name, for example "
                                     "name = \"{}\"",
                                     worlds.front().name));
   }

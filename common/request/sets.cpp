@@ -14,7 +14,7 @@ namespace sleight::request {
 namespace {
 
 constexpr std::size_t k_text_characters_max = 80;
-constexpr std::string_view k_form = "expected SECTION.KEY=VALUE, for instance sampler.seed=7";
+constexpr std::string_view k_form = "expected SECTION.KEY=VALUE, for example sampler.seed=7";
 
 std::string option_of(std::string_view text) {
   return fmt::format("--set {}", text);
@@ -45,10 +45,10 @@ base::Result<Written, std::string> split(std::string_view text) {
   }
   if (written.key.empty()) return std::string(k_form);
   if (written.key.find('.') != std::string::npos) {
-    return fmt::format("{}; keys of tables below a section are set in the file alone", k_form);
+    return fmt::format("{}; set keys of tables below a section in the request file", k_form);
   }
   if (written.value.empty())
-    return std::string("a value is missing after '='; an empty string is '\"\"'");
+    return std::string("missing value after '='; write an empty string as '\"\"'");
   return written;
 }
 
@@ -117,14 +117,14 @@ struct Values {
 };
 
 std::string too_many() {
-  return fmt::format("a group has at most {} requests", k_combinations_max);
+  return fmt::format("the limit for a group is {} requests", k_combinations_max);
 }
 
 /// Adds the values of one item, which may be a range. The reason where it can't.
 std::optional<std::string> spread(std::string_view item, Values& values) {
   const std::optional<IntegerRange> range = range_of(item);
   if (!range) {
-    if (item.empty()) return "a value of the list is missing";
+    if (item.empty()) return "the list has an empty item";
     values.texts.emplace_back(item);
     return std::nullopt;
   }
@@ -188,7 +188,7 @@ base::Result<ReadSets, std::vector<Diagnostic>> read_sets(std::span<const std::s
   std::vector<Diagnostic> errors;
   if (texts.size() > k_sets_max)
     return std::vector{
-        wrong(texts[k_sets_max], fmt::format("at most {} keys can be set", k_sets_max))};
+        wrong(texts[k_sets_max], fmt::format("expected at most {} options --set", k_sets_max))};
   for (const std::string& text : texts) {
     auto set = read_set(text);
     if (!set) {
@@ -199,7 +199,7 @@ base::Result<ReadSets, std::vector<Diagnostic>> read_sets(std::span<const std::s
     for (const Spread& other : read.sets) {
       const KeySet& same = other.choices.front();
       if (same.section == first.section && same.key == first.key)
-        errors.push_back(wrong(text, "the key is set twice; leave one of them out"));
+        errors.push_back(wrong(text, "the key is set twice; remove one of the two"));
     }
     // Neither factor is above the limit, so their product can't overflow.
     read.combinations *= set.value().choices.size();
@@ -247,8 +247,8 @@ base::Result<std::vector<KeySet>, std::vector<Diagnostic>> plain_sets(
     const Spread& set = read.value().sets[i];
     if (set.is_range) {
       errors.push_back(wrong(texts[i],
-                             "a range makes a group of requests, which `sleight submit` takes; "
-                             "here one value is expected"));
+                             "expected one value, found a range; only `sleight submit` accepts "
+                             "ranges"));
     }
     sets.push_back(set.choices.front());
   }

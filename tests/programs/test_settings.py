@@ -44,8 +44,8 @@ class Sets(ProgramTest):
                 "--set sampler.sed=1: unknown key 'sed' in [sampler]; did you mean 'seed'?\n")
             self.assertEqual(
                 self.errors(*command, "--set", "sampler.seed=1..20"),
-                "--set sampler.seed=1..20: a range makes a group of requests, which `sleight "
-                "submit` takes; here one value is expected\n")
+                "--set sampler.seed=1..20: expected one value, found a range; only `sleight "
+                "submit` accepts ranges\n")
         self.assertFalse(output.exists())
         direct = ["direct", request, "-o", output]
         self.assertEqual(self.errors(*direct, "--seed", "2", "--set", "sampler.seed=1"),

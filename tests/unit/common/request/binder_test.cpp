@@ -133,7 +133,7 @@ TEST(BinderText, CountsCharactersNotBytes) {
             "\"four\", which has 4 characters\n");
   EXPECT_EQ(bound("[s]\nword = 4", bind),
             "f:2:8: 'word' in [s]: expected a string of at most 3 characters, found 4; a string "
-            "stands in quotes: \"4\"\n");
+            "needs quotes: \"4\"\n");
 }
 
 enum class Colour { red, green };
@@ -204,7 +204,7 @@ TEST(BinderTables, AreReadOneByOne) {
   EXPECT_EQ(bound("[[s.t]]\n[[s.t]]\nx = 10\n", bind),
             "f:3:5: 'x' in [[s.t]]: expected a number from 0 to 9, found 10\n");
   EXPECT_EQ(bound("[s]\nt = 4", bind),
-            "f:2:5: 't' in [s]: expected tables, each below [[s.t]], found 4\n");
+            "f:2:5: 't' in [s]: expected tables, each with the header [[s.t]], found 4\n");
   EXPECT_EQ(bound("[[s.t]]\n[[s.t]]\n[[s.t]]", bind).substr(0, 3), "f:3");
   EXPECT_TRUE(values.empty());
 }

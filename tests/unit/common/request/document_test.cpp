@@ -75,7 +75,7 @@ TEST(Document, ReadsNumbersWhateverTheLocaleAndHoweverSmall) {
 TEST(Document, RefusesMoreThanAMegabyte) {
   EXPECT_EQ(error_of(std::string(k_request_bytes_max, '\n')), "");
   EXPECT_EQ(error_of(std::string(k_request_bytes_max + 1, '\n')),
-            "f.toml:1:1: the file has 1048577 bytes; a request has at most 1048576 (1 MiB)");
+            "f.toml:1:1: the file has 1048577 bytes; the limit for a request is 1048576 (1 MiB)");
 }
 
 std::string repeated(std::string_view piece, std::size_t times) {
@@ -150,7 +150,7 @@ TEST(Diagnostics, AreSortedAndCounted) {
     many.add({i, 1}, "m");
   const auto sorted = many.sorted();
   ASSERT_EQ(sorted.size(), k_diagnostics_max + 1);
-  EXPECT_EQ(to_string(sorted.back()), "f:201:1: from here on 5 more errors are not shown");
+  EXPECT_EQ(to_string(sorted.back()), "f:201:1: 5 more errors are not shown");
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(Extension, MoreTakesAreTakes) {
 
 TEST(Extension, IsLonger) {
   const DirectionRequest before = request_with("scans = 10\nindependent_solutions = 2");
-  EXPECT_EQ(why_not(before, {}), "nothing more is asked for");
+  EXPECT_EQ(why_not(before, {}), "no stop rule is given");
   EXPECT_THAT(why_not(before, {.scans = 10}), HasSubstr("scans = 10 already"));
   EXPECT_THAT(why_not(before, {.scans = 20, .solutions = 1}),
               HasSubstr("independent_solutions = 2 already"));

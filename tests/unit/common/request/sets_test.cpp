@@ -86,7 +86,7 @@ TEST(Sets, HaveTheErrorsOfAFile) {
   EXPECT_EQ(read({"samplr.seed=1"}),
             "--set samplr.seed=1: unknown section [samplr]; did you mean [sampler]?\n");
   EXPECT_EQ(read({"seed=1"}),
-            "--set seed=1: key 'seed' stands outside every section; it belongs in [sampler]\n");
+            "--set seed=1: key 'seed' is outside every section; it belongs in [sampler]\n");
   EXPECT_EQ(
       read({"world.surface=wod"}),
       "--set world.surface=wod: 'surface' in [world]: expected one of \"felt\", \"wood\", found "
@@ -97,8 +97,8 @@ TEST(Sets, HaveTheErrorsOfAFile) {
       "you mean \"toy\"?\n");
   EXPECT_EQ(
       read({"world.threads=4"}),
-      "--set world.threads=4: 'threads' is a command-line option, not a request key, since it "
-      "may not change results\n");
+      "--set world.threads=4: 'threads' is a command-line option, not a request key, because it "
+      "doesn't affect results\n");
   // Each error names its own set; those of the file keep their places.
   EXPECT_EQ(
       read({"world.balls=4", "world.balls_=4", "sampler.step=1.5"},
@@ -110,7 +110,7 @@ TEST(Sets, HaveTheErrorsOfAFile) {
 }
 
 TEST(Sets, ThatCannotBeReadSayWhy) {
-  const std::string form = "expected SECTION.KEY=VALUE, for instance sampler.seed=7";
+  const std::string form = "expected SECTION.KEY=VALUE, for example sampler.seed=7";
   EXPECT_EQ(read({"sampler.seed"}), "--set sampler.seed: " + form + "\n");
   EXPECT_EQ(read({"=1"}), "--set =1: " + form + "\n");
   EXPECT_EQ(read({".seed=1"}), "--set .seed=1: " + form + "\n");
@@ -118,20 +118,20 @@ TEST(Sets, ThatCannotBeReadSayWhy) {
   EXPECT_EQ(read({""}), "--set : " + form + "\n");
   EXPECT_EQ(read({"world.peg.x_m=1"}),
             "--set world.peg.x_m=1: " + form +
-                "; keys of tables below a section are set in the file alone\n");
+                "; set keys of tables below a section in the request file\n");
   EXPECT_EQ(read({"sampler.seed="}),
-            "--set sampler.seed=: a value is missing after '='; an empty string is '\"\"'\n");
+            "--set sampler.seed=: missing value after '='; write an empty string as '\"\"'\n");
   EXPECT_THAT(read({"constraint.word=\"HI"}), HasSubstr("=\"HI: not valid TOML: "));
   EXPECT_THAT(read({"world.balls=[1, 2"}), HasSubstr("not valid TOML: "));
   EXPECT_EQ(read({std::string("constraint.word=\xff")}),
             "--set constraint.word=\\xff: expected UTF-8 text\n");
   EXPECT_EQ(read({"sampler.seed=1", "sampler.seed=2"}),
-            "--set sampler.seed=2: the key is set twice; leave one of them out\n");
-  EXPECT_THAT(read(Texts(k_sets_max + 1, "a.b=1")), HasSubstr("at most 100 keys can be set"));
+            "--set sampler.seed=2: the key is set twice; remove one of the two\n");
+  EXPECT_THAT(read(Texts(k_sets_max + 1, "a.b=1")), HasSubstr("at most 100 options --set"));
   EXPECT_EQ(read({"sampler.seed=1..3", "world.balls=2"}),
-            "--set sampler.seed=1..3: a range makes a group of requests, which `sleight submit` "
-            "takes; here one value is expected\n");
-  EXPECT_THAT(read({"sampler.seed={1}"}), HasSubstr("a range makes a group"));
+            "--set sampler.seed=1..3: expected one value, found a range; only `sleight submit` "
+            "accepts ranges\n");
+  EXPECT_THAT(read({"sampler.seed={1}"}), HasSubstr("found a range"));
 }
 
 std::vector<std::string> expanded(const Texts& texts) {
@@ -170,7 +170,7 @@ TEST(Ranges, MakeAllCombinations) {
 
 TEST(Ranges, HaveALimitThatIsNamed) {
   EXPECT_EQ(expanded({"a.b=1..10000"}).size(), k_combinations_max);
-  const std::string limit = ": a group has at most 10000 requests";
+  const std::string limit = ": the limit for a group is 10000 requests";
   EXPECT_THAT(expanded({"a.b=1..10001"}), ElementsAre("--set a.b=1..10001" + limit));
   EXPECT_THAT(expanded({"a.b={0,1..10000}"}), ElementsAre("--set a.b={0,1..10000}" + limit));
   EXPECT_THAT(expanded({"a.b=1..101", "c.d=1..100"}), ElementsAre("--set c.d=1..100" + limit));
@@ -180,8 +180,8 @@ TEST(Ranges, HaveALimitThatIsNamed) {
               ElementsAre("--set a.b=3..1: the range 3..1 is empty: its first number is above its "
                           "last"));
   EXPECT_THAT(expanded({"a.b={1,,2}"}),
-              ElementsAre("--set a.b={1,,2}: a value of the list is missing"));
-  EXPECT_THAT(expanded({"a.b={}"}), ElementsAre("--set a.b={}: a value of the list is missing"));
+              ElementsAre("--set a.b={1,,2}: the list has an empty item"));
+  EXPECT_THAT(expanded({"a.b={}"}), ElementsAre("--set a.b={}: the list has an empty item"));
 }
 
 }  // namespace
