@@ -44,19 +44,21 @@ template <class AnySettings, class Visitor>
 void visit(AnySettings& s, Visitor& visitor) {
   visitor.path("state", s.state, "folder for jobs, archives and the log");
   visitor.path("socket", s.socket, "path of the service's Unix socket");
-  visitor.name("group", s.group, "group whose members may use the service, besides its own user");
-  visitor.address("listen", s.listen, "address for access from other machines, over TLS");
+  visitor.name("group", s.group,
+               "group whose members may use the service, like the user who runs it");
+  visitor.address("listen", s.listen,
+                  "address at which the service accepts TLS connections from other machines");
   visitor.path("tls_certificate", s.tls_certificate,
                "TLS certificate (absolute path, PEM); default: self-signed");
   visitor.path("tls_key", s.tls_key, "private key of tls_certificate (absolute path, PEM)");
   visitor.name("backend", s.backend,
                "system that runs jobs: \"local\" (this machine), \"slurm\", or a program's path");
-  visitor.flag("allow_root", s.allow_root, "allow the service, and so every job, to run as root");
+  visitor.flag("allow_root", s.allow_root, "allow the service and its jobs to run as root");
   visitor.count("cores", s.cores, Range{1, k_cores_max, "cores"},
-                "number of cores for all running jobs together");
+                "total number of cores for all running jobs");
   visitor.count("job_cores", s.job_cores, Range{0, k_cores_max, "cores"},
-                "cores of a job without --cores; 0: all free cores");
-  visitor.bytes("memory", s.memory_bytes, 1, "memory for all running jobs together");
+                "number of cores of a job without --cores; 0: all free cores");
+  visitor.bytes("memory", s.memory_bytes, 1, "total memory for all running jobs");
   visitor.bytes("disk_reserve", s.disk_reserve_bytes, 0,
                 "free disk space below which no job starts and running jobs are held");
   visitor.duration_s("slice", s.slice_s,
@@ -67,8 +69,9 @@ void visit(AnySettings& s, Visitor& visitor) {
       "keep_bytes", s.keep_bytes, 0,
       "maximum disk space of finished jobs; beyond it, the oldest unpinned ones are deleted");
   visitor.count("cache_mb", s.cache_mb, Range{0, 1'000'000, "MB"},
-                "simulation cache of each process of a job, in MB");
-  visitor.address("server", s.server, "service on another machine that commands use, over TLS");
+                "size of the simulation cache in each process of a job, in MB");
+  visitor.address("server", s.server,
+                  "address of a service on another machine, to which commands connect over TLS");
   visitor.count("limits.jobs", s.limits.jobs, Range{1, k_integer_max, "jobs"},
                 "maximum unfinished jobs of a user");
   visitor.count("limits.cores", s.limits.cores, Range{1, k_cores_max, "cores"},
@@ -83,7 +86,7 @@ void visit(AnySettings& s, Visitor& visitor) {
   visitor.name("slurm.account", s.slurm.account, "default account of jobs");
   visitor.name("slurm.partition", s.slurm.partition, "default partition of jobs");
   visitor.name("slurm.qos", s.slurm.qos, "default quality of service of jobs");
-  visitor.name("slurm.time", s.slurm.time, "default time limit of one start of a job");
+  visitor.name("slurm.time", s.slurm.time, "default time limit of each start of a job");
   visitor.name("slurm.more", s.slurm.more, "further sbatch options, such as --exclusive");
   visitor.path("slurm.script", s.slurm.script,
                "batch script (absolute path); default: the installed direct.sbatch");
@@ -225,9 +228,9 @@ class Reader {
     for (const request::Section& section : document_.sections) {
       if (!is_section(section.name)) {
         in_file_.add(section.place,
-                     fmt::format("unknown section [{}]; the file has [{}] alone, "
-                                 "its other keys stand before them",
-                                 shown(section.name), fmt::join(k_sections, "] and [")));
+                     fmt::format("unknown section [{}]; known sections: [{}]; all other "
+                                 "keys belong before the first section",
+                                 shown(section.name), fmt::join(k_sections, "], [")));
         continue;
       }
       for (const Entry& entry : section.entries)
@@ -308,8 +311,8 @@ class Reader {
   void unknown(const Entry& entry, const std::string& name, bool is_of_section) {
     if (std::find(keys_.begin(), keys_.end(), name) != keys_.end()) return;
     if (is_of_section) {
-      return in_file_.add(entry.place, fmt::format("'{0}' must be a section, written [{0}] once, "
-                                                   "with its keys below",
+      return in_file_.add(entry.place, fmt::format("'{0}' must be a section, with the line [{0}] "
+                                                   "above its keys",
                                                    entry.key));
     }
     // A key in the wrong place is nearer than a mistyped one.
@@ -326,9 +329,9 @@ class Reader {
         entry.place,
         fmt::format("unknown key {}; {}", name_in_file(shown(name)),
                     !other_section.empty() ? fmt::format("it belongs in [{}]", other_section)
-                    : is_misplaced         ? "it belongs before every section"
+                    : is_misplaced         ? "it belongs before the first section"
                     : near                 ? fmt::format("did you mean {}?", name_in_file(*near))
-                                           : fmt::format("there are {}", fmt::join(keys_, ", "))));
+                           : fmt::format("known keys: {}", fmt::join(keys_, ", "))));
   }
 
   const Surroundings& surroundings_;
@@ -381,8 +384,8 @@ void settle_certificate(const Settings& settings, std::vector<request::Diagnosti
   if (certificate.value.empty() == key.value.empty()) return;
   wrong.push_back({certificate.value.empty() ? key.given_by : certificate.given_by,
                    request::k_no_place,
-                   certificate.value.empty() ? "tls_key needs its tls_certificate, too"
-                                             : "tls_certificate needs its tls_key, too"});
+                   certificate.value.empty() ? "tls_key requires tls_certificate"
+                                             : "tls_certificate requires tls_key"});
 }
 
 /// What jobs may have of a batch system has nothing to do with the daemon's machine.
@@ -399,8 +402,8 @@ void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong)
     return;
   }
   wrong.push_back({settings.backend.given_by, request::k_no_place,
-                   fmt::format("backend is \"local\", \"slurm\" or the absolute path of a program, "
-                               "not \"{}\"",
+                   fmt::format("expected backend \"local\", \"slurm\" or the absolute path of a "
+                               "program, found \"{}\"",
                                request::printable(backend, k_shown_characters_max))});
 }
 
@@ -409,8 +412,8 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
   if (settings.state.value.empty()) {
     wrong.push_back(
         {"HOME", request::k_no_place,
-         "expected an absolute path, as the state folder is below it; set SLEIGHT_STATE "
-         "to a folder of this machine instead"});
+         "expected an absolute path, which the default state folder needs; or set SLEIGHT_STATE "
+         "to a folder on this machine"});
     return;
   }
   const bool is_own = settings.socket.origin != Origin::fallback;
@@ -418,8 +421,8 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
   const bool is_in_state = settings.socket.value.starts_with(settings.state.value + "/");
   if (!settings.group.value.empty() && is_in_state) {
     wrong.push_back({settings.group.given_by, request::k_no_place,
-                     fmt::format("a group needs a socket outside of the state folder, which is its "
-                                 "owner's alone; set socket, to {} for example",
+                     fmt::format("a group needs a socket outside the state folder, which only its "
+                                 "owner can open; set socket, for example to {}",
                                  k_machine_socket)});
   }
   const std::size_t bytes = settings.socket.value.size();
@@ -429,8 +432,8 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
                                     ? "HOME"
                                     : settings.state.given_by;
   wrong.push_back({given_by, request::k_no_place,
-                   fmt::format("the socket {} has {} bytes in its path, of at most {}; set "
-                               "SLEIGHT_SOCKET to a shorter one",
+                   fmt::format("the socket path {} has {} bytes; the maximum is {}; set "
+                               "SLEIGHT_SOCKET to a shorter path",
                                request::printable(settings.socket.value, 200), bytes,
                                k_socket_path_bytes_max)});
 }

@@ -120,17 +120,17 @@ TEST(Settings, ErrorsOfTheFileHaveTheirPlaces) {
             "config.toml:1:1: unknown key 'cors'; did you mean 'cores'?\n");
   EXPECT_EQ(errors(k_ada, "jobs = 4\n"),
             "config.toml:1:1: unknown key 'jobs'; it belongs in [limits]\n");
-  EXPECT_EQ(errors(k_ada, "[limits]\nslice = 4\n"),
-            "config.toml:2:1: unknown key 'slice' in [limits]; it belongs before every section\n");
+  EXPECT_EQ(
+      errors(k_ada, "[limits]\nslice = 4\n"),
+      "config.toml:2:1: unknown key 'slice' in [limits]; it belongs before the first section\n");
   EXPECT_EQ(errors(k_ada, "[limits]\njob = 4\n"),
             "config.toml:2:1: unknown key 'job' in [limits]; did you mean 'jobs' in [limits]?\n");
   EXPECT_EQ(errors(k_ada, "limits = 4\n"),
-            "config.toml:1:1: 'limits' must be a section, written [limits] once, with its keys "
-            "below\n");
+            "config.toml:1:1: 'limits' must be a section, with the line [limits] above its keys\n");
   EXPECT_EQ(
       errors(k_ada, "[daemon]\ncores = 4\n"),
-      "config.toml:1:2: unknown section [daemon]; the file has [limits] and [slurm] alone, its "
-      "other keys stand before them\n");
+      "config.toml:1:2: unknown section [daemon]; known sections: [limits], [slurm]; all other "
+      "keys belong before the first section\n");
   EXPECT_EQ(
       errors(k_ada, "cores = 0\nmemory = \"much\"\nslice = 0\nstate = \"here\"\n"),
       "config.toml:1:9: 'cores': expected an integer from 1 to 65536 (cores), found 0\n"
@@ -150,12 +150,12 @@ TEST(Settings, AGroupNeedsASocketOutsideOfTheStateFolder) {
   // The folder is its owner's alone, so nobody else would reach it.
   EXPECT_EQ(errors(k_ada, "socket = \"/run/sleight/socket\"\ngroup = \"film\"\n"), "");
   EXPECT_EQ(errors(k_ada, "group = \"film\"\n"),
-            "config.toml:1:1: a group needs a socket outside of the state folder, which is its "
-            "owner's alone; set socket, to /run/sleight/socket for example\n");
+            "config.toml:1:1: a group needs a socket outside the state folder, which only its "
+            "owner can open; set socket, for example to /run/sleight/socket\n");
   EXPECT_EQ(
       errors(k_ada, "state = \"/s\"\nsocket = \"/s/socket\"\n", {{"group", "film", "--group"}}),
-      "--group: a group needs a socket outside of the state folder, which is its owner's "
-      "alone; set socket, to /run/sleight/socket for example\n");
+      "--group: a group needs a socket outside the state folder, which only its owner "
+      "can open; set socket, for example to /run/sleight/socket\n");
   EXPECT_EQ(errors(k_ada, "group = 4\nallow_root = \"yes\"\n"),
             "config.toml:1:9: 'group': expected a name as a string, found 4\n"
             "config.toml:2:14: 'allow_root': expected true or false, found the string \"yes\"\n");
@@ -177,9 +177,9 @@ TEST(Settings, ACertificateAndItsKeyComeTogether) {
   EXPECT_EQ(good(k_ada, "tls_certificate = '/c.pem'\ntls_key = '/k.pem'\n").tls_key.value,
             "/k.pem");
   EXPECT_THAT(errors(k_ada, "tls_certificate = '/c.pem'\n"),
-              testing::HasSubstr("needs its tls_key"));
+              testing::HasSubstr("requires tls_key"));
   EXPECT_THAT(errors(k_ada, "tls_key = '/k.pem'\n"),
-              testing::HasSubstr("needs its tls_certificate"));
+              testing::HasSubstr("requires tls_certificate"));
 }
 
 TEST(Settings, ABatchSystemHasOtherDefaults) {
@@ -194,7 +194,7 @@ TEST(Settings, ABatchSystemHasOtherDefaults) {
   EXPECT_EQ(good(k_ada, "backend = 'slurm'\ncores = 3\n").cores.value, 3U);
   EXPECT_THAT(
       errors(k_ada, "backend = 'pbs'\n"),
-      testing::HasSubstr("\"local\", \"slurm\" or the absolute path of a program, not \"pbs\""));
+      testing::HasSubstr("\"local\", \"slurm\" or the absolute path of a program, found \"pbs\""));
 }
 
 TEST(Settings, FlagsAreSwitchedOnAnywhere) {
@@ -221,8 +221,8 @@ TEST(Settings, ErrorsElsewhereNameWhatGaveThem) {
   EXPECT_EQ(errors({{"SLEIGHT_STATE", "/s"}}, ""), "");
   const std::string deep = "/" + std::string(120, 'd');
   EXPECT_THAT(errors({{"SLEIGHT_STATE", deep}}, ""),
-              testing::AllOf(testing::StartsWith("SLEIGHT_STATE: the socket /dddd"),
-                             testing::HasSubstr("has 128 bytes in its path, of at most 107; set "
+              testing::AllOf(testing::StartsWith("SLEIGHT_STATE: the socket path /dddd"),
+                             testing::HasSubstr("has 128 bytes; the maximum is 107; set "
                                                 "SLEIGHT_SOCKET")));
   EXPECT_EQ(errors({{"SLEIGHT_STATE", deep}, {"SLEIGHT_SOCKET", "/run/s"}}, ""), "");
 }
