@@ -114,22 +114,22 @@ struct Client::Impl final : Link {
     switch (error.getType()) {
       case kj::Exception::Type::DISCONNECTED:
         connection = nullptr;
-        throw Lost("the connection to the server is lost");
+        throw Lost("lost the connection to the server");
       case kj::Exception::Type::UNIMPLEMENTED:
-        throw RefusedError({.kind = RefusalKind::not_found,
-                            .sentence = "The server does not know this call: it is of another "
-                                        "version than this program.",
-                            .what_to_do = "Restart it: `sleight server stop` and `sleight server "
-                                          "start`; running jobs go on meanwhile."});
+        throw RefusedError(
+            {.kind = RefusalKind::not_found,
+             .sentence = "The server doesn't support this call: its version differs from "
+                         "this program's.",
+             .what_to_do = "Restart the server: `sleight server stop`, then `sleight server "
+                           "start`; running jobs keep running."});
       case kj::Exception::Type::OVERLOADED:
         connection = nullptr;
-        throw base::Error(
-            fmt::format("the server at {} does not answer; its log may say why", name));
+        throw base::Error(fmt::format("the server at {} does not answer; see its log", name));
       default:
         connection = nullptr;
         throw RefusedError({.kind = RefusalKind::bug,
-                            .sentence = "The server's answer can't be understood.",
-                            .what_to_do = "The server's log may say more."});
+                            .sentence = "The server's answer is malformed.",
+                            .what_to_do = "See the server's log."});
     }
   }
 
@@ -169,9 +169,10 @@ struct Client::Impl final : Link {
   kj::Own<kj::AsyncIoStream> connect_here(const std::string& path) {
     const auto descriptor = connect_to(path);
     if (!descriptor) {
-      if (descriptor.error() == Unconnected::busy) throw Lost("the server has no time");
+      if (descriptor.error() == Unconnected::busy)
+        throw Lost("the server is too busy to accept a connection");
       throw NoServer(
-          fmt::format("no server listens at {}; `sleight server start` starts one", path));
+          fmt::format("no server listens at {}; start it with `sleight server start`", path));
     }
     return io->lowLevelProvider->wrapSocketFd(kj::AutoCloseFd(descriptor.value()),
                                               kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
@@ -199,9 +200,9 @@ struct Client::Impl final : Link {
           .wait(io->waitScope);
     } catch (const kj::Exception& error) {
       if (error.getType() == kj::Exception::Type::DISCONNECTED)
-        throw Lost("the server ends the connection");
+        throw Lost("the server closed the connection");
       if (error.getType() == kj::Exception::Type::OVERLOADED)
-        throw base::Error(fmt::format("what answers at {} does not speak TLS", name));
+        throw base::Error(fmt::format("the program that answers at {} does not use TLS", name));
       throw NotTrusted(base::ExitCode::not_allowed, why_not_trusted(remote, host));
     }
   }
@@ -212,15 +213,15 @@ struct Client::Impl final : Link {
         access::fingerprint_of(access::certificate_shown_at(remote.address, patience_s)) !=
             access::fingerprint_of(remote.certificate)) {
       return fmt::format(
-          "the server at {0} shows another certificate than the one that was logged in to: either "
-          "it has a new one, or somebody stands between. Ask whoever runs it, and `sleight login "
-          "{0}` again",
+          "the certificate of the server at {0} has changed since the login: the server has a new "
+          "certificate, or somebody intercepts the connection. Ask the server's operator, then "
+          "run `sleight login {0}` again",
           name);
     }
     const std::string fault =
         access::fault_of_certificate_at(remote.address, host, remote.certificate, patience_s);
     return fmt::format("the certificate of the server at {} is not trusted: {}", name,
-                       fault.empty() ? "it has not this host's DNS name" : fault);
+                       fault.empty() ? "it does not contain this host's DNS name" : fault);
   }
 
   kj::Own<kj::AsyncIoStream> reach(const access::ServerAddress& address) {
@@ -235,7 +236,7 @@ struct Client::Impl final : Link {
       return timer.timeoutAt(from_now(options.call_s_max), kj::mv(reached)).wait(io->waitScope);
     } catch (const kj::Exception& error) {
       if (error.getType() == kj::Exception::Type::FAILED)
-        throw NoServer(fmt::format("the host of {} is not found", name));
+        throw NoServer(fmt::format("can't find the host of {}", name));
       throw NoServer(fmt::format("no server answers at {}", name));
     }
   }
@@ -254,7 +255,7 @@ struct Client::Impl final : Link {
         return call();
       } catch (const Lost& lost) {
         if (now_s() - began_s > options.call_s_max)
-          throw NoServer(fmt::format("{} at {}, again and again", lost.what(), name));
+          throw NoServer(fmt::format("{} at {}; several attempts failed", lost.what(), name));
       }
       was_repeated = true;
       wait(kj::Promise<void>(io->provider->getTimer().atTime(from_now(wait_s))), 0);
@@ -314,7 +315,7 @@ struct Client::Impl final : Link {
   base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) override {
     auto& files = connected().files;
     // Another connection than the one that opened them.
-    if (file >= files.size()) throw Lost("the connection to the server is lost");
+    if (file >= files.size()) throw Lost("lost the connection to the server");
     auto request = files[file].readRequest();
     request.setOffset(offset);
     request.setBytes(bytes);
@@ -324,7 +325,7 @@ struct Client::Impl final : Link {
       const auto piece = arrived.getPiece();
       if (piece.size() != bytes) {
         throw RefusedError({.kind = RefusalKind::bug,
-                            .sentence = "The server sent another piece than was asked for.",
+                            .sentence = "The server sent the wrong part of a file.",
                             .what_to_do = ""});
       }
       const auto* first = reinterpret_cast<const std::byte*>(piece.begin());
@@ -489,7 +490,7 @@ void Client::interrupt() {
 std::string random_key() {
   std::uint64_t words[2] = {};
   if (::getrandom(words, sizeof words, 0) != static_cast<ssize_t>(sizeof words))
-    throw base::Error("the system gives no random numbers");
+    throw base::Error("the system returned no random numbers");
   return fmt::format("{:016x}{:016x}", words[0], words[1]);
 }
 

@@ -21,8 +21,8 @@ constexpr std::size_t k_sha256_digits = 64;
 
 Refusal broken_answer() {
   return {.kind = RefusalKind::bug,
-          .sentence = "The server announced a file that can't be.",
-          .what_to_do = "Its log may say more."};
+          .sentence = "The server announced an invalid file.",
+          .what_to_do = "See the server's log."};
 }
 
 void check_view(const FileView& view) {
@@ -84,8 +84,10 @@ class Fetching {
       }
       if (!*is_right) {
         if (++wrong_ == k_wrong_max) {
-          throw base::Error(fmt::format(
-              "{} did not come as it was announced; the server's disk may be damaged", path));
+          throw base::Error(
+              fmt::format("{}: the received file does not match its announced checksum; the "
+                          "server's disk may be damaged",
+                          path));
         }
         return;  // the ask goes on after the last file that was right
       }

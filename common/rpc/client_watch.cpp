@@ -15,7 +15,7 @@ void Patience::again(const std::string& words) {
   is_away_ = true;
   was_there_ = true;  // else the caller had given up
   if (link_.now_s() - away_since_s_ > options_.away_s_max)
-    throw NoServer(words + "; it did not come back");
+    throw NoServer(words + "; the server did not return in time");
   link_.pause(wait_s_);
   wait_s_ = std::min(2 * wait_s_, options_.wait_s_max);
 }
@@ -73,8 +73,8 @@ class Watched {
 
   static Refusal gap() {
     return {.kind = RefusalKind::bug,
-            .sentence = "The server left out an event.",
-            .what_to_do = "`sleight status` shows how the job stands."};
+            .sentence = "The server left out an event of the job.",
+            .what_to_do = "`sleight status` shows the job's state."};
   }
 
   std::vector<WatchPoint> open_;

@@ -14,7 +14,7 @@ namespace sleight::rpc {
 kj::AutoCloseFd make_event_descriptor() {
   const int descriptor = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (descriptor < 0) {
-    throw base::Error("no event descriptor: " + std::system_category().message(errno) +
+    throw base::Error("can't create an event descriptor: " + std::system_category().message(errno) +
                       "; raise the limit of open files (ulimit -n)");
   }
   return kj::AutoCloseFd(descriptor);

@@ -52,7 +52,7 @@ kj::Promise<GuardedMessages::Read> GuardedMessages::tryReadMessage(
       .then([this, &head] { return stream_.tryRead(head, sizeof head, sizeof head); })
       .then([this, held = kj::mv(incoming)](std::size_t bytes) mutable -> kj::Promise<Read> {
         if (bytes == 0) return Read(nullptr);  // the peer has left
-        if (bytes < sizeof held->head) return refusal("a message ends within its head");
+        if (bytes < sizeof held->head) return refusal("a message ends inside its header");
         return read_sizes(kj::mv(held));
       });
 }
@@ -60,7 +60,7 @@ kj::Promise<GuardedMessages::Read> GuardedMessages::tryReadMessage(
 kj::Promise<GuardedMessages::Read> GuardedMessages::read_sizes(kj::Own<Incoming> incoming) {
   traffic_.incoming_bytes = sizeof incoming->head;
   traffic_.incoming_since = timer_.now();
-  if (incoming->head[0] >= k_segments_max) return refusal("a message has too many parts");
+  if (incoming->head[0] >= k_segments_max) return refusal("a message has too many segments");
   const std::size_t segments = std::size_t{incoming->head[0]} + 1;
   if (segments == 1) return read_content(kj::mv(incoming));
   incoming->more_sizes = kj::heapArray<std::uint32_t>(segments / 2 * 2);
@@ -106,9 +106,9 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
     case capnp::rpc::Message::CALL: {
       const auto call = content.getCall();
       if (!call.getSendResultsTo().isCaller())
-        kj::throwFatalException(refusal("an answer must go to its caller"));
+        kj::throwFatalException(refusal("a call redirects its answer away from the caller"));
       if (call.getParams().getCapTable().size() > 0)
-        kj::throwFatalException(refusal("a call brings capabilities"));
+        kj::throwFatalException(refusal("a call contains capabilities"));
       questions_.insert(call.getQuestionId());
       break;
     }
@@ -123,10 +123,9 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
       break;
     default:
       // Of capabilities and promises of the peer's, which has none, and of calls that nobody made.
-      kj::throwFatalException(refusal("a message that no client has use for"));
+      kj::throwFatalException(refusal("a message of a kind that clients never send"));
   }
-  if (questions_.size() > k_questions_max)
-    kj::throwFatalException(refusal("too many questions at once"));
+  if (questions_.size() > k_questions_max) kj::throwFatalException(refusal("too many open calls"));
 }
 
 kj::Promise<void> GuardedMessages::count(kj::Promise<void> write, std::size_t bytes) {

@@ -82,8 +82,8 @@ class Reply {
   void drop() {
     if (send_) {
       take()(Answer(Refusal{.kind = RefusalKind::bug,
-                            .sentence = "The service left this call without an answer.",
-                            .what_to_do = "Try again; the service's log may say more."}));
+                            .sentence = "The service did not answer this call.",
+                            .what_to_do = "Try again, or see the service's log."}));
     }
   }
   Send send_;

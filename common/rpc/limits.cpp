@@ -29,9 +29,10 @@ bool is_printable(const std::string& text) {
 }
 
 Refusal newer_client(const char* what) {
-  return refuse(RefusalKind::bad_request,
-                fmt::format("The server does not know this {}: it is older than the client.", what),
-                "Restart the server with the newer program; running jobs go on meanwhile.");
+  return refuse(
+      RefusalKind::bad_request,
+      fmt::format("The server is older than the client and doesn't support this {}.", what),
+      "Restart the server with the newer program; running jobs keep running.");
 }
 
 std::optional<Refusal> check(const JobAsk& job) {
@@ -47,19 +48,19 @@ std::optional<Refusal> check(const JobAsk& job) {
                               k_request_bytes_max >> 10U, job.request.size() >> 10U));
   }
   if (job.options.size() > k_options_max) {
-    return refuse(
-        RefusalKind::limit,
-        fmt::format("A job has at most {} options for the system that runs it.", k_options_max));
+    return refuse(RefusalKind::limit,
+                  fmt::format("A job has at most {} backend options.", k_options_max));
   }
   std::unordered_set<std::string> names;
   for (const JobOption& option : job.options) {
     if (option.name.empty() || option.name.size() > k_option_bytes_max ||
         option.value.size() > k_option_bytes_max || !is_printable(option.name) ||
         !is_printable(option.value) || !names.insert(option.name).second) {
-      return refuse(RefusalKind::bad_request,
-                    fmt::format("An option has a name and a value of at most {} bytes without "
-                                "control characters, and each name is given once.",
-                                k_option_bytes_max));
+      return refuse(
+          RefusalKind::bad_request,
+          fmt::format("A backend option has a unique name; its name and value have at most "
+                      "{} bytes and no control characters.",
+                      k_option_bytes_max));
     }
   }
   return std::nullopt;
@@ -69,7 +70,7 @@ std::optional<Refusal> check(const JobAsk& job) {
 
 Refusal no_such_job() {
   return refuse(RefusalKind::not_found, "There is no such job or group.",
-                "`sleight list` shows those that there are.");
+                "`sleight list` shows the existing jobs.");
 }
 
 std::optional<Refusal> check(Submission& submission) {
@@ -77,14 +78,14 @@ std::optional<Refusal> check(Submission& submission) {
       !is_printable(submission.key)) {
     return refuse(
         RefusalKind::bad_request,
-        fmt::format("A submission has a key of 1 to {} printable bytes.", k_key_bytes_max));
+        fmt::format("A submission needs a key of 1 to {} printable bytes.", k_key_bytes_max));
   }
   if (submission.jobs.empty())
-    return refuse(RefusalKind::bad_request, "A submission has at least one job.");
+    return refuse(RefusalKind::bad_request, "A submission needs at least one job.");
   if (submission.jobs.size() > k_submission_jobs_max) {
     return refuse(RefusalKind::limit,
                   fmt::format("A submission has at most {} jobs.", k_submission_jobs_max),
-                  "Submit them in several groups.");
+                  "Submit the jobs in several groups.");
   }
   std::size_t bytes = 0;
   for (const JobAsk& job : submission.jobs) {
@@ -95,7 +96,7 @@ std::optional<Refusal> check(Submission& submission) {
     return refuse(
         RefusalKind::limit,
         fmt::format("A submission has at most {} MB of requests.", k_submission_bytes_max >> 20U),
-        "Submit them in several groups.");
+        "Submit the jobs in several groups.");
   }
   if (submission.jobs.size() > 1) submission.is_group = true;
   return std::nullopt;
@@ -106,7 +107,7 @@ std::optional<Refusal> check(ListAsk& ask) {
     if (state == JobState::unknown) return newer_client("state of a job");
   }
   if (ask.states.size() >= k_job_states)
-    return refuse(RefusalKind::bad_request, "There are fewer states than are asked for.");
+    return refuse(RefusalKind::bad_request, "The request names too many job states.");
   if (ask.name_part.size() > k_name_bytes_max || ask.cursor.size() > k_name_bytes_max)
     return refuse(RefusalKind::bad_request, "The name or the cursor is too long.");
   ask.count = std::clamp<std::uint32_t>(ask.count, 1, k_page_jobs_max);
@@ -125,8 +126,8 @@ std::optional<Refusal> check(ChangeAsk& ask) {
   if (!(extension.to > 0) || extension.to > k_extension_max ||
       (extension.by != ExtendBy::odds && !is_whole)) {
     return refuse(RefusalKind::bad_request,
-                  "A job is extended to a positive number; of scans, rounds and solutions a whole "
-                  "one.");
+                  "A job can only be extended to a positive number, which is an integer for scans, "
+                  "rounds and solutions.");
   }
   return std::nullopt;
 }
@@ -142,11 +143,11 @@ std::optional<Refusal> check(FetchAsk& ask) {
   if (ask.kind == FetchKind::unknown) return newer_client("kind of file");
   if (ask.ids.size() > k_fetch_ids_max) {
     return refuse(RefusalKind::limit,
-                  fmt::format("At most {} recordings are fetched at once.", k_fetch_ids_max),
-                  "Fetch the archive, which has all of them.");
+                  fmt::format("At most {} recordings can be fetched at once.", k_fetch_ids_max),
+                  "Fetch the archive instead; it contains all recordings.");
   }
   if (ask.kind == FetchKind::recordings && ask.ids.empty())
-    return refuse(RefusalKind::bad_request, "No recording is named.", "Give their ids.");
+    return refuse(RefusalKind::bad_request, "No recording is named.", "Name at least one id.");
   if (ask.after.size() > k_name_bytes_max || ask.sha256_wanted.size() > k_key_bytes_max)
     return refuse(RefusalKind::bad_request, "The file's name or digest is too long.");
   return std::nullopt;
@@ -154,8 +155,8 @@ std::optional<Refusal> check(FetchAsk& ask) {
 
 std::optional<Refusal> check(TokenAsk& ask) {
   if (!access::token_of(ask.token))
-    return refuse(RefusalKind::bad_request, "That is no token.",
-                  "`sleight token create` draws one.");
+    return refuse(RefusalKind::bad_request, "The token is malformed.",
+                  "`sleight token create` creates a token.");
   if (ask.name.empty() || ask.name.size() > k_name_bytes_max || !is_printable(ask.name)) {
     return refuse(RefusalKind::bad_request,
                   fmt::format("A token's name has 1 to {} bytes and no control characters.",
@@ -165,9 +166,10 @@ std::optional<Refusal> check(TokenAsk& ask) {
   if (ask.for_user == k_no_user) return refuse(RefusalKind::bad_request, "There is no such user.");
   if (ask.scopes.has_unknown) return newer_client("scope of a token");
   if (ask.scopes.bits == 0)
-    return refuse(RefusalKind::bad_request, "A token without a scope lets nobody do anything.");
+    return refuse(RefusalKind::bad_request, "A token needs at least one scope.");
   if (!(ask.valid_s >= 0) || ask.valid_s > k_token_s_max) {
-    return refuse(RefusalKind::bad_request, "A token is valid for ten years at most, or for ever.");
+    return refuse(RefusalKind::bad_request,
+                  "A token is valid for at most ten years, or without limit.");
   }
   return std::nullopt;
 }
@@ -176,7 +178,7 @@ std::optional<Refusal> check(const std::vector<WatchPoint>& points) {
   if (points.empty()) return refuse(RefusalKind::bad_request, "No job to watch is named.");
   if (points.size() > k_watch_jobs_max) {
     return refuse(RefusalKind::limit,
-                  fmt::format("At most {} jobs are watched at once.", k_watch_jobs_max));
+                  fmt::format("At most {} jobs can be watched at once.", k_watch_jobs_max));
   }
   std::unordered_set<std::uint64_t> jobs;
   for (const WatchPoint& point : points) {

@@ -62,7 +62,7 @@ PartFile::PartFile(const std::string& path, FileView view)
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     ::close(descriptor_);
     throw base::Error(base::ExitCode::conflict,
-                      fmt::format("another process fetches {} just now", path_));
+                      fmt::format("another process is fetching {}", path_));
   }
   // What an earlier attempt wrote is hashed again; a part that is too long is none of ours.
   std::vector<std::byte> buffer(k_piece_bytes_max);
@@ -139,13 +139,13 @@ void PartFile::put_in_place(AtItsPlace other) {
     ::unlink(part_.c_str());
     return;
   }
-  if (errno != EEXIST) throw failed("put in its place", path_);
+  if (errno != EEXIST) throw failed("create", path_);
   const bool is_same = hash_of_file(path_) == view_.sha256;
   ::unlink(part_.c_str());
   if (is_same) return;
   throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: came to be there meanwhile, with other content; --force "
-                                "replaces it, -o names another place",
+                    fmt::format("{}: another file appeared there during the fetch; use --force to "
+                                "replace it, or -o to choose another path",
                                 path_));
 }
 

@@ -216,8 +216,7 @@ void Server::Impl::accept_next(kj::ConnectionReceiver& from, Admit let_in) {
       },
       [this, &from, let_in](kj::Exception&& exception) {
         if (!std::exchange(accept_fails, true)) {
-          complain(std::string("no connection can be accepted: ") +
-                   exception.getDescription().cStr());
+          complain(std::string("can't accept connections: ") + exception.getDescription().cStr());
         }
         make_room_for_stranger();
         make_room();
@@ -352,7 +351,7 @@ void Server::Impl::look() {
 // A connection that breaks is no failure of ours.
 void Server::Impl::taskFailed(kj::Exception&& exception) {
   if (exception.getType() != kj::Exception::Type::DISCONNECTED)
-    complain(std::string("a connection ended: ") + exception.getDescription().cStr());
+    complain(std::string("a connection failed: ") + exception.getDescription().cStr());
 }
 
 Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options)

@@ -38,7 +38,7 @@ std::optional<Refusal> check(const std::string& id) {
   if (access::is_token_id(id)) return std::nullopt;
   return Refusal{.kind = RefusalKind::not_found,
                  .sentence = "There is no such token.",
-                 .what_to_do = "`sleight token list` shows those that there are."};
+                 .what_to_do = "`sleight token list` shows the existing tokens."};
 }
 
 // ------------------------------------------------------------------------------------------- rules
@@ -70,13 +70,15 @@ std::optional<Refusal> beyond_token(const Rule& rule, const Caller& caller) {
   if (!rule.scope) {
     if (caller.token_id.empty()) return std::nullopt;
     return Refusal{.kind = RefusalKind::not_allowed,
-                   .sentence = "Tokens are made, shown and revoked on the service's machine alone.",
-                   .what_to_do = "There, `sleight token` does it."};
+                   .sentence = "Tokens can only be managed on the service's machine.",
+                   .what_to_do = "Run `sleight token` there."};
   }
   if (caller.scopes.has(*rule.scope)) return std::nullopt;
-  return Refusal{.kind = RefusalKind::not_allowed,
-                 .sentence = fmt::format("This token does not let you {}.", name_of(*rule.scope)),
-                 .what_to_do = fmt::format("One with `--scope {}` does.", name_of(*rule.scope))};
+  return Refusal{
+      .kind = RefusalKind::not_allowed,
+      .sentence = fmt::format("This token does not have the scope '{}'.", name_of(*rule.scope)),
+      .what_to_do =
+          fmt::format("Use a token that was created with `--scope {}`.", name_of(*rule.scope))};
 }
 
 /// The beginning of a call's line in the audit log.
@@ -132,13 +134,12 @@ Reply<T> audited(const Audit& audit, const Caller& caller, AuditLine line, Reply
 
 Refusal failed() {
   return {.kind = RefusalKind::bug,
-          .sentence = "The server failed at this call.",
-          .what_to_do = "The server's log says more."};
+          .sentence = "The call failed in the server.",
+          .what_to_do = "See the server's log."};
 }
 
 Refusal unreadable() {
-  return {
-      .kind = RefusalKind::bad_request, .sentence = "The call can't be read.", .what_to_do = ""};
+  return {.kind = RefusalKind::bad_request, .sentence = "The call is malformed.", .what_to_do = ""};
 }
 
 /// Counts a call for as long as it is unanswered.
@@ -168,15 +169,15 @@ struct Serving {
     ++calls->count;
     if (calls->handler == nullptr) {
       return Refusal{.kind = RefusalKind::busy,
-                     .sentence = "The server is ending.",
-                     .what_to_do = "Try again when it is started anew."};
+                     .sentence = "The server is shutting down.",
+                     .what_to_do = "Try again after the server restarts."};
     }
     if (!conversation->is_known ||
         (calls->authority != nullptr && !conversation->caller.token_id.empty() &&
          !calls->authority->lets_go_on(conversation->caller))) {
       return Refusal{.kind = RefusalKind::not_allowed,
                      .sentence = "The token is no longer valid.",
-                     .what_to_do = "Log in with another one: `sleight login`."};
+                     .what_to_do = "Log in with a valid token: `sleight login`."};
     }
     if (conversation->calls >= calls->limits.calls_max) {
       return Refusal{.kind = RefusalKind::limit,
@@ -266,7 +267,7 @@ class FileCalls final : public generated::File::Server {
     std::optional<Refusal> refused = serving_.unwelcome();
     if (!refused && (bytes > k_piece_bytes_max || offset > size_ || bytes > size_ - offset)) {
       refused = Refusal{.kind = RefusalKind::bad_request,
-                        .sentence = "The piece is too large, or not within the file.",
+                        .sentence = "The requested part is too large or outside the file.",
                         .what_to_do = ""};
     }
     if (refused) {
@@ -386,7 +387,7 @@ class ServiceCalls final : public generated::Service::Server {
           if (serving.conversation->sources + count > serving.calls->limits.sources_max) {
             return Refusal{.kind = RefusalKind::limit,
                            .sentence = "This connection is fetching too many files.",
-                           .what_to_do = "Let go of some, or connect again."};
+                           .what_to_do = "Close some files, or connect again."};
           }
           auto files = results.initFiles(static_cast<unsigned>(count));
           for (unsigned i = 0; i < count; ++i) {
@@ -476,7 +477,8 @@ class EntranceCalls final : public generated::Entrance::Server {
     if (serving_.conversation->is_known) {
       context.getResults().setService(service_);
     } else {
-      put(no_entrance("This way in takes a token."), context.getResults().initRefusal());
+      put(no_entrance("Connections from other machines require a token."),
+          context.getResults().initRefusal());
     }
     return kj::READY_NOW;
   }
@@ -486,7 +488,8 @@ class EntranceCalls final : public generated::Entrance::Server {
     Authority* authority = serving_.calls->authority;
     if (serving_.calls->handler == nullptr || authority == nullptr || conversation.is_known ||
         std::exchange(conversation.has_tried, true)) {
-      put(no_entrance("No token is taken here."), context.getResults().initRefusal());
+      put(no_entrance("This connection does not accept a token."),
+          context.getResults().initRefusal());
       return kj::READY_NOW;
     }
     const auto text = context.getParams().getToken();
@@ -511,7 +514,7 @@ class EntranceCalls final : public generated::Entrance::Server {
   static Refusal no_entrance(const char* sentence) {
     return {.kind = RefusalKind::not_allowed,
             .sentence = sentence,
-            .what_to_do = "`sleight login` shows one that the service's machine has given out."};
+            .what_to_do = "Create a token on the service's machine, then run `sleight login`."};
   }
 
   Serving serving_;

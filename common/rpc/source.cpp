@@ -43,7 +43,7 @@ class FileSource final : public Source {
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) {
         reply.refuse({.kind = RefusalKind::environment,
-                      .sentence = "The file can't be read to its end.",
+                      .sentence = "The server can't read the whole file.",
                       .what_to_do = "Fetch it again."});
         return;
       }

@@ -75,7 +75,7 @@ std::string peer_address_of(int descriptor) {
 
 access::ServerAddress own_address_of(int descriptor) {
   const auto name = name_by(&::getsockname, descriptor);
-  if (!name) throw base::Error("the system does not say where a socket listens");
+  if (!name) throw base::Error("can't determine the address at which a socket listens");
   return *name;
 }
 

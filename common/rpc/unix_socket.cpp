@@ -48,8 +48,7 @@ sockaddr_un address_of(int folder, const std::string& path) {
   const std::string way = fmt::format("/proc/self/fd/{}/{}", folder, name);
   sockaddr_un address = {};
   if (name.empty() || way.size() >= sizeof address.sun_path)
-    throw base::Error(
-        fmt::format("{} can't be a socket: its file name is too long or empty", path));
+    throw base::Error(fmt::format("{}: the file name is empty or too long for a socket", path));
   address.sun_family = AF_UNIX;
   std::memcpy(address.sun_path, way.c_str(), way.size() + 1);
   return address;
@@ -61,7 +60,7 @@ int open_folder_of(const std::string& path) {
 
 int make_socket() {
   const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (descriptor < 0) throw base::Error("no socket can be made: " + reason());
+  if (descriptor < 0) throw base::Error("can't create a socket: " + reason());
   return descriptor;
 }
 
@@ -83,31 +82,32 @@ ListeningSocket::ListeningSocket(const std::string& path, std::optional<gid_t> g
   if (there || there.error() == Unconnected::busy) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("a server listens at {} already; `sleight server status` asks it", path));
+        fmt::format("a server already listens at {}; see `sleight server status`", path));
   }
   struct stat before = {};
   if (::lstat(path.c_str(), &before) == 0 && !S_ISSOCK(before.st_mode)) {
-    throw base::Error(
-        base::ExitCode::conflict,
-        fmt::format("{}: is there and is no socket; it is left alone: choose another place", path));
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: exists and is not a socket; choose another path", path));
   }
   const Descriptor folder(open_folder_of(path));
-  if (folder.get() < 0) throw fail("its folder");
+  if (folder.get() < 0) throw fail("can't open its folder");
   Descriptor socket(make_socket());
   const std::string beside = fmt::format("{}.{}", path, ::getpid());
   ::unlink(beside.c_str());
   const sockaddr_un address = address_of(folder.get(), beside);
-  if (::bind(socket.get(), as_address(address), sizeof address) != 0) throw fail("bind");
+  if (::bind(socket.get(), as_address(address), sizeof address) != 0)
+    throw fail("can't bind the socket");
   struct stat seen = {};
   if (group && ::chown(beside.c_str(), static_cast<uid_t>(-1), *group) != 0) {
-    const auto error = fail("giving it to its group, in which the daemon's user must be");
+    const auto error =
+        fail("can't give the socket to its group; the daemon's user must be a member");
     ::unlink(beside.c_str());
     throw error;
   }
   const mode_t mode = S_IRUSR | S_IWUSR | (group ? S_IRGRP | S_IWGRP : 0U);
   if (::chmod(beside.c_str(), mode) != 0 || ::listen(socket.get(), k_waiting_max) != 0 ||
       ::lstat(beside.c_str(), &seen) != 0 || ::rename(beside.c_str(), path.c_str()) != 0) {
-    const auto error = fail("listen");
+    const auto error = fail("can't set up the socket");
     ::unlink(beside.c_str());
     throw error;
   }
@@ -138,7 +138,7 @@ base::Result<int, Unconnected> connect_to(const std::string& path) {
   if (errno == EACCES) {
     throw base::Error(
         base::ExitCode::not_allowed,
-        fmt::format("the server at {} is not for this user; whoever runs it may let you into its "
+        fmt::format("this user may not use the server at {}; ask its operator to add you to its "
                     "group",
                     path));
   }
@@ -149,7 +149,7 @@ Peer peer_of(int descriptor) {
   ucred credentials = {};
   socklen_t length = sizeof credentials;
   if (::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &credentials, &length) != 0)
-    throw base::Error("the system does not say whose connection it is: " + reason());
+    throw base::Error("can't determine the user of a connection: " + reason());
   return {.user = credentials.uid, .pid = credentials.pid};
 }
 

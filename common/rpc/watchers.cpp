@@ -78,10 +78,9 @@ Batches Watchers::collect(const Caller& caller, const std::vector<WatchPoint>& p
       batches.emplace_back(point.job, std::move(batch));
     } catch (const std::exception& error) {
       complain_(error.what());
-      batches.emplace_back(point.job,
-                           Refusal{.kind = RefusalKind::bug,
-                                   .sentence = "The server failed at reading the job's events.",
-                                   .what_to_do = "The server's log says more."});
+      batches.emplace_back(point.job, Refusal{.kind = RefusalKind::bug,
+                                              .sentence = "The server can't read the job's events.",
+                                              .what_to_do = "See the server's log."});
     }
   }
   return batches;

@@ -136,9 +136,10 @@ TEST_F(ScopesTest, EachScopeAllowsItsCallsAlone) {
     told.insert(call);
   EXPECT_EQ(told, k_audited);
   EXPECT_EQ(callers_.front().token_id, "0123456789");
-  EXPECT_EQ(heard()["submit"].outcome, "not_allowed: This token does not let you submit.");
+  EXPECT_EQ(heard()["submit"].outcome, "not_allowed: This token does not have the scope 'submit'.");
   EXPECT_EQ(heard()["revoke_token"].of, "0123456789");
-  EXPECT_TRUE(heard()["revoke_token"].outcome.starts_with("not_allowed: Tokens are made"));
+  EXPECT_TRUE(
+      heard()["revoke_token"].outcome.starts_with("not_allowed: Tokens can only be managed"));
 }
 
 TEST_F(ScopesTest, AUserOfThisMachineMayDoAll) {
@@ -185,7 +186,7 @@ TEST_F(ScopesTest, AReplyThatOutlivesTheServerIsTold) {
   service.kept_fetches.clear();
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_EQ(lines[0].call, "fetch");
-  EXPECT_NE(lines[0].outcome.find("without an answer"), std::string::npos);
+  EXPECT_NE(lines[0].outcome.find("did not answer"), std::string::npos);
   asks.join();
 }
 
