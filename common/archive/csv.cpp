@@ -179,9 +179,8 @@ class Exporter {
       if (d >= index_dims) {
         column.width *= spec.dims[d].size;
       } else if (spec.dims[d].size != sizes_[d]) {
-        refuse_archive(source_,
-                       fmt::format("{}: its dimension {} has another size than the coordinate",
-                                   path_of(group_.name, spec.name), spec.dims[d].name));
+        refuse_archive(source_, fmt::format("{}: dimension {} and its coordinate differ in size",
+                                            path_of(group_.name, spec.name), spec.dims[d].name));
       }
       if (column.width > k_columns_max) {
         refuse_archive(
@@ -242,19 +241,19 @@ std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
                                      std::string_view name) {
   const DatasetSpec* spec = find_dataset(group, name);
   if (spec == nullptr || spec->dims.size() != 1)
-    refuse_archive(source, fmt::format("{}: there is no {}", group.name, name));
+    refuse_archive(source, fmt::format("{}: {} is missing", group.name, name));
   const Values values = whole(source, group, *spec);
   const auto* numbers = std::get_if<std::vector<std::int64_t>>(&values);
   if (numbers == nullptr)
-    refuse_archive(source, fmt::format("{}: no numbers", path_of(group.name, name)));
+    refuse_archive(source, fmt::format("{}: expected integers", path_of(group.name, name)));
   return *numbers;
 }
 
 [[noreturn]] void refuse_number(const Source& source, std::uint64_t animation,
                                 std::uint64_t animations) {
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("{}: no animation {}; it has {}, numbered from 0", source.name(),
-                                animation, animations));
+                    fmt::format("{}: no animation {}; the archive has {}, numbered from 0",
+                                source.name(), animation, animations));
 }
 
 /// A row for each of these animations.
@@ -280,7 +279,7 @@ std::vector<RowRange> rows_of(const Source& source, const Group& group, const st
     const auto first = static_cast<std::uint64_t>(starts[animation]);
     const auto count = static_cast<std::uint64_t>(counts[animation]);
     if (first > rows || count > rows - first)
-      refuse_archive(source, fmt::format("{}: rows of animation {} along {} are not there",
+      refuse_archive(source, fmt::format("{}: the rows of animation {} along {} are missing",
                                          group.name, animation, dim));
     ranges.push_back({.first = first, .count = count});
   }
@@ -306,14 +305,14 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
   }
   const Group* group = find_group(source, table->group);
   if (group == nullptr && table->group == k_finds) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: nothing was searched for, so there is no table '{}'",
-                                  source.name(), table_name));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("{}: no table '{}', because the run had no search", source.name(), table_name));
   }
   if (group == nullptr || find_dataset(*group, table->index.front()) == nullptr) {
     // Only some worlds have points.
     if (table->index.front() != "point")
-      refuse_archive(source, fmt::format("there is no group {}", table->group));
+      refuse_archive(source, fmt::format("the group {} is missing", table->group));
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: this archive has no table '{}'", source.name(), table_name));
   }
@@ -330,7 +329,7 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
   }
   if (dim != "segment" && dim != "point") {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("table '{}' has no rows of single animations", table_name));
+                      fmt::format("can't select animations in table '{}'", table_name));
   }
   exporter.run(rows_of(source, *group, dim, exporter.rows(), animations), out);
 }

@@ -23,7 +23,7 @@ std::string_view name_of(ElementType type) {
     case ElementType::text:
       return "text";
   }
-  base::check_failed("a known element type", std::to_string(static_cast<int>(type)));
+  base::check_failed("the element type is known", std::to_string(static_cast<int>(type)));
 }
 
 ElementType type_of(const ValuesView& values) {

@@ -202,7 +202,7 @@ void check_expected(const Source& source, const Expected& expected, Findings& fi
   if (spec == nullptr) {
     findings.push_back(fmt::format("{} is missing", path));
   } else if (spec->type != expected.type || dim_names(*spec) != expected.dims) {
-    findings.push_back(fmt::format("{} is {}: expected {}", path,
+    findings.push_back(fmt::format("{} is {}, expected {}", path,
                                    shown(spec->type, dim_names(*spec)),
                                    shown(expected.type, expected.dims)));
   }
@@ -216,7 +216,7 @@ void check_attribute(const Source& source, std::string_view group_name, std::str
   const Attribute* attribute = find_attribute(group->attributes, name);
   if (attribute == nullptr || !std::holds_alternative<T>(attribute->value)) {
     findings.push_back(
-        fmt::format("{}: the attribute {} is missing or of another type", group_name, name));
+        fmt::format("{}: the attribute {} is missing or has the wrong type", group_name, name));
   }
 }
 
@@ -253,7 +253,7 @@ void check_coordinates(const Group& group, const DatasetSpec& spec, Findings& fi
     const DatasetSpec* coordinate = find_dataset(group, dim.name);
     if (coordinate == nullptr || !is_coordinate(*coordinate) ||
         coordinate->dims[0].size != dim.size) {
-      findings.push_back(fmt::format("{}: its dimension {} has no coordinate of its size",
+      findings.push_back(fmt::format("{}: dimension {} has no coordinate of the same size",
                                      path_of(group.name, spec.name), dim.name));
     }
   }
@@ -265,7 +265,7 @@ void check_other(const Group& group, const DatasetSpec& spec, Findings& findings
   if (is_coordinate(spec)) {
     const bool is_kinds = group.name == k_tempering && spec.name == "proposal_kind";
     if (spec.type != (is_kinds ? ElementType::text : ElementType::i64)) {
-      findings.push_back(fmt::format("{} is {}: expected i64", path, name_of(spec.type)));
+      findings.push_back(fmt::format("{} is {}, expected i64", path, name_of(spec.type)));
     }
     return;
   }
@@ -277,7 +277,7 @@ void check_other(const Group& group, const DatasetSpec& spec, Findings& findings
   });
   if (spec.type != ElementType::f64 || !fits) {
     findings.push_back(
-        fmt::format("{} is {}: no variable of a world looks so", path, shown(spec.type, dims)));
+        fmt::format("{} is {}, which no variable of a world can be", path, shown(spec.type, dims)));
   }
 }
 
@@ -285,7 +285,7 @@ void check_other(const Group& group, const DatasetSpec& spec, Findings& findings
 
 std::vector<std::string> check_structure(const Source& source) {
   Findings findings;
-  if (find_group(source, k_root) == nullptr) return {"there is no root group"};
+  if (find_group(source, k_root) == nullptr) return {"the root group is missing"};
   check_value(source, "format", std::string(k_format_name), findings);
   check_value(source, "format_version", k_format_version, findings);
   check_value(source, "inference_library", std::string(k_inference_library), findings);

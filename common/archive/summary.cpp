@@ -10,7 +10,7 @@ namespace {
 
 const Group& group_of(const Source& source, std::string_view name) {
   const Group* group = find_group(source, name);
-  if (group == nullptr) refuse_archive(source, fmt::format("there is no group {}", name));
+  if (group == nullptr) refuse_archive(source, fmt::format("the group {} is missing", name));
   return *group;
 }
 
@@ -19,8 +19,8 @@ T attribute_of(const Source& source, std::string_view group, std::string_view na
   const Attribute* attribute = find_attribute(group_of(source, group).attributes, name);
   const T* value = attribute == nullptr ? nullptr : std::get_if<T>(&attribute->value);
   if (value == nullptr) {
-    refuse_archive(source,
-                   fmt::format("{}: the attribute {} is missing or of another type", group, name));
+    refuse_archive(
+        source, fmt::format("{}: the attribute {} is missing or has the wrong type", group, name));
   }
   return *value;
 }
@@ -53,7 +53,7 @@ plan::FailureCounts failures_of(const Source& source) {
 std::uint64_t size_of(const Source& source, std::string_view group, std::string_view dim) {
   const DatasetSpec* coordinate = find_dataset(group_of(source, group), dim);
   if (coordinate == nullptr || coordinate->dims.size() != 1) {
-    refuse_archive(source, fmt::format("{}: there is no coordinate {}", group, dim));
+    refuse_archive(source, fmt::format("{}: the coordinate {} is missing", group, dim));
   }
   return coordinate->dims[0].size;
 }
@@ -62,12 +62,13 @@ FindsSummary finds_of(const Source& source) {
   if (find_group(source, k_finds) == nullptr) return {};
   const auto found = attribute_of<std::int64_t>(source, k_finds, k_found);
   if (found < 1)
-    refuse_archive(source, fmt::format("/finds: found is {}: expected at least 1", found));
+    refuse_archive(source, fmt::format("/finds: expected found of at least 1, found {}", found));
   std::int64_t relax_scans = 0;
   if (find_attribute(group_of(source, k_finds).attributes, k_relax_scans) != nullptr)
     relax_scans = attribute_of<std::int64_t>(source, k_finds, k_relax_scans);
   if (relax_scans < 0)
-    refuse_archive(source, fmt::format("/finds: relax_scans is {}", relax_scans));
+    refuse_archive(
+        source, fmt::format("/finds: expected relax_scans of at least 0, found {}", relax_scans));
   return {.found = static_cast<std::uint64_t>(found),
           .relax_scans = static_cast<std::uint64_t>(relax_scans),
           .animations = size_of(source, k_finds, "animation"),
@@ -77,7 +78,7 @@ FindsSummary finds_of(const Source& source) {
 std::string request_of(const Source& source) {
   const DatasetSpec* request = find_dataset(group_of(source, k_root), k_request);
   if (request == nullptr || request->type != ElementType::text || !request->dims.empty()) {
-    refuse_archive(source, "/request is missing or no scalar text");
+    refuse_archive(source, "/request is missing or is not a scalar text");
   }
   return std::get<std::vector<std::string>>(source.read(k_root, k_request, 0, 1)).at(0);
 }

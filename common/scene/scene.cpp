@@ -31,16 +31,16 @@ std::string fault_of_features(const Scene& scene) {
     const Feature& feature = scene.features[i];
     if (feature.name.empty()) return fmt::format("feature {} has no name", i);
     if (!names.insert(feature.name).second)
-      return fmt::format("two features are called '{}'", feature.name);
-    if (feature.kind < last) return "its features are not in order: bodies, fixed, wanted";
+      return fmt::format("two features are named '{}'", feature.name);
+    if (feature.kind < last) return "features are not in the order bodies, fixed, wanted";
     last = feature.kind;
     const bool is_body = feature.kind == FeatureKind::body;
     if (feature.twin_of > i || (!is_body && feature.twin_of != i) ||
         scene.features[feature.twin_of].twin_of != feature.twin_of)
-      return fmt::format("'{}' is no twin of feature {}", feature.name, feature.twin_of);
+      return fmt::format("'{}' is not a twin of feature {}", feature.name, feature.twin_of);
     if (feature.body != k_none && (feature.kind != FeatureKind::wanted || feature.body < 0 ||
                                    static_cast<std::uint32_t>(feature.body) >= bodies))
-      return fmt::format("'{}' is for no body", feature.name);
+      return fmt::format("'{}' refers to an invalid body", feature.name);
   }
   return {};
 }
@@ -63,16 +63,15 @@ std::string fault_of_parts(std::span<const Part> parts, const Scene& scene) {
   std::uint32_t last = 0;
   for (const Part& part : parts) {
     if (part.feature >= scene.features.size() || part.feature < last)
-      return "its parts are not in the order of features";
+      return "parts are not in the order of their features";
     last = part.feature;
     const bool is_sound = is_sane(part.size_m) && part.size_m.minCoeff() >= 0 &&
                           is_sane(part.position_m) && is_rotation(part.orientation);
     if (!is_sound)
-      return fmt::format("a part of '{}' has numbers that no part has",
-                         scene.features[part.feature].name);
+      return fmt::format("a part of '{}' has invalid numbers", scene.features[part.feature].name);
     const auto end = std::uint64_t{part.first_triangle} + part.triangles;
     if (end > scene.triangles.size() || (part.shape != Shape::mesh && part.triangles > 0))
-      return fmt::format("a part of '{}' has triangles that are not there",
+      return fmt::format("a part of '{}' refers to missing triangles",
                          scene.features[part.feature].name);
   }
   return {};
@@ -82,19 +81,18 @@ std::string fault_of(const Scene& scene) {
   if (std::string fault = fault_of_features(scene); !fault.empty()) return fault;
   if (std::string fault = fault_of_parts(scene.parts, scene); !fault.empty()) return fault;
   for (const Vertex& vertex : scene.vertices) {
-    if (!is_sane(vertex.place_m) || vertex.offset < k_none)
-      return "a vertex has numbers that no vertex has";
+    if (!is_sane(vertex.place_m) || vertex.offset < k_none) return "a vertex has invalid numbers";
     if (vertex.offset != k_none && scene.offset_variable.empty())
-      return "vertices have offsets that no variable gives";
+      return "vertices have offsets, but offset_variable is missing";
   }
   for (const auto& triangle : scene.triangles) {
     for (const std::uint32_t vertex : triangle) {
-      if (vertex >= scene.vertices.size()) return "a triangle has a vertex that is not there";
+      if (vertex >= scene.vertices.size()) return "a triangle refers to a missing vertex";
     }
   }
   if (!is_sane(scene.low_m) || !is_sane(scene.high_m) ||
       (scene.high_m - scene.low_m).minCoeff() < 0)
-    return "its box has numbers that no box has";
+    return "the view box has invalid numbers";
   return {};
 }
 

@@ -320,9 +320,9 @@ class Export(ProgramTest):
                 (2, "must not end with .mov", [archive, "--format", "mp4", "-o", self.path("a.mov")]),
                 (2, "must not end with .png", [archive, "-o", self.path("a.png")]),
                 (2, "--table is for", [archive, "--table", "points", "-o", output]),
-                (5, "can't write it", [archive, "--together", "-o", self.path("no/folder/a.glb")]),
+                (5, "can't write", [archive, "--together", "-o", self.path("no/folder/a.glb")]),
                 (5, "can't make this folder", [archive, "-o", archive / "folder"]),
-                (5, "no.h5: can't open it", [self.path("no.h5"), "-o", output]),
+                (5, "no.h5: can't open", [self.path("no.h5"), "-o", output]),
                 (6, "", [none, "-o", output]),
                 (2, "holds no animation", [self.path("none.h5"), "-o", output])]:
             self.refused(code, words, *args)

@@ -165,7 +165,7 @@ class DigestingSink final : public Sink {
     next_.append(dataset, values);
   }
 
-  void finish() override { base::check_failed("write_digested finishes the sink", ""); }
+  void finish() override { base::check_failed("only write_digested finishes the sink", ""); }
 
   /// REQUIRES: everything has been written.
   std::string close() {
@@ -236,7 +236,7 @@ class DigestingSink final : public Sink {
         const DatasetSpec* coordinate = find_dataset(group, dim.name);
         if (coordinate == nullptr || coordinate->dims.size() != 1 ||
             coordinate->dims[0].name != dim.name || coordinate->dims[0].size != dim.size) {
-          base::check_failed("every dimension has a coordinate of its size",
+          base::check_failed("every dimension has a coordinate of the same size",
                              path_of(group.name, spec.name) + " " + dim.name);
         }
       }

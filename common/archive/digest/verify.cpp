@@ -35,7 +35,7 @@ class Rule {
   }
   void report(Findings& findings) const {
     if (faults_ != 0) {
-      findings.push_back(fmt::format("{}: broken {} times, first at {}", text_, faults_, first_));
+      findings.push_back(fmt::format("{}: violated {} times, first at {}", text_, faults_, first_));
     }
   }
 
@@ -108,14 +108,15 @@ void check_coordinates(const Reader& reader, Findings& findings) {
   const auto step = static_cast<std::uint64_t>(thin);
   const std::uint64_t states = scans == 0 ? 0 : (scans - 1) / step + 1;
   if (reader.size(k_posterior, "draw") != states) {
-    findings.push_back(fmt::format("/posterior has {} draws: {} scans with thin {} make {}",
+    findings.push_back(fmt::format("/posterior has {} draws, but {} scans with thin {} make {}",
                                    reader.size(k_posterior, "draw"), scans, thin, states));
     return;
   }
   for (const std::string_view group : {k_posterior, k_sample_stats, k_replicas}) {
     check_progression(reader, group, "chain", 1, findings);
     if (reader.size(group, "chain") != reader.size(k_sample_stats, "chain")) {
-      findings.push_back(fmt::format("{} has another number of chains than /sample_stats", group));
+      findings.push_back(
+          fmt::format("{} and /sample_stats differ in their number of chains", group));
     }
   }
   check_progression(reader, k_posterior, "draw", step, findings);
@@ -235,13 +236,14 @@ class AnimationCheck {
     const std::uint64_t total = reader_.size(k_animations, "animation");
     const std::int64_t keep_max = reader_.integer(k_animations, "keep_max");
     if (std::cmp_greater(total, keep_max)) {
-      findings.push_back(fmt::format("/animations holds {}: keep_max is {}", total, keep_max));
+      findings.push_back(
+          fmt::format("/animations has {} animations, but keep_max is {}", total, keep_max));
       return;
     }
     for_each_batch(total,
                    [this](std::uint64_t first, std::uint64_t count) { check_batch(first, count); });
     segments_.expect(std::cmp_equal(next_segment_, reader_.size(k_animations, "segment")),
-                     [] { return std::string("the end of segment"); });
+                     [] { return std::string("the end of dimension segment"); });
     for (const Rule* rule : {&order_, &place_, &satisfied_, &equal_, &lineage_, &segments_}) {
       rule->report(findings);
     }
@@ -296,10 +298,10 @@ class AnimationCheck {
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> kept_of_lineage_;
   Rule order_{"animations are in logical order, by (draw, chain)"};
   Rule place_{"an animation's chain and draw are within the run"};
-  Rule satisfied_{"a kept animation is satisfied"};
-  Rule equal_{"an animation's scalars equal its scan's in /sample_stats"};
-  Rule lineage_{"at most keep_per_lineage animations of a lineage"};
-  Rule segments_{"segments follow one another without gap"};
+  Rule satisfied_{"a kept animation satisfies the constraint"};
+  Rule equal_{"the scalars of an animation equal those of its scan in /sample_stats"};
+  Rule lineage_{"a lineage has at most keep_per_lineage animations"};
+  Rule segments_{"segments are contiguous"};
 };
 
 /// What a search found: as many as are kept, in the order of starts, with their segments.
@@ -311,11 +313,11 @@ void check_finds(const Reader& reader, Findings& findings) {
   const std::int64_t found = reader.integer(k_finds, k_found);
   const std::int64_t keep_max = reader.integer(k_finds, "keep_max");
   if (std::cmp_not_equal(total, std::min(found, keep_max))) {
-    findings.push_back(
-        fmt::format("/finds holds {}: found is {}, keep_max is {}", total, found, keep_max));
+    findings.push_back(fmt::format("/finds has {} animations, but found is {} and keep_max is {}",
+                                   total, found, keep_max));
   }
-  Rule order{"finds are in the order of starts"};
-  Rule segments{"segments of finds follow one another without gap"};
+  Rule order{"finds are ordered by start"};
+  Rule segments{"segments of finds are contiguous"};
   std::int64_t start_before = -1;
   std::int64_t next_segment = 0;
   for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {
@@ -333,7 +335,7 @@ void check_finds(const Reader& reader, Findings& findings) {
     }
   });
   segments.expect(std::cmp_equal(next_segment, reader.size(k_finds, "segment")),
-                  [] { return std::string("the end of segment"); });
+                  [] { return std::string("the end of dimension segment"); });
   order.report(findings);
   segments.report(findings);
 }
@@ -342,7 +344,7 @@ void check_finds(const Reader& reader, Findings& findings) {
 void check_rows(const Reader& reader, std::string_view group, const std::string& dim,
                 Findings& findings) {
   check_progression(reader, group, dim, 1, findings);
-  Rule rule(fmt::format("{}: rows along {} follow one another without gap", group, dim));
+  Rule rule(fmt::format("{}: rows along {} are contiguous", group, dim));
   std::uint64_t next = 0;
   for_each_batch(reader.size(group, "animation"), [&](std::uint64_t first, std::uint64_t count) {
     const auto start = reader.read<std::int64_t>(group, dim + "_start", first, count);
@@ -354,7 +356,7 @@ void check_rows(const Reader& reader, std::string_view group, const std::string&
       next = static_cast<std::uint64_t>(start[i]) + static_cast<std::uint64_t>(rows[i]);
     }
   });
-  rule.expect(next == reader.size(group, dim), [&] { return "the end of " + dim; });
+  rule.expect(next == reader.size(group, dim), [&] { return "the end of dimension " + dim; });
   rule.report(findings);
 }
 
@@ -362,9 +364,9 @@ void check_rows(const Reader& reader, std::string_view group, const std::string&
 void check_motions(const Source& source, const Reader& reader, std::string_view group,
                    const scene::Scene& scene, Findings& findings) {
   const bool is_draws = group == k_animations;
-  Rule proportion(is_draws ? "in_proportion is 0 or 1" : "finds are not in proportion");
-  Rule motion(fmt::format("motions of {} are such", group));
-  Rule own(fmt::format("parts and points of {} are such", group));
+  Rule proportion(is_draws ? "in_proportion is 0 or 1" : "in_proportion of a find is 0");
+  Rule motion(fmt::format("motions of {} are valid", group));
+  Rule own(fmt::format("parts and points of {} are valid", group));
   const std::uint64_t total = reader.size(group, "animation");
   for_each_batch(total, [&](std::uint64_t first, std::uint64_t count) {
     const auto values = reader.read<std::int8_t>(group, "in_proportion", first, count);
@@ -412,7 +414,7 @@ void check_prior(const Reader& reader, Findings& findings) {
     check_progression(reader, group, "draw", 1, findings);
   }
   if (reader.size(k_prior, "draw") != reader.size(k_sample_stats_prior, "draw")) {
-    findings.emplace_back("/prior and /sample_stats_prior have other numbers of draws");
+    findings.emplace_back("/prior and /sample_stats_prior differ in their number of draws");
     return;
   }
   Rule sum("/sample_stats_prior/lp = log_prior + log_constraint");
@@ -442,7 +444,7 @@ void check_failures(const Reader& reader, Findings& findings) {
     const std::string_view kind = std::string_view(attribute.name).substr(k_failed_prefix.size());
     const auto* count = std::get_if<std::int64_t>(&attribute.value);
     if (!plan::failure_kind_of(kind))
-      findings.push_back(fmt::format("/ {}: no such kind of failure", attribute.name));
+      findings.push_back(fmt::format("/ {}: unknown kind of failure", attribute.name));
     else if (count == nullptr || *count < 1)
       findings.push_back(fmt::format("/ {}: expected an integer above 0", attribute.name));
   }
@@ -454,7 +456,7 @@ void check_digest(const Source& source, Findings& findings) {
   const std::string computed = digest(source);
   if (stored != computed) {
     findings.push_back(
-        fmt::format("content_digest says {}: the content's is {}", stored, computed));
+        fmt::format("content_digest is {}, but the digest of the content is {}", stored, computed));
   }
 }
 

@@ -29,15 +29,15 @@ OpenAttribute open_attribute(const Api& api, hid_t object, const std::string& pa
       H5Aclose, path, "open an attribute");
   std::array<char, k_name_bytes_max + 1> name{};
   const std::uint64_t length = api.count(H5Aget_name(attribute.id.get(), name.size(), name.data()),
-                                         path, "name an attribute");
+                                         path, "read an attribute's name");
   if (length > k_name_bytes_max || !is_plain_name(name.data())) {
-    api.fail(path, "an attribute's name is no plain word");
+    api.fail(path, "an attribute has an invalid name");
   }
   attribute.name = name.data();
   attribute.type =
-      api.id(H5Aget_type(attribute.id.get()), H5Tclose, path, "ask for an attribute's type");
+      api.id(H5Aget_type(attribute.id.get()), H5Tclose, path, "read an attribute's datatype");
   attribute.space =
-      api.id(H5Aget_space(attribute.id.get()), H5Sclose, path, "ask for an attribute's space");
+      api.id(H5Aget_space(attribute.id.get()), H5Sclose, path, "read an attribute's dataspace");
   return attribute;
 }
 
@@ -45,15 +45,14 @@ std::string read_text(const Api& api, const OpenAttribute& attribute, const std:
   const std::size_t size = H5Tget_size(attribute.type.get());
   if (H5Tget_class(attribute.type.get()) != H5T_STRING ||
       H5Tis_variable_str(attribute.type.get()) != 0 || size == 0 || size > k_attribute_bytes_max) {
-    api.fail(path, fmt::format("the attribute {} is no text of fixed length", attribute.name));
+    api.fail(path, fmt::format("the attribute {} is not a fixed-length text", attribute.name));
   }
   std::string text(size, '\0');
   api.ok(H5Aread(attribute.id.get(), attribute.type.get(), text.data()), path, "read an attribute");
   // Whatever its padding, a text ends at its first NUL character.
   text.resize(std::min(text.find('\0'), text.size()));
   if (!is_clean_line(text)) {
-    api.fail(path, fmt::format("the attribute {} is no plain text: it holds control characters or "
-                               "is not UTF-8",
+    api.fail(path, fmt::format("the attribute {} contains control characters or is not UTF-8",
                                attribute.name));
   }
   return text;
@@ -87,25 +86,25 @@ std::vector<ScaleUse> read_uses(const Api& api, const OpenAttribute& attribute,
   bool fits = H5Tget_class(type) == H5T_COMPOUND && H5Tget_nmembers(type) == 2;
   for (unsigned i = 0; fits && i < 2; ++i) {
     const Handle member =
-        api.id(H5Tget_member_type(type, i), H5Tclose, path, "ask for a member's type");
+        api.id(H5Tget_member_type(type, i), H5Tclose, path, "read a member's datatype");
     fits = i == 0 ? H5Tequal(member.get(), H5T_STD_REF_OBJ) > 0
                   : H5Tget_class(member.get()) == H5T_INTEGER && H5Tget_size(member.get()) == 4;
   }
   const std::uint64_t count = api.count(H5Sget_simple_extent_npoints(attribute.space.get()), path,
-                                        "measure its reference list");
+                                        "read the size of the reference list");
   if (!fits || count > k_objects_max * k_rank_max) {
-    api.fail(path, "its reference list is not one that HDF5's dimension scales make");
+    api.fail(path, "the reference list of dimension scales is malformed");
   }
   const Handle memory =
-      api.id(H5Tcreate(H5T_COMPOUND, sizeof(Pair)), H5Tclose, path, "make a type");
+      api.id(H5Tcreate(H5T_COMPOUND, sizeof(Pair)), H5Tclose, path, "create a datatype");
   api.ok(H5Tinsert(memory.get(), "dataset", HOFFSET(Pair, dataset), H5T_STD_REF_OBJ), path,
-         "make a type");
+         "create a datatype");
   api.ok(H5Tinsert(memory.get(), "dimension", HOFFSET(Pair, dimension), H5T_NATIVE_UINT32), path,
-         "make a type");
+         "create a datatype");
   std::vector<Pair> pairs(count, Pair{HADDR_UNDEF, 0});
   if (count != 0) {
     api.ok(H5Aread(attribute.id.get(), memory.get(), pairs.data()), path,
-           "read its reference list");
+           "read the reference list");
   }
   std::vector<ScaleUse> uses;
   for (const Pair& pair : pairs)
@@ -125,7 +124,7 @@ bool take_scale_attribute(const Api& api, const OpenAttribute& attribute, const 
     return true;
   }
   if (H5Sget_simple_extent_type(attribute.space.get()) != H5S_SCALAR) {
-    api.fail(path, fmt::format("the attribute {} is no scalar", name));
+    api.fail(path, fmt::format("the attribute {} is not a scalar", name));
   }
   if (name == k_class_attribute) {
     object.is_scale = read_text(api, attribute, path) == k_class_scale;
@@ -143,9 +142,9 @@ bool take_scale_attribute(const Api& api, const OpenAttribute& attribute, const 
 
 ObjectAttributes read_attributes(const Api& api, hid_t object, const std::string& path) {
   H5O_info_t info{};
-  api.ok(H5Oget_info2(object, &info, H5O_INFO_NUM_ATTRS), path, "count its attributes");
+  api.ok(H5Oget_info2(object, &info, H5O_INFO_NUM_ATTRS), path, "count attributes");
   if (info.num_attrs > k_attributes_max) {
-    api.fail(path, fmt::format("it has {} attributes: expected at most {}", info.num_attrs,
+    api.fail(path, fmt::format("expected at most {1} attributes, found {0}", info.num_attrs,
                                k_attributes_max));
   }
   ObjectAttributes attributes;
@@ -156,7 +155,7 @@ ObjectAttributes read_attributes(const Api& api, hid_t object, const std::string
     }
     if (take_scale_attribute(api, attribute, path, attributes)) continue;
     if (find_attribute(attributes.content, attribute.name) != nullptr) {
-      api.fail(path, fmt::format("it has two attributes {}", attribute.name));
+      api.fail(path, fmt::format("two attributes are named {}", attribute.name));
     }
     attributes.content.push_back(read_content(api, attribute, path));
   }

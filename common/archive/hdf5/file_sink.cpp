@@ -45,16 +45,16 @@ std::size_t width_in_file(const DatasetSpec& spec) {
 }
 
 Handle fixed_text_type(const Api& api, std::size_t bytes, H5T_str_t padding) {
-  Handle type = api.id(H5Tcopy(H5T_C_S1), H5Tclose, "", "make a text type");
-  api.ok(H5Tset_size(type.get(), bytes), "", "size a text type");
-  api.ok(H5Tset_strpad(type.get(), padding), "", "pad a text type");
-  api.ok(H5Tset_cset(type.get(), H5T_CSET_UTF8), "", "encode a text type");
+  Handle type = api.id(H5Tcopy(H5T_C_S1), H5Tclose, "", "create a text type");
+  api.ok(H5Tset_size(type.get(), bytes), "", "set the size of a text type");
+  api.ok(H5Tset_strpad(type.get(), padding), "", "set the padding of a text type");
+  api.ok(H5Tset_cset(type.get(), H5T_CSET_UTF8), "", "set the encoding of a text type");
   return type;
 }
 
 /// The single character that netCDF knows as its type "char".
 Handle character_type(const Api& api) {
-  return api.id(H5Tcopy(H5T_C_S1), H5Tclose, "", "make a character type");
+  return api.id(H5Tcopy(H5T_C_S1), H5Tclose, "", "create a character type");
 }
 
 hid_t plain_file_type(ElementType type) {
@@ -70,7 +70,7 @@ hid_t plain_file_type(ElementType type) {
     case ElementType::text:
       break;
   }
-  base::check_failed("a number's type", std::to_string(static_cast<int>(type)));
+  base::check_failed("the type is numeric", std::to_string(static_cast<int>(type)));
 }
 
 Handle file_type(const Api& api, const DatasetSpec& spec) {
@@ -78,13 +78,13 @@ Handle file_type(const Api& api, const DatasetSpec& spec) {
   if (spec.type == ElementType::text) {
     return fixed_text_type(api, width_in_file(spec), H5T_STR_NULLTERM);
   }
-  return api.id(H5Tcopy(plain_file_type(spec.type)), H5Tclose, spec.name, "make its type");
+  return api.id(H5Tcopy(plain_file_type(spec.type)), H5Tclose, spec.name, "create a datatype");
 }
 
 /// No times, and creation order as netCDF-4 wants it: for files and groups.
 void set_group_order(const Api& api, hid_t list) {
   constexpr unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
-  api.ok(H5Pset_obj_track_times(list, false), "", "switch times off");
+  api.ok(H5Pset_obj_track_times(list, false), "", "disable object times");
   api.ok(H5Pset_link_creation_order(list, order), "", "track the order of links");
   api.ok(H5Pset_attr_creation_order(list, order), "", "track the order of attributes");
 }
@@ -103,8 +103,9 @@ std::vector<hsize_t> chunk_of(const std::vector<std::uint64_t>& dims) {
 
 Handle creation_list(const Api& api, const DatasetSpec& spec,
                      const std::vector<std::uint64_t>& dims) {
-  Handle list = api.id(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, spec.name, "make a list");
-  api.ok(H5Pset_obj_track_times(list.get(), false), spec.name, "switch times off");
+  Handle list =
+      api.id(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, spec.name, "create a property list");
+  api.ok(H5Pset_obj_track_times(list.get(), false), spec.name, "disable object times");
   api.ok(H5Pset_attr_creation_order(list.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
          spec.name, "track the order of attributes");
   // Without this, what no element covers (the rest of a last chunk) would be left to chance.
@@ -115,14 +116,14 @@ Handle creation_list(const Api& api, const DatasetSpec& spec,
   }
   const std::vector<hsize_t> chunk = chunk_of(dims);
   api.ok(H5Pset_chunk(list.get(), static_cast<int>(chunk.size()), chunk.data()), spec.name,
-         "set its chunks");
+         "set the chunk size");
   api.ok(H5Pset_shuffle(list.get()), spec.name, "set the shuffle filter");
   api.ok(H5Pset_deflate(list.get(), k_deflate_level), spec.name, "set the deflate filter");
   return list;
 }
 
 Handle dataspace(const Api& api, const DatasetSpec& spec, std::vector<std::uint64_t> dims) {
-  if (dims.empty()) return api.id(H5Screate(H5S_SCALAR), H5Sclose, spec.name, "make its space");
+  if (dims.empty()) return api.id(H5Screate(H5S_SCALAR), H5Sclose, spec.name, "create a dataspace");
   std::vector<hsize_t> size(dims.begin(), dims.end());
   std::vector<hsize_t> most = size;
   if (grows(spec)) {
@@ -134,7 +135,7 @@ Handle dataspace(const Api& api, const DatasetSpec& spec, std::vector<std::uint6
     most.push_back(size.back());
   }
   return api.id(H5Screate_simple(static_cast<int>(size.size()), size.data(), most.data()), H5Sclose,
-                spec.name, "make its space");
+                spec.name, "create a dataspace");
 }
 
 /// Texts side by side, each filled up with NUL characters.
@@ -160,7 +161,7 @@ hid_t memory_type(const ValuesView& values) {
     case ElementType::text:
       break;
   }
-  base::check_failed("a number's type", "text");
+  base::check_failed("the type is numeric", "text");
 }
 
 const void* address_of(const ValuesView& values, std::uint64_t offset) {
@@ -171,14 +172,16 @@ const void* address_of(const ValuesView& values, std::uint64_t offset) {
 }  // namespace
 
 FileSink::FileSink(const Api& api, OutputFile& output) : api_(api), output_(output) {
-  const Handle access = api.id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "", "make a file-access list");
+  const Handle access =
+      api.id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "", "create a file-access list");
   api.ok(output.use_in(access.get()), "", "set the file driver");
-  const Handle creation = api.id(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "", "make a list");
+  const Handle creation =
+      api.id(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "", "create a property list");
   set_group_order(api, creation.get());
   file_ = api.id(H5Fcreate(api.path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()),
                  H5Fclose, "", "create the file");
   groups_.emplace(k_root,
-                  api.id(H5Gopen2(file_.get(), "/", H5P_DEFAULT), H5Gclose, k_root, "open it"));
+                  api.id(H5Gopen2(file_.get(), "/", H5P_DEFAULT), H5Gclose, k_root, "open"));
 }
 
 hid_t FileSink::group_id(std::string_view name) const {
@@ -188,18 +191,19 @@ hid_t FileSink::group_id(std::string_view name) const {
 }
 
 void FileSink::create_group(std::string_view group) {
-  const Handle list = api_.id(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, group, "make a list");
+  const Handle list =
+      api_.id(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, group, "create a property list");
   set_group_order(api_, list.get());
   const std::string name(group.substr(1));
   groups_.emplace(
       group, api_.id(H5Gcreate2(file_.get(), name.c_str(), H5P_DEFAULT, list.get(), H5P_DEFAULT),
-                     H5Gclose, group, "create it"));
+                     H5Gclose, group, "create"));
 }
 
 void FileSink::put_text(hid_t object, const std::string& path, const char* name,
                         const std::string& text) {
   const Handle type = fixed_text_type(api_, width_in_file(text.size()), H5T_STR_NULLPAD);
-  const Handle space = api_.id(H5Screate(H5S_SCALAR), H5Sclose, path, "make a space");
+  const Handle space = api_.id(H5Screate(H5S_SCALAR), H5Sclose, path, "create a dataspace");
   Handle id = api_.id(H5Acreate2(object, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
                       H5Aclose, path, "create an attribute");
   const std::string bytes = padded({&text, 1}, width_in_file(text.size()));
@@ -216,7 +220,7 @@ void FileSink::put_attribute(hid_t object, const std::string& path, const Attrib
   const auto* number = std::get_if<double>(&attribute.value);
   const void* value = number;
   if (number == nullptr) value = &std::get<std::int64_t>(attribute.value);
-  const Handle space = api_.id(H5Screate(H5S_SCALAR), H5Sclose, path, "make a space");
+  const Handle space = api_.id(H5Screate(H5S_SCALAR), H5Sclose, path, "create a dataspace");
   Handle id =
       api_.id(H5Acreate2(object, attribute.name.c_str(), number ? H5T_IEEE_F64LE : H5T_STD_I64LE,
                          space.get(), H5P_DEFAULT, H5P_DEFAULT),
@@ -229,7 +233,7 @@ void FileSink::put_integers(hid_t object, const std::string& path, const char* n
                             const std::vector<std::int32_t>& values, bool scalar) {
   const hsize_t size = values.size();
   const Handle space = api_.id(scalar ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &size, nullptr),
-                               H5Sclose, path, "make a space");
+                               H5Sclose, path, "create a dataspace");
   Handle id =
       api_.id(H5Acreate2(object, name, H5T_STD_I32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT),
               H5Aclose, path, "create an attribute");
@@ -250,7 +254,7 @@ Sink::DatasetHandle FileSink::create_dataset(std::string_view group, const Datas
   const Handle list = creation_list(api_, spec, dataset.dims);
   dataset.id = api_.id(H5Dcreate2(group_id(group), spec.name.c_str(), type.get(), space.get(),
                                   H5P_DEFAULT, list.get(), H5P_DEFAULT),
-                       H5Dclose, dataset.path, "create it");
+                       H5Dclose, dataset.path, "create");
   const hid_t id = dataset.id.get();
   for (const Attribute& attribute : spec.attributes)
     put_attribute(id, dataset.path, attribute);
@@ -269,7 +273,7 @@ void FileSink::grow(Dataset& dataset, std::uint64_t elements) {
     row *= dataset.dims[d];
   std::vector<hsize_t> size(dataset.dims.begin(), dataset.dims.end());
   size[0] = (dataset.position + elements + row - 1) / row;
-  api_.ok(H5Dset_extent(dataset.id.get(), size.data()), dataset.path, "extend it");
+  api_.ok(H5Dset_extent(dataset.id.get(), size.data()), dataset.path, "extend");
 }
 
 void FileSink::append(DatasetHandle handle, const ValuesView& values) {
@@ -291,7 +295,7 @@ void FileSink::write_box(Dataset& dataset, const ValuesView& values, std::uint64
   Box box = box_at(dataset.dims, dataset.position, left);
   written = box.elements;
   const hid_t id = dataset.id.get();
-  const Handle space = api_.id(H5Dget_space(id), H5Sclose, dataset.path, "ask for its space");
+  const Handle space = api_.id(H5Dget_space(id), H5Sclose, dataset.path, "read the dataspace");
   hsize_t in_memory = box.elements;
   std::string text;
   if (const auto* texts = std::get_if<std::span<const std::string>>(&values)) {
@@ -308,18 +312,18 @@ void FileSink::write_box(Dataset& dataset, const ValuesView& values, std::uint64
     const std::vector<hsize_t> count(box.count.begin(), box.count.end());
     api_.ok(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
                                 nullptr),
-            dataset.path, "select a part of it");
+            dataset.path, "select a part");
   }
-  const Handle memory =
-      api_.id(H5Screate_simple(1, &in_memory, nullptr), H5Sclose, dataset.path, "make a space");
+  const Handle memory = api_.id(H5Screate_simple(1, &in_memory, nullptr), H5Sclose, dataset.path,
+                                "create a dataspace");
   const Handle type =
       dataset.spec.type == ElementType::text
           ? file_type(api_, dataset.spec)
-          : api_.id(H5Tcopy(memory_type(values)), H5Tclose, dataset.path, "make a type");
+          : api_.id(H5Tcopy(memory_type(values)), H5Tclose, dataset.path, "create a datatype");
   const void* data =
       dataset.spec.type == ElementType::text ? text.data() : address_of(values, offset);
   api_.ok(H5Dwrite(id, type.get(), memory.get(), space.get(), H5P_DEFAULT, data), dataset.path,
-          "write it");
+          "write");
 }
 
 FileSink::Width& FileSink::width_of(const std::string& group, std::size_t bytes) {
@@ -330,16 +334,17 @@ FileSink::Width& FileSink::width_of(const std::string& group, std::size_t bytes)
   if (!is_new) return found->second;
   Width& scale = found->second;
   const Handle space =
-      api_.id(H5Screate_simple(1, &width, nullptr), H5Sclose, path, "make a space");
-  const Handle list = api_.id(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path, "make a list");
-  api_.ok(H5Pset_obj_track_times(list.get(), false), path, "switch times off");
+      api_.id(H5Screate_simple(1, &width, nullptr), H5Sclose, path, "create a dataspace");
+  const Handle list =
+      api_.id(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path, "create a property list");
+  api_.ok(H5Pset_obj_track_times(list.get(), false), path, "disable object times");
   api_.ok(H5Pset_attr_creation_order(list.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
           path, "track the order of attributes");
   scale.id = api_.id(H5Dcreate2(group_id(group), name.c_str(), H5T_IEEE_F32BE, space.get(),
                                 H5P_DEFAULT, list.get(), H5P_DEFAULT),
-                     H5Dclose, path, "create it");
+                     H5Dclose, path, "create");
   api_.ok(H5DSset_scale(scale.id.get(), fmt::format("{}{:10}", k_bare_dimension, width).c_str()),
-          path, "make it a dimension scale");
+          path, "make a dimension scale");
   scale.dimension_id = next_dimension_id_++;
   put_integers(scale.id.get(), path, k_netcdf_dimension_id, {scale.dimension_id}, true);
   return scale;
@@ -349,8 +354,7 @@ void FileSink::make_scales() {
   for (Dataset& dataset : datasets_) {
     if (!is_coordinate(dataset.spec)) continue;
     const hid_t id = dataset.id.get();
-    api_.ok(H5DSset_scale(id, dataset.spec.name.c_str()), dataset.path,
-            "make it a dimension scale");
+    api_.ok(H5DSset_scale(id, dataset.spec.name.c_str()), dataset.path, "make a dimension scale");
     dataset.dimension_id = next_dimension_id_++;
     put_integers(id, dataset.path, k_netcdf_dimension_id, {dataset.dimension_id}, true);
     if (!is_text_array(dataset.spec)) continue;
@@ -389,11 +393,11 @@ void FileSink::finish() {
     if (!is_coordinate(dataset.spec)) attach_scales(dataset);
   }
   for (Dataset& dataset : datasets_)
-    api_.ok(dataset.id.close(), dataset.path, "close it");
+    api_.ok(dataset.id.close(), dataset.path, "close");
   for (auto& [path, width] : widths_)
-    api_.ok(width.id.close(), path, "close it");
+    api_.ok(width.id.close(), path, "close");
   for (auto& [name, group] : groups_)
-    api_.ok(group.close(), name, "close it");
+    api_.ok(group.close(), name, "close");
   api_.ok(file_.close(), "", "close the file");
   output_.throw_failure();
 }

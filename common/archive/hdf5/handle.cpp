@@ -26,7 +26,7 @@ std::string innermost_reason() {
       &found);
   H5Eclear2(H5E_DEFAULT);
   if (found.is_memory) throw std::bad_alloc();
-  return found.reason.empty() ? "HDF5 gives no reason" : found.reason;
+  return found.reason.empty() ? "HDF5 reported no reason" : found.reason;
 }
 
 bool start_library() {
@@ -39,7 +39,7 @@ bool start_library() {
 Api::Api(std::string path, base::ExitCode exit_code)
     : path_(std::move(path)), exit_code_(exit_code) {
   static const bool started = start_library();
-  if (!started) throw base::Error(base::ExitCode::bug, "the HDF5 library can't be started");
+  if (!started) throw base::Error(base::ExitCode::bug, "can't start the HDF5 library");
 }
 
 void Api::fail(std::string_view object, std::string_view reason) const {

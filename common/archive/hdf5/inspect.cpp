@@ -33,9 +33,9 @@ class Walk {
       : api_(api), file_(file), file_bytes_(file_bytes) {}
 
   Contents run() {
-    const Handle root = api_.id(H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, k_root, "open it");
+    const Handle root = api_.id(H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, k_root, "open");
     H5O_info_t info{};
-    api_.ok(H5Oget_info2(root.get(), &info, H5O_INFO_BASIC), k_root, "describe it");
+    api_.ok(H5Oget_info2(root.get(), &info, H5O_INFO_BASIC), k_root, "describe");
     seen_.insert(info.addr);
     walk_group(root.get(), std::string(k_root), 0);
     return std::move(contents_);
@@ -56,8 +56,8 @@ class Walk {
       } else if (link.info.type == H5O_TYPE_GROUP && depth == 0) {
         groups.push_back(link.name);
       } else {
-        api_.fail(path, depth == 0 ? "it is neither a group nor a dataset"
-                                   : "only datasets are expected in a group below the root");
+        api_.fail(path, depth == 0 ? "expected a group or a dataset"
+                                   : "expected only datasets in a group below the root");
       }
     }
     name_dimensions(datasets, group);
@@ -65,7 +65,7 @@ class Walk {
     for (const std::string& below : groups) {
       const std::string path = path_of(name, below);
       const Handle child =
-          api_.id(H5Gopen2(id, below.c_str(), H5P_DEFAULT), H5Gclose, path, "open it");
+          api_.id(H5Gopen2(id, below.c_str(), H5P_DEFAULT), H5Gclose, path, "open");
       walk_group(child.get(), path, depth + 1);
     }
   }
@@ -74,31 +74,33 @@ class Walk {
     const Attribute* format = find_attribute(root.attributes, "format");
     const auto* text = format ? std::get_if<std::string>(&format->value) : nullptr;
     if (text == nullptr || *text != k_format_name) {
-      api_.fail("", fmt::format("not a Sleight archive: there is no root attribute format = {}",
+      api_.fail("", fmt::format("not a Sleight archive: the root attribute format = {} is missing",
                                 k_format_name));
     }
     const Attribute* version = find_attribute(root.attributes, "format_version");
     const auto* number = version ? std::get_if<std::int64_t>(&version->value) : nullptr;
-    if (number == nullptr || *number < 1) api_.fail("", "it has no format_version");
+    if (number == nullptr || *number < 1)
+      api_.fail("", "the root attribute format_version is missing");
     if (*number == k_format_version) return;
     const Attribute* writer = find_attribute(root.attributes, k_inference_library_version);
     const auto* by = writer ? std::get_if<std::string>(&writer->value) : nullptr;
-    api_.fail("", fmt::format("sleight {} wrote it, in format {}; this program reads format {} "
-                              "alone: read it with that version, or direct its request again",
+    api_.fail("", fmt::format("sleight {} wrote this archive in format {}; this program only reads "
+                              "format {}; use that version, or direct the request again",
                               by ? *by : "of an unknown version", *number, k_format_version));
   }
 
   /// In the order of creation where the file tracks it, else by name.
   std::vector<FoundLink> links_of(hid_t group, const std::string& path) {
     H5G_info_t info{};
-    api_.ok(H5Gget_info(group, &info), path, "list it");
+    api_.ok(H5Gget_info(group, &info), path, "list");
     if (info.nlinks > k_objects_max) {
-      api_.fail(path, fmt::format("it holds {} objects: expected at most {}", info.nlinks,
-                                  k_objects_max));
+      api_.fail(path,
+                fmt::format("expected at most {1} objects, found {0}", info.nlinks, k_objects_max));
     }
-    const Handle list = api_.id(H5Gget_create_plist(group), H5Pclose, path, "ask for its list");
+    const Handle list =
+        api_.id(H5Gget_create_plist(group), H5Pclose, path, "read the property list");
     unsigned order = 0;
-    api_.ok(H5Pget_link_creation_order(list.get(), &order), path, "ask for its order");
+    api_.ok(H5Pget_link_creation_order(list.get(), &order), path, "read the link order");
     const H5_index_t index =
         (order & H5P_CRT_ORDER_INDEXED) != 0 ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
     std::vector<FoundLink> links;
@@ -113,30 +115,31 @@ class Walk {
     const std::uint64_t length =
         api_.count(H5Lget_name_by_idx(group, ".", index, H5_ITER_INC, i, name.data(), name.size(),
                                       H5P_DEFAULT),
-                   path, "name an object in it");
+                   path, "read the name of an object");
     if (length > k_name_bytes_max || !is_plain_name(name.data())) {
-      api_.fail(path, "the name of an object in it is no plain word");
+      api_.fail(path, "an object in the group has an invalid name");
     }
     FoundLink link{.name = name.data(), .info = {}};
     H5L_info_t link_info{};
     api_.ok(H5Lget_info(group, name.data(), &link_info, H5P_DEFAULT), path_of(path, link.name),
-            "describe its link");
+            "describe the link");
     if (link_info.type != H5L_TYPE_HARD) {
-      api_.fail(path_of(path, link.name), link_info.type == H5L_TYPE_SOFT
-                                              ? "it is a soft link"
-                                              : "it is an external or user-defined link");
+      api_.fail(path_of(path, link.name),
+                link_info.type == H5L_TYPE_SOFT
+                    ? "soft links are not supported"
+                    : "external and user-defined links are not supported");
     }
     api_.ok(H5Oget_info_by_name2(group, name.data(), &link.info, H5O_INFO_BASIC, H5P_DEFAULT),
-            path_of(path, link.name), "describe it");
+            path_of(path, link.name), "describe");
     return link;
   }
 
   void check_object(const FoundLink& link, const std::string& path) {
     if (link.info.rc != 1 || !seen_.insert(link.info.addr).second) {
-      api_.fail(path, "it has several names");
+      api_.fail(path, "the object has several names");
     }
     if (seen_.size() > k_objects_max) {
-      api_.fail(path, fmt::format("the file holds more than {} objects", k_objects_max));
+      api_.fail(path, fmt::format("the file has more than {} objects", k_objects_max));
     }
   }
 
@@ -144,10 +147,10 @@ class Walk {
     FoundDataset found{
         .name = link.name, .address = link.info.addr, .attributes = {}, .stored = {}};
     found.stored.id =
-        api_.id(H5Dopen2(group, link.name.c_str(), H5P_DEFAULT), H5Dclose, path, "open it");
+        api_.id(H5Dopen2(group, link.name.c_str(), H5P_DEFAULT), H5Dclose, path, "open");
     const hid_t id = found.stored.id.get();
     // The storage first: a virtual dataset's space already reaches for other files.
-    const Handle list = api_.id(H5Dget_create_plist(id), H5Pclose, path, "ask for its list");
+    const Handle list = api_.id(H5Dget_create_plist(id), H5Pclose, path, "read the property list");
     check_storage(list.get(), path);
     found.attributes = read_attributes(api_, id, path);
     const std::vector<std::uint64_t> file_dims = dims_of(id, path);
@@ -162,15 +165,15 @@ class Walk {
 
   void check_storage(hid_t list, const std::string& path) const {
     const H5D_layout_t layout = H5Pget_layout(list);
-    if (layout == H5D_VIRTUAL) api_.fail(path, "it is a virtual dataset");
+    if (layout == H5D_VIRTUAL) api_.fail(path, "virtual datasets are not supported");
     if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT) {
-      api_.fail(path, "its storage layout is unknown");
+      api_.fail(path, "unknown storage layout");
     }
-    if (api_.count(H5Pget_external_count(list), path, "ask for its storage") != 0) {
-      api_.fail(path, "its values are stored in another file");
+    if (api_.count(H5Pget_external_count(list), path, "read the storage layout") != 0) {
+      api_.fail(path, "values in another file are not supported");
     }
     std::set<H5Z_filter_t> filters;
-    const std::uint64_t count = api_.count(H5Pget_nfilters(list), path, "count its filters");
+    const std::uint64_t count = api_.count(H5Pget_nfilters(list), path, "count filters");
     for (unsigned i = 0; i < count; ++i) {
       unsigned flags = 0;
       std::size_t values = 0;
@@ -178,25 +181,25 @@ class Walk {
           H5Pget_filter2(list, i, &flags, &values, nullptr, 0, nullptr, nullptr);
       const bool known = filter == H5Z_FILTER_SHUFFLE || filter == H5Z_FILTER_DEFLATE ||
                          filter == H5Z_FILTER_FLETCHER32;
-      if (!known) api_.fail(path, fmt::format("its filter {} is unknown", filter));
+      if (!known) api_.fail(path, fmt::format("unknown filter {}", filter));
       if (!filters.insert(filter).second) {
-        api_.fail(path, fmt::format("its filter {} is applied twice", filter));
+        api_.fail(path, fmt::format("the filter {} is applied twice", filter));
       }
     }
   }
 
   std::vector<std::uint64_t> dims_of(hid_t id, const std::string& path) const {
-    const Handle space = api_.id(H5Dget_space(id), H5Sclose, path, "ask for its space");
+    const Handle space = api_.id(H5Dget_space(id), H5Sclose, path, "read the dataspace");
     const H5S_class_t kind = H5Sget_simple_extent_type(space.get());
     if (kind == H5S_SCALAR) return {};
     const int rank = H5Sget_simple_extent_ndims(space.get());
     // A text array has one dimension more than the model sees.
     if (kind != H5S_SIMPLE || rank < 1 || rank > static_cast<int>(k_rank_max) + 1) {
-      api_.fail(path, fmt::format("it has {} dimensions: expected at most {}", rank, k_rank_max));
+      api_.fail(path, fmt::format("expected at most {1} dimensions, found {0}", rank, k_rank_max));
     }
     std::vector<hsize_t> dims(static_cast<std::size_t>(rank));
     api_.ok(H5Sget_simple_extent_dims(space.get(), dims.data(), nullptr), path,
-            "ask for its dimensions");
+            "read the dimensions");
     return {dims.begin(), dims.end()};
   }
 
@@ -204,8 +207,8 @@ class Walk {
   std::size_t set_type(FoundDataset& found, const std::vector<std::uint64_t>& file_dims,
                        const std::string& path) const {
     const Handle type =
-        api_.id(H5Dget_type(found.stored.id.get()), H5Tclose, path, "ask for its type");
-    if (H5Tcommitted(type.get()) != 0) api_.fail(path, "it has a committed type");
+        api_.id(H5Dget_type(found.stored.id.get()), H5Tclose, path, "read the datatype");
+    if (H5Tcommitted(type.get()) != 0) api_.fail(path, "committed datatypes are not supported");
     StoredDataset& stored = found.stored;
     stored.dims = file_dims;
     const auto is = [&type](hid_t expected) { return H5Tequal(type.get(), expected) > 0; };
@@ -220,10 +223,10 @@ class Walk {
     } else if (H5Tget_class(type.get()) == H5T_STRING && H5Tis_variable_str(type.get()) == 0) {
       set_text_type(stored, H5Tget_size(type.get()), path);
     } else {
-      api_.fail(path, "its type is none that an archive has");
+      api_.fail(path, "the datatype is not one of the archive format");
     }
     if (stored.dims.size() > k_rank_max) {
-      api_.fail(path, fmt::format("it has {} dimensions: expected at most {}", stored.dims.size(),
+      api_.fail(path, fmt::format("expected at most {1} dimensions, found {0}", stored.dims.size(),
                                   k_rank_max));
     }
     return H5Tget_size(type.get());
@@ -233,13 +236,13 @@ class Walk {
     stored.type = ElementType::text;
     stored.text_bytes = bytes;
     if (!stored.dims.empty()) {
-      if (bytes != 1) api_.fail(path, "text arrays are arrays of single characters");
+      if (bytes != 1) api_.fail(path, "expected a text array of single characters");
       stored.text_bytes = stored.dims.back();
       stored.dims.pop_back();
-      if (stored.dims.empty()) api_.fail(path, "it is a character array without a text's index");
+      if (stored.dims.empty()) api_.fail(path, "a text array needs at least two dimensions");
     }
     if (stored.text_bytes == 0 || stored.text_bytes > k_text_bytes_max) {
-      api_.fail(path, fmt::format("its texts have {} bytes: expected 1 to {}", stored.text_bytes,
+      api_.fail(path, fmt::format("expected texts of 1 to {1} bytes, found {0}", stored.text_bytes,
                                   k_text_bytes_max));
     }
   }
@@ -252,19 +255,19 @@ class Walk {
     }
     if (std::ranges::find(dims, 0U) != dims.end()) bytes = 0;
     if (bytes > k_dataset_bytes_max) {
-      api_.fail(path, fmt::format("its values take {} bytes: expected at most {}", bytes,
+      api_.fail(path, fmt::format("expected at most {1} bytes of values, found {0}", bytes,
                                   k_dataset_bytes_max));
     }
     if (bytes == 0) return;
     const std::uint64_t stored = H5Dget_storage_size(id);
-    if (stored > file_bytes_) api_.fail(path, "it claims more bytes than the file has");
+    if (stored > file_bytes_) api_.fail(path, "the dataset claims more bytes than the file has");
     std::uint64_t held = stored;
     if (H5Pget_layout(list) == H5D_CHUNKED) {
       check_chunks(id, list, dims, element_bytes, path);
       held = stored * k_deflate_ratio_max;
     }
     if (bytes > held) {
-      api_.fail(path, fmt::format("its values take {} bytes: {} stored bytes can't hold them",
+      api_.fail(path, fmt::format("the values take {} bytes, more than {} stored bytes can contain",
                                   bytes, stored));
     }
   }
@@ -274,22 +277,23 @@ class Walk {
     std::array<hsize_t, k_rank_max + 1> chunk{};
     const std::uint64_t rank =
         api_.count(H5Pget_chunk(list, static_cast<int>(chunk.size()), chunk.data()), path,
-                   "ask for its chunks");
-    if (rank != dims.size()) api_.fail(path, "its chunks have another number of dimensions");
+                   "read the chunk size");
+    if (rank != dims.size())
+      api_.fail(path, "the chunks differ from the dataset in their number of dimensions");
     std::uint64_t bytes = element_bytes;
     std::uint64_t expected = 1;
     for (std::size_t d = 0; d < dims.size(); ++d) {
       if (chunk[d] == 0 || __builtin_mul_overflow(bytes, chunk[d], &bytes) ||
           bytes > k_chunk_bytes_max) {
-        api_.fail(path, fmt::format("its chunks are larger than {} bytes", k_chunk_bytes_max));
+        api_.fail(path, fmt::format("chunks are larger than {} bytes", k_chunk_bytes_max));
       }
       expected *= (dims[d] - 1) / chunk[d] + 1;
     }
-    const Handle space = api_.id(H5Dget_space(id), H5Sclose, path, "ask for its space");
+    const Handle space = api_.id(H5Dget_space(id), H5Sclose, path, "read the dataspace");
     hsize_t count = 0;
-    api_.ok(H5Dget_num_chunks(id, space.get(), &count), path, "count its chunks");
+    api_.ok(H5Dget_num_chunks(id, space.get(), &count), path, "count chunks");
     if (count != expected) {
-      api_.fail(path, fmt::format("{} of its {} chunks are there", count, expected));
+      api_.fail(path, fmt::format("expected {1} chunks, found {0}", count, expected));
     }
   }
 
@@ -315,7 +319,7 @@ class Walk {
                              std::size_t d, const std::string& path) const {
     if (found.attributes.is_scale) {
       if (found.stored.dims.size() != 1) {
-        api_.fail(path, "it is a dimension scale of more than one dimension");
+        api_.fail(path, "a dimension scale must have one dimension");
       }
       return found.name;
     }
@@ -324,11 +328,11 @@ class Walk {
       if (!scale.attributes.is_scale || scale.attributes.is_bare_dimension) continue;
       for (const ScaleUse& use : scale.attributes.uses) {
         if (use.dataset != found.address || use.dimension != d) continue;
-        if (!name.empty()) api_.fail(path, fmt::format("its dimension {} has two scales", d));
+        if (!name.empty()) api_.fail(path, fmt::format("dimension {} has two scales", d));
         name = scale.name;
       }
     }
-    if (name.empty()) api_.fail(path, fmt::format("its dimension {} has no scale", d));
+    if (name.empty()) api_.fail(path, fmt::format("dimension {} has no scale", d));
     return name;
   }
 

@@ -72,7 +72,7 @@ H5FD_class_t driver_class() {
 OutputFile::OutputFile(std::string path, base::FileSystem& file_system) : path_(std::move(path)) {
   auto created = file_system.create(path_);
   if (!created) {
-    throw base::Error(fmt::format("{}: can't create it: {}", path_, created.error().message()));
+    throw base::Error(fmt::format("{}: can't create: {}", path_, created.error().message()));
   }
   state_.file = std::move(created).value();
 }
@@ -91,7 +91,7 @@ herr_t OutputFile::use_in(hid_t file_access_list) {
 
 void OutputFile::throw_failure() const {
   if (state_.failure) {
-    throw base::Error(fmt::format("{}: can't write it: {}", path_, state_.failure.message()));
+    throw base::Error(fmt::format("{}: can't write: {}", path_, state_.failure.message()));
   }
 }
 

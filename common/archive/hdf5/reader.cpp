@@ -55,7 +55,7 @@ class FileSource final : public Source {
       case ElementType::text:
         return read_texts(path, stored, first, count);
     }
-    base::check_failed("a known element type", path);
+    base::check_failed("the element type is known", path);
   }
 
  private:
@@ -72,8 +72,8 @@ class FileSource final : public Source {
                                       std::uint64_t first, std::uint64_t count) const {
     const std::uint64_t width = stored.text_bytes;
     // The whole of a file's text arrays fits below k_dataset_bytes_max, but not into memory.
-    if (count * width > k_text_bytes_max) api_.fail(path, "its texts are too long");
-    const Handle type = api_.id(H5Dget_type(stored.id.get()), H5Tclose, path, "ask for its type");
+    if (count * width > k_text_bytes_max) api_.fail(path, "texts are too long");
+    const Handle type = api_.id(H5Dget_type(stored.id.get()), H5Tclose, path, "read the datatype");
     std::string bytes(count * width, '\0');
     read_boxes(path, stored, type.get(), first, count,
                [&bytes, width](std::uint64_t offset) { return bytes.data() + offset * width; });
@@ -84,7 +84,7 @@ class FileSource final : public Source {
       // Only the request has lines.
       const bool clean =
           path == path_of(k_root, k_request) ? is_clean_text(text) : is_clean_line(text);
-      if (!clean) api_.fail(path, "it holds control characters or is not UTF-8");
+      if (!clean) api_.fail(path, "the text contains control characters or is not UTF-8");
       texts.push_back(std::move(text));
     }
     return texts;
@@ -103,7 +103,7 @@ class FileSource final : public Source {
   void read_box(const std::string& path, const StoredDataset& stored, hid_t type, const Box& box,
                 void* out) const {
     const Handle space =
-        api_.id(H5Dget_space(stored.id.get()), H5Sclose, path, "ask for its space");
+        api_.id(H5Dget_space(stored.id.get()), H5Sclose, path, "read the dataspace");
     std::vector<hsize_t> start(box.start.begin(), box.start.end());
     std::vector<hsize_t> size(box.count.begin(), box.count.end());
     hsize_t in_memory = box.elements;
@@ -115,12 +115,12 @@ class FileSource final : public Source {
     if (!start.empty()) {
       api_.ok(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, size.data(),
                                   nullptr),
-              path, "select a part of it");
+              path, "select a part");
     }
     const Handle memory =
-        api_.id(H5Screate_simple(1, &in_memory, nullptr), H5Sclose, path, "make a space");
+        api_.id(H5Screate_simple(1, &in_memory, nullptr), H5Sclose, path, "create a dataspace");
     api_.ok(H5Dread(stored.id.get(), type, memory.get(), space.get(), H5P_DEFAULT, out), path,
-            "read it");
+            "read");
   }
 
   Api api_;
@@ -141,9 +141,10 @@ std::unique_ptr<Source> open_file(const std::string& path) {
   base::Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   struct stat status {};
   if (!file || ::fstat(file.get(), &status) != 0) {
-    throw base::Error(fmt::format("{}: can't open it: {}", path, std::strerror(errno)));
+    throw base::Error(fmt::format("{}: can't open: {}", path, std::strerror(errno)));
   }
-  if (!S_ISREG(status.st_mode)) Api(path, base::ExitCode::bad_archive).fail("", "not a file");
+  if (!S_ISREG(status.st_mode))
+    Api(path, base::ExitCode::bad_archive).fail("", "not a regular file");
   return open_descriptor(
       path, {.descriptor = file.release(), .bytes = static_cast<std::uint64_t>(status.st_size)});
 }
@@ -151,13 +152,14 @@ std::unique_ptr<Source> open_file(const std::string& path) {
 std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile& open) {
   auto input = std::make_unique<InputFile>(open.descriptor, open.bytes);
   Api api(name, base::ExitCode::bad_archive);
-  const Handle access = api.id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "", "make a file-access list");
-  api.ok(input->use_in(access.get()), "", "set how it is read");
-  api.ok(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "", "set how it is closed");
+  const Handle access =
+      api.id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "", "create a file-access list");
+  api.ok(input->use_in(access.get()), "", "set the file driver");
+  api.ok(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "", "set the close degree");
   if (!input->has_signature()) api.fail("", "not an HDF5 file");
   // The driver needs no name; one that isn't absolute makes HDF5 ask for the working folder.
   Handle file =
-      api.id(H5Fopen("/archive", H5F_ACC_RDONLY, access.get()), H5Fclose, "", "open it as HDF5");
+      api.id(H5Fopen("/archive", H5F_ACC_RDONLY, access.get()), H5Fclose, "", "open as HDF5");
   Contents contents = inspect(api, file.get(), open.bytes);
   return std::make_unique<FileSource>(std::move(api), std::move(input), std::move(file),
                                       std::move(contents));

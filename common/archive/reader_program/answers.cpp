@@ -64,9 +64,9 @@ bool or_refuse(std::uint32_t number, std::uint64_t memory_bytes, const Work& wor
     if (reason.starts_with(name)) reason.remove_prefix(name.size());
     return refuse(number, reason);
   } catch (const std::bad_alloc&) {
-    return refuse(number,
-                  fmt::format("reading it takes more than {} bytes of memory", memory_bytes),
-                  remote::k_of_memory);
+    return refuse(
+        number, fmt::format("reading the archive takes more than {} bytes of memory", memory_bytes),
+        remote::k_of_memory);
   }
 }
 
@@ -170,7 +170,7 @@ int answer(const std::function<std::unique_ptr<Source>()>& open, std::uint64_t m
     const base::Bytes contents = remote::encode_contents(source->groups());
     if (contents.size() > remote::k_contents_bytes_max) {
       source.reset();
-      return refuse(0, "its names and attributes are too long");
+      return refuse(0, "the names and attributes are too long");
     }
     return say({.kind = AnswerKind::contents, .bytes = contents.size()}, contents);
   });

@@ -24,8 +24,8 @@ namespace {
 
 void require(bool is_done, std::string_view what, int reason) {
   if (is_done) return;
-  throw base::Error(
-      fmt::format("can't {}: {}; without that no archive is read", what, std::strerror(reason)));
+  throw base::Error(fmt::format("can't {}: {}; archives are only read in a sandbox", what,
+                                std::strerror(reason)));
 }
 
 void limit(__rlimit_resource_t resource, rlim_t most, std::string_view what) {
@@ -40,7 +40,7 @@ void limit(__rlimit_resource_t resource, rlim_t most, std::string_view what) {
 class Permits {
  public:
   Permits() : filter_(::seccomp_init(SCMP_ACT_KILL_PROCESS), &::seccomp_release) {
-    require(filter_ != nullptr, "make a filter of system calls", ENOMEM);
+    require(filter_ != nullptr, "create a filter of system calls", ENOMEM);
   }
 
   void permit(int call) { note(::seccomp_rule_add(filter_.get(), SCMP_ACT_ALLOW, call, 0)); }
@@ -58,7 +58,7 @@ class Permits {
   void load() {
     note(::seccomp_attr_set(filter_.get(), SCMP_FLTATR_CTL_TSYNC, 1));
     note(::seccomp_load(filter_.get()));
-    require(reason_ == 0, "give up system calls", -reason_);
+    require(reason_ == 0, "restrict system calls", -reason_);
   }
 
  private:
@@ -117,23 +117,23 @@ void end_with_lifeline(int lifeline) {
   // signal's default action ends the process, even one that spins.
   const bool is_armed = ::fcntl(lifeline, F_SETOWN, ::getpid()) == 0 &&
                         ::fcntl(lifeline, F_SETFL, O_ASYNC | O_NONBLOCK) == 0;
-  require(is_armed, "watch the program that asks", errno);
+  require(is_armed, "watch the parent process", errno);
   // It may have gone before.
   pollfd watched{lifeline, POLLIN, 0};
   if (::poll(&watched, 1, 0) != 0) ::_exit(0);
 }
 
 void confine(std::uint64_t address_space_bytes) {
-  limit(RLIMIT_CORE, 0, "do without core files");
-  limit(RLIMIT_FSIZE, 0, "give up writing files");
+  limit(RLIMIT_CORE, 0, "disable core dumps");
+  limit(RLIMIT_FSIZE, 0, "disable writing to files");
 #ifdef SLEIGHT_SANITIZED
   (void)address_space_bytes;
 #else
-  limit(RLIMIT_AS, address_space_bytes, "limit its memory");
+  limit(RLIMIT_AS, address_space_bytes, "limit memory");
   // No number is left for another descriptor.
-  limit(RLIMIT_NOFILE, remote::k_lifeline_descriptor + 1, "give up opening files");
+  limit(RLIMIT_NOFILE, remote::k_lifeline_descriptor + 1, "disable opening of files");
 #endif
-  require(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0, "give up privileges", errno);
+  require(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0, "drop privileges", errno);
   Permits permits;
   permit_what_reading_needs(permits);
 #ifdef SLEIGHT_SANITIZED

@@ -51,7 +51,7 @@ int refuse_to_start(const char* reason) {
 int run_confined(int argc, const char* const* argv, const std::function<int(const Given&)>& work) {
   Given given{.memory_bytes = memory_bytes_of(argc, argv)};
   if (given.memory_bytes == 0 || !has_its_descriptors(given))
-    return refuse_to_start("is started by sleight, to read an archive for it");
+    return refuse_to_start("only sleight starts this program, to read archives");
   // Writing to somebody who has gone is then an error like others.
   std::signal(SIGPIPE, SIG_IGN);
   int code = k_bug;

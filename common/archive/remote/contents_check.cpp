@@ -17,15 +17,16 @@ namespace {
 constexpr std::size_t k_shown_bytes_max = 4096;
 
 std::string fault_of_attributes(const std::vector<Attribute>& attributes) {
-  if (attributes.size() > k_attributes_max) return "it has too many attributes";
+  if (attributes.size() > k_attributes_max) return "too many attributes";
   std::set<std::string_view> names;
   for (const Attribute& attribute : attributes) {
-    if (!is_plain_name(attribute.name)) return "an attribute's name is no plain word";
+    if (!is_plain_name(attribute.name)) return "an attribute has an invalid name";
     if (!names.insert(attribute.name).second)
-      return fmt::format("it has two attributes {}", attribute.name);
+      return fmt::format("two attributes are named {}", attribute.name);
     const auto* text = std::get_if<std::string>(&attribute.value);
     if (text != nullptr && (text->size() > k_attribute_bytes_max || !is_clean_line(*text)))
-      return fmt::format("the attribute {} is no plain text", attribute.name);
+      return fmt::format("the attribute {} is too long or contains control characters",
+                         attribute.name);
   }
   return {};
 }
@@ -33,18 +34,18 @@ std::string fault_of_attributes(const std::vector<Attribute>& attributes) {
 std::string fault_of_size(const DatasetSpec& spec) {
   const bool is_text = spec.type == ElementType::text;
   if (is_text ? spec.text_bytes == 0 || spec.text_bytes > k_text_bytes_max : spec.text_bytes != 0)
-    return fmt::format("its texts have {} bytes", spec.text_bytes);
+    return fmt::format("unexpected text size of {} bytes", spec.text_bytes);
   if (spec.dims.size() > k_rank_max)
-    return fmt::format("it has {} dimensions: expected at most {}", spec.dims.size(), k_rank_max);
+    return fmt::format("expected at most {1} dimensions, found {0}", spec.dims.size(), k_rank_max);
   std::uint64_t bytes = is_text ? spec.text_bytes : size_of(spec.type);
   bool is_too_large = false;
   for (const Dimension& dim : spec.dims) {
-    if (!is_plain_name(dim.name)) return "a dimension's name is no plain word";
+    if (!is_plain_name(dim.name)) return "a dimension has an invalid name";
     is_too_large = is_too_large || dim.size > k_dataset_bytes_max ||
                    __builtin_mul_overflow(bytes, dim.size, &bytes);
   }
   if (is_too_large || bytes > k_dataset_bytes_max)
-    return fmt::format("its values take more than {} bytes", k_dataset_bytes_max);
+    return fmt::format("the values take more than {} bytes", k_dataset_bytes_max);
   return {};
 }
 
@@ -55,7 +56,7 @@ std::string fault_of_dataset(const Group& group, const DatasetSpec& spec) {
   for (const Dimension& dim : spec.dims) {
     const DatasetSpec* scale = find_dataset(group, dim.name);
     if (scale == nullptr || scale->dims.size() != 1 || scale->dims[0].name != dim.name)
-      return fmt::format("its dimension {} has no scale", dim.name);
+      return fmt::format("dimension {} has no scale", dim.name);
   }
   return {};
 }
@@ -66,9 +67,9 @@ std::string fault_of_group(const Group& group) {
   std::set<std::string_view> names;
   for (const DatasetSpec& spec : group.datasets) {
     if (!is_plain_name(spec.name))
-      return fmt::format("{}: the name of an object in it is no plain word", group.name);
+      return fmt::format("{}: an object in the group has an invalid name", group.name);
     if (!names.insert(spec.name).second)
-      return fmt::format("{}: there are two of it", path_of(group.name, spec.name));
+      return fmt::format("{}: the name occurs twice", path_of(group.name, spec.name));
   }
   for (const DatasetSpec& spec : group.datasets) {
     fault = fault_of_dataset(group, spec);
@@ -80,32 +81,33 @@ std::string fault_of_group(const Group& group) {
 std::string fault_of_format(const Group& root) {
   const Attribute* format = find_attribute(root.attributes, "format");
   const auto* name = format == nullptr ? nullptr : std::get_if<std::string>(&format->value);
-  if (name == nullptr || *name != k_format_name) return "it has no root attribute format";
+  if (name == nullptr || *name != k_format_name) return "the root attribute format is missing";
   const Attribute* version = find_attribute(root.attributes, "format_version");
   const auto* number = version == nullptr ? nullptr : std::get_if<std::int64_t>(&version->value);
   if (number == nullptr || *number != k_format_version)
-    return "its format_version is not the one that this program reads";
+    return "this program does not read this format_version";
   return {};
 }
 
 }  // namespace
 
 std::string fault_of_contents(const std::vector<Group>& groups) {
-  if (groups.empty() || groups[0].name != k_root) return "it has no root group";
+  if (groups.empty() || groups[0].name != k_root) return "the root group is missing";
   std::set<std::string> paths;
   for (const Group& group : groups) {
     const bool is_root = &group == &groups[0];
     if (!is_root && (!group.name.starts_with('/') || !is_plain_name(group.name.substr(1))))
-      return "the name of a group is no plain word";
-    if (!paths.insert(group.name).second) return fmt::format("{}: there are two of it", group.name);
+      return "a group has an invalid name";
+    if (!paths.insert(group.name).second)
+      return fmt::format("{}: the name occurs twice", group.name);
     const std::string fault = fault_of_group(group);
     if (!fault.empty()) return fault;
     for (const DatasetSpec& spec : group.datasets) {
       if (!paths.insert(path_of(group.name, spec.name)).second)
-        return fmt::format("{}: there are two of it", path_of(group.name, spec.name));
+        return fmt::format("{}: the name occurs twice", path_of(group.name, spec.name));
     }
     if (paths.size() > k_objects_max)
-      return fmt::format("it holds more than {} objects", k_objects_max);
+      return fmt::format("the file has more than {} objects", k_objects_max);
   }
   return fault_of_format(groups[0]);
 }

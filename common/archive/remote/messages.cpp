@@ -204,7 +204,7 @@ base::Result<std::vector<Group>, std::string> decode_contents(base::BytesView by
       group.datasets.push_back(get_dataset(from));
     groups.push_back(std::move(group));
   }
-  if (!from.is_done()) return std::string("its list of contents is broken");
+  if (!from.is_done()) return std::string("the list of contents is malformed");
   return groups;
 }
 
@@ -222,7 +222,7 @@ base::Result<std::vector<std::string>, std::string> decode_texts(base::BytesView
   std::vector<std::string> texts;
   for (std::uint64_t left = count; left > 0 && !from.failed(); --left)
     texts.push_back(from.get_text(text_bytes));
-  if (!from.is_done()) return std::string("its texts are broken");
+  if (!from.is_done()) return std::string("the texts are malformed");
   return texts;
 }
 

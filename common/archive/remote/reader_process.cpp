@@ -37,7 +37,7 @@ constexpr int k_first_free_descriptor = 10;
 [[noreturn]] void fail_start(const std::string& program, int reason) {
   throw base::Error(fmt::format(
       "{}: can't start the process that reads archives: {}{}", program, std::strerror(reason),
-      reason == ENOENT ? "; it belongs beside the program that asks for it" : ""));
+      reason == ENOENT ? "; install it beside the program that starts it" : ""));
 }
 
 base::Descriptor raised(const base::Descriptor& low, const std::string& program) {
@@ -146,29 +146,28 @@ std::vector<char*> pointers_of(std::vector<std::string>& words) {
 ReaderEnd why_it_ended(int status, const ReaderLimits& limits) {
   if (!WIFSIGNALED(status)) {
     return {.words = fmt::format(
-                "the process that read it ended early with code {}: the file is damaged or hostile",
+                "the reader process exited early with code {}; the file is damaged or hostile",
                 WEXITSTATUS(status)),
             .is_abrupt = true};
   }
   const int signal = WTERMSIG(status);
   if (signal == SIGXCPU) {
-    return {.words = fmt::format("reading it takes more than {} s of processor time: the file is "
-                                 "damaged or hostile",
+    return {.words = fmt::format("reading the archive takes more than {} s of processor time; the "
+                                 "file is damaged or hostile",
                                  limits.cpu_s)};
   }
   if (signal == SIGSYS) {
     return {.words =
-                "the process that read it tried what reading doesn't need, and was ended: the "
-                "file is damaged or hostile"};
+                "the reader process made a forbidden system call and was killed; the file is "
+                "damaged or hostile"};
   }
   if (signal == SIGKILL) {
-    return {.words = "the process that read it was killed, by somebody or for want of memory",
+    return {.words = "the reader process was killed by a user or for lack of memory",
             .exit_code = base::ExitCode::environment};
   }
-  return {
-      .words = fmt::format("the process that read it crashed ({}): the file is damaged or hostile",
-                           ::strsignal(signal)),
-      .is_abrupt = true};
+  return {.words = fmt::format("the reader process crashed ({}); the file is damaged or hostile",
+                               ::strsignal(signal)),
+          .is_abrupt = true};
 }
 
 }  // namespace
@@ -277,14 +276,14 @@ ReaderEnd ReaderProcess::end() {
       while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
       }
       id_ = -1;
-      return {.words = "the process that read it fell silent: the file is damaged or hostile"};
+      return {.words = "the reader process stopped answering; the file is damaged or hostile"};
     }
     ::poll(nullptr, 0, k_look_every_ms);
   }
   id_ = -1;
   // A program that ignores its children's ends isn't told how they ended.
   if (got < 0)
-    return {.words = "the process that read it has ended: the file is damaged or hostile",
+    return {.words = "the reader process has exited; the file is damaged or hostile",
             .is_abrupt = true};
   return why_it_ended(status, limits_);
 }
@@ -294,7 +293,7 @@ std::string reader_beside_this_program() {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) {
     throw base::Error(
-        fmt::format("/proc/self/exe: can't tell where this program is: {}", error.message()));
+        fmt::format("/proc/self/exe: can't find the path of this program: {}", error.message()));
   }
   return program.parent_path() / "sleight-reader";
 }

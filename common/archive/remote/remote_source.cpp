@@ -37,8 +37,8 @@ class RemoteSource final : public Source {
         ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     struct stat status {};
     if (!archive || ::fstat(archive.get(), &status) != 0)
-      throw base::Error(fmt::format("{}: can't open it: {}", path_, std::strerror(errno)));
-    if (!S_ISREG(status.st_mode)) fail("not a file");
+      throw base::Error(fmt::format("{}: can't open: {}", path_, std::strerror(errno)));
+    if (!S_ISREG(status.st_mode)) fail("not a regular file");
     process_.emplace(program, archive.get(), limits);
   }
 
@@ -46,7 +46,7 @@ class RemoteSource final : public Source {
   void take_contents() {
     const AnswerHead head = receive_head();
     if (head.kind != AnswerKind::contents || head.type != 0 || head.bytes > k_contents_bytes_max)
-      fail("its reader doesn't begin with what is in it");
+      fail("the reader process did not begin with the list of contents");
     base::Bytes bytes(head.bytes);
     receive(bytes);
     auto groups = decode_contents(bytes);
@@ -76,7 +76,7 @@ class RemoteSource final : public Source {
     ask({.number = ++asked_, .dataset = asked.number, .first = first, .count = count});
     const AnswerHead head = receive_head();
     if (head.kind != AnswerKind::values || head.type != static_cast<std::uint8_t>(asked.spec->type))
-      fail("its reader answers with something else than it was asked for");
+      fail("the reader process sent something other than the requested values");
     switch (asked.spec->type) {
       case ElementType::f64:
         return receive_numbers<double>(head, count);
@@ -89,7 +89,7 @@ class RemoteSource final : public Source {
       case ElementType::text:
         return receive_texts(head, asked, count);
     }
-    base::check_failed("a known element type", found->first);
+    base::check_failed("the element type is known", found->first);
   }
 
  private:
@@ -113,8 +113,9 @@ class RemoteSource final : public Source {
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_max >= limits_.address_space_bytes)
       return;
-    fail(fmt::format("too little memory to read it: this process may have {} MB (ulimit -v)",
-                     limit.rlim_max / 1'000'000),
+    fail(fmt::format(
+             "too little memory to read the archive; this process is limited to {} MB (ulimit -v)",
+             limit.rlim_max / 1'000'000),
          base::ExitCode::environment);
   }
 
@@ -124,12 +125,12 @@ class RemoteSource final : public Source {
       if (end.is_abrupt) fail_for_want_of_memory();
       fail(end.words, end.exit_code);
     }
-    fail(fmt::format("reading it takes more than {} s: the file is damaged or hostile",
+    fail(fmt::format("reading the archive takes more than {} s; the file is damaged or hostile",
                      limits_.timeout_s));
   }
 
   void ask(const Question& question) const {
-    if (process_->has_unasked_words()) fail("its reader says what it wasn't asked for");
+    if (process_->has_unasked_words()) fail("the reader process sent data without a request");
     process_->renew_limits();
     if (!process_->send(encode(question))) fail_of(Received::ended);
   }
@@ -145,12 +146,12 @@ class RemoteSource final : public Source {
     receive(bytes);
     const AnswerHead head = decode_head(bytes);
     if (head.number != asked_ || head.nothing != 0)
-      fail("its reader answers another question than it was asked");
+      fail("the reader process answered a different question");
     if (head.kind != AnswerKind::refusal) return head;
     const bool is_of_environment = head.type == k_of_environment && asked_ == 0;
     if (head.bytes > k_refusal_bytes_max ||
         (head.type != k_of_archive && head.type != k_of_memory && !is_of_environment))
-      fail("its reader refuses in a way that there isn't");
+      fail("the reader process sent a malformed refusal");
     std::string reason(head.bytes, '\0');
     receive(std::as_writable_bytes(std::span<char>(reason)));
     if (head.type == k_of_memory) fail_for_want_of_memory();
@@ -178,14 +179,14 @@ class RemoteSource final : public Source {
     if (!texts) fail(texts.error());
     for (const std::string& text : texts.value()) {
       if (!is_text_for(asked.group->name, asked.spec->name, text))
-        fail(fmt::format("{}: it holds control characters or is not UTF-8",
+        fail(fmt::format("{}: the text contains control characters or is not UTF-8",
                          path_of(asked.group->name, asked.spec->name)));
     }
     return std::move(texts).value();
   }
 
   [[noreturn]] void fail_count() const {
-    fail("its reader answers with another number of values than it was asked for");
+    fail("the reader process sent the wrong number of values");
   }
 
   std::string path_;

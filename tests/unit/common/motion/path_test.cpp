@@ -57,14 +57,15 @@ TEST(Animation, RefusesWhatIsNoMotion) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refused(2, [](Segment&) {}), "taken");
-  EXPECT_THAT(refused(1, [](Segment&) {}), HasSubstr("body 2 of 1"));
-  EXPECT_THAT(refused(2, [](Segment& s) { s.start_s = 0.5; }), HasSubstr("order of time"));
-  EXPECT_THAT(refused(2, [&](Segment& s) { s.start_s = nan; }), HasSubstr("no motion has"));
-  EXPECT_THAT(refused(2, [&](Segment& s) { s.position_m.z() = nan; }), HasSubstr("no motion has"));
+  EXPECT_THAT(refused(1, [](Segment&) {}), HasSubstr("body 2, but the scene has only 1"));
+  EXPECT_THAT(refused(2, [](Segment& s) { s.start_s = 0.5; }), HasSubstr("time order"));
+  EXPECT_THAT(refused(2, [&](Segment& s) { s.start_s = nan; }), HasSubstr("invalid numbers"));
+  EXPECT_THAT(refused(2, [&](Segment& s) { s.position_m.z() = nan; }),
+              HasSubstr("invalid numbers"));
   EXPECT_THAT(refused(2, [](Segment& s) { s.velocity_mps.y() = -1e300; }),
-              HasSubstr("no motion has"));
-  EXPECT_THAT(refused(2, [](Segment& s) { s.orientation.w() = 2; }), HasSubstr("no rotations"));
-  EXPECT_THAT(refused(2, [&](Segment& s) { s.orientation.x() = nan; }), HasSubstr("no rotations"));
+              HasSubstr("invalid numbers"));
+  EXPECT_THAT(refused(2, [](Segment& s) { s.orientation.w() = 2; }), HasSubstr("not rotations"));
+  EXPECT_THAT(refused(2, [&](Segment& s) { s.orientation.x() = nan; }), HasSubstr("not rotations"));
 }
 
 }  // namespace

@@ -333,7 +333,7 @@ TEST(ReadRequest, PlainChainsGiveOneSolutionEach) {
   EXPECT_THAT(toy::errors_of(text + "chains = 5"), IsEmpty());
   EXPECT_THAT(toy::errors_of(text + "chains = 4"),
               ElementsAre(HasSubstr("4:1: 'independent_solutions' in [stop]: expected at most 4, "
-                                    "the number of chains, found 5: ")));
+                                    "the number of chains, found 5; ")));
   EXPECT_THAT(toy::errors_of(text), ElementsAre(HasSubstr("set chains = 5 in [sampler]")));
 }
 

@@ -39,25 +39,29 @@ TEST(Scene, IsSoundOrSaysWhatIsWrong) {
   EXPECT_THAT(fault([](Scene& s) { s.features[1].name = ""; }), HasSubstr("no name"));
   EXPECT_THAT(fault([](Scene& s) { s.features[1].name = "die 1"; }), HasSubstr("two features"));
   EXPECT_THAT(fault([](Scene& s) { s.features[3].kind = FeatureKind::body; }),
-              HasSubstr("not in order"));
-  EXPECT_THAT(fault([](Scene& s) { s.features[0].twin_of = 1; }), HasSubstr("no twin"));
-  EXPECT_THAT(fault([](Scene& s) { s.features[2].twin_of = 0; }), HasSubstr("no twin"));
-  EXPECT_THAT(fault([](Scene& s) { s.features[3].body = 2; }), HasSubstr("for no body"));
-  EXPECT_THAT(fault([](Scene& s) { s.features[2].body = 0; }), HasSubstr("for no body"));
-  EXPECT_THAT(fault([](Scene& s) { s.parts[0].feature = 3; }), HasSubstr("order of features"));
-  EXPECT_THAT(fault([](Scene& s) { s.parts[1].feature = 4; }), HasSubstr("order of features"));
-  EXPECT_THAT(fault([&](Scene& s) { s.parts[0].size_m.x() = nan; }), HasSubstr("no part has"));
-  EXPECT_THAT(fault([](Scene& s) { s.parts[0].size_m.x() = -1; }), HasSubstr("no part has"));
-  EXPECT_THAT(fault([](Scene& s) { s.parts[0].orientation.w() = 0; }), HasSubstr("no part has"));
-  EXPECT_THAT(fault([](Scene& s) { s.parts[1].triangles = 2; }), HasSubstr("not there"));
+              HasSubstr("not in the order bodies"));
+  EXPECT_THAT(fault([](Scene& s) { s.features[0].twin_of = 1; }), HasSubstr("not a twin"));
+  EXPECT_THAT(fault([](Scene& s) { s.features[2].twin_of = 0; }), HasSubstr("not a twin"));
+  EXPECT_THAT(fault([](Scene& s) { s.features[3].body = 2; }), HasSubstr("invalid body"));
+  EXPECT_THAT(fault([](Scene& s) { s.features[2].body = 0; }), HasSubstr("invalid body"));
+  EXPECT_THAT(fault([](Scene& s) { s.parts[0].feature = 3; }),
+              HasSubstr("order of their features"));
+  EXPECT_THAT(fault([](Scene& s) { s.parts[1].feature = 4; }),
+              HasSubstr("order of their features"));
+  EXPECT_THAT(fault([&](Scene& s) { s.parts[0].size_m.x() = nan; }), HasSubstr("invalid numbers"));
+  EXPECT_THAT(fault([](Scene& s) { s.parts[0].size_m.x() = -1; }), HasSubstr("invalid numbers"));
+  EXPECT_THAT(fault([](Scene& s) { s.parts[0].orientation.w() = 0; }),
+              HasSubstr("invalid numbers"));
+  EXPECT_THAT(fault([](Scene& s) { s.parts[1].triangles = 2; }), HasSubstr("missing triangles"));
   EXPECT_THAT(fault([](Scene& s) { s.parts[1].first_triangle = UINT32_MAX; }),
-              HasSubstr("not there"));
-  EXPECT_THAT(fault([](Scene& s) { s.parts[0].triangles = 1; }), HasSubstr("not there"));
-  EXPECT_THAT(fault([](Scene& s) { s.triangles[0][2] = 3; }), HasSubstr("vertex that is not"));
+              HasSubstr("missing triangles"));
+  EXPECT_THAT(fault([](Scene& s) { s.parts[0].triangles = 1; }), HasSubstr("missing triangles"));
+  EXPECT_THAT(fault([](Scene& s) { s.triangles[0][2] = 3; }), HasSubstr("missing vertex"));
   EXPECT_THAT(fault([&](Scene& s) { s.vertices[1].place_m.y() = nan; }),
-              HasSubstr("no vertex has"));
-  EXPECT_THAT(fault([](Scene& s) { s.offset_variable = ""; }), HasSubstr("no variable"));
-  EXPECT_THAT(fault([](Scene& s) { s.low_m.x() = 1; }), HasSubstr("no box has"));
+              HasSubstr("a vertex has invalid numbers"));
+  EXPECT_THAT(fault([](Scene& s) { s.offset_variable = ""; }),
+              HasSubstr("offset_variable is missing"));
+  EXPECT_THAT(fault([](Scene& s) { s.low_m.x() = 1; }), HasSubstr("view box"));
 }
 
 }  // namespace

@@ -65,16 +65,16 @@ TEST_F(Verify, FindsHaveRules) {
   const auto integers = [&](std::string_view name) -> auto& {
     return values<std::int64_t>(k_finds, name);
   };
-  broken([&] { std::swap(integers("start")[1], integers("start")[2]); }, "order of starts");
-  broken([&] { ++integers("segment_start")[3]; }, "segments of finds follow");
-  broken([&] { ++integers("segment_count")[4]; }, "segments of finds follow");
+  broken([&] { std::swap(integers("start")[1], integers("start")[2]); }, "ordered by start");
+  broken([&] { ++integers("segment_start")[3]; }, "segments of finds are contiguous");
+  broken([&] { ++integers("segment_count")[4]; }, "segments of finds are contiguous");
   broken([&] { ++integers("animation")[0]; }, "/finds/animation counts");
   broken(
       [&] {
         for (Attribute& attribute : archive_.group(k_finds).attributes)
           if (attribute.name == k_found) attribute.value = std::int64_t{4};
       },
-      "/finds holds 5: found is 4");
+      "/finds has 5 animations, but found is 4");
 }
 
 TEST_F(Verify, NamesEachBrokenRule) {
@@ -99,16 +99,16 @@ TEST_F(Verify, NamesEachBrokenRule) {
   };
   broken([&] { std::swap(place("draw")[3], place("draw")[15]); }, "logical order");
   broken([&] { place("chain")[3] = 3; }, "within the run");
-  broken([&] { place("lineage")[3] += 100; }, "equal its scan's");
-  broken([&] { values<double>(k_animations, "landing_m")[3] = 7; }, "equal its scan's");
-  broken([&] { place("segment_start")[3] += 1; }, "without gap");
-  broken([&] { place("segment_count")[19] -= 1; }, "without gap");
+  broken([&] { place("lineage")[3] += 100; }, "equal those of its scan");
+  broken([&] { values<double>(k_animations, "landing_m")[3] = 7; }, "equal those of its scan");
+  broken([&] { place("segment_start")[3] += 1; }, "segments are contiguous");
+  broken([&] { place("segment_count")[19] -= 1; }, "segments are contiguous");
   broken(
       [&] {
         const std::int64_t row = place("chain")[2] * 101 + place("draw")[2];
         values<std::int8_t>(k_sample_stats, "satisfied")[static_cast<std::size_t>(row)] = 0;
       },
-      "a kept animation is satisfied");
+      "a kept animation satisfies");
   broken([&] { archive_.group(k_animations).attributes[0].value = std::int64_t{19}; },
          "keep_max is 19");
   const auto with_attribute = [&](const char* name, auto value) {
@@ -116,7 +116,7 @@ TEST_F(Verify, NamesEachBrokenRule) {
   };
   broken(with_attribute("failed_work_limit", std::int64_t{0}), "integer above 0");
   broken(with_attribute("failed_work_limit", 1.0), "integer above 0");
-  broken(with_attribute("failed_often", std::int64_t{1}), "no such kind of failure");
+  broken(with_attribute("failed_often", std::int64_t{1}), "unknown kind of failure");
   broken([&] { archive_.group(k_animations).attributes[1].value = std::int64_t{1}; },
          "at most keep_per_lineage");
 }

@@ -105,11 +105,12 @@ Group& posterior(std::vector<Group>& groups) {
 }
 
 TEST(Contents, GroupsThatCantBeAreNamed) {
-  EXPECT_THAT(fault_of_contents({}), HasSubstr("no root group"));
-  EXPECT_THAT(fault_after([](auto& g) { std::swap(g[0], g[1]); }), HasSubstr("no root group"));
-  EXPECT_THAT(fault_after([](auto& g) { g[1].name = "/a/b"; }), HasSubstr("no plain word"));
-  EXPECT_THAT(fault_after([](auto& g) { g[1].name = "a"; }), HasSubstr("no plain word"));
-  EXPECT_THAT(fault_after([](auto& g) { g.push_back(g[1]); }), HasSubstr("two of it"));
+  EXPECT_THAT(fault_of_contents({}), HasSubstr("root group is missing"));
+  EXPECT_THAT(fault_after([](auto& g) { std::swap(g[0], g[1]); }),
+              HasSubstr("root group is missing"));
+  EXPECT_THAT(fault_after([](auto& g) { g[1].name = "/a/b"; }), HasSubstr("invalid name"));
+  EXPECT_THAT(fault_after([](auto& g) { g[1].name = "a"; }), HasSubstr("invalid name"));
+  EXPECT_THAT(fault_after([](auto& g) { g.push_back(g[1]); }), HasSubstr("occurs twice"));
   EXPECT_THAT(fault_after([](auto& g) { g[0].attributes.clear(); }), HasSubstr("format"));
   EXPECT_THAT(fault_after([](auto& g) {
                 for (Attribute& attribute : g[0].attributes)
@@ -124,12 +125,12 @@ TEST(Contents, AttributesThatCantBeAreNamed) {
   };
   EXPECT_EQ(with({"mine", std::string("a text")}), "");
   EXPECT_EQ(with({"mine", std::numeric_limits<double>::quiet_NaN()}), "");
-  EXPECT_THAT(with({"mine", std::string("\033[2J")}), HasSubstr("no plain text"));
-  EXPECT_THAT(with({"mine", std::string("two\nlines")}), HasSubstr("no plain text"));
-  EXPECT_THAT(with({"mine", std::string("\xff")}), HasSubstr("no plain text"));
-  EXPECT_THAT(with({"mine", std::string(k_attribute_bytes_max + 1, 'x')}), HasSubstr("no plain"));
-  EXPECT_THAT(with({"not\nmine", std::int64_t{1}}), HasSubstr("no plain word"));
-  EXPECT_THAT(with({"thin", std::int64_t{1}}), HasSubstr("two attributes thin"));
+  EXPECT_THAT(with({"mine", std::string("\033[2J")}), HasSubstr("control characters"));
+  EXPECT_THAT(with({"mine", std::string("two\nlines")}), HasSubstr("control characters"));
+  EXPECT_THAT(with({"mine", std::string("\xff")}), HasSubstr("control characters"));
+  EXPECT_THAT(with({"mine", std::string(k_attribute_bytes_max + 1, 'x')}), HasSubstr("too long"));
+  EXPECT_THAT(with({"not\nmine", std::int64_t{1}}), HasSubstr("invalid name"));
+  EXPECT_THAT(with({"thin", std::int64_t{1}}), HasSubstr("two attributes are named thin"));
   EXPECT_THAT(fault_after([](auto& g) {
                 for (std::uint64_t i = 0; i <= k_attributes_max; ++i)
                   posterior(g).attributes.push_back({"a" + std::to_string(i), std::int64_t{0}});
@@ -143,10 +144,10 @@ TEST(Contents, DatasetsThatCantBeAreNamed) {
   };
   const auto self = [](std::size_t size) { return std::vector<Dimension>{{"mine", size}}; };
   EXPECT_EQ(with({.name = "mine", .dims = self(3)}), "");
-  EXPECT_THAT(with({.name = "draw", .dims = self(3)}), HasSubstr("two of it"));
-  EXPECT_THAT(with({.name = "..", .dims = self(3)}), HasSubstr("no plain word"));
+  EXPECT_THAT(with({.name = "draw", .dims = self(3)}), HasSubstr("occurs twice"));
+  EXPECT_THAT(with({.name = "..", .dims = self(3)}), HasSubstr("invalid name"));
   EXPECT_THAT(with({.name = "mine", .dims = {{"other", 3}}}), HasSubstr("has no scale"));
-  EXPECT_THAT(with({.name = "mine", .dims = {{"a b", 3}}}), HasSubstr("no plain word"));
+  EXPECT_THAT(with({.name = "mine", .dims = {{"a b", 3}}}), HasSubstr("invalid name"));
   EXPECT_THAT(with({.name = "mine", .dims = self(k_growing)}), HasSubstr("more than"));
   EXPECT_THAT(with({.name = "mine", .dims = self(k_dataset_bytes_max)}), HasSubstr("more than"));
   // 2^62 elements of 8 bytes: the product is 0 in 64 bits.
