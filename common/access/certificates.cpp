@@ -68,13 +68,13 @@ std::string text_of(const ASN1_STRING* text) {
 std::string pem_of(X509* certificate) {
   const Held<BIO> text(::BIO_new(::BIO_s_mem()));
   need(text != nullptr && ::PEM_write_bio_X509(text.get(), certificate) == 1,
-       "a certificate can't be written");
+       "can't write a certificate");
   return text_in(text.get());
 }
 
 Held<X509> first_certificate(std::string_view text) {
   Held<X509> certificate(::PEM_read_bio_X509(reader_of(text).get(), nullptr, nullptr, nullptr));
-  need(certificate != nullptr, "this is no certificate in PEM");
+  need(certificate != nullptr, "expected a certificate in PEM");
   return certificate;
 }
 
@@ -86,7 +86,7 @@ int no_passphrase(char*, int, int, void*) {
 void add_extension(X509* certificate, int kind, const char* value) {
   const Held<X509_EXTENSION> extension(::X509V3_EXT_conf_nid(nullptr, nullptr, kind, value));
   need(extension != nullptr && ::X509_add_ext(certificate, extension.get(), -1) == 1,
-       "a certificate can't be made");
+       "can't create a certificate");
 }
 
 base::Descriptor connect_to_host(const ServerAddress& address, double seconds_max) {
@@ -96,7 +96,8 @@ base::Descriptor connect_to_host(const ServerAddress& address, double seconds_ma
   const std::string port = std::to_string(address.port);
   const int failure = ::getaddrinfo(address.host.c_str(), port.c_str(), &hints, &found);
   if (failure != 0)
-    throw base::Error(fmt::format("{} is not found: {}", address.host, ::gai_strerror(failure)));
+    throw base::Error(
+        fmt::format("can't find the host {}: {}", address.host, ::gai_strerror(failure)));
   const Held<addrinfo> held(found);
   int error = ECONNREFUSED;
   for (const addrinfo* one = found; one != nullptr; one = one->ai_next) {
@@ -125,7 +126,7 @@ class Handshake {
         tls_(context_ == nullptr ? nullptr : ::SSL_new(context_.get())) {
     need(tls_ != nullptr && ::SSL_set_fd(tls_.get(), socket_.get()) == 1 &&
              SSL_set_tlsext_host_name(tls_.get(), name.c_str()) == 1,
-         "TLS can't be used");
+         "can't set up TLS");
   }
 
   void trust_anybody() const { ::SSL_set_verify(tls_.get(), SSL_VERIFY_NONE, nullptr); }
@@ -133,11 +134,13 @@ class Handshake {
   /// Certificates in PEM, or the system's, for a name.
   void trust(const std::string& certificates, const std::string& name) const {
     X509_STORE* store = ::SSL_CTX_get_cert_store(context_.get());
-    if (certificates.empty()) need(::X509_STORE_set_default_paths(store) == 1, "no trust store");
+    if (certificates.empty())
+      need(::X509_STORE_set_default_paths(store) == 1,
+           "can't load the system's trusted certificates");
     for (const std::string& one : certificates_in(certificates))
       ::X509_STORE_add_cert(store, first_certificate(one).get());
     ::SSL_set_verify(tls_.get(), SSL_VERIFY_PEER, nullptr);
-    need(::SSL_set1_host(tls_.get(), name.c_str()) == 1, "TLS can't be used");
+    need(::SSL_set1_host(tls_.get(), name.c_str()) == 1, "can't set up TLS");
   }
 
   bool succeeds() const {
@@ -145,7 +148,7 @@ class Handshake {
     return ::SSL_connect(tls_.get()) == 1;
   }
   [[noreturn]] void fail() const {
-    throw base::Error(fmt::format("what answers at {} does not speak TLS: {}",
+    throw base::Error(fmt::format("the program that answers at {} does not use TLS: {}",
                                   access::text_of(address_), reason()));
   }
   SSL* tls() const { return tls_.get(); }
@@ -160,7 +163,7 @@ class Handshake {
 }  // namespace
 
 Keypair make_self_signed() {
-  const char* const what = "a certificate can't be made";
+  const char* const what = "can't create a certificate";
   const Held<EVP_PKEY> key(::EVP_EC_gen("P-256"));
   need(key != nullptr, what);
   const Held<X509> certificate(::X509_new());
@@ -202,7 +205,7 @@ std::string fingerprint_of(std::string_view certificate) {
   unsigned size = 0;
   const Held<X509> first = first_certificate(certificate);
   need(::X509_digest(first.get(), ::EVP_sha256(), digest.data(), &size) == 1,
-       "a certificate has no fingerprint");
+       "can't compute the fingerprint of a certificate");
   std::string text = "SHA256:";
   for (unsigned i = 0; i < size; ++i)
     text += fmt::format("{:02x}", digest[i]);
@@ -244,10 +247,10 @@ void check_keypair(const Keypair& keypair) {
   const Held<X509> certificate = first_certificate(keypair.certificate);
   const Held<EVP_PKEY> key(
       ::PEM_read_bio_PrivateKey(reader_of(keypair.key).get(), nullptr, &no_passphrase, nullptr));
-  need(key != nullptr, "the key can't be read: it must be in PEM and without a passphrase");
+  need(key != nullptr, "can't read the key; expected PEM without a passphrase");
   if (::X509_check_private_key(certificate.get(), key.get()) != 1) {
     ::ERR_clear_error();
-    throw base::Error("the key does not belong to the certificate");
+    throw base::Error("the key does not match the certificate");
   }
 }
 
@@ -256,7 +259,7 @@ std::string certificate_shown_at(const ServerAddress& address, double seconds_ma
   handshake.trust_anybody();
   if (!handshake.succeeds()) handshake.fail();
   const Held<X509> shown(::SSL_get1_peer_certificate(handshake.tls()));
-  if (shown == nullptr) throw base::Error("the server shows no certificate");
+  if (shown == nullptr) throw base::Error("the server sent no certificate");
   return pem_of(shown.get());
 }
 

@@ -42,7 +42,7 @@ std::string check_of(std::string_view id, std::string_view secret) {
 
 void fill_randomly(std::span<std::byte> bytes) {
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw base::Error("the system gives no random numbers");
+    throw base::Error("the system returned no random numbers");
 }
 
 }  // namespace

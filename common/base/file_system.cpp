@@ -42,7 +42,7 @@ std::optional<struct stat> status_of(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) return status;
   if (errno == ENOENT || errno == ENOTDIR) return std::nullopt;
-  fail("look for it", path);
+  fail("inspect", path);
 }
 
 class PosixFile final : public File {
@@ -115,7 +115,7 @@ std::vector<std::string> PosixFileSystem::names_in(const std::string& folder) co
     names.push_back(entry->path().filename().string());
     entry.increment(failure);
   }
-  if (failure) throw Error(fmt::format("{}: can't list it: {}", folder, failure.message()));
+  if (failure) throw Error(fmt::format("{}: can't list: {}", folder, failure.message()));
   std::ranges::sort(names);
   return names;
 }
@@ -128,7 +128,7 @@ Result<std::unique_ptr<File>, std::error_code> PosixFileSystem::create(const std
 }
 
 void PosixFileSystem::sync_file(const std::string& path) {
-  sync_path(path, O_RDONLY, "sync it");
+  sync_path(path, O_RDONLY, "sync");
 }
 
 void PosixFileSystem::sync_directory_of(const std::string& path) {
@@ -136,15 +136,15 @@ void PosixFileSystem::sync_directory_of(const std::string& path) {
 }
 
 void PosixFileSystem::rename(const std::string& from, const std::string& to) {
-  if (::rename(from.c_str(), to.c_str()) != 0) fail("put the new file in its place", to);
+  if (::rename(from.c_str(), to.c_str()) != 0) fail("move the new file here", to);
 }
 
 void PosixFileSystem::remove(const std::string& path) {
-  if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail("remove it", path);
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail("remove", path);
 }
 
 void PosixFileSystem::make_folder(const std::string& path) {
-  if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail("make the folder", path);
+  if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail("create the folder", path);
 }
 
 std::string directory_of(const std::string& path) {
@@ -155,7 +155,7 @@ std::string directory_of(const std::string& path) {
 
 void write_text_file(FileSystem& files, const std::string& path, std::string_view text) {
   const auto check = [&](const std::error_code& reason) {
-    if (reason) throw Error(fmt::format("{}: can't write it: {}", path, reason.message()));
+    if (reason) throw Error(fmt::format("{}: can't write: {}", path, reason.message()));
   };
   auto created = files.create(path);
   if (!created) check(created.error());
@@ -169,10 +169,10 @@ namespace {
 std::string read_whole(std::FILE* file, const std::string& name, std::size_t bytes_max) {
   std::string text(bytes_max + 1, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file));
-  if (std::ferror(file) != 0) fail("read it", name);
+  if (std::ferror(file) != 0) fail("read", name);
   if (text.size() > bytes_max) {
     throw Error(
-        fmt::format("{}: larger than the {} bytes that such a file may have", name, bytes_max));
+        fmt::format("{}: larger than {} bytes, the maximum for such a file", name, bytes_max));
   }
   return text;
 }
@@ -182,7 +182,7 @@ std::string read_whole(std::FILE* file, const std::string& name, std::size_t byt
 std::string read_text_file(const std::string& path, std::size_t bytes_max) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"),
                                                              &std::fclose);
-  if (!file) fail("open it", path);
+  if (!file) fail("open", path);
   return read_whole(file.get(), path, bytes_max);
 }
 

@@ -7,8 +7,7 @@ namespace sleight::base {
 
 /// What people are told, after the program's name.
 inline constexpr const char* k_too_little_memory =
-    "there is too little memory for this; if it is limited here (ulimit -v, a job's memory), raise "
-    "that";
+    "too little memory; if a limit is set (ulimit -v, or a job's memory), raise it";
 
 /// Throws std::bad_alloc where this process could not have so many bytes more. Before calls of
 /// libraries that crash for want of memory.

@@ -22,14 +22,15 @@ namespace fs = std::filesystem;
 constexpr int k_links_max = 40;
 
 [[noreturn]] void fail_to_write(const std::string& place, const std::error_code& reason) {
-  throw Error(fmt::format("{}: can't write it: {}", place, reason.message()));
+  throw Error(fmt::format("{}: can't write: {}", place, reason.message()));
 }
 
 }  // namespace
 
 std::string where_links_lead(const std::string& path) {
   if (path == "-")
-    throw Error(ExitCode::usage, "-: this doesn't go to standard output; name a file or folder");
+    throw Error(ExitCode::usage,
+                "-: can't write this output to standard output; name a file or folder");
   fs::path place(path);
   while (!place.has_filename() && place.has_relative_path())
     place = place.parent_path();

@@ -21,7 +21,7 @@ void replace_text_file(FileSystem& files, const std::string& path, std::string_v
         ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
     if (!made) {
       throw Error(
-          fmt::format("{}: can't make it: {}", beside, std::system_category().message(errno)));
+          fmt::format("{}: can't create: {}", beside, std::system_category().message(errno)));
     }
   }
   write_text_file(files, beside, text);

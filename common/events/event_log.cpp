@@ -122,7 +122,7 @@ void EventLog::append(const RunEvent& event) {
   // A part of a line is no line: what follows it would be lost with it.
   const ssize_t written = ::write(descriptor_, line.data(), line.size());
   if (written != static_cast<ssize_t>(line.size())) {
-    const std::string reason = written < 0 ? std::strerror(errno) : "no room for a line";
+    const std::string reason = written < 0 ? std::strerror(errno) : "no space for a whole line";
     if (::ftruncate(descriptor_, static_cast<off_t>(bytes_)) != 0) {
       // Whoever reads leaves the part out.
     }
@@ -147,7 +147,7 @@ void EventLog::give_up(const std::string& reason) {
   descriptor_ = -1;
   if (std::exchange(has_complained_, true)) return;
   logging::warn(
-      fmt::format("{}: can't write it: {}; the run goes on", event_log_path(folder_), reason));
+      fmt::format("{}: can't write: {}; the run continues", event_log_path(folder_), reason));
 }
 
 std::vector<RunEvent> read_event_log(const std::string& folder) {

@@ -101,7 +101,7 @@ std::string search_line(const std::string& name, const Progress& progress) {
   }
   // A start's simulations are told when it ends, which can take long.
   line += progress.session_simulations == 0
-              ? fmt::format("  first starts under way for {}", clock_time(progress.elapsed_s))
+              ? fmt::format("  first starts running for {}", clock_time(progress.elapsed_s))
               : fmt::format("  {} simulations  {}", grouped(progress.session_simulations),
                             effort_in_words(progress));
   return fmt::format("{}  {} worker{}", line, progress.workers, progress.workers == 1 ? "" : "s");

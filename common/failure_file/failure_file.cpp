@@ -64,7 +64,7 @@ class Keys {
     const request::Value* value = find(key);
     if (value == nullptr) return {};
     if (const auto* text = std::get_if<std::string>(&value->held)) return *text;
-    complain(value->place, fmt::format("'{}' must be a text", key));
+    complain(value->place, fmt::format("'{}' must be a string", key));
     return {};
   }
   std::uint64_t number(std::string_view key, std::uint64_t max) {
@@ -119,8 +119,8 @@ std::optional<request::Diagnostic> damage_of(const request::Section& section, st
   return request::Diagnostic{.file = path,
                              .place = entry->value.place,
                              .message =
-                                 "the file was changed since it was written; without its "
-                                 "line 'checksum' it is replayed as it stands"};
+                                 "the file has changed since it was written; to replay the changed "
+                                 "file, remove the line 'checksum'"};
 }
 
 }  // namespace
@@ -152,7 +152,7 @@ base::Result<FailureFile, request::Diagnostic> read(std::string_view text,
     return request::Diagnostic{
         .file = path,
         .place = {.line = 1, .column = 1},
-        .message = fmt::format("not the file of a failed simulation: it has no [{}]",
+        .message = fmt::format("not the file of a failed simulation: the section [{}] is missing",
                                section == nullptr ? k_section : "world")};
   }
 

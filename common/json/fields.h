@@ -91,7 +91,7 @@ class FieldReader {
       using Stored = std::invoke_result_t<To, decltype(to)>;
       auto known =
           of(found.get<std::conditional_t<std::is_arithmetic_v<Stored>, Stored, std::string>>());
-      if (!known) throw Error(found.dump() + " is unknown");
+      if (!known) throw Error("unknown value " + found.dump());
       to = *std::move(known);
     });
   }

@@ -36,7 +36,7 @@ struct Conversion {
 };
 
 Value Conversion::value(const Library& read, int depth) {
-  if (depth > k_depth_max) throw Error(fmt::format("nested more than {} deep", k_depth_max));
+  if (depth > k_depth_max) throw Error(fmt::format("nested more than {} levels deep", k_depth_max));
   switch (read.type()) {
     case Library::value_t::boolean:
       return read.get<bool>();
@@ -181,7 +181,7 @@ bool Value::flag() const {
 Value::Whole Value::whole() const {
   if (const auto* value = std::get_if<std::uint64_t>(&value_)) return {.bits = *value};
   const auto* value = std::get_if<std::int64_t>(&value_);
-  if (!value) refuse("a whole number");
+  if (!value) refuse("an integer");
   return {.bits = static_cast<std::uint64_t>(*value), .is_negative = true};
 }
 
@@ -237,7 +237,7 @@ const Value& Value::at(std::string_view key) const {
 
 const Value& Value::at(std::size_t index) const {
   if (index >= elements().size())
-    throw Error(fmt::format("there is no element {} of {}", index, size()));
+    throw Error(fmt::format("no element {} in an array of {}", index, size()));
   return elements()[index];
 }
 

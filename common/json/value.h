@@ -113,7 +113,7 @@ class Value {
       const Whole read = whole();
       const T value = static_cast<T>(read.bits);
       if ((value < T(0)) != read.is_negative || static_cast<std::uint64_t>(value) != read.bits)
-        refuse("a whole number in the range asked for");
+        refuse("an integer in the expected range");
       return value;
     } else if constexpr (std::floating_point<T>) {
       return static_cast<T>(number());

@@ -121,8 +121,9 @@ std::int64_t checksum_of_text(std::string_view place, std::string_view text) {
 }
 
 void refuse_damaged(const std::string& path, const std::string& what) {
-  throw base::Error(fmt::format("{}{}{}; restore it from a backup, or start over with --fresh",
-                                path, k_damaged_words, what));
+  throw base::Error(
+      fmt::format("{}{}{}; restore the file from a backup, or start over with --fresh", path,
+                  k_damaged_words, what));
 }
 
 }  // namespace sleight::store

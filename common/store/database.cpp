@@ -35,11 +35,11 @@ DatabaseError::Kind kind_of(int basic_code) {
 [[noreturn]] void fail(sqlite3* connection, const std::string& path, int code) {
   const int basic = code & 0xff;
   std::string advice;
-  if (basic == SQLITE_FULL) advice = "; make space and run the same command again to go on";
-  if (basic == SQLITE_IOERR) advice = "; check the disk, then run the same command again to go on";
+  if (basic == SQLITE_FULL) advice = "; free disk space, then run the same command again to resume";
+  if (basic == SQLITE_IOERR) advice = "; check the disk, then run the same command again to resume";
   if (basic == SQLITE_CANTOPEN) advice = "; check that the folder exists and can be written";
   if (basic == SQLITE_NOTADB || basic == SQLITE_CORRUPT) {
-    advice = fmt::format("; {}: use --fresh, or another output", k_no_store_words);
+    advice = fmt::format("; {}; use --fresh or another output", k_no_store_words);
   }
   const char* reason = connection != nullptr ? sqlite3_errmsg(connection) : sqlite3_errstr(code);
   throw DatabaseError(fmt::format("{}: {}{}", path, reason, advice), kind_of(basic), reason);
@@ -200,7 +200,7 @@ void Database::set_write_mode() {
   // SQLite keeps another mode without a word, which would remove its journal by name.
   if (const bool is_log = mode.step() && mode.text(0) == "wal"; is_exclusive_ && !is_log) {
     throw base::Error(fmt::format(
-        "{}: SQLite can't keep a log on this disk; put the run on another disk", path_));
+        "{}: SQLite can't use a write-ahead log on this disk; put the run on another disk", path_));
   }
   mode.reset();
   execute("PRAGMA synchronous=FULL");

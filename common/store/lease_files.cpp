@@ -56,8 +56,8 @@ int open_file(const std::string& path, int flags) {
 void write_whole(int descriptor, const std::string& path, const std::string& text) {
   const ssize_t put = ::pwrite(descriptor, text.data(), text.size(), 0);
   if (put >= 0 && static_cast<std::size_t>(put) != text.size()) errno = ENOSPC;
-  if (put < 0 || static_cast<std::size_t>(put) != text.size()) fail(path, "write it");
-  if (::fsync(descriptor) != 0) fail(path, "write it");
+  if (put < 0 || static_cast<std::size_t>(put) != text.size()) fail(path, "write");
+  if (::fsync(descriptor) != 0) fail(path, "write");
 }
 
 std::string read_whole(int descriptor, const std::string& path) {
@@ -66,7 +66,7 @@ std::string read_whole(int descriptor, const std::string& path) {
   do {
     got = ::pread(descriptor, text.data(), text.size(), 0);
   } while (got < 0 && errno == EINTR);
-  if (got < 0) fail(path, "read it");
+  if (got < 0) fail(path, "read");
   text.resize(static_cast<std::size_t>(got));
   return text;
 }
@@ -180,7 +180,7 @@ std::optional<std::string> PosixLeaseFiles::read(std::uint64_t generation) {
   if (!file.is_open()) {
     // A server may say ESTALE of a file that another machine has just removed.
     if (errno == ENOENT || errno == ESTALE) return std::nullopt;
-    fail(path, "open it");
+    fail(path, "open");
   }
   return read_whole(file.number(), path);
 }
@@ -191,7 +191,7 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
   const std::string unique = fmt::format("{}/{}{}", folder_, k_new_prefix, make_token());
   {
     const Descriptor file(open_file(unique, O_RDWR | O_CREAT | O_EXCL));
-    if (!file.is_open()) fail(unique, "make it");
+    if (!file.is_open()) fail(unique, "create");
     write_whole(file.number(), unique, text);
   }
   if (::link(unique.c_str(), path.c_str()) != 0 && has_no_links(errno)) {
@@ -204,7 +204,7 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
   Descriptor file(open_file(path, O_RDWR));
   if (!file.is_open()) {
     if (errno == ENOENT || errno == ESTALE) return nullptr;
-    fail(path, "make it");
+    fail(path, "create");
   }
   if (read_whole(file.number(), path) != text) return nullptr;
 
@@ -217,7 +217,7 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
 
 void PosixLeaseFiles::remove(std::uint64_t generation) {
   const std::string path = path_of(generation);
-  if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail(path, "remove it");
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail(path, "remove");
 }
 
 bool PosixLeaseFiles::is_gone(const LeaseHolder& holder) {

@@ -99,15 +99,15 @@ void RunLock::Leased::take(const RunLockOptions& options) {
     const auto& unsure = std::get<Lease::Unsure>(outcome);
     if (unsure.left_s > 0 && !options.waits) refuse_held(folder, unsure.by);
     if (unsure.left_s > 2 * lease.renew_every_s() && !std::exchange(is_told, true)) {
-      logging::info(fmt::format(
-          "{}: another {}, has this run's lock; it is taken for dead if it does not renew that "
-          "within {:.0f} s",
-          folder, unsure.by ? name_of(*unsure.by) : "process", unsure.left_s));
+      logging::info(
+          fmt::format("{}: another {}, holds the run lease; this process takes over unless the "
+                      "lease is renewed within {:.0f} s",
+                      folder, unsure.by ? name_of(*unsure.by) : "process", unsure.left_s));
     }
     std::this_thread::sleep_for(k_look_every);
     if (options.stop_requested && options.stop_requested()) {
       throw base::Error(base::ExitCode::interrupted,
-                        fmt::format("{}: interrupted while it waited for the run's lock", folder));
+                        fmt::format("{}: interrupted while waiting for the run lease", folder));
     }
   }
   last_s = clock.now_s();
@@ -132,7 +132,7 @@ void RunLock::Leased::renew_always() {
 RunLock::RunLock(const std::string& folder, RunLockOptions options) : folder_(folder) {
   if (::mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST) {
     throw base::Error(
-        fmt::format("{}: can't make the run's folder: {}", folder, std::strerror(errno)));
+        fmt::format("{}: can't create the run's folder: {}", folder, std::strerror(errno)));
   }
   if (base::network_file_system(folder) || PosixLeaseFiles::any_held(folder)) {
     leased_ = std::make_unique<Leased>(folder, options);
@@ -146,7 +146,7 @@ void RunLock::flock_it() {
   const std::string path = folder_ + "/lock";
   descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor_ < 0) {
-    throw base::Error(fmt::format("{}: can't open it: {}", path, std::strerror(errno)));
+    throw base::Error(fmt::format("{}: can't open: {}", path, std::strerror(errno)));
   }
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     std::array<char, 32> holder{};
@@ -163,7 +163,7 @@ void RunLock::flock_it() {
       ::pwrite(descriptor_, holder.data(), holder.size(), 0) < 0) {
     const int reason = errno;
     ::close(descriptor_);
-    throw base::Error(fmt::format("{}: can't write it: {}", path, std::strerror(reason)));
+    throw base::Error(fmt::format("{}: can't write: {}", path, std::strerror(reason)));
   }
 }
 
@@ -197,11 +197,11 @@ void RunLock::check() const {
   }
   throw base::Error(
       base::ExitCode::conflict,
-      fmt::format("{}: this process could not renew its lock on the network disk in time, and {}; "
-                  "it stops, and what it had not stored is computed again",
+      fmt::format("{}: this process could not renew its run lease on the network disk in time, and "
+                  "{}; this process stops, and results that were not stored are computed again",
                   folder_,
-                  by ? fmt::format("another {}, has the run now", name_of(*by))
-                     : std::string("another may have the run by now")));
+                  by ? fmt::format("another {}, has taken over the run", name_of(*by))
+                     : std::string("another process may have taken over the run")));
 }
 
 void RunLock::set_epoch(std::uint64_t epoch) {

@@ -121,27 +121,26 @@ void RunStore::create_or_check(const RunIdentity& identity) {
   if (const auto format = stored_text("format_version");
       format && *format != std::to_string(k_store_format)) {
     throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: run store of format {}, this program writes {}; use --fresh "
-                                  "to start over or another output",
+                      fmt::format("{}: the run store has format {}, but this program writes format "
+                                  "{}; use --fresh to start over, or another output",
                                   path, *format, k_store_format));
   }
   if (const auto text = stored_text("identity"); text && *text != identity.identity_text) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: holds the run of another request ([world], [constraint], "
-                    "[sampler] or thin differ); choose another output, or --fresh to give "
-                    "that run up",
+        fmt::format("{}: contains the run of another request ([world], [constraint], [sampler] or "
+                    "thin differ); choose another output, or use --fresh to discard that run",
                     path));
   }
   if (const auto version = stored_text("results_version");
       version && *version != identity.results_version) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: holds results {} (of sleight {}), this program makes results {} (sleight "
-                    "{}): one run must not mix them; go on with that version, or --fresh to start "
-                    "over",
-                    path, *version, stored_text("program_version").value_or("?"),
-                    identity.results_version, identity.program_version));
+        fmt::format(
+            "{}: contains results {} (of sleight {}), but this program makes results {} (sleight "
+            "{}); a run can't mix them; resume with that version, or use --fresh to start over",
+            path, *version, stored_text("program_version").value_or("?"), identity.results_version,
+            identity.program_version));
   }
 
   // Refuse stored results without the keys that say whose they are.
@@ -152,7 +151,7 @@ void RunStore::create_or_check(const RunIdentity& identity) {
   any.reset();
   for (const char* key : {"format_version", "identity", "results_version", "epoch"}) {
     if (!stored_text(key) && (has_rows || !is_new)) {
-      refuse_damaged(path, fmt::format("it has no {}", key));
+      refuse_damaged(path, fmt::format("the {} is missing", key));
     }
   }
   salt_ = salt_of(identity.identity_text);
@@ -168,7 +167,8 @@ void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdent
   if (last) {
     const char* end = last->data() + last->size();
     const auto [rest, failure] = std::from_chars(last->data(), end, epoch_);
-    if (failure != std::errc() || rest != end) refuse_damaged(database_.path(), "no epoch");
+    if (failure != std::errc() || rest != end)
+      refuse_damaged(database_.path(), "the epoch is invalid");
     ++epoch_;
   }
   Statement set = database_.prepare("INSERT OR REPLACE INTO run VALUES(?1,?2)");
@@ -214,7 +214,7 @@ void RunStore::read_told() {
              .finds = count(3),
              .failures = count(4)};
     if (checksum_of(salt_, told_) != select.integer(5))
-      refuse_damaged(database_.path(), "how far its events are told");
+      refuse_damaged(database_.path(), "the record of reported events");
   }
   Statement last = database_.prepare("SELECT COALESCE(MAX(number), 0) FROM event");
   if (last.step()) last_event_ = static_cast<std::uint64_t>(last.integer(0));
@@ -267,10 +267,11 @@ void RunStore::refuse_if_fenced(Statement& current_epoch) const {
   const auto epoch = static_cast<std::uint64_t>(current_epoch.integer(0));
   current_epoch.reset();
   if (epoch == epoch_) return;
-  throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: a newer session (epoch {}) has taken over this run; this "
-                                "one (epoch {}) stops",
-                                database_.path(), epoch, epoch_));
+  throw base::Error(
+      base::ExitCode::conflict,
+      fmt::format(
+          "{}: a newer session (epoch {}) has taken over this run; this session (epoch {}) stops",
+          database_.path(), epoch, epoch_));
 }
 
 std::vector<ReplicaProgress> RunStore::progress() {

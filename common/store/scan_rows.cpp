@@ -33,7 +33,7 @@ std::string run_value(SharedDatabase& database, std::string_view key) {
   const SharedDatabase::Turn turn = database.turn();
   Statement find = turn->prepare("SELECT value FROM run WHERE key=?1");
   find.bind(1, key);
-  if (!find.step()) refuse_damaged(database.path(), fmt::format("it has no {}", key));
+  if (!find.step()) refuse_damaged(database.path(), fmt::format("the {} is missing", key));
   return find.text(0);
 }
 

@@ -17,9 +17,10 @@ StoredRequest stored_request_of(const std::string& folder) {
   const std::shared_ptr<SharedDatabase> database = open_to_read(folder);
   const auto text = [&](std::string_view key) { return run_value(*database, key); };
   if (const std::string format = text("format_version"); format != std::to_string(k_store_format)) {
-    throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: run store of format {}, this program reads {}",
-                                  database->path(), format, k_store_format));
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: the run store has format {}, but this program reads format {}",
+                    database->path(), format, k_store_format));
   }
   return {.identity_text = text("identity"),
           .request_text = text("request"),
@@ -45,7 +46,7 @@ std::vector<Session> sessions_of(const std::string& folder) {
     const bool is_sound =
         checksum_of(key, session.program_version, session.scans_before, line) == select.integer(4);
     if (!is_sound || session.end.has_value() == line.empty()) {
-      refuse_damaged(database->path(), fmt::format("how session {} ended", session.epoch));
+      refuse_damaged(database->path(), fmt::format("the end of session {}", session.epoch));
     }
     sessions.push_back(std::move(session));
   }

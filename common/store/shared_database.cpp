@@ -25,10 +25,10 @@ constexpr std::string_view k_folder_ending = ".run";
   const bool has_archive = !own.empty() && base::PosixFileSystem().exists(own);
   throw base::Error(
       base::ExitCode::conflict,
-      fmt::format("{}: lies on a network disk ({}), where only the process that writes a run can "
-                  "read its store; {}or wait until nobody writes it ({})",
+      fmt::format("{}: on a network disk ({}), only the process that writes a run can read its "
+                  "store; {}wait until no process writes the run ({})",
                   folder, disk,
-                  has_archive ? fmt::format("take the latest archive, {}, ", own) : std::string(),
+                  has_archive ? fmt::format("use the latest archive, {}, or ", own) : std::string(),
                   reason));
 }
 

@@ -30,9 +30,8 @@ void copy_file(const std::string& from, const std::string& to, base::FileSystem&
   const auto failed = [&](const std::error_code& reason) {
     if (!reason) return;
     throw base::Error(
-        fmt::format("{}: taking the run over from another machine copies its store, "
-                    "which can't be done: {}; make space or check the disk, then run "
-                    "the same command again",
+        fmt::format("{}: can't copy the store to take the run over from another machine: {}; free "
+                    "disk space or check the disk, then run the same command again",
                     from, reason.message()));
   };
   std::error_code failure;
@@ -65,10 +64,10 @@ void replace_files_of_run(const std::string& folder, RunLock& lock) {
   // The order is the header's.
   const std::array<std::string, 2> names{database, database + "-wal"};
   if (files.exists(database)) {
-    logging::info(fmt::format(
-        "{}: taken over from a process on another machine; its store is copied first, so that this "
-        "process can't change it any more",
-        folder));
+    logging::info(
+        fmt::format("{}: taking over the run of a process on another machine; copying the store "
+                    "first, so that the old process can't change it",
+                    folder));
     for (const std::string& name : names) {
       files.remove(name + k_copy_ending);
       if (files.exists(name)) copy_file(name, name + k_copy_ending, files, lock);

@@ -44,9 +44,10 @@ std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
   }
   if (const std::string format = run_value(*database, "format_version");
       format != std::to_string(k_store_format)) {
-    throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: run store of format {}, this program reads {}",
-                                  database->path(), format, k_store_format));
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: the run store has format {}, but this program reads format {}",
+                    database->path(), format, k_store_format));
   }
   return database;
 }

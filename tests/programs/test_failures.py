@@ -183,7 +183,7 @@ class Failures(ProgramTest):
         text = without_checksum(whole)
         for name, bad, expected in [
                 ("changed", whole.replace("\nscan = ", "\nscan = 1"),
-                 "the file was changed since it was written"),
+                 "the file has changed since it was written"),
                 ("short state", re.sub(r'state = "\w+"', 'state = "00"', text),
                  "'state' is no state of the world"),
                 ("world", text.replace('name = "ball_2d"', 'name = "marbles"'), "marbles")]:

@@ -188,7 +188,7 @@ base::Result<Message, std::string> get_assignment(generated::Assignment::Reader 
     if (member.isState()) state = as_bytes(member.getState());
   }
   if (in.isPart()) assignment.block.ladder = get_part(in.getPart());
-  if (!fits(assignment.block)) return std::string("an assignment whose parts don't fit");
+  if (!fits(assignment.block)) return std::string("an assignment with inconsistent parts");
   return Message(std::move(assignment));
 }
 
@@ -295,7 +295,7 @@ base::Result<Message, std::string> get_message(generated::Message::Reader in) {
   switch (in.which()) {
     case generated::Message::HELLO: {
       const auto hello = in.getHello();
-      if (hello.getThreads() == 0) return std::string("a hello of no threads");
+      if (hello.getThreads() == 0) return std::string("a hello message with 0 threads");
       return Message(Hello{.results_version = as_string(hello.getResultsVersion()),
                            .identity = as_string(hello.getIdentity()),
                            .threads = hello.getThreads()});
@@ -334,7 +334,7 @@ base::Result<Message, std::string> decode(base::BytesView bytes) {
   // Copied into words: the bytes may lie at any address.
   std::vector<capnp::word> words(bytes.size() / sizeof(capnp::word));
   if (words.size() * sizeof(capnp::word) != bytes.size()) {
-    return std::string("a message that is no whole number of words");
+    return std::string("a message whose size is not a multiple of 8 bytes");
   }
   if (!words.empty()) std::memcpy(words.data(), bytes.data(), bytes.size());
   try {
@@ -344,7 +344,7 @@ base::Result<Message, std::string> decode(base::BytesView bytes) {
         kj::ArrayPtr<const capnp::word>(words.data(), words.size()), limits);
     return get_message(reader.getRoot<generated::Message>());
   } catch (const kj::Exception& failure) {
-    return std::string("a message that can't be read: ") + failure.getDescription().cStr();
+    return std::string("an unreadable message: ") + failure.getDescription().cStr();
   }
 }
 

@@ -82,7 +82,7 @@ TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
   EXPECT_DEATH(throw_in_thread(3), "terminated: an exception of an unknown type\nseed 7\n");
   EXPECT_EXIT(throw_in_thread(3), ::testing::KilledBySignal(SIGABRT), "");
   EXPECT_EXIT(throw_in_thread(std::bad_alloc()), ::testing::ExitedWithCode(5),
-              "^there is too little memory[^\n]*\n$");
+              "^too little memory[^\n]*\n$");
 }
 
 TEST(RepeatNotes, AreKeptInOrderFromAllThreads) {

@@ -110,7 +110,7 @@ TEST(ProgressLine, CountsWhatASearchDoes) {
   // among starts, and while finds are relaxed.
   Progress search{.finds = {.wanted = 5, .is_all = true}, .workers = 2, .elapsed_s = 12};
   EXPECT_EQ(progress_line("x", search),
-            "x  0 of 5 found after 0.0 s  first starts under way for 0:12  2 workers");
+            "x  0 of 5 found after 0.0 s  first starts running for 0:12  2 workers");
   search.session_simulations = 600;
   search.finds.found = 2;
   search.found_s = 3;

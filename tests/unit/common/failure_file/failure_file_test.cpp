@@ -90,7 +90,7 @@ TEST(FailureFile, ChangedFilesAreRefused) {
   std::string changed = good;
   changed.replace(changed.find("00ff10"), 6, "00ff11");
   EXPECT_THAT(request::to_string(read(changed, "x.toml").error()),
-              HasSubstr("x.toml:10:12: the file was changed since it was written"));
+              HasSubstr("x.toml:10:12: the file has changed since it was written"));
 }
 
 TEST(FailureFile, AnyBytesAreReadOrRefused) {

@@ -45,7 +45,7 @@ TEST_F(FullDisk, AnyCallMayFail) {
     std::string advice;
   };
   for (const auto& [code, step, advice] :
-       {Fault{SQLITE_FULL, property::of_tier(4, 1), "make space"},
+       {Fault{SQLITE_FULL, property::of_tier(4, 1), "free disk space"},
         Fault{SQLITE_IOERR_WRITE, property::of_tier(10, 3), "check the disk"}}) {
     bool got_through = false;
     std::uint64_t call = 0;

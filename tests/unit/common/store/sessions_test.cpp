@@ -100,7 +100,7 @@ TEST_F(Sessions, WhatWasChangedIsRefused) {
         "ended='x'", "epoch=2", "checksum=checksum+1"}) {
     execute("CREATE TABLE copy AS SELECT * FROM session");
     execute(std::string("UPDATE session SET ") + change);
-    EXPECT_THAT(failure(), HasSubstr("damaged: how session")) << change;
+    EXPECT_THAT(failure(), HasSubstr("damaged: the end of session")) << change;
     execute("DELETE FROM session");
     execute("INSERT INTO session SELECT * FROM copy");
     execute("DROP TABLE copy");

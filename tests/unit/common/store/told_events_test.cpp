@@ -311,7 +311,7 @@ TEST_F(ToldEventsTest, WhatWasChangedIsRefused) {
   }
   EXPECT_EQ(RunStore(folder(), example_identity(1)).told(), rounds(1, 3).reached);
   execute("UPDATE run SET value=1 WHERE key='format_version'");
-  EXPECT_THAT(failure(), HasSubstr("run store of format 1"));
+  EXPECT_THAT(failure(), HasSubstr("run store has format 1"));
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ TEST(Messages, ResultWithoutScansIsRefused) {
 TEST(Messages, HelloOfNoThreadsIsRefused) {
   // Goal: a worker that could run nothing is not one. Method: 0 threads.
   EXPECT_THAT(refusal(Hello{.results_version = "1", .identity = "i", .threads = 0}),
-              HasSubstr("no threads"));
+              HasSubstr("0 threads"));
 }
 
 TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
@@ -150,7 +150,7 @@ TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
   ASSERT_EQ(refusal(part), "");
   const auto expect_refused = [](Assignment broken, const char* what, const auto& change) {
     change(broken);
-    EXPECT_THAT(refusal(broken), HasSubstr("parts don't fit")) << what;
+    EXPECT_THAT(refusal(broken), HasSubstr("inconsistent parts")) << what;
   };
 
   expect_refused(alone, "no members", [](Assignment& a) {
