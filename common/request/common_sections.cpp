@@ -12,7 +12,7 @@ namespace {
 
 static_assert(k_burn_in_rounds == 4 && k_lanes == 8 && k_particles == 64 &&
                   k_island_burn_in_rounds == 1 && k_solutions_asked_for == 5,
-              "said in the help");
+              "the help states these defaults");
 
 /// A key that a method doesn't have would do nothing in silence.
 void refuse_other_methods_keys(Binder& sampler, Method method) {

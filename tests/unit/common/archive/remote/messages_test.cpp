@@ -155,7 +155,7 @@ TEST(Contents, DatasetsThatCantBeAreNamed) {
   EXPECT_THAT(with({.name = "mine", .dims = {{"mine", half}, {"mine", half}}}),
               HasSubstr("more than"));
   EXPECT_THAT(with({.name = "mine", .dims = std::vector<Dimension>(20, {"mine", 1})}),
-              HasSubstr("20 dimensions"));
+              HasSubstr("dimensions, found 20"));
   EXPECT_THAT(with({.name = "mine", .type = ElementType::text, .dims = self(3)}),
               HasSubstr("0 bytes"));
   EXPECT_THAT(with({.name = "mine", .dims = self(3), .text_bytes = 4}), HasSubstr("4 bytes"));
