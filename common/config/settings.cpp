@@ -45,7 +45,7 @@ void visit(AnySettings& s, Visitor& visitor) {
   visitor.path("state", s.state, "folder for jobs, archives and the log");
   visitor.path("socket", s.socket, "path of the service's Unix socket");
   visitor.name("group", s.group,
-               "group whose members may use the service, like the user who runs it");
+               "group whose members may use the service in addition to its own user");
   visitor.address("listen", s.listen,
                   "address at which the service accepts TLS connections from other machines");
   visitor.path("tls_certificate", s.tls_certificate,
@@ -60,7 +60,7 @@ void visit(AnySettings& s, Visitor& visitor) {
                 "number of cores of a job without --cores; 0: all free cores");
   visitor.bytes("memory", s.memory_bytes, 1, "total memory for all running jobs");
   visitor.bytes("disk_reserve", s.disk_reserve_bytes, 0,
-                "free disk space below which no job starts and running jobs are held");
+                "minimum free disk space; below it, no job starts and running jobs are held");
   visitor.duration_s("slice", s.slice_s,
                      "minimum time for which a job runs before it yields to waiting jobs");
   visitor.count("keep_days", s.keep_days, Range{0, 36500, "days"},

@@ -73,7 +73,7 @@ std::string_view name_of(End end) {
   for (const auto& [known, name] : k_names) {
     if (known == end) return name;
   }
-  base::check_failed("a known end", "");
+  base::check_failed("the end is known", "");
 }
 
 RunEnd end_by(const std::exception& error) {

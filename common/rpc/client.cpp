@@ -220,8 +220,9 @@ struct Client::Impl final : Link {
     }
     const std::string fault =
         access::fault_of_certificate_at(remote.address, host, remote.certificate, patience_s);
-    return fmt::format("the certificate of the server at {} is not trusted: {}", name,
-                       fault.empty() ? "it does not contain this host's DNS name" : fault);
+    return fmt::format(
+        "the certificate of the server at {} is not trusted: {}", name,
+        fault.empty() ? "the certificate does not contain this host's DNS name" : fault);
   }
 
   kj::Own<kj::AsyncIoStream> reach(const access::ServerAddress& address) {
