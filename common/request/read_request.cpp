@@ -191,7 +191,7 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
           "expected more than {}, the number of scans that each chain spends on annealing and "
           "burn-in{}, found {}; set more scans, or {}",
           before, is_chosen ? "" : " by default", *request.stop.scans,
-          !is_chosen ? "use independent_solutions instead, which needs no such number"
+          !is_chosen ? "use independent_solutions instead"
           : request.sampler.tour_scans
               ? "reduce tour_scans in [sampler]"
               : "reduce anneal_scans, burn_in_rounds or round_scans in [sampler]"));

@@ -151,7 +151,7 @@ ObjectAttributes read_attributes(const Api& api, hid_t object, const std::string
   for (std::uint64_t i = 0; i < info.num_attrs; ++i) {
     const OpenAttribute attribute = open_attribute(api, object, path, i);
     if (H5Tcommitted(attribute.type.get()) != 0) {
-      api.fail(path, fmt::format("the attribute {} has a committed type", attribute.name));
+      api.fail(path, fmt::format("the attribute {} has a committed datatype", attribute.name));
     }
     if (take_scale_attribute(api, attribute, path, attributes)) continue;
     if (find_attribute(attributes.content, attribute.name) != nullptr) {
