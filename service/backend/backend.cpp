@@ -29,7 +29,7 @@ template <class T, std::size_t n>
 std::string_view name_among(const std::array<std::pair<T, std::string_view>, n>& names, T value) {
   for (const auto& [known, name] : names)
     if (known == value) return name;
-  base::check_failed("a known value", "");
+  base::check_failed("the value has a name", "");
 }
 
 template <class T, std::size_t n>
@@ -101,15 +101,16 @@ std::optional<Cause> cause_of(std::string_view name) {
 
 void check_order(const Order& order) {
   if (!is_daemon_name(order.name.daemon) || order.name.job == 0 || order.name.epoch == 0)
-    refuse("an attempt is named by a daemon (8 to 32 of a to z and 0 to 9), a job and an epoch");
+    refuse("the attempt needs a daemon (8 to 32 characters of a-z and 0-9), a job and an epoch");
   if (!order.folder.starts_with('/') || has_control(order.folder))
-    refuse(fmt::format("'{}' is no absolute path without control characters", order.folder));
+    refuse(fmt::format("the folder must be an absolute path without control characters, found '{}'",
+                       order.folder));
   if (order.command.empty() || !order.command.front().starts_with('/'))
-    refuse("the command's program is no absolute path");
-  if (has_control(order.label)) refuse("a label has control characters");
+    refuse("the command must begin with an absolute path");
+  if (has_control(order.label)) refuse("the label contains control characters");
   for (const auto& [key, value] : order.options)
     if (has_control(key) || has_control(value))
-      refuse(fmt::format("the option '{}' has control characters", key));
+      refuse(fmt::format("the option '{}' contains control characters", key));
 }
 
 std::string end_of_file(const std::string& path, std::size_t bytes_max) {

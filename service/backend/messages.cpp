@@ -15,10 +15,10 @@ using Json = json::Value;
 
 Json parsed(std::string_view text) {
   const Json json = Json::parse_or_null(text);
-  if (!json.is_object()) refuse_message("the message is no JSON object");
+  if (!json.is_object()) refuse_message("the message is not a JSON object");
   const auto* version = json.find("version");
   if (!version || *version != k_message_version)
-    refuse_message(fmt::format("the message's version is not {}", k_message_version));
+    refuse_message(fmt::format("expected message version {}", k_message_version));
   return json;
 }
 
@@ -35,25 +35,25 @@ T value_of(const Json& json, const char* key, T otherwise) {
   } else {
     fits = found->is_whole();
   }
-  if (!fits) refuse_message(fmt::format("the message's '{}' is of another type", key));
+  if (!fits) refuse_message(fmt::format("'{}' in the message has the wrong type", key));
   return found->template get<T>();
 }
 
 AttemptName name_in(const Json& json) {
   const auto* found = json.find("attempt");
-  if (!found || !found->is_object()) refuse_message("the message has no 'attempt'");
+  if (!found || !found->is_object()) refuse_message("the message has no object 'attempt'");
   AttemptName name{.daemon = value_of<std::string>(*found, "daemon", ""),
                    .job = value_of<std::uint64_t>(*found, "job", 0),
                    .epoch = value_of<std::uint64_t>(*found, "epoch", 0)};
   if (!is_daemon_name(name.daemon) || name.job == 0 || name.epoch == 0)
-    refuse_message("the message's 'attempt' has no daemon, job and epoch of the stated forms");
+    refuse_message("'attempt' in the message lacks a valid daemon, job or epoch");
   return name;
 }
 
 Seen seen_in(const Json& json) {
   const auto state = state_of(value_of<std::string>(json, "state", ""));
   const auto cause = cause_of(value_of<std::string>(json, "cause", "itself"));
-  if (!state) refuse_message("the message's 'state' is none that is known");
+  if (!state) refuse_message("the message has an unknown 'state'");
   return {.state = *state,
           .id = value_of<std::string>(json, "id", ""),
           .words = value_of<std::string>(json, "words", ""),
@@ -101,10 +101,11 @@ bool signalled_of(std::string_view text) {
 std::map<AttemptName, Seen> list_of(const std::string& daemon, std::string_view text) {
   const Json json = parsed(text);
   const auto* attempts = json.find("attempts");
-  if (!attempts || !attempts->is_array()) refuse_message("the message has no 'attempts'");
+  if (!attempts || !attempts->is_array()) refuse_message("the message has no array 'attempts'");
   std::map<AttemptName, Seen> listed;
   for (const Json& entry : attempts->elements()) {
-    if (!entry.is_object()) refuse_message("an entry of the message's 'attempts' is no object");
+    if (!entry.is_object())
+      refuse_message("'attempts' in the message has an entry that is not an object");
     const AttemptName name = name_in(entry);
     if (name.daemon == daemon) listed.insert_or_assign(name, seen_in(entry));
   }

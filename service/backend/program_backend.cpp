@@ -17,8 +17,7 @@ auto read_or_away(std::string_view verb, const Read& read) {
   try {
     return read();
   } catch (const base::Error& failure) {
-    throw Away(fmt::format("{}: its answer can't be used: {}", verb, failure.what()),
-               verb == "launch");
+    throw Away(fmt::format("{}: invalid answer: {}", verb, failure.what()), verb == "launch");
   }
 }
 
@@ -46,7 +45,8 @@ std::string ProgramBackend::ask(std::string_view verb, const Question& question)
   const std::string words = fmt::format("{} {}: {}", title(), verb, end.why());
   if (end.exit_code < 0 || end.exit_code == k_exit_away) throw Away(words, is_launch);
   if (end.exit_code != 0) throw base::Error(words);
-  if (end.is_cut) throw Away(fmt::format("{} {}: it says too much", title(), verb), is_launch);
+  if (end.is_cut)
+    throw Away(fmt::format("{} {}: the output is too long", title(), verb), is_launch);
   return std::move(end.output);
 }
 

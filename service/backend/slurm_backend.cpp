@@ -21,7 +21,8 @@ bool says_gone(const std::string& words) {
 /// own.
 std::string without_patterns(const std::string& folder) {
   if (folder.find('\\') != folder.npos)
-    throw base::Error(fmt::format("'{}' has a backslash, which Slurm can't take", folder));
+    throw base::Error(
+        fmt::format("the folder '{}' contains a backslash, which Slurm does not support", folder));
   std::string text;
   for (const char c : folder)
     text += c == '%' ? std::string("%%") : std::string(1, c);
@@ -71,7 +72,7 @@ void SlurmBackend::ask(double now_s) {
                                    "--states=all", "--noheader", "-o", k_squeue_format});
   // Part of a queue would make the rest absent.
   if (end.exit_code != 0 || end.is_cut)
-    throw Away(fmt::format("squeue: {}", end.is_cut ? "it says too much" : end.why()));
+    throw Away(fmt::format("squeue: {}", end.is_cut ? "the output is too long" : end.why()));
   queue_ = slurm_queue_of(end.output);
   asked_s_ = now_s;
 }
@@ -143,7 +144,8 @@ void SlurmBackend::submit(const Order& order) {
   const std::string id = end.exit_code == 0 ? slurm_number_in(end.output) : std::string();
   if (id.empty()) {
     if (end.exit_code <= 0 || says_away(end.words))
-      throw Away(fmt::format("sbatch: {}", end.exit_code == 0 ? "it told no number" : end.why()),
+      throw Away(fmt::format("sbatch: {}",
+                             end.exit_code == 0 ? "the output has no job number" : end.why()),
                  true);
     unsure_.erase(order.name);
     throw base::Error(fmt::format("sbatch: {}", end.why()));

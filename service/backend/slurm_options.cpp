@@ -27,9 +27,11 @@ constexpr std::array<std::string_view, 27> k_refused{
 void check_value(std::string_view key, std::string_view value) {
   const bool has_control = std::ranges::any_of(
       value, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
-  if (has_control) refuse_wish(fmt::format("Slurm's '{}' has control characters", key));
+  if (has_control)
+    refuse_wish(fmt::format("the Slurm option '{}' contains control characters", key));
   if (value.size() > k_value_bytes_max)
-    refuse_wish(fmt::format("Slurm's '{}' is longer than {} bytes", key, k_value_bytes_max));
+    refuse_wish(
+        fmt::format("the Slurm option '{}' is longer than {} bytes", key, k_value_bytes_max));
 }
 
 /// The words between spaces.
@@ -46,13 +48,13 @@ std::vector<std::string> words_of(std::string_view text) {
 /// sbatch takes "--comm=x" for --comment.
 void check_word(const std::string& word) {
   if (!word.starts_with("--") || word.size() < 3)
-    refuse_wish(fmt::format(
-        "'{}' is no option of sbatch as it is wanted here: write --name=value, or --name", word));
+    refuse_wish(
+        fmt::format("'{}' is not an sbatch option of the form --name=value or --name", word));
   const std::string_view name = std::string_view(word).substr(2, word.find('=') - 2);
   const auto refused = std::ranges::find_if(
       k_refused, [name](std::string_view known) { return known.starts_with(name); });
   if (refused != k_refused.end())
-    refuse_wish(fmt::format("the service itself says --{}: leave '{}' out", *refused, word));
+    refuse_wish(fmt::format("the service controls --{} itself; remove '{}'", *refused, word));
 }
 
 }  // namespace
@@ -63,8 +65,7 @@ SlurmWishes slurm_wishes_of(const Options& defaults, const Options& options) {
     for (const auto& [key, value] : *all) {
       if (key != k_more_key && std::ranges::find(k_plain_keys, key) == k_plain_keys.end())
         refuse_wish(fmt::format(
-            "Slurm has no option '{}' here; there are account, partition, qos, time and more",
-            key));
+            "unknown Slurm option '{}'; expected account, partition, qos, time or more", key));
       check_value(key, value);
     }
   }

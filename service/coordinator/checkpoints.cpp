@@ -60,7 +60,7 @@ bool Checkpoints::is_due(const Standing& now) const {
 /// Once, and not again.
 void Checkpoints::complain(const std::string& reason) {
   if (std::exchange(has_complained_, true)) return;
-  logging::warn(fmt::format("no archive of the run so far: {}", reason));
+  logging::warn(fmt::format("can't write an archive of the run so far: {}", reason));
 }
 
 void Checkpoints::stop() {

@@ -14,19 +14,20 @@ namespace sleight::coordinator {
 void refuse_unusable_place(const std::string& output, base::FileSystem& files) {
   if (output.empty() || output.back() == '/' || files.is_directory(output)) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("-o '{}': no file name; say for example -o {}", output,
+                      fmt::format("-o '{}': not a file name; use for example -o {}", output,
                                   output.empty() ? "ball.h5" : output + "/ball.h5"));
   }
   const std::string folder = base::directory_of(output);
   if (files.exists(store::RunStore::database_path(folder))) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: lies in the run store of another output; choose another folder", output));
+        fmt::format("{}: the folder is the run store of another output; choose another folder",
+                    output));
   }
   // The archive is written to a temporary file of such a name: try that, longest suffix included.
   const std::string trial = output + ".tmp.4194304";
   if (const auto file = files.create(trial); !file) {
-    throw base::Error(fmt::format("{}: can't be written: {}", output, file.error().message()));
+    throw base::Error(fmt::format("{}: can't write the file: {}", output, file.error().message()));
   }
   files.remove(trial);
 }
@@ -51,8 +52,8 @@ void refuse_foreign_file(const std::string& output, const std::vector<std::strin
   }
   if (ours) return;
   throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: is not the archive of this run, so it is not overwritten; "
-                                "move it away, or choose another output",
+                    fmt::format("{}: not overwritten, because the file is not the archive of this "
+                                "run; move it away, or choose another output",
                                 output));
 }
 

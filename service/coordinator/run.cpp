@@ -38,13 +38,13 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   if (files.exists(output) && !has_run) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: exists, but its run store {} does not, so it can't be resumed, "
-                    "and it is not overwritten; move it away, or choose another output",
+        fmt::format("{}: can't resume or overwrite the archive, because its run store {} is "
+                    "missing; move the archive away, or choose another output",
                     output, database));
   }
   if (!fresh || !has_run) return;
   if (files.exists(output)) refuse_foreign_file(output, {""});
-  logging::info(fmt::format("--fresh: giving up the earlier run of {}", output));
+  logging::info(fmt::format("--fresh: deleting the earlier run of {}", output));
   // The archive goes first: an archive without its store would be refused above.
   files.remove(output);
   // Then the database, then its log: a log alone is ignored, a database without its log may be
@@ -67,7 +67,8 @@ void remove_leftovers(const std::string& output, base::FileSystem& files) {
     try {
       act();
     } catch (const base::Error& failure) {
-      logging::warn(fmt::format("archives of killed processes may be left: {}", failure.what()));
+      logging::warn(
+          fmt::format("can't delete temporary archives of killed processes: {}", failure.what()));
     }
   };
   std::vector<std::string> names;
@@ -80,18 +81,18 @@ void remove_leftovers(const std::string& output, base::FileSystem& files) {
 void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& failed,
                  const std::optional<std::string>& path) {
   logging::warn(fmt::format(
-      "a simulation failed (a bug of the simulator; its state is refused): {}: {}; chain {}, "
-      "replica {}, scan {}; {}",
+      "a simulation failed because of a simulator bug, and its state is discarded: {}: {} (chain "
+      "{}, replica {}, scan {}); {}",
       plan::name_of(failed.failure.kind), failed.failure.message, replica.chain.value,
       replica.replica.value, failed.scan.value,
-      path ? "to repeat it: sleight replay " + *path : "no more of them are kept as files"));
+      path ? "to repeat it: sleight replay " + *path : "no more failures are stored as files"));
 }
 
 /// Units that have begun may take a while.
 void say_stopping() {
   logging::info(
-      fmt::format("stopping: what is not computed within {:g} s is left to the next session, then "
-                  "the archive is written",
+      fmt::format("stopping: waiting up to {:g} s for results, then writing the archive; the next "
+                  "session computes the rest",
                   k_stop_grace_s));
 }
 
@@ -104,9 +105,9 @@ void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
       stored = std::min(stored.value_or(at.next_scan), at.next_scan);
   }
   if (stored.value_or(0) <= scans) return;
-  logging::info(fmt::format(
-      "{}: has the first {} scans of each chain, which were asked for; its store has {}", output,
-      scans, *stored));
+  logging::info(
+      fmt::format("{}: contains the requested first {} scans of each chain; the run store has {}",
+                  output, scans, *stored));
 }
 
 /// Keeps failures as files, and says the first one at once; progress and summary count the others.
@@ -148,7 +149,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                             RunEvents& run_events) {
   base::FileSystem& files = inputs.files;
   lock.keep();  // nothing forks any more
-  if (run_store.epoch() > 1) run_events.say("reading what earlier sessions stored");
+  if (run_store.epoch() > 1) run_events.say("reading results of earlier sessions");
   double motions_s = 0;  // of the thread of checkpoints while that runs
   const auto archive_of = [&](request::Cut cut, const std::function<bool()>& stop,
                               const archive::HearWriting& hear) {
@@ -243,7 +244,7 @@ events::End end_of(const RunSummary& summary) {
 /// For people; of most ends there is nothing to say.
 std::string words_of(const RunSummary& summary) {
   if (summary.is_archive_given_up)
-    return "it was told to stop while it wrote the archive, which is as it was before";
+    return "stopped while writing the archive; any previous archive is unchanged";
   const std::string& stuck_at = summary.progress.finds.stuck_at;
   const plan::Odds& odds = summary.progress.odds;
   switch (end_of(summary)) {
@@ -254,12 +255,12 @@ std::string words_of(const RunSummary& summary) {
     case events::End::gave_up:
       return fmt::format("the search gave up after {} of {} finds{}", summary.found,
                          summary.progress.finds.wanted,
-                         stuck_at.empty() ? "" : "; it was stuck at " + stuck_at);
+                         stuck_at.empty() ? "" : "; stuck at " + stuck_at);
     case events::End::no_draws:
-      return "all scans are made and none of them is a draw: the burn-in takes longer";
+      return "all scans are done, but none is a draw: the burn-in needs more scans";
     case events::End::simulation_failed:
       return summary.first_failure.empty()
-                 ? "a simulation failed, which ends a run with --strict"
+                 ? "a simulation failed, and --strict ends the run"
                  : fmt::format("a simulation failed: sleight replay {}", summary.first_failure);
     default:
       return {};

@@ -111,7 +111,7 @@ void RunEvents::log(events::RunEvent event) {
     try {
       if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
     } catch (const std::system_error& failure) {
-      logging::warn(fmt::format("{}: no log of its events: {}", folder_, failure.what()));
+      logging::warn(fmt::format("{}: can't write the event log: {}", folder_, failure.what()));
       stop_ = true;
     }
   }

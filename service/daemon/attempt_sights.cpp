@@ -32,15 +32,15 @@ std::string repeat_of(const keeper::AttemptRecord& record, const std::string& fo
 std::string signal_words(const keeper::AttemptEnd& end) {
   switch (end.killed_for) {
     case keeper::KilledFor::lingering:
-      return "the program told its end and did not exit";
+      return "the program reported its end but did not exit";
     case keeper::KilledFor::without_ranks:
-      return "mpirun hung after its ranks had gone";
+      return "mpirun hung after its ranks had exited";
     default:
       break;
   }
   if (!end.not_started.empty()) return end.not_started;
   if (end.signal) return fmt::format("the program was killed by signal {}", *end.signal);
-  if (end.exit_code) return fmt::format("the program exited with {}", *end.exit_code);
+  if (end.exit_code) return fmt::format("the program exited with code {}", *end.exit_code);
   return "the program ended";
 }
 

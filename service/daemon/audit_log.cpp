@@ -110,8 +110,8 @@ void AuditLog::open_file() {
   bytes_ = file_ ? static_cast<std::uint64_t>(seen.st_size) : 0;
   if (file_ || lost_ > 0) return;
   logging::warn(
-      fmt::format("{}: can't be written ({}): nothing is noted of who does what until it "
-                  "is a plain file again",
+      fmt::format("{}: can't write the audit log ({}); calls are not recorded until the path is a "
+                  "regular file again",
                   path, std::system_category().message(error)));
 }
 

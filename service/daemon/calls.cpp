@@ -18,9 +18,9 @@ namespace {
 
 rpc::Refusal not_there(rpc::JobId job, bool was_there) {
   return {.kind = was_there ? rpc::RefusalKind::gone : rpc::RefusalKind::not_found,
-          .sentence = was_there ? fmt::format("Job {} is deleted.", job.value)
-                                : fmt::format("There is no job {}.", job.value),
-          .what_to_do = "`sleight list` has those that there are."};
+          .sentence = was_there ? fmt::format("Job {} has been deleted.", job.value)
+                                : fmt::format("Job {} does not exist.", job.value),
+          .what_to_do = "`sleight list` shows existing jobs."};
 }
 
 /// Whether a job is one of those that a list asks for.
@@ -110,17 +110,18 @@ base::Result<std::vector<jobs::JobId>, rpc::Refusal> Calls::jobs_of(
   }
   if (seen.empty()) {
     return rpc::Refusal{.kind = rpc::RefusalKind::not_found,
-                        .sentence = fmt::format("There is no group g{}.", target.group->value),
+                        .sentence = fmt::format("Group g{} does not exist.", target.group->value),
                         .what_to_do = "`sleight list` shows each job's group."};
   }
   return seen;
 }
 
 rpc::Refusal Calls::stalled() const {
-  return {
-      .kind = rpc::RefusalKind::environment,
-      .sentence = "The service can't save anything at the moment: its disk is full or fails.",
-      .what_to_do = "Make room on the disk of its state folder; nothing that was taken is lost."};
+  return {.kind = rpc::RefusalKind::environment,
+          .sentence = "The service can't save changes because its disk is full or failing.",
+          .what_to_do =
+              "Free some space on the disk of the service's state folder. Changes accepted before "
+              "are not lost."};
 }
 
 void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
@@ -202,8 +203,8 @@ void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::Jo
   const std::optional<std::uint64_t> after = id_of_cursor(ask.cursor);
   if (!ask.cursor.empty() && !after) {
     reply.refuse({.kind = rpc::RefusalKind::bad_request,
-                  .sentence = "That is no cursor of a list.",
-                  .what_to_do = "Ask for the first page."});
+                  .sentence = "The list cursor is invalid.",
+                  .what_to_do = "Request the first page."});
     return;
   }
   rpc::JobPage page;
@@ -309,7 +310,7 @@ void Calls::logs(const rpc::Caller& caller, rpc::LogAsk ask, rpc::Reply<rpc::Log
     logging::warn(failure.what());
     reply.refuse({.kind = rpc::RefusalKind::environment,
                   .sentence = "The job's log can't be read.",
-                  .what_to_do = "The service's log has the reason."});
+                  .what_to_do = "See the service's log for the reason."});
   }
 }
 
@@ -321,14 +322,15 @@ base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
   const std::uint64_t has = std::max(known->counts.solutions, known->counts.found);
   if (extension.by == rpc::ExtendBy::solutions && extension.to <= static_cast<double>(has)) {
     return rpc::Refusal{.kind = rpc::RefusalKind::bad_request,
-                        .sentence = fmt::format("Job {} has {} solutions already.", job.value, has),
-                        .what_to_do = "Ask for more; no job was changed."};
+                        .sentence = fmt::format("Job {} already has {} solutions.", job.value, has),
+                        .what_to_do = "Request a higher number. No job was changed."};
   }
   const auto stored = runner_.reader().request(job, known->revision);
   if (!stored) {
-    return rpc::Refusal{.kind = rpc::RefusalKind::busy,
-                        .sentence = fmt::format("Job {} is being changed.", job.value),
-                        .what_to_do = "Try again."};
+    return rpc::Refusal{
+        .kind = rpc::RefusalKind::busy,
+        .sentence = fmt::format("Another change of job {} is in progress.", job.value),
+        .what_to_do = "Try again."};
   }
   auto longer = extended_request(*stored, extension, read_, facts_.request_limits);
   if (!longer) return longer.error();
@@ -437,7 +439,7 @@ void Calls::info(const rpc::Caller& caller, rpc::Reply<rpc::ServerView> reply) {
 void Calls::drain(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) {
   if (!is_operator(caller)) {
     reply.refuse({.kind = rpc::RefusalKind::not_allowed,
-                  .sentence = "Only the service's own user may drain it."});
+                  .sentence = "Only the user who runs the service can drain it."});
     return;
   }
   runner_.drain(true);
@@ -447,7 +449,7 @@ void Calls::drain(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) {
 void Calls::stop(const rpc::Caller& caller, rpc::Reply<rpc::Nothing> reply) {
   if (!is_operator(caller)) {
     reply.refuse({.kind = rpc::RefusalKind::not_allowed,
-                  .sentence = "Only the service's own user may stop it."});
+                  .sentence = "Only the user who runs the service can stop it."});
     return;
   }
   reply.answer({});

@@ -21,10 +21,10 @@ std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::
   if (count + more <= caller.token_jobs_max) return std::nullopt;
   return rpc::Refusal{
       .kind = rpc::RefusalKind::limit,
-      .sentence = fmt::format("This token's jobs that have not ended are at most {}; there are {}, "
-                              "and {} more are asked for.",
-                              caller.token_jobs_max, count, more),
-      .what_to_do = "Wait until some end, or ask for a token with more."};
+      .sentence = fmt::format(
+          "This token allows at most {} unfinished jobs; {} exist, and {} more were requested.",
+          caller.token_jobs_max, count, more),
+      .what_to_do = "Wait until some jobs end, or use a token with a higher limit."};
 }
 
 /// Of jobs that are resumed or extended. A token with limits brings back those that were submitted
@@ -38,9 +38,9 @@ std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
     if (posted.asked.token_id != caller.token_id) {
       return rpc::Refusal{
           .kind = rpc::RefusalKind::limit,
-          .sentence = fmt::format(
-              "This token has limits of its own, and job {} was not submitted by it.", job.value),
-          .what_to_do = "A token without --jobs and --cores does it."};
+          .sentence = fmt::format("This token has limits, and job {} was not submitted with it.",
+                                  job.value),
+          .what_to_do = "Use a token that was created without --jobs and --cores."};
     }
     if (jobs::is_over(posted.job.state)) ++revived;
   }
@@ -56,16 +56,17 @@ std::optional<rpc::Refusal> Calls::fit_to_token(const rpc::Caller& caller, rpc::
     return std::nullopt;
   }
   return rpc::Refusal{.kind = rpc::RefusalKind::limit,
-                      .sentence = fmt::format("A job of this token has at most {} core{}.",
+                      .sentence = fmt::format("This token allows at most {} core{} per job.",
                                               cores_max, cores_max == 1 ? "" : "s"),
-                      .what_to_do = "Ask for fewer cores or ranks."};
+                      .what_to_do = "Request fewer cores or ranks."};
 }
 
 void Calls::create_token(const rpc::Caller& caller, rpc::TokenAsk ask,
                          rpc::Reply<rpc::TokenView> reply) {
   if (ask.for_user && *ask.for_user != caller.user && !is_operator(caller)) {
-    reply.refuse({.kind = rpc::RefusalKind::not_allowed,
-                  .sentence = "Only the service's own user may give out tokens of others."});
+    reply.refuse(
+        {.kind = rpc::RefusalKind::not_allowed,
+         .sentence = "Only the user who runs the service can create tokens for other users."});
     return;
   }
   try {
@@ -86,13 +87,12 @@ void Calls::revoke_token(const rpc::Caller& caller, std::string id,
     reply.give(tokens_.revoke(is_operator(caller) ? std::nullopt : std::optional(caller.user), id));
   } catch (const base::Error& failure) {
     logging::warn(failure.what());
-    reply.refuse(
-        {.kind = rpc::RefusalKind::environment,
-         .sentence = fmt::format(
-             "Token {} is refused from now on, but that can't be saved: the disk is full or "
-             "fails, and it would be valid again after a restart.",
-             id),
-         .what_to_do = "Make room, and revoke it once more."});
+    reply.refuse({.kind = rpc::RefusalKind::environment,
+                  .sentence = fmt::format(
+                      "Token {} is revoked, but the change can't be saved because the disk is full "
+                      "or failing. The token would be valid again after a restart.",
+                      id),
+                  .what_to_do = "Free some disk space, then revoke the token again."});
   }
 }
 

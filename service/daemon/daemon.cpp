@@ -31,7 +31,7 @@ void make_state_folder(const std::string& state) {
   std::error_code reason;
   std::filesystem::create_directories(state, reason);
   if (reason || ::chmod(state.c_str(), 0700) != 0) {
-    throw base::Error(fmt::format("{}: the service's folder can't be used: {}", state,
+    throw base::Error(fmt::format("{}: can't use the service's state folder: {}", state,
                                   reason ? reason.message() : std::strerror(errno)));
   }
 }
@@ -43,8 +43,8 @@ std::string daemon_id_of(const std::string& state) {
   if (!files.exists(path)) {
     if (files.exists(state + "/jobs")) {
       logging::warn(
-          fmt::format("{} is not there and is drawn anew: what a batch system has of this "
-                      "service under an earlier one is not found",
+          fmt::format("{}: missing, so a new daemon name is created; batch jobs submitted under "
+                      "the old name will not be found",
                       path));
     }
     base::replace_text_file(files, path, access::draw_token().id + "\n");
@@ -53,8 +53,10 @@ std::string daemon_id_of(const std::string& state) {
   while (!id.empty() && id.back() == '\n')
     id.pop_back();
   if (backend::is_daemon_name(id)) return id;
-  throw base::Error(fmt::format(
-      "{}: is not as it was written; jobs that a batch system has are known by it", path));
+  throw base::Error(
+      fmt::format("{}: damaged; restore the file from a backup, because its daemon name identifies "
+                  "this service's batch jobs",
+                  path));
 }
 
 }  // namespace
@@ -106,7 +108,7 @@ void run_daemon(const DaemonOptions& options) {
   loop.run();
   server.reset();
   tokens.save_uses();
-  logging::info("stopped; jobs run on, and the next server takes them over");
+  logging::info("server stopped; jobs keep running, and the next server takes them over");
 }
 
 }  // namespace sleight::daemon

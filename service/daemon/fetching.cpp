@@ -49,14 +49,14 @@ std::vector<std::string> names_after(const std::string& folder, const std::strin
 
 std::string sha256_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw base::Error(fmt::format("{}: can't be read", path));
+  if (!file) throw base::Error(fmt::format("{}: can't read the file", path));
   hash::Sha256 hash;
   std::string piece(k_hash_piece, '\0');
   while (file) {
     file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
     hash.update(std::string_view(piece.data(), static_cast<std::size_t>(file.gcount())));
   }
-  if (file.bad()) throw base::Error(fmt::format("{}: can't be read", path));
+  if (file.bad()) throw base::Error(fmt::format("{}: can't read the file", path));
   return hash::to_hex(hash.finish());
 }
 
@@ -81,10 +81,11 @@ void Fetching::fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string s
   }
   if (const auto of_user = under_way_.find(user);
       of_user != under_way_.end() && of_user->second >= k_fetches_of_user_max) {
-    reply.refuse(refusal(rpc::RefusalKind::busy,
-                         fmt::format("{} fetches of yours are under way, which are the most.",
-                                     k_fetches_of_user_max),
-                         "Try again when some of them are done."));
+    reply.refuse(
+        refusal(rpc::RefusalKind::busy,
+                fmt::format("You already have {} fetches in progress, which is the maximum.",
+                            k_fetches_of_user_max),
+                "Try again when one of them has finished."));
     return;
   }
   make(user, ask, std::move(segments),
@@ -104,7 +105,7 @@ Fetching::Files Fetching::derived(jobs::JobId job, const std::string& made) cons
       run_maker({parts_.sleight, "archive", "derive", parts_.folders.run(job), "-o", made});
   if (end.exit_code != 0) {
     return refusal(rpc::RefusalKind::environment,
-                   fmt::format("No archive of job {} so far: {}", job.value, last_line(end)));
+                   fmt::format("Can't create an archive of job {}: {}", job.value, last_line(end)));
   }
   return std::vector<Found>{
       {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
@@ -119,11 +120,11 @@ Fetching::Files Fetching::newest(jobs::JobId job, const std::string& made) const
   if (std::filesystem::exists(parts_.folders.run(job))) return derived(job, made);
   if (!std::filesystem::exists(parts_.folders.folder(job))) {
     return refusal(rpc::RefusalKind::not_found,
-                   fmt::format("The files of job {} are not there.", job.value),
-                   "It may not have begun, or somebody has deleted its folder.");
+                   fmt::format("The files of job {} do not exist.", job.value),
+                   "The job may not have started yet, or its folder was deleted.");
   }
   return refusal(rpc::RefusalKind::conflict, fmt::format("Job {} has no archive yet.", job.value),
-                 "It comes when something is stored.");
+                 "The archive becomes available after the first results are stored.");
 }
 
 Fetching::Files Fetching::recordings(jobs::JobId job, const std::string& segments,
@@ -138,8 +139,9 @@ Fetching::Files Fetching::recordings(jobs::JobId job, const std::string& segment
   }
   const keeper::ToolEnd end = run_maker(command);
   if (end.exit_code != 0) {
-    return refusal(rpc::RefusalKind::not_found,
-                   fmt::format("No such recordings of job {}: {}", job.value, last_line(end)));
+    return refusal(
+        rpc::RefusalKind::not_found,
+        fmt::format("Can't export the recordings of job {}: {}", job.value, last_line(end)));
   }
   return std::vector<Found>{
       {.path = made, .name = fmt::format("job-{}-recordings.csv", job.value), .is_ours = true}};
@@ -213,7 +215,7 @@ void Fetching::make(std::uint32_t user, const rpc::FetchAsk& ask, const std::str
       logging::warn(failure.what());
       outcome = refusal(rpc::RefusalKind::environment,
                         fmt::format("The files of job {} can't be read.", ask.job.value),
-                        "The service's log has the reason.");
+                        "See the service's log for the reason.");
     }
     parts_.loop.post([this, user, outcome = std::move(outcome), has_more, reply]() mutable {
       if (--under_way_[user] == 0) under_way_.erase(user);
@@ -235,8 +237,8 @@ void Fetching::give(std::vector<Hashed> files, bool has_more, rpc::Reply<rpc::Fe
     }
     reply.answer(std::move(fetched));
   } catch (const base::Error&) {
-    reply.refuse(
-        refusal(rpc::RefusalKind::environment, "The file went away meanwhile.", "Try again."));
+    reply.refuse(refusal(rpc::RefusalKind::environment, "The file was deleted during the fetch.",
+                         "Try again."));
   }
 }
 

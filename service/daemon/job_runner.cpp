@@ -72,10 +72,10 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
         StoredJobs stored = store.load();
         // A store that somebody deleted leaves folders behind: no new job takes up what is there.
         if (const std::uint64_t highest = folders_.highest(); highest >= stored.next_id) {
-          logging::warn(fmt::format(
-              "{} has folders of jobs up to {} that the job store doesn't know; new jobs are "
-              "numbered from {}",
-              folders_.all(), highest, highest + 1));
+          logging::warn(
+              fmt::format("{}: job folders up to {} are missing from the job store; new jobs are "
+                          "numbered from {}",
+                          folders_.all(), highest, highest + 1));
           stored.next_id = highest + 1;
         }
         board_ = Board(stored);
@@ -90,7 +90,7 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
             [this](SaveQueue::Callback callback) { loop_.post(std::move(callback)); },
             [this](const std::string& reason) {
               stalled_ = reason;
-              logging::warn(reason.empty() ? "the job store takes changes again" : reason);
+              logging::warn(reason.empty() ? "the job store is writable again" : reason);
             });
       }()),
       reader_(to_read_),
@@ -100,7 +100,7 @@ std::unique_ptr<Attempts> JobRunner::make_attempts() {
   const auto text_of = [this](jobs::JobId job, std::uint64_t revision) {
     const auto request = reader_.request(job, revision);
     if (!request)
-      throw base::Error(fmt::format("the job store has no request of job {}", job.value));
+      throw base::Error(fmt::format("the job store lacks the request of job {}", job.value));
     return LaunchText{
         .request = request->text, .strict = request->strict, .options = request->options};
   };
@@ -191,8 +191,8 @@ void JobRunner::perform(const jobs::Effect& effect) {
     remove(gone->job);
   } else if (const auto* announced = std::get_if<jobs::Announce>(&effect)) {
     logging::info(
-        fmt::format("job {} will be deleted by the rule for finished jobs; `sleight pin "
-                    "{}` keeps it",
+        fmt::format("job {} will be deleted by the rule for finished jobs; to prevent this, run "
+                    "`sleight pin {}`",
                     announced->job.value, announced->job.value));
   }
 }

@@ -26,7 +26,7 @@ CREATE TABLE usage(user INTEGER PRIMARY KEY, record TEXT NOT NULL, checksum INTE
 )";
 
 constexpr const char* k_put_back =
-    "Put back a copy of the state folder, or move the folder away and start with an empty one";
+    "Restore the state folder from a backup, or move it away and start with an empty one";
 
 /// A row's place: its table, and up to two numbers.
 struct Place {
@@ -44,16 +44,16 @@ std::int64_t checksum_of(const Place& place, std::string_view text) {
 void verify(const store::Database& database, const Place& place, std::string_view text,
             std::int64_t checksum) {
   if (checksum_of(place, text) == checksum) return;
-  throw base::Error(fmt::format(
-      "{}: the row {} {} of table {} is not as it was written: the disk or somebody changed it; "
-      "the store is left as it is. {}",
-      database.path(), place.first, place.second, place.table, k_put_back));
+  throw base::Error(
+      fmt::format("{}: row ({}, {}) of table {} has a wrong checksum, because of a disk error or "
+                  "an outside change; the store was not changed. {}",
+                  database.path(), place.first, place.second, place.table, k_put_back));
 }
 
 template <class Value>
 Value sound(std::optional<Value> value, const store::Database& database, const Place& place) {
   if (value) return *std::move(value);
-  throw base::Error(fmt::format("{}: the row {} {} of table {} can't be read", database.path(),
+  throw base::Error(fmt::format("{}: can't parse row ({}, {}) of table {}", database.path(),
                                 place.first, place.second, place.table));
 }
 
@@ -110,8 +110,9 @@ auto with_advice(const std::string& path, const Work& work) {
     return work();
   } catch (const store::DatabaseError& error) {
     if (error.kind() != store::DatabaseError::Kind::damaged) throw;
-    throw base::Error(fmt::format("{}: the job store is damaged ({}); it is left as it is. {}",
-                                  path, error.reason(), k_put_back));
+    throw base::Error(
+        fmt::format("{}: the job store is damaged ({}); the store was not changed. {}", path,
+                    error.reason(), k_put_back));
   }
 }
 
@@ -153,8 +154,8 @@ void JobStore::create_or_check() {
   const std::string format = state_value("format");
   if (format == std::to_string(k_job_store_format)) return;
   throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: job store of format {}, this program reads {}; it is left as "
-                                "it is: use the program that made it, or another state folder",
+                    fmt::format("{}: the job store has format {}, expected {}; use the program "
+                                "version that created the store, or another state folder",
                                 database_.path(), format, k_job_store_format));
 }
 
@@ -163,11 +164,12 @@ std::string JobStore::state_value(std::string_view key) {
   select.bind(1, key);
   if (!select.step())
     throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: not a job store of Sleight's", database_.path()));
+                      fmt::format("{}: not a Sleight job store", database_.path()));
   std::string value = select.text(0);
   if (store::checksum_of_text(key, value) != select.integer(1))
-    throw base::Error(fmt::format("{}: its {} is not as it was written; the store is left as it is",
-                                  database_.path(), key));
+    throw base::Error(
+        fmt::format("{}: the value of '{}' has a wrong checksum; the store was not changed",
+                    database_.path(), key));
   return value;
 }
 

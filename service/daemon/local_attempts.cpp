@@ -134,7 +134,7 @@ void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
         break;
       }
       case State::died:
-        sight.seen = sights_.died(job, &*seen.record, "Its keeper and its program were killed.");
+        sight.seen = sights_.died(job, &*seen.record, "The job's keeper and program were killed.");
         break;
     }
     if (seen.state != State::running) running_.erase(job);
@@ -174,8 +174,9 @@ bool LocalAttempts::tell_unbegun(jobs::JobId job, jobs::Attempt attempt) {
     const keeper::Look seen =
         parts_.backend.look(parts_.folders.folder(job), static_cast<std::uint32_t>(attempt.value));
     if (seen.state != keeper::Look::State::never_began) return false;
-    tell_launch_failed(job, attempt,
-                       seen.words.empty() ? "its keeper ended before it had begun" : seen.words);
+    tell_launch_failed(
+        job, attempt,
+        seen.words.empty() ? "the keeper exited before the attempt began" : seen.words);
     return true;
   } catch (const base::Error&) {
     return false;
@@ -215,11 +216,12 @@ void LocalAttempts::end_those_without_folder(double now_s) {
   for (const jobs::JobId job : gone) {
     const auto run = running_.find(job);
     run->second.keeper->stop(keeper::Stop::now);
-    tell(jobs::Sight{
-        .job = job,
-        .attempt = run->second.attempt,
-        .seen = jobs::Died{
-            .words = "Its folder was deleted.", .repeat = {}, .counts = {}, .disk_bytes = 0}});
+    tell(jobs::Sight{.job = job,
+                     .attempt = run->second.attempt,
+                     .seen = jobs::Died{.words = "The job's folder was deleted.",
+                                        .repeat = {},
+                                        .counts = {},
+                                        .disk_bytes = 0}});
     parts_.feeds.drop(job);
     running_.erase(run);
   }

@@ -29,7 +29,7 @@ std::string piece_of(const std::string& path, std::uint64_t offset, std::uint64_
   std::string text(count, '\0');
   file.seekg(static_cast<std::streamoff>(offset));
   file.read(text.data(), static_cast<std::streamsize>(count));
-  if (file.bad()) throw base::Error(fmt::format("{}: can't be read", path));
+  if (file.bad()) throw base::Error(fmt::format("{}: can't read the log", path));
   text.resize(static_cast<std::size_t>(file.gcount()));
   return text;
 }

@@ -39,12 +39,12 @@ std::string counted(std::uint64_t count, const char* what) {
 
 rpc::Refusal too_dear(const std::string& sum, std::uint64_t most, const char* what,
                       const char* setting, const char* key) {
-  return {.kind = rpc::RefusalKind::limit,
-          .sentence = fmt::format("The request is too dear: {}, and a job of this service has at "
-                                  "most {} {}.",
-                                  sum, grouped(most), what),
-          .what_to_do =
-              fmt::format("Ask for less (`{}`); whoever runs the service sets {}.", key, setting)};
+  return {
+      .kind = rpc::RefusalKind::limit,
+      .sentence = fmt::format("The request needs {}, and this service's limit per job is {} {}.",
+                              sum, grouped(most), what),
+      .what_to_do = fmt::format("Reduce `{}`, or ask the service's administrator to raise {}.", key,
+                                setting)};
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ RequestCost cost_of(const request::DirectionRequest& request) {
   if (const auto scans = scans_of(request); scans && sampler.chains > 0) {
     cost.simulations = product(cost.states, product(sampler.iterations_per_scan, *scans));
     cost.simulations_sum = fmt::format(
-        "{} x {} of a scan x {} = {}", factors, counted(sampler.iterations_per_scan, "iteration"),
+        "{} x {} per scan x {} = {}", factors, counted(sampler.iterations_per_scan, "iteration"),
         counted(*scans, "scan"), counted(*cost.simulations, "simulation"));
   }
   return cost;

@@ -23,13 +23,13 @@ StoredRequest stored_of(const request::DirectionRequest& request, bool strict) {
 rpc::Refusal bad_request(std::vector<request::Diagnostic> diagnostics) {
   return {.kind = rpc::RefusalKind::bad_request,
           .sentence = "The request has errors.",
-          .what_to_do = "`sleight keys` lists every key of a request.",
+          .what_to_do = "`sleight keys` lists all keys of requests.",
           .diagnostics = std::move(diagnostics)};
 }
 
 rpc::Refusal no_extension(std::string why) {
   return {.kind = rpc::RefusalKind::bad_request,
-          .sentence = fmt::format("It can't be extended so: {}.", why),
+          .sentence = fmt::format("The job can't be extended: {}.", why),
           .what_to_do = "No job was changed."};
 }
 
@@ -86,7 +86,8 @@ base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& 
                                                            const RequestLimits& limits) {
   const std::string name = fmt::format("the request of job {}", stored.job.value);
   const auto asked = extension_of(extension);
-  if (!asked) return no_extension(fmt::format("{} is no such number", extension.to));
+  if (!asked)
+    return no_extension(fmt::format("{} is not a valid number for this extension", extension.to));
   const auto request = read(stored.text, name);
   if (!request) return bad_request(request.error());
   const auto text = request::extended_text(request.value(), *asked);

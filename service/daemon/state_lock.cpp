@@ -19,9 +19,9 @@ std::unique_ptr<store::RunLock> lock_state_folder(const std::string& state) {
     std::string process;
     std::ifstream(state + "/lock") >> process;
     throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: another server has this folder{}; `sleight server status` "
-                                  "shows it, `sleight server stop` ends it",
-                                  state, process.empty() ? "" : ": process " + process));
+                      fmt::format("{}: in use by another server{}; `sleight server status` shows "
+                                  "it, `sleight server stop` stops it",
+                                  state, process.empty() ? "" : " (process " + process + ")"));
   }
 }
 

@@ -156,7 +156,7 @@ void SystemAttempts::not_launched(jobs::JobId job, jobs::Attempt attempt, const 
   if (may_have_begun) {
     tell_seen(job, *run,
               jobs::Unknown{
-                  .words = fmt::format("{} doesn't answer: {}", parts_.backend->title(), words)});
+                  .words = fmt::format("{} does not respond: {}", parts_.backend->title(), words)});
     return;
   }
   jobs::LaunchFailed failed = sights_.launch_failed(job, attempt, words);
@@ -232,7 +232,7 @@ void SystemAttempts::not_listed(const std::string& words) {
     if (!run.is_looked_for) continue;
     tell_seen(job, run,
               jobs::Unknown{
-                  .words = fmt::format("{} doesn't answer: {}", parts_.backend->title(), words)});
+                  .words = fmt::format("{} does not respond: {}", parts_.backend->title(), words)});
   }
 }
 
@@ -273,7 +273,7 @@ jobs::Outside SystemAttempts::outside_of(const Run& run) const {
 std::string SystemAttempts::words_of(const Run& run) const {
   const std::string title = parts_.backend->title();
   if (!run.seen || run.seen->state == backend::State::absent)
-    return fmt::format("{} has forgotten it, and its keeper left no end", title);
+    return fmt::format("{} no longer lists the job, and its keeper recorded no end", title);
   return fmt::format("{} job {}: {}", title, run.seen->id, run.seen->words);
 }
 
@@ -289,8 +289,7 @@ void SystemAttempts::judge(jobs::JobId job) {
     record = keeper::read_record(folder);
     if (record && record->attempt > run.attempt.value)
       throw base::Error(
-          fmt::format("{}: attempt {} has begun there, after attempt {}: another "
-                      "server uses this folder",
+          fmt::format("{}: attempt {} has begun after attempt {}; another server uses this folder",
                       folder, record->attempt, run.attempt.value));
   } catch (const base::Error& failure) {
     if (run.is_looked_for) {
@@ -388,9 +387,9 @@ void SystemAttempts::judge_there(jobs::JobId job, Run& run) {
   if (!run.seen || run.is_launching) return;
   const std::string job_words = fmt::format("{} job {}", parts_.backend->title(), run.seen->id);
   if (run.seen->state == backend::State::waiting) {
-    tell_pending(job, run, fmt::format("{} waits: {}", job_words, run.seen->words));
+    tell_pending(job, run, fmt::format("{} is waiting: {}", job_words, run.seen->words));
   } else if (run.seen->state == backend::State::running) {
-    tell_pending(job, run, fmt::format("{} has begun, and its keeper hasn't", job_words));
+    tell_pending(job, run, fmt::format("{} has started, but its keeper has not", job_words));
   } else if (run.is_looked_for) {
     tell_seen(job, run, jobs::Unknown{.words = fmt::format("{}: {}", job_words, run.seen->words)});
   }
@@ -402,7 +401,8 @@ bool SystemAttempts::is_folder_gone(jobs::JobId job, Run& run) {
   stop({.job = job, .attempt = run.attempt, .how = jobs::StopHow::now});
   tell_seen(
       job, run,
-      jobs::Died{.words = "Its folder was deleted.", .repeat = {}, .counts = {}, .disk_bytes = 0});
+      jobs::Died{
+          .words = "The job's folder was deleted.", .repeat = {}, .counts = {}, .disk_bytes = 0});
   parts_.feeds.drop(job);
   return true;
 }

@@ -24,7 +24,8 @@ void refuse_if_others_read(const std::string& path) {
   if (is_group_reader && seen.st_uid != ::geteuid()) return;
   throw base::Error(
       base::ExitCode::usage,
-      fmt::format("{}: others than its owner can read this key; `chmod 600` it", path));
+      fmt::format("{}: other users can access this private key; run `chmod 600` on the file",
+                  path));
 }
 
 access::Keypair checked(access::Keypair keypair, const std::string& certificate_path,
@@ -36,8 +37,9 @@ access::Keypair checked(access::Keypair keypair, const std::string& certificate_
                       fmt::format("{} with {}: {}", certificate_path, key_path, failure.what()));
   }
   if (!access::is_valid_now(keypair.certificate)) {
-    logging::warn(fmt::format("{}: its time is over, or has not come: nobody will trust it",
-                              certificate_path));
+    logging::warn(
+        fmt::format("{}: the certificate has expired or is not valid yet; clients will reject it",
+                    certificate_path));
   }
   return keypair;
 }
@@ -53,10 +55,9 @@ access::Keypair keypair_of(const std::string& state, const std::string& certific
   const std::string key = is_own ? folder + "/key.pem" : key_path;
   if (is_own && !(files.exists(certificate) && files.exists(key))) {
     if (files.exists(certificate)) {
-      logging::warn(
-          fmt::format("{} is gone: certificate and key are made anew, and those who have "
-                      "logged in have to do it again",
-                      key));
+      logging::warn(fmt::format(
+          "{}: missing, so a new certificate and key are created; all clients must log in again",
+          key));
     }
     const access::Keypair made = access::make_self_signed();
     files.make_folder(folder);

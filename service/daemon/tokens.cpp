@@ -19,9 +19,10 @@ constexpr std::size_t k_hash_characters = 64;
 constexpr std::size_t k_file_bytes_max = std::size_t{64} << 20U;
 
 rpc::Refusal wrong_token() {
-  return {.kind = rpc::RefusalKind::not_allowed,
-          .sentence = "This token is not valid here.",
-          .what_to_do = "Whoever runs the service can give out another: `sleight token create`."};
+  return {
+      .kind = rpc::RefusalKind::not_allowed,
+      .sentence = "This token is not valid here.",
+      .what_to_do = "Ask the service's administrator for a new token (`sleight token create`)."};
 }
 
 json::Value json_of(const rpc::TokenView& view, const std::string& hash) {
@@ -80,8 +81,8 @@ KeptToken kept_of(const json::Value& json) {
 
 [[noreturn]] void refuse_file(const std::string& path) {
   throw base::Error(
-      fmt::format("{}: is not as it was written; it is left as it is: put back a copy, or move it "
-                  "away (then no token is valid)",
+      fmt::format("{}: damaged; restore the token file from a backup, or move it away, which makes "
+                  "all tokens invalid",
                   path));
 }
 
@@ -97,11 +98,11 @@ void Tokens::read() {
   try {
     const auto json = json::Value::parse(base::read_text_file(path_, k_file_bytes_max));
     if (json.at("format") != k_format) {
-      throw base::Error(base::ExitCode::conflict,
-                        fmt::format("{}: written by another version of this program; it is left as "
-                                    "it is: use that version, or move the file away (then no token "
-                                    "is valid)",
-                                    path_));
+      throw base::Error(
+          base::ExitCode::conflict,
+          fmt::format("{}: written by another version of this program; use that version, or move "
+                      "the file away, which makes all tokens invalid",
+                      path_));
     }
     for (const auto& one : json.at("tokens").elements()) {
       KeptToken kept = kept_of(one);
@@ -152,8 +153,8 @@ base::Result<rpc::TokenView, rpc::Refusal> Tokens::create(std::uint32_t user,
     if (known->second.view.user == owner && access::are_equal_hashes(known->second.hash, hash))
       return known->second.view;
     return rpc::Refusal{.kind = rpc::RefusalKind::conflict,
-                        .sentence = "There is a token of this id.",
-                        .what_to_do = "Draw another one."};
+                        .sentence = "A token with this id already exists.",
+                        .what_to_do = "Create a token with another id."};
   }
   const double now_s = wall_s_();
   look_at_all();
@@ -168,8 +169,8 @@ base::Result<rpc::TokenView, rpc::Refusal> Tokens::create(std::uint32_t user,
       tokens_, [&](const auto& entry) { return entry.second.view.user == owner; });
   if (static_cast<std::size_t>(of_owner) >= of_user_max_) {
     return rpc::Refusal{.kind = rpc::RefusalKind::limit,
-                        .sentence = fmt::format("A user has at most {} tokens.", of_user_max_),
-                        .what_to_do = "Those that are revoked or expired go after 30 days."};
+                        .sentence = fmt::format("The maximum is {} tokens per user.", of_user_max_),
+                        .what_to_do = "Revoked and expired tokens are deleted after 30 days."};
   }
   const rpc::TokenView view{.id = token->id,
                             .name = ask.name,
@@ -203,8 +204,8 @@ base::Result<rpc::TokenView, rpc::Refusal> Tokens::revoke(std::optional<std::uin
   const auto found = tokens_.find(id);
   if (found == tokens_.end() || (user && found->second.view.user != *user)) {
     return rpc::Refusal{.kind = rpc::RefusalKind::not_found,
-                        .sentence = "There is no such token.",
-                        .what_to_do = "`sleight token list` shows those that there are."};
+                        .sentence = "The token does not exist.",
+                        .what_to_do = "`sleight token list` shows existing tokens."};
   }
   rpc::TokenView& view = found->second.view;
   // It is over before it is written, and stays so whatever comes of that.

@@ -22,8 +22,8 @@ std::uint32_t deaths_with_this(const Job& job) {
 }
 
 std::string with_log(std::string words, std::string_view log_end, std::string_view repeat) {
-  if (!log_end.empty()) words += fmt::format("\nThe end of its log:\n{}", log_end);
-  if (!repeat.empty()) words += fmt::format("\nThis repeats it: {}", repeat);
+  if (!log_end.empty()) words += fmt::format("\nThe log ends with:\n{}", log_end);
+  if (!repeat.empty()) words += fmt::format("\nTo repeat the failure, run: {}", repeat);
   return words;
 }
 
@@ -58,18 +58,18 @@ Verdict is_hindered(const Job& job, Reason reason, std::string words) {
 /// Not the job's doing: a batch system took its place, or somebody cancelled it there.
 Verdict ends_outside(const Job& job, Outside outside, const std::string& how) {
   if (outside == Outside::cancelled)
-    return goes_on(
-        job, {.to = State::held,
-              .reason = Reason::cancelled_outside,
-              .words = fmt::format("Somebody cancelled it in the batch system. {}{}It goes on "
-                                   "after `sleight resume {}`.",
-                                   how, how.empty() ? "" : ". ", job.id)});
-  return goes_on(job, {.to = State::queued,
-                       .reason = Reason::taken_away,
-                       .words = fmt::format("The batch system took its place. {}{}It goes on by "
-                                            "itself.",
-                                            how, how.empty() ? "" : ". "),
-                       .backs_off = job.counts.scans <= job.scans_at_attempt});
+    return goes_on(job, {.to = State::held,
+                         .reason = Reason::cancelled_outside,
+                         .words = fmt::format("The job was cancelled in the batch system. {}{}To "
+                                              "continue it, run `sleight resume {}`.",
+                                              how, how.empty() ? "" : ". ", job.id)});
+  return goes_on(
+      job, {.to = State::queued,
+            .reason = Reason::taken_away,
+            .words = fmt::format(
+                "The batch system took the job's cores. {}{}The job resumes automatically.", how,
+                how.empty() ? "" : ". "),
+            .backs_off = job.counts.scans <= job.scans_at_attempt});
 }
 
 /// What others say may lack its end.
@@ -85,7 +85,7 @@ Verdict dies(const Job& job, const std::string& how, std::string_view log_end,
   if (deaths >= options.deaths_max) {
     Verdict verdict =
         fails(job, Reason::died,
-              with_log(fmt::format("It died {} times without getting any further, at last so: {}",
+              with_log(fmt::format("The job failed {} times without progress. The last failure: {}",
                                    deaths, how),
                        log_end, repeat));
     verdict.is_death = true;
@@ -93,23 +93,24 @@ Verdict dies(const Job& job, const std::string& how, std::string_view log_end,
   }
   return goes_on(job, {.to = State::queued,
                        .reason = Reason::died,
-                       .words = fmt::format("{} It starts again by itself.", sentence(how)),
+                       .words = fmt::format("{} The job restarts automatically.", sentence(how)),
                        .backs_off = true,
                        .is_death = true});
 }
 
 std::string how_it_ended(const Ended& ended) {
-  if (ended.signal != 0) return fmt::format("Signal {} ended it.", ended.signal);
-  if (!ended.words.empty()) return fmt::format("It ended by itself: {}", ended.words);
-  return fmt::format("It ended with exit code {} and without a record.", ended.exit_code);
+  if (ended.signal != 0) return fmt::format("Signal {} killed the program.", ended.signal);
+  if (!ended.words.empty()) return fmt::format("The program failed: {}", ended.words);
+  return fmt::format("The program exited with code {} and left no record of its end.",
+                     ended.exit_code);
 }
 
 const std::string k_disk_full =
-    "The disk is full. Free some of it (`sleight delete` deletes jobs that are over); the job goes "
-    "on by itself then.";
+    "The disk is full. Free some space (`sleight delete` deletes finished jobs). The job then "
+    "resumes automatically.";
 const std::string k_other_results =
-    "The run belongs to another results version than the programs here. It goes on by itself when "
-    "programs of its version are back; or submit it anew.";
+    "The run's results version differs from that of the installed programs. The job resumes "
+    "automatically when programs of its version are installed. Otherwise, submit it again.";
 
 Verdict judge_error(const Job& job, const Ended& ended, const Surroundings& around,
                     const Options& options) {
@@ -123,14 +124,14 @@ Verdict judge_error(const Job& job, const Ended& ended, const Surroundings& arou
     return is_hindered(job, Reason::disk_full, k_disk_full);
   if (ended.hindrance == Hindrance::store_damaged)
     return fails(job, Reason::refused_by_program,
-                 with_log(fmt::format("What the run had stored is damaged: {} Submit it anew; what "
-                                      "archives it wrote are still there (`sleight fetch {}`).",
+                 with_log(fmt::format("The run store is damaged: {} Submit the job again. Archives "
+                                      "that it wrote are still available (`sleight fetch {}`).",
                                       ended.words, job.id),
                           {}, ended.repeat));
   if (code == ExitCode::usage || code == ExitCode::bad_request || code == ExitCode::bad_archive)
     return fails(
         job, Reason::refused_by_program,
-        with_log(fmt::format("The program refuses it: {}", ended.words), {}, ended.repeat));
+        with_log(fmt::format("The program rejected the job: {}", ended.words), {}, ended.repeat));
   return dies(job, how_it_ended(ended), ended.log_end, ended.repeat, options);
 }
 
@@ -138,13 +139,13 @@ Verdict judge_bug(const Job& job, const Ended& ended, const Options& options) {
   const std::string how = fmt::format("A check failed at {}: {}", ended.place, ended.words);
   const bool is_again =
       !ended.place.empty() && ended.place == job.bug_place && job.counts.scans <= job.scans_at_bug;
-  Verdict verdict =
-      is_again ? fails(job, Reason::bug,
-                       with_log(fmt::format("{} It failed there twice without getting any further, "
-                                            "so it would again: this is a bug of ours.",
-                                            how),
-                                ended.log_end, ended.repeat))
-               : dies(job, how, ended.log_end, ended.repeat, options);
+  Verdict verdict = is_again
+                        ? fails(job, Reason::bug,
+                                with_log(fmt::format("{} The check failed twice without progress "
+                                                     "in between. This is a bug in Sleight.",
+                                                     how),
+                                         ended.log_end, ended.repeat))
+                        : dies(job, how, ended.log_end, ended.repeat, options);
   verdict.is_death = true;
   verdict.is_bug = true;
   return verdict;
@@ -171,9 +172,11 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
   switch (ended.kind) {
     case EndKind::finished:
       if (job.attempt_revision < job.revision)
-        return goes_on(job, {.to = State::queued,
-                             .reason = Reason::extended,
-                             .words = "What was asked for at first is there; it goes on."});
+        return goes_on(
+            job,
+            {.to = State::queued,
+             .reason = Reason::extended,
+             .words = "The original request is finished. The job continues with the extension."});
       return {.to = State::done, .reason = Reason::finished, .words = ended.words};
     case EndKind::gave_up:
       if (job.counts.found + job.counts.solutions > 0)
@@ -191,7 +194,7 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
       return goes_on(job,
                      {.to = State::queued,
                       .reason = Reason::stopped_by_itself,
-                      .words = "It was stopped in order, and starts again by itself.",
+                      .words = "A signal stopped the job in order. The job restarts automatically.",
                       .backs_off = !is_asked(job) && job.counts.scans <= job.scans_at_attempt});
     case EndKind::failed:
       return judge_error(job, ended, around, options);
@@ -210,7 +213,7 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
 Verdict judge(const Job& job, const Died& died, const Options& options) {
   if (died.outside != Outside::nothing) return ends_outside(job, died.outside, died.words);
   const std::string how =
-      died.words.empty() ? "It was killed together with its keeper." : died.words;
+      died.words.empty() ? "The program was killed together with its keeper." : died.words;
   return dies(job, how, died.log_end, died.repeat, options);
 }
 
@@ -218,17 +221,18 @@ Verdict judge(const Job& job, const LaunchFailed& failed, const Surroundings& ar
               const Options& options) {
   if (failed.is_backend_away)
     return is_hindered(job, Reason::backend_away,
-                       "Nothing can be started now. The job goes on by itself when that is over; "
-                       "`sleight server status` says how it stands.");
+                       "No job can start now. The job starts automatically as soon as possible. "
+                       "`sleight server status` shows the server's state.");
   if (failed.hindrance == Hindrance::other_results || around.has_other_results)
     return is_hindered(job, Reason::other_results, k_other_results);
   if (failed.hindrance == Hindrance::disk_full || around.is_disk_low)
     return is_hindered(job, Reason::disk_full, k_disk_full);
-  return dies(job, fmt::format("It could not be started: {}", failed.words), {}, {}, options);
+  return dies(job, fmt::format("The job could not start: {}", failed.words), {}, {}, options);
 }
 
 Verdict judge_unbegun(const Job& job, const Options& options) {
-  return dies(job, "Its keeper was started several times and never began.", {}, {}, options);
+  return dies(job, "The job's keeper was started several times, but no attempt began.", {}, {},
+              options);
 }
 
 double count_end(Job& job, const Verdict& verdict, const std::string& place, double lived_s,

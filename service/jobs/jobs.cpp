@@ -132,8 +132,8 @@ void Jobs::take(const Room& input) {
   if (is_disk_low_) {
     for (auto& [id, open] : open_)
       ask_to_stop(jobs_.at(id), Reason::disk_low,
-                  "Less disk is free than the server's reserve. The job goes on by itself when "
-                  "some was freed; `sleight delete` deletes jobs that are over.");
+                  "Free disk space is below the server's reserve. The job resumes automatically "
+                  "when there is enough. `sleight delete` deletes finished jobs.");
   } else if (was_low || is_other_machine) {
     release_held();
   }
@@ -275,7 +275,8 @@ void Jobs::release_held() {
   for (const JobId id : std::set<JobId>(held_)) {
     Job& job = jobs_.at(id);
     if (job.next_start_s <= clock_s_ && is_cause_gone(job))
-      enter(job, State::queued, Reason::went_on, "What it was held for is over.");
+      enter(job, State::queued, Reason::went_on,
+            "The reason for holding the job no longer applies.");
   }
 }
 
@@ -293,7 +294,7 @@ void Jobs::release_limited() {
     }
     next = end;
     for (const JobId id : gone)
-      enter(jobs_.at(id), State::queued, Reason::went_on, "Its user's limit allows it again.");
+      enter(jobs_.at(id), State::queued, Reason::went_on, "The user is below the limit again.");
   }
 }
 
@@ -308,7 +309,8 @@ void Jobs::end_delays() {
     } else if (job.state == State::queued) {
       put_into_queue(job);
     } else if (job.state == State::held && is_cause_gone(job)) {
-      enter(job, State::queued, Reason::went_on, "What it was held for is over.");
+      enter(job, State::queued, Reason::went_on,
+            "The reason for holding the job no longer applies.");
     }
   }
 }

@@ -57,47 +57,45 @@ std::optional<Refusal> Jobs::over_job_limit(UserId user, std::uint64_t before_it
   const std::uint64_t unfinished = (account == nullptr ? 0 : account->unfinished) + before_it;
   if (limit == 0 || unfinished < limit) return std::nullopt;
   return Refusal{.kind = RefusalKind::over_limit,
-                 .sentence = fmt::format("It would be job {} of yours that is not over; {} are the "
-                                         "limit.",
+                 .sentence = fmt::format("You would have {} unfinished jobs. The limit is {}.",
                                          unfinished + 1, limit),
-                 .what_to_do = "Wait until some are done, or cancel some."};
+                 .what_to_do = "Wait until some jobs end, or cancel some."};
 }
 
 std::optional<Refusal> Jobs::refusal_of(const Submit& input, std::uint64_t before_it) const {
   if (const Job* job = known(input)) {
     if (job->content == input.content) return std::nullopt;
     return Refusal{.kind = RefusalKind::key_in_use,
-                   .sentence = fmt::format("The key '{}' was used for job {}, which is another "
-                                           "request.",
-                                           input.client_key, job->id),
-                   .what_to_do = "Submit this one under another key."};
+                   .sentence = fmt::format(
+                       "The key '{}' was already used for job {}, which has a different request.",
+                       input.client_key, job->id),
+                   .what_to_do = "Submit this request with another key."};
   }
   if (auto refusal = over_job_limit(input.user, before_it)) return refusal;
   if (accounts_.is_over_bytes(input.user, false))
     return Refusal{.kind = RefusalKind::over_limit,
-                   .sentence = "Your jobs hold as much of the disk as they may.",
-                   .what_to_do = "Delete some that are over: `sleight delete`."};
+                   .sentence = "Your jobs have reached their disk limit.",
+                   .what_to_do = "Delete finished jobs with `sleight delete`."};
   const std::uint32_t processes = input.wishes.processes();
   const std::uint32_t cores_limit = accounts_.limits(input.user).cores;
   if (cores_limit > 0 && processes > cores_limit)
     return Refusal{.kind = RefusalKind::over_limit,
-                   .sentence = fmt::format("{} ranks are more than the {} cores that you may have "
-                                           "at a time.",
+                   .sentence = fmt::format("{} ranks need more than your limit of {} cores.",
                                            processes, cores_limit),
-                   .what_to_do = "Ask for fewer ranks; the result is the same."};
+                   .what_to_do = "Request fewer ranks; the result is the same."};
   if (!room_) return std::nullopt;
   if (processes > room_->cores)
     return Refusal{.kind = RefusalKind::too_large,
-                   .sentence = fmt::format("{} ranks are more than this machine's {} cores.",
+                   .sentence = fmt::format("{} ranks need more than this machine's {} cores.",
                                            processes, room_->cores),
-                   .what_to_do = "Ask for fewer ranks; the result is the same."};
+                   .what_to_do = "Request fewer ranks; the result is the same."};
   if (input.wishes.memory_bytes > room_->memory_bytes / processes)
-    return Refusal{.kind = RefusalKind::too_large,
-                   .sentence = fmt::format("{} processes with {} MB each need more than the {} MB "
-                                           "that jobs have here.",
-                                           processes, input.wishes.memory_bytes / 1'000'000,
-                                           room_->memory_bytes / 1'000'000),
-                   .what_to_do = "Ask for less memory or fewer ranks; the result is the same."};
+    return Refusal{
+        .kind = RefusalKind::too_large,
+        .sentence = fmt::format(
+            "{} processes with {} MB each need more memory than the {} MB available to jobs.",
+            processes, input.wishes.memory_bytes / 1'000'000, room_->memory_bytes / 1'000'000),
+        .what_to_do = "Request less memory or fewer ranks; the result is the same."};
   return std::nullopt;
 }
 
@@ -106,12 +104,12 @@ void Jobs::take(const Ask& input) {
   std::optional<Refusal> refusal;
   if (found == jobs_.end() || found->second.is_leaving) {
     refusal = {.kind = RefusalKind::not_found,
-               .sentence = fmt::format("There is no job {}.", input.job),
-               .what_to_do = "`sleight list` shows those that there are."};
+               .sentence = fmt::format("Job {} does not exist.", input.job),
+               .what_to_do = "`sleight list` shows existing jobs."};
   } else if (found->second.user != input.user && !input.is_operator) {
     refusal = {.kind = RefusalKind::not_allowed,
-               .sentence = fmt::format("Job {} is another user's.", input.job),
-               .what_to_do = "Ask its user, or whoever runs the server."};
+               .sentence = fmt::format("Job {} belongs to another user.", input.job),
+               .what_to_do = "Ask that user or the server's administrator."};
   } else {
     refusal = carry_out(found->second, input);
   }
@@ -145,10 +143,10 @@ std::optional<Refusal> Jobs::carry_out(Job& job, const Ask& input) {
 std::optional<Refusal> Jobs::cancel(Job& job) {
   if (job.state == State::cancelled) return std::nullopt;
   if (is_over(job.state))
-    return wrong_state(job, fmt::format("is over: it is {}", name_of(job.state)),
-                       "`sleight delete` deletes it.");
+    return wrong_state(job, fmt::format("has already ended: its state is '{}'", name_of(job.state)),
+                       "To delete the job, use `sleight delete`.");
   if (is_active(job.state)) {
-    ask_to_stop(job, Reason::cancel_asked, "It is being cancelled.");
+    ask_to_stop(job, Reason::cancel_asked, "The job is being cancelled.");
   } else {
     enter(job, State::cancelled, Reason::cancel_asked, "Cancelled.");
   }
@@ -156,13 +154,13 @@ std::optional<Refusal> Jobs::cancel(Job& job) {
 }
 
 std::optional<Refusal> Jobs::hold(Job& job) {
-  const std::string words = fmt::format("It goes on after `sleight resume {}`.", job.id);
+  const std::string words = fmt::format("To continue the job, run `sleight resume {}`.", job.id);
   if (is_over(job.state))
-    return wrong_state(job, fmt::format("is over: it is {}", name_of(job.state)),
-                       "There is nothing to hold.");
+    return wrong_state(job, fmt::format("has already ended: its state is '{}'", name_of(job.state)),
+                       "Only an unfinished job can be held.");
   if (job.state == State::yielding && job.reason == Reason::cancel_asked)
     return wrong_state(job, "is being cancelled",
-                       "Once it is cancelled, `sleight resume` goes on with it.");
+                       "After the job is cancelled, `sleight resume` resumes it.");
   if (job.reason == Reason::hold_asked) return std::nullopt;
   if (is_active(job.state)) {
     ask_to_stop(job, Reason::hold_asked, words);
@@ -174,14 +172,15 @@ std::optional<Refusal> Jobs::hold(Job& job) {
 
 std::optional<Refusal> Jobs::resume(Job& job) {
   if (job.state == State::done)
-    return wrong_state(job, "is done", "`sleight extend` asks for more of it.");
+    return wrong_state(job, "is done", "To compute more, use `sleight extend`.");
   if (job.state == State::yielding && job.reason == Reason::cancel_asked)
-    return wrong_state(job, "is being cancelled", "Resume it once it is cancelled.");
+    return wrong_state(job, "is being cancelled", "Resume the job after it is cancelled.");
   if (job.state == State::yielding && job.reason == Reason::hold_asked) {
-    enter(job, State::yielding, Reason::resumed, "It stops, and goes on when it is its turn.");
+    enter(job, State::yielding, Reason::resumed,
+          "The job stops first and resumes at its next turn.");
   } else if (is_over(job.state)) {
     if (auto refusal = over_job_limit(job.user)) return refusal;
-    begin_anew(job, Reason::resumed, "It goes on from what is stored.");
+    begin_anew(job, Reason::resumed, "The job resumes from its stored results.");
   } else if (job.state == State::held) {
     begin_anew(job, Reason::resumed, {});
   }
@@ -190,7 +189,7 @@ std::optional<Refusal> Jobs::resume(Job& job) {
 
 std::optional<Refusal> Jobs::extend(Job& job) {
   if (job.state == State::yielding && job.reason == Reason::cancel_asked)
-    return wrong_state(job, "is being cancelled", "Extend it once it is cancelled.");
+    return wrong_state(job, "is being cancelled", "Extend the job after it is cancelled.");
   if (is_over(job.state)) {
     if (auto refusal = over_job_limit(job.user)) return refusal;
   }
@@ -198,17 +197,17 @@ std::optional<Refusal> Jobs::extend(Job& job) {
   if (is_over(job.state)) {
     begin_anew(job, Reason::extended, {});
   } else {
-    note(job, job.state, Reason::extended, "Its request asks for more now.");
+    note(job, job.state, Reason::extended, "The request was extended.");
   }
   return std::nullopt;
 }
 
 std::optional<Refusal> Jobs::remove(Job& job) {
   if (!is_over(job.state))
-    return wrong_state(job, fmt::format("is not over: it is {}", name_of(job.state)),
-                       fmt::format("`sleight cancel {}` first.", job.id));
+    return wrong_state(job, fmt::format("has not ended: its state is '{}'", name_of(job.state)),
+                       fmt::format("Run `sleight cancel {}` first.", job.id));
   if (job.pinned)
-    return wrong_state(job, "is pinned", fmt::format("`sleight pin {} --off` lets it go.", job.id));
+    return wrong_state(job, "is pinned", fmt::format("Run `sleight pin {} --off` first.", job.id));
   let_go(job);
   return std::nullopt;
 }

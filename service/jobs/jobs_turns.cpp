@@ -121,9 +121,10 @@ void Jobs::hand_out() {
   while (const std::optional<NextJob> next = next_job()) {
     Job& job = jobs_.at(next->id);
     if (has_other_results(job)) {
-      enter(job, State::held, Reason::other_results,
-            "The run belongs to another results version than the programs here. It goes on by "
-            "itself when programs of its version are back; or submit it anew.");
+      enter(
+          job, State::held, Reason::other_results,
+          "The run's results version differs from that of the installed programs. The job resumes "
+          "automatically when programs of its version are installed. Otherwise, submit it again.");
       continue;
     }
     const Shares now = shares();
@@ -154,7 +155,7 @@ void Jobs::start(Job& job, std::uint32_t cores, bool is_turn) {
   Open& open = open_[job.id];
   open.charged_s = clock_s_;
   enter(job, State::starting, Reason::its_turn,
-        fmt::format("With {} core{}.", cores, cores == 1 ? "" : "s"));
+        fmt::format("Started with {} core{}.", cores, cores == 1 ? "" : "s"));
   note_idle(job.user);
   launch(job);
   set_alarm(job.id, open, clock_s_ + options_.look_after_launch_s);
@@ -229,7 +230,8 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
   }
   if (!is_enough(need.cores_min)) return false;
   for (const JobId id : stops)
-    ask_to_stop(jobs_.at(id), Reason::others_wait, "Others wait, and it has had its turn.");
+    ask_to_stop(jobs_.at(id), Reason::others_wait,
+                "Other jobs are waiting, and this job has used its turn.");
   return !stops.empty();
 }
 
@@ -251,7 +253,7 @@ void Jobs::use_idle_cores() {
     widest_gain = cores - job.cores;
   }
   if (widest != nullptr) {
-    ask_to_stop(jobs_.at(widest->id), Reason::wider, "It goes on with more cores.");
+    ask_to_stop(jobs_.at(widest->id), Reason::wider, "The job resumes with more cores.");
   } else {
     even_out(running, shares());
   }
@@ -273,8 +275,9 @@ void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares
   if (below == nullptr || above == nullptr) return;
   // A slice's worth of difference, so that two users don't change places all the time.
   if (had(*above) - had(*below) < shares.each() * options_.slice_s_min) return;
-  ask_to_stop(jobs_.at(below->id), Reason::wider, "It goes on with more cores.");
-  ask_to_stop(jobs_.at(above->id), Reason::others_wait, "Others have had less.");
+  ask_to_stop(jobs_.at(below->id), Reason::wider, "The job resumes with more cores.");
+  ask_to_stop(jobs_.at(above->id), Reason::others_wait,
+              "Other users have had less computing time.");
 }
 
 /// The machine has become smaller than what is in use.
@@ -295,7 +298,7 @@ void Jobs::shed() {
     Job& job = jobs_.at(id);
     cores -= job.cores;
     memory -= job.wishes.memory_of_all();
-    ask_to_stop(job, Reason::less_room, "Jobs have less room here than before.");
+    ask_to_stop(job, Reason::less_room, "The cores or memory available to jobs were reduced.");
   }
 }
 
@@ -306,12 +309,12 @@ void Jobs::hold_over_limits() {
     // Not before its slice is over, or a job whose scans are long would never get further.
     if (has_had_slice && accounts_.is_over_core_hours(job.user, clock_s_, false)) {
       ask_to_stop(job, Reason::limit_core_hours,
-                  "Its user's jobs have had the core-hours of a day. They flow back, and the job "
-                  "goes on by itself.");
+                  "The user's jobs have used their daily core-hours. The job resumes automatically "
+                  "when some are available again.");
     } else if (accounts_.is_over_bytes(job.user, false)) {
       ask_to_stop(job, Reason::limit_bytes,
-                  "Its user's jobs hold as much of the disk as they may. It goes on by itself when "
-                  "some are deleted: `sleight delete`.");
+                  "The user's jobs have reached their disk limit. The job resumes automatically "
+                  "after some are deleted (`sleight delete`).");
     }
   }
 }
@@ -322,22 +325,23 @@ Waiting Jobs::waiting(JobId id) const {
   const auto because = [](WhyNot why, std::string sentence) {
     return Waiting{.why = why, .place = 0, .sentence = std::move(sentence)};
   };
-  if (!has_begun_ || !room_) return because(WhyNot::not_known_yet, "The server has only begun.");
+  if (!has_begun_ || !room_) return because(WhyNot::not_known_yet, "The server has just started.");
   if (job.next_start_s > clock_s_)
     return because(WhyNot::back_off,
-                   fmt::format("It starts again in {:.0f} s, after what happened.",
+                   fmt::format("The job restarts in {:.0f} s (delay after its last end).",
                                std::ceil(job.next_start_s - clock_s_)));
   if (unfit_.contains(id))
-    return because(WhyNot::too_large, "It asks for more ranks or memory than jobs have here.");
+    return because(WhyNot::too_large,
+                   "The job requests more ranks or memory than is available to jobs.");
   if (is_draining_) return because(WhyNot::draining, "The server is being drained.");
   if (is_disk_low_)
-    return because(WhyNot::disk_low, "Less disk is free than the server's reserve.");
-  if (!backend_.is_there) return because(WhyNot::backend_away, "Nothing can be started now.");
+    return because(WhyNot::disk_low, "Free disk space is below the server's reserve.");
+  if (!backend_.is_there) return because(WhyNot::backend_away, "No job can start now.");
   if (accounts_.is_over_core_hours(job.user, clock_s_, false) ||
       accounts_.is_over_bytes(job.user, false))
-    return because(WhyNot::limit_core_hours, "Its user's limit is reached.");
+    return because(WhyNot::limit_core_hours, "The user has reached a limit.");
   if (cores_max(job) < job.wishes.processes())
-    return because(WhyNot::limit_cores, "Its user's jobs have all the cores that they may have.");
+    return because(WhyNot::limit_cores, "The user's jobs use all the cores that they are allowed.");
 
   const std::uint64_t rank = queue_.rank(id);
   const double standing = accounts_.standing_core_s(job.user, clock_s_);
@@ -348,11 +352,13 @@ Waiting Jobs::waiting(JobId id) const {
     place += std::min<std::uint64_t>(waiting.order.size(), is_before ? rank : rank - 1);
   }
   place = std::min(place, k_place_max);
-  if (place == 1) return {.sentence = "It is next, as soon as running jobs have made room."};
-  return {.why = WhyNot::others_first,
-          .place = place,
-          .sentence = fmt::format("{}{} {} before it.", place == k_place_max ? "At least " : "",
-                                  place - 1, place == 2 ? "job is" : "jobs are")};
+  if (place == 1)
+    return {.sentence = "The job is next, as soon as running jobs free enough cores and memory."};
+  return {
+      .why = WhyNot::others_first,
+      .place = place,
+      .sentence = fmt::format("{}{} {} before this job.", place == k_place_max ? "At least " : "",
+                              place - 1, place == 2 ? "job is" : "jobs are")};
 }
 
 }  // namespace sleight::jobs

@@ -36,7 +36,7 @@ std::string_view name_in(const std::array<std::pair<T, std::string_view>, n>& na
   for (const auto& [known, name] : names) {
     if (known == value) return name;
   }
-  base::check_failed("a known value", "");
+  base::check_failed("the value has a name", "");
 }
 
 template <class T, std::size_t n>
@@ -155,10 +155,10 @@ std::optional<AttemptRecord> record_in(const std::string& folder, const std::str
   if (text.empty()) return std::nullopt;
   auto record = record_of(text);
   if (!record) {
-    throw base::Error(fmt::format(
-        "{}/{}: not a record of an attempt, or of another version of Sleight; what ran in this "
-        "folder is not known: move the file away if nothing runs there",
-        folder, k_record_name));
+    throw base::Error(
+        fmt::format("{}/{}: not an attempt record of this Sleight version, so it is unknown what "
+                    "ran in this folder; move the file away if nothing runs there",
+                    folder, k_record_name));
   }
   return record;
 }

@@ -51,7 +51,8 @@ struct Line {
 
 Line make_line() {
   int ends[2];
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail("a socket", errno);
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    fail("can't create a socket", errno);
   return {.mine = base::Descriptor(ends[0]), .theirs = base::Descriptor(ends[1])};
 }
 
@@ -158,7 +159,7 @@ RunningKeeper LocalBackend::launch_command(const std::string& folder,
   Line line = make_line();
 
   const pid_t between = ::fork();
-  if (between < 0) fail("a keeper can't be started", errno);
+  if (between < 0) fail("can't start a keeper", errno);
   if (between == 0) {
     fork_keeper({.arguments = arguments.data(),
                  .environment = environment.data(),
@@ -171,12 +172,12 @@ RunningKeeper LocalBackend::launch_command(const std::string& folder,
   while (::waitpid(between, nullptr, 0) < 0 && errno == EINTR) {
   }
   pid_t keeper = 0;
-  if (!receive(line.mine.get(), keeper)) fail("a keeper can't be started", EAGAIN);
+  if (!receive(line.mine.get(), keeper)) fail("can't start a keeper", EAGAIN);
   // The keeper waits for leave: its number can't be another's yet.
   RunningKeeper running(identity_of(keeper).value_or(ProcessIdentity{.pid = keeper}),
                         base::Descriptor(open_process(keeper)));
-  if (running.descriptor() < 0) fail("a keeper can't be watched", errno);
-  if (!send(line.mine.get(), true)) fail("a keeper can't be started", ESRCH);
+  if (running.descriptor() < 0) fail("can't watch the keeper", errno);
+  if (!send(line.mine.get(), true)) fail("can't start a keeper", ESRCH);
   int error = 0;
   if (receive(line.mine.get(), error)) fail(command.front(), error);
   return running;
@@ -194,9 +195,9 @@ Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const 
   Look look{.record = record_in(folder, text)};
   const std::uint32_t newest = look.record ? look.record->attempt : 0;
   if (newest > attempt) {
-    throw base::Error(fmt::format(
-        "{}: attempt {} has begun there, after attempt {}: another server uses this folder", folder,
-        newest, attempt));
+    throw base::Error(
+        fmt::format("{}: attempt {} has begun after attempt {}; another server uses this folder",
+                    folder, newest, attempt));
   }
   const bool has_begun = newest == attempt;
   const bool has_ended = has_begun && look.record->end;

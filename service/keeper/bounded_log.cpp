@@ -35,7 +35,8 @@ void BoundedLog::open() {
 void BoundedLog::append(std::string_view bytes) {
   if (lost_ > 0 && !bytes.empty()) {
     const std::string words =
-        fmt::format("{}{} bytes of output were lost: the disk took none\n", k_log_mark, lost_);
+        fmt::format("{}{} bytes of output were lost because the disk could not be written\n",
+                    k_log_mark, lost_);
     if (write(words) == words.size()) lost_ = 0;
   }
   while (!bytes.empty()) {

@@ -61,14 +61,14 @@ Programs programs_beside_this() {
 }
 
 std::string obstacle_of(const AttemptSpec& spec, const Programs& programs) {
-  if (!spec.folder.starts_with('/')) return "the job's folder is no absolute path";
+  if (!spec.folder.starts_with('/')) return "the job's folder must be an absolute path";
   if (spec.ranks == 0 || spec.in_batch) return {};
   if (programs.mpirun.empty()) {
-    return "there is no mpirun on the PATH: install Open MPI, or run the job without ranks";
+    return "mpirun is not on the PATH; install Open MPI, or run the job without ranks";
   }
   const std::uint32_t cores = base::cores_here();
   if (spec.ranks > cores)
-    return fmt::format("{} ranks, and this machine has {} cores", spec.ranks, cores);
+    return fmt::format("{} ranks need more than this machine's {} cores", spec.ranks, cores);
   return {};
 }
 

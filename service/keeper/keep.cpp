@@ -76,7 +76,7 @@ std::vector<store::Session> sessions_in(const std::string& folder, BoundedLog& l
   try {
     return store::sessions_of(run_folder_of(folder));
   } catch (const base::Error& error) {
-    log.mark(fmt::format("keeper: how the run's sessions ended can't be read: {}", error.what()));
+    log.mark(fmt::format("keeper: can't read how the run's sessions ended: {}", error.what()));
     return {};
   }
 }
@@ -125,7 +125,7 @@ class Output {
  public:
   explicit Output(BoundedLog& log) : log_(log) {
     int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) fail("a pipe");
+    if (::pipe2(ends, O_CLOEXEC) != 0) fail("can't create a pipe");
     reader_.reset(ends[0]);
     writer_.reset(ends[1]);
     ::fcntl(reader_.get(), F_SETFL, O_NONBLOCK);
@@ -172,9 +172,9 @@ class Signals {
     sigemptyset(&taken);
     for (const int number : {SIGCHLD, SIGUSR1, SIGINT, SIGTERM})
       sigaddset(&taken, number);
-    if (::sigprocmask(SIG_SETMASK, &taken, nullptr) != 0) fail("signals");
+    if (::sigprocmask(SIG_SETMASK, &taken, nullptr) != 0) fail("can't set up signal handling");
     descriptor_.reset(::signalfd(-1, &taken, SFD_NONBLOCK | SFD_CLOEXEC));
-    if (!descriptor_) fail("signals");
+    if (!descriptor_) fail("can't set up signal handling");
   }
 
   int descriptor() const { return descriptor_.get(); }
@@ -355,11 +355,11 @@ std::string words_of(const AttemptEnd& end) {
   std::string words = end.signal
                           ? fmt::format("ended by signal {}", *end.signal)
                           : fmt::format("ended with exit code {}", end.exit_code.value_or(0));
-  if (end.killed_for == KilledFor::asked) words += ", killed as asked";
+  if (end.killed_for == KilledFor::asked) words += ", killed on request";
   if (end.killed_for == KilledFor::lingering)
-    words += ", killed: it had told its end and did not exit";
+    words += ", killed because the program reported its end but did not exit";
   if (end.killed_for == KilledFor::without_ranks)
-    words += ", killed: mpirun had no rank left and did not exit";
+    words += ", killed because mpirun had no ranks left but did not exit";
   return words;
 }
 
@@ -418,11 +418,12 @@ base::ExitCode keep(const KeeperOptions& options, Moments& moments) {
   const auto earlier = read_record(options.folder);
   const bool has_begun = earlier && earlier->attempt >= options.attempt;
   if (!marks && !lock && !(options.in_batch && has_begun)) {
-    fmt::print(stderr, "sleight-keeper: {}: another keeper has this folder\n", options.folder);
+    fmt::print(stderr, "sleight-keeper: {}: another keeper uses this folder\n", options.folder);
     return base::ExitCode::conflict;
   }
   if (has_begun) {
-    fmt::print(stderr, "sleight-keeper: {}: attempt {} has begun before attempt {} was asked for\n",
+    fmt::print(stderr,
+               "sleight-keeper: {}: attempt {} has already begun, so attempt {} is not started\n",
                options.folder, earlier->attempt, options.attempt);
     if (options.in_batch && earlier->attempt == options.attempt &&
         wait_for_other(earlier->keeper, signals))
@@ -430,7 +431,7 @@ base::ExitCode keep(const KeeperOptions& options, Moments& moments) {
     return base::ExitCode::conflict;
   }
   if (marks && !KeeperLock::mark_begun(options.folder, options.attempt)) {
-    fmt::print(stderr, "sleight-keeper: {}: attempt {} has begun before\n", options.folder,
+    fmt::print(stderr, "sleight-keeper: {}: attempt {} has already begun\n", options.folder,
                options.attempt);
     return base::ExitCode::conflict;
   }
@@ -469,8 +470,10 @@ base::ExitCode keep(const KeeperOptions& options, Moments& moments) {
   if (marks) {
     const auto newest = read_record(options.folder);
     if (newest && newest->attempt > options.attempt) {
-      fmt::print(stderr, "sleight-keeper: {}: attempt {} was given up for lost\n", options.folder,
-                 options.attempt);
+      fmt::print(
+          stderr,
+          "sleight-keeper: {}: attempt {} was considered lost, and a later attempt has begun\n",
+          options.folder, options.attempt);
       return base::ExitCode::conflict;
     }
   }

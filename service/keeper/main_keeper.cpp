@@ -30,31 +30,31 @@ void occupy_streams() {
 }
 
 void add_options(CLI::App& app, keeper::KeeperOptions& options) {
-  app.add_option("--folder", options.folder, "The job's folder, and the program's working folder")
+  app.add_option("--folder", options.folder, "Job folder, also the program's working folder")
       ->required()
       ->check(CLI::ExistingDirectory)
       ->type_name("FOLDER");
-  app.add_option("--attempt", options.attempt, "Which start of the job's program this is, from 1")
+  app.add_option("--attempt", options.attempt, "Number of the attempt to start, from 1")
       ->required()
       ->check(CLI::PositiveNumber)
       ->type_name("N");
-  app.add_flag("--ranks", options.with_ranks, "The program is mpirun, and is watched as such");
+  app.add_flag("--ranks", options.with_ranks,
+               "The program is mpirun: also kill it if it hangs without ranks");
   app.add_flag("--batch", options.in_batch,
-               "A batch system's job holds it: SIGTERM ends the program in order too");
+               "Run inside a batch system's job: SIGTERM also stops the program in order");
   app.add_option("--grace", options.grace_s,
-                 "How long it may linger once it has told its end (30 if not given)")
+                 "Time until a program that reported its end is killed. Default: 30")
       ->check(CLI::NonNegativeNumber)
       ->type_name("SECONDS");
   app.add_option("program", options.command, "The program and its arguments, after --")
       ->required()
       ->type_name("PROGRAM ARGUMENTS...");
   app.footer(
-      "The service starts it for each attempt of a job (docs/OPERATING.md).\n"
-      "SIGUSR1 and Ctrl-C end the program in order, SIGTERM kills it and all that it started.\n\n"
-      "Exit codes: 0 the attempt has ended, however it did: attempt.json says how; 2 the command "
-      "line\n"
-      "can't be understood; 4 another keeper has the folder, or the attempt has begun before;\n"
-      "5 the folder can't be written; 1 a bug.");
+      "The server starts sleight-keeper for each attempt of a job; see docs/OPERATING.md.\nSIGUSR1 "
+      "and Ctrl-C stop the program in order. SIGTERM kills the program and everything it "
+      "started.\n\nExit codes: 0 the attempt has ended, and attempt.json has its result; 2 invalid "
+      "command line;\n4 another keeper uses the folder, or the attempt has already begun; 5 the "
+      "folder can't be written;\n1 a bug.");
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ int keeper_main(int argc, char** argv, keeper::Moments& moments) {
   occupy_streams();
   base::report_uncaught_exceptions();
   base::add_repeat_note(base::command_line(argc, argv));
-  CLI::App app{"Runs one attempt of a job: starts its program, and writes down how it ended."};
+  CLI::App app{"Run one attempt of a job: start its program and record how it ended."};
   app.name("sleight-keeper");
   app.set_version_flag("--version", fmt::format("sleight-keeper {}", base::version()));
   keeper::KeeperOptions options;

@@ -75,7 +75,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moments& moments) {
   CHECK(!start.command.empty());
   const auto failed = [&](int error) {
-    return fmt::format("{} can't be started: {}", start.command.front(), std::strerror(error));
+    return fmt::format("can't start {}: {}", start.command.front(), std::strerror(error));
   };
   std::vector<std::string> command = start.command;
   std::vector<std::string> variables = start.environment;

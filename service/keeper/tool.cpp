@@ -35,7 +35,7 @@ struct Pipe {
 Pipe make_pipe() {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw base::Error(fmt::format("no pipe: {}", std::strerror(errno)));
+    throw base::Error(fmt::format("can't create a pipe: {}", std::strerror(errno)));
   return {.reader = base::Descriptor(ends[0]), .writer = base::Descriptor(ends[1])};
 }
 
@@ -105,14 +105,14 @@ void tidy_words(std::string& words) {
 }  // namespace
 
 std::string ToolEnd::why() const {
-  if (was_too_slow) return "it did not answer in time";
+  if (was_too_slow) return "the command timed out";
   if (!words.empty()) {
     std::string line = words;
     std::ranges::replace(line, '\n', ' ');
     return line;
   }
-  if (exit_code < 0) return "it was killed";
-  return fmt::format("it ended with exit code {}", exit_code);
+  if (exit_code < 0) return "the command was killed";
+  return fmt::format("the command exited with code {}", exit_code);
 }
 
 ToolEnd run_tool(const std::vector<std::string>& command, const ToolOptions& options) {

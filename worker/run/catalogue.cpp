@@ -35,7 +35,7 @@ namespace {
 /// Temperatures to begin with where the request leaves them open.
 constexpr std::uint32_t k_first_replicas = 12;
 static_assert(k_first_replicas == 12 && sampling::k_first_power == 6,
-              "said in help of ladder_power");
+              "the help of ladder_power states these values");
 static_assert(request::k_chains_max <= plan::k_first_lane);
 /// No request has excursions that the method can't number.
 static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps_max);
@@ -97,7 +97,7 @@ const WorldEntry& Catalogue::world_of(const request::DirectionRequest& request) 
   for (const auto& world : worlds_) {
     if (world->binding().name == request.world) return *world;
   }
-  base::check_failed("a world of this name", request.world);
+  base::check_failed("a world of this name exists", request.world);
 }
 
 namespace {
@@ -156,7 +156,7 @@ GoOn go_on_with(const request::SamplerParameters& sampler) {
     case request::Method::search:
       break;
   }
-  base::check_failed("a method with a burn-in", "");
+  base::check_failed("the method has a burn-in", "");
 }
 
 /// The plan of a request's chains; null where a search is all.
@@ -213,7 +213,7 @@ std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& requ
           .stop = stop,
           .go_on = go_on_with(sampler)});
   }
-  base::check_failed("a known method", "");
+  base::check_failed("the method is known", "");
 }
 
 }  // namespace

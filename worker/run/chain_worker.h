@@ -130,7 +130,7 @@ class ChainWorker final : public plan::UnitWorker {
       const bool chains_tell = options_.particles > 0 || options_.starts_by_search;
       return search_unit(world_, guide(unit.seed), unit, !chains_tell);
     } else {
-      base::check_failed("a world that acts in stages", "");
+      base::check_failed("the world has stages", "");
     }
   }
 
@@ -158,7 +158,7 @@ class ChainWorker final : public plan::UnitWorker {
     if constexpr (StagedWorld<W>) {
       return island_unit(world_, guide(unit.seed), options_.particles, unit);
     } else {
-      base::check_failed("a world that acts in stages", "");
+      base::check_failed("the world has stages", "");
     }
   }
 
@@ -213,16 +213,14 @@ class ChainWorker final : public plan::UnitWorker {
     std::optional<typename W::State> decoded = world_.decode(state);
     if (!decoded) {
       throw base::Error(
-          "a chain's stored state can't be read: the run store is damaged; start over with "
-          "--fresh");
+          "can't read a chain's stored state, because the run store is damaged; start from scratch "
+          "with --fresh");
     }
     Sample sample = sampling::evaluate(world_, std::move(*decoded));
     // A failure is never a sample, so this one once succeeded.
     if (const auto report = sampling::report_of(world_, sample.outcome); report.failure)
-      throw base::Error(base::ExitCode::bug,
-                        "a chain's stored state fails when it is simulated "
-                        "again: " +
-                            report.failure->message);
+      throw base::Error(base::ExitCode::bug, "a chain's stored state fails when simulated again: " +
+                                                 report.failure->message);
     return sample;
   }
 

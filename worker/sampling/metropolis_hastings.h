@@ -65,10 +65,10 @@ Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_
     told(report);
     if (!is_refused<T>(report)) return sample;
   }
-  throw base::Error(
-      base::ExitCode::simulation_failed,
-      "all of " + std::to_string(k_draws_max) +
-          " draws from the prior fail in the simulator; the last one: " + report.failure->message);
+  throw base::Error(base::ExitCode::simulation_failed,
+                    "all " + std::to_string(k_draws_max) +
+                        " draws from the prior failed in the simulator; the last failure: " +
+                        report.failure->message);
 }
 template <Target T>
 Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan) {

@@ -39,7 +39,7 @@ void sleep_s(double seconds) {
 }
 
 base::Error unexpected_from(std::size_t rank) {
-  return {base::ExitCode::bug, fmt::format("rank {} sent a message that nobody asked for", rank)};
+  return {base::ExitCode::bug, fmt::format("rank {} sent an unexpected message", rank)};
 }
 
 struct Received {
@@ -105,7 +105,7 @@ bool MpiCrew::dismiss() {
         sleep_s(schema::wire::k_poll_interval_s_max);
       }
     } catch (const base::Error& failure) {
-      logging::warn(fmt::format("after the run's end: {}", failure.what()));
+      logging::warn(fmt::format("after the end of the run: {}", failure.what()));
     }
     if (left_ == others) finish_sends();
   }
@@ -128,8 +128,8 @@ void MpiCrew::await_hellos(const schema::Hello& expected) {
     std::optional<Received> received = poll();
     if (!received) {
       if (clock_.now_s() - begin_s > k_hello_timeout_s) {
-        throw base::Error(fmt::format("{} of {} ranks have not reported within {} s",
-                                      others - heard, others, k_hello_timeout_s));
+        throw base::Error(fmt::format("{} of {} ranks did not report within {} s", others - heard,
+                                      others, k_hello_timeout_s));
       }
       sleep_s(schema::wire::k_poll_interval_s_max);
       continue;
@@ -140,13 +140,14 @@ void MpiCrew::await_hellos(const schema::Hello& expected) {
     const auto* hello = std::get_if<schema::Hello>(&received->message);
     if (hello == nullptr) throw unexpected_from(received->rank);
     if (hello->results_version != expected.results_version) {
-      throw base::Error(fmt::format(
-          "rank {} makes results {}, rank 0 makes {}: install the same version on every host",
-          received->rank, hello->results_version, expected.results_version));
+      throw base::Error(
+          fmt::format("rank {} has results version {}, but rank 0 has {}; install the same version "
+                      "on every host",
+                      received->rank, hello->results_version, expected.results_version));
     }
     if (hello->identity != expected.identity) {
       throw base::Error(
-          fmt::format("rank {} reads another request than rank 0: give every host the same file",
+          fmt::format("rank {} has a different request than rank 0; give every host the same file",
                       received->rank));
     }
     ranks_.at(received->rank).threads = hello->threads;

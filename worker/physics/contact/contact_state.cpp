@@ -6,11 +6,10 @@ namespace sleight::physics {
 
 std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_end) {
   if (count.at_tick > k_events_at_a_tick_max)
-    return fmt::format("it collides more than {} times at one tick", k_events_at_a_tick_max);
-  return fmt::format("it collides more than {} times in a millisecond; {}",
-                     k_collisions_in_window_max,
-                     slow_contacts_end ? "a much heavier body squeezes it, or it is wedged"
-                                       : "let slow contacts end (SlowContacts)");
+    return fmt::format("more than {} collisions at one tick", k_events_at_a_tick_max);
+  return fmt::format("more than {} collisions in a millisecond ({})", k_collisions_in_window_max,
+                     slow_contacts_end ? "the body is wedged, or squeezed by a much heavier body"
+                                       : "to avoid this, let slow contacts end: SlowContacts");
 }
 
 }  // namespace sleight::physics

@@ -88,7 +88,7 @@ void Marbles::process(const EventKey& event) {
   const BodyId ball = event.body();
   if (counts_.work() > work_max_) {
     fail(SceneError::Kind::work_limit,
-         fmt::format("{}: more work than {} events up to {:.9g} s", name(ball), work_max_,
+         fmt::format("{}: exceeded the limit of {} events at {:.9g} s", name(ball), work_max_,
                      seconds(event.tick - Tick{})));
     return;
   }
@@ -164,7 +164,7 @@ void Marbles::start_ball(BodyId ball, const EventKey& event) {
   const std::string obstacle = obstacle_of(ball);
   if (!obstacle.empty()) {
     fail(SceneError::Kind::overlap,
-         fmt::format("{} can't start at {:.9g} s: it overlaps {}, or is within {} m of it",
+         fmt::format("{} can't start at {:.9g} s: it overlaps {} or is within {} m of it",
                      name(ball), seconds(event.tick - Tick{}), obstacle, k_touch_m));
     return;
   }

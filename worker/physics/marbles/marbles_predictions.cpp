@@ -301,7 +301,7 @@ void Marbles::predict_static(BodyId index) {
 /// A search takes some ticks; so many mean that a bound is wrong.
 Tick Marbles::gives_up(Tick tick) {
   fail(SceneError::Kind::search_gave_up,
-       fmt::format("a search for a collision examined more than {} ticks, up to {} ({:.9g} s)",
+       fmt::format("a collision search examined more than {} ticks, up to tick {} ({:.9g} s)",
                    k_examined_ticks_max, tick.value, seconds(tick - Tick{})));
   return k_never;
 }

@@ -154,7 +154,8 @@ void Marbles::goes_live(BodyId ball) {
   const MarbleHistory::Checkpoint* checkpoint = history->checkpoint_before(now, is_gap);
   if (is_gap) {
     lacks_checkpoint_ = true;
-    fail(SceneError::Kind::incomplete_history, name(ball) + ": its history lacks a checkpoint");
+    fail(SceneError::Kind::incomplete_history,
+         name(ball) + ": the body's history lacks a checkpoint");
   } else if (checkpoint == nullptr) {
     if (records_) begin_history(ball);
     keys_[ball] = {

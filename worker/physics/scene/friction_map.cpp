@@ -129,24 +129,25 @@ bool is_interval(double low, double high) {
 base::Result<FrictionMap, std::string> FrictionMap::make(
     const MapFrame& frame, std::vector<FrictionRectangle> rectangles) {
   if (!is_unit(frame.u) || !is_unit(frame.v) || !(std::fabs(math::dot(frame.u, frame.v)) < 1e-12))
-    return std::string("its axes u and v must have length 1 and be across each other");
+    return std::string("the axes u and v must be perpendicular and have length 1");
   if (!(math::norm(frame.origin_m) <= k_coordinate_m_max))
-    return fmt::format("its origin must be at most {} m away", k_coordinate_m_max);
+    return fmt::format("the origin must be at most {} m from the world's origin",
+                       k_coordinate_m_max);
   if (rectangles.size() > k_rectangles_max) {
-    return fmt::format("it has {} rectangles of friction; give at most {}", rectangles.size(),
+    return fmt::format("{} friction rectangles exceed the maximum of {}", rectangles.size(),
                        k_rectangles_max);
   }
   for (std::size_t i = 0; i < rectangles.size(); ++i) {
     const FrictionRectangle& one = rectangles[i];
     if (!is_interval(one.u_min_m, one.u_max_m) || !is_interval(one.v_min_m, one.v_max_m)) {
       return fmt::format(
-          "rectangle {} of its friction: u from {} to {} m, v from {} to {} m; give "
-          "a greater end than the begin, within {} m",
+          "friction rectangle {}: u from {} to {} m, v from {} to {} m; each upper bound must "
+          "exceed its lower bound, and both must be within {} m of 0",
           i, one.u_min_m, one.u_max_m, one.v_min_m, one.v_max_m, k_coordinate_m_max);
     }
     if (!(one.friction >= 0 && one.friction <= k_friction_max)) {
-      return fmt::format("rectangle {} of its friction: friction {}; give one from 0 to {}", i,
-                         one.friction, k_friction_max);
+      return fmt::format("friction rectangle {}: friction is {}, expected 0 to {}", i, one.friction,
+                         k_friction_max);
     }
   }
   return FrictionMap(frame, std::move(rectangles));

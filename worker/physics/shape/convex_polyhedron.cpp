@@ -194,37 +194,39 @@ std::string describe(const ShapeError& error) {
   using Kind = ShapeError::Kind;
   switch (error.kind) {
     case Kind::too_few_points:
-      return fmt::format("a solid needs at least 4 points, {} given", error.index);
+      return fmt::format("a solid needs at least 4 points, found {}", error.index);
     case Kind::too_many_points:
-      return fmt::format("at most {} points are allowed, {} given", k_hull_points_max, error.index);
+      return fmt::format("at most {} points are allowed, found {}", k_hull_points_max, error.index);
     case Kind::not_finite:
       return fmt::format("a coordinate of point {} is not a finite number", error.index);
     case Kind::flat:
-      return fmt::format("the points are flat: {:.3g} of their extent thick, at least {:g} needed",
-                         error.measured, k_hull_flat);
+      return fmt::format(
+          "the points are nearly coplanar: their thickness is {:.3g} of their extent, at least "
+          "{:g} is needed",
+          error.measured, k_hull_flat);
     case Kind::degenerate:
-      return "the points have features as small as the tolerance of the hull";
+      return "the points have details as small as the hull's tolerance";
     case Kind::not_spherical:
-      return fmt::format("declared spherical, but the moments of inertia differ by {:.3g} of them",
-                         error.measured);
+      return fmt::format(
+          "declared spherical, but the relative difference of the moments of inertia is {:.3g}",
+          error.measured);
     case Kind::not_axial:
       return fmt::format(
-          "declared axial, but no two moments are equal; the closest differ by {:.3g}",
+          "declared axial, but no two moments of inertia are equal; the smallest relative "
+          "difference is {:.3g}",
           error.measured);
     case Kind::no_parts:
       return "a body needs at least one part";
     case Kind::dimension_not_positive:
-      return fmt::format("size, density or count number {} must be positive and finite",
-                         error.index);
+      return fmt::format("size, density or count {} must be positive and finite", error.index);
     case Kind::too_many_features:
-      return fmt::format("at most {} rings and balls are allowed, {} given", k_round_features_max,
+      return fmt::format("at most {} rings and balls are allowed, found {}", k_round_features_max,
                          error.index);
     case Kind::no_axis:
-      return "the axis of a round piece must have length 1, and its origin be finite";
+      return "a round piece needs an axis of length 1 and a finite origin";
     case Kind::sharp:
       return fmt::format(
-          "the radius of ring or ball {} is {:.3g} of the piece's size, at least {:g} "
-          "needed",
+          "the radius of ring or ball {} is {:.3g} of the piece's size, at least {:g} is needed",
           error.index, error.measured, k_round_edge_min);
   }
   return "unknown shape error";

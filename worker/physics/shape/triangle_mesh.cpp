@@ -326,24 +326,26 @@ std::string describe(const MeshError& error) {
     case Kind::vertex_not_finite:
       if (error.triangle == k_no_triangle)
         return fmt::format("a coordinate of vertex {} is not a finite number", error.vertex);
-      return fmt::format("triangle {}: a coordinate of its vertex {} is not a finite number",
+      return fmt::format("triangle {}: a coordinate of vertex {} is not a finite number",
                          error.triangle, error.vertex);
     case Kind::index_out_of_range:
-      return fmt::format("triangle {}: there is no vertex {}", error.triangle, error.vertex);
+      return fmt::format("triangle {}: vertex {} does not exist", error.triangle, error.vertex);
     case Kind::degenerate_triangle:
       return fmt::format("triangle {} has no area: its height is below {:g} of its longest side",
                          error.triangle, k_mesh_sliver);
     case Kind::edge_shared_by_three:
-      return fmt::format("triangle {} is the third one at an edge of triangle {} (at vertex {})",
-                         error.triangle, error.other, error.vertex);
+      return fmt::format(
+          "triangle {} is the third triangle at an edge of triangle {} (at vertex {})",
+          error.triangle, error.other, error.vertex);
     case Kind::edge_run_twice:
       return fmt::format(
-          "triangles {} and {} run their common edge (at vertex {}) the same way: one of them is "
-          "inside out",
+          "triangles {} and {} traverse their common edge (at vertex {}) in the same direction, so "
+          "one triangle is inside out",
           error.other, error.triangle, error.vertex);
     case Kind::not_closed:
-      return fmt::format("the mesh is not closed: an edge of triangle {} (at vertex {}) is free",
-                         error.triangle, error.vertex);
+      return fmt::format(
+          "the mesh is not closed: an edge of triangle {} (at vertex {}) has no second triangle",
+          error.triangle, error.vertex);
   }
   return "unknown mesh error";
 }

@@ -204,7 +204,7 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
         return;
       }
       fail(SceneError::Kind::spins_too_long,
-           fmt::format("{} turns too fast for too long without touching anything, at {:.9g} s",
+           fmt::format("{} spins too fast for too long without any contact, at {:.9g} s",
                        bodies_.name(event.body()), seconds(now_ - Tick{})));
       return;
   }
@@ -238,10 +238,10 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
       fail(
           SceneError::Kind::overlap,
           description.start_again
-              ? fmt::format("{} finds no free place to start at {:.9g} s in {} attempts; the last "
-                            "one overlaps {}",
+              ? fmt::format("{} found no free place to start at {:.9g} s in {} attempts; the last "
+                            "attempt overlaps {}",
                             bodies_.name(body), seconds(event.tick - Tick{}), attempt - 1, obstacle)
-              : fmt::format("{} can't start at {:.9g} s: it overlaps {}, or is within {} m of it",
+              : fmt::format("{} can't start at {:.9g} s: it overlaps {} or is within {} m of it",
                             bodies_.name(body), seconds(event.tick - Tick{}), obstacle, k_touch_m));
       return;
     }

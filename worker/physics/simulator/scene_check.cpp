@@ -46,7 +46,7 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
   if (sphere == nullptr) {
     const auto& compound = std::get<std::shared_ptr<const Compound>>(body.shape);
     if (!compound || compound->size() == 0) {
-      return error(Kind::bad_shape, fmt::format("{}: it has no convex parts", name));
+      return error(Kind::bad_shape, fmt::format("{}: the shape has no parts", name));
     }
     for (std::size_t part = 0; part < compound->parts.size(); ++part) {
       if (!compound->parts[part].vertices_m().empty()) continue;
@@ -54,13 +54,13 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
     }
     for (std::size_t part = 0; part < compound->round_parts.size(); ++part) {
       if (!compound->round_parts[part].features().empty()) continue;
-      return error(Kind::bad_shape, fmt::format("{}: part {} has no rings and no balls", name,
+      return error(Kind::bad_shape, fmt::format("{}: part {} has neither rings nor balls", name,
                                                 compound->parts.size() + part));
     }
   }
   const double radius_m = radius_m_of(body.shape);
   if (!(radius_m > 10 * k_touch_m && radius_m <= k_coordinate_m_max)) {
-    return error(Kind::bad_shape, fmt::format("{}: radius {} m; give one from {} to {} m", name,
+    return error(Kind::bad_shape, fmt::format("{}: radius is {} m, expected {} to {} m", name,
                                               radius_m, 10 * k_touch_m, k_coordinate_m_max));
   }
   return std::nullopt;
@@ -69,28 +69,31 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
 /// Mass, and moments as the declared symmetry wants them.
 std::optional<SceneError> error_of_mass(const Inertia& inertia, const std::string& name) {
   if (!(inertia.mass_kg >= k_mass_kg_min && inertia.mass_kg <= k_mass_kg_max)) {
-    return error(Kind::bad_mass, fmt::format("{}: mass {} kg; give one from {} to {} kg", name,
+    return error(Kind::bad_mass, fmt::format("{}: mass is {} kg, expected {} to {} kg", name,
                                              inertia.mass_kg, k_mass_kg_min, k_mass_kg_max));
   }
   if (inertia.symmetry != InertiaSymmetry::spherical &&
       inertia.symmetry != InertiaSymmetry::axial && inertia.symmetry != InertiaSymmetry::general) {
-    return error(Kind::bad_mass, fmt::format("{}: its inertia has no symmetry number {}", name,
+    return error(Kind::bad_mass, fmt::format("{}: unknown inertia symmetry {}", name,
                                              static_cast<int>(inertia.symmetry)));
   }
   const Vec3& moments = inertia.principal_kgm2;
   if (!within(moments, std::numeric_limits<double>::max()) ||
       !(moments.x() > 0 && moments.y() > 0 && moments.z() > 0)) {
-    return error(Kind::bad_mass, fmt::format("{}: moments of inertia {}, {}, {} kg m^2; give some "
-                                             "above 0",
-                                             name, moments.x(), moments.y(), moments.z()));
+    return error(
+        Kind::bad_mass,
+        fmt::format("{}: moments of inertia are {}, {}, {} kg m^2, expected finite numbers above 0",
+                    name, moments.x(), moments.y(), moments.z()));
   }
   const bool axial = moments.x() == moments.y();
   const bool spherical = axial && moments.x() == moments.z();
   if ((inertia.symmetry == InertiaSymmetry::spherical && !spherical) ||
       (inertia.symmetry == InertiaSymmetry::axial && !axial)) {
-    return error(Kind::bad_mass, fmt::format("{}: its declared symmetry needs equal moments of "
-                                             "inertia; got {}, {}, {} kg m^2",
-                                             name, moments.x(), moments.y(), moments.z()));
+    return error(
+        Kind::bad_mass,
+        fmt::format(
+            "{}: the declared symmetry needs equal moments of inertia, found {}, {}, {} kg m^2",
+            name, moments.x(), moments.y(), moments.z()));
   }
   return std::nullopt;
 }
@@ -104,24 +107,25 @@ std::optional<SceneError> error_of_moments(const BodyDescription& body, const st
   const double sum = (moments.x() + moments.y()) + moments.z();
   const double largest = std::max({moments.x(), moments.y(), moments.z()});
   if (largest > (sum - largest) * (1 + 1e-9)) {
-    return error(Kind::bad_mass,
-                 fmt::format("{}: moments of inertia {}, {}, {} kg m^2: the largest "
-                             "exceeds the sum of the others",
-                             name, moments.x(), moments.y(), moments.z()));
+    return error(Kind::bad_mass, fmt::format("{}: moments of inertia are {}, {}, {} kg m^2; the "
+                                             "largest exceeds the sum of the other two",
+                                             name, moments.x(), moments.y(), moments.z()));
   }
   if (std::holds_alternative<Sphere>(body.shape) &&
       (inertia.symmetry != InertiaSymmetry::spherical)) {
-    return error(Kind::bad_mass, fmt::format("{}: a sphere has three equal moments of inertia; got "
-                                             "{}, {}, {} kg m^2",
-                                             name, moments.x(), moments.y(), moments.z()));
+    return error(
+        Kind::bad_mass,
+        fmt::format(
+            "{}: a sphere needs spherical inertia (three equal moments), found {}, {}, {} kg m^2",
+            name, moments.x(), moments.y(), moments.z()));
   }
   // No point of the body is further from its centre than the radius.
   const double radius_m = radius_m_of(body.shape);
   const double most_kgm2 = inertia.mass_kg * radius_m * radius_m;
   const double least_kgm2 = std::min({moments.x(), moments.y(), moments.z()});
   if (!(moments.maxCoeff() <= most_kgm2 * (1 + 1e-9) && least_kgm2 >= 1e-9 * most_kgm2)) {
-    return error(Kind::bad_mass, fmt::format("{}: moments of inertia {}, {}, {} kg m^2; with its "
-                                             "mass and radius they are from {} to {} kg m^2",
+    return error(Kind::bad_mass, fmt::format("{}: moments of inertia are {}, {}, {} kg m^2; this "
+                                             "mass and radius allow {} to {} kg m^2",
                                              name, moments.x(), moments.y(), moments.z(),
                                              1e-9 * most_kgm2, most_kgm2));
   }
@@ -134,24 +138,26 @@ std::optional<SceneError> error_of_body(const Scene& scene, const BodyDescriptio
   if (auto error = error_of_mass(body.inertia, name)) return error;
   if (auto error = error_of_moments(body, name)) return error;
   if (body.material.value >= scene.contacts.materials()) {
-    return error(Kind::bad_reference, fmt::format("{}: material {}; the scene has {}", name,
-                                                  body.material.value, scene.contacts.materials()));
+    return error(Kind::bad_reference,
+                 fmt::format("{}: material is {}, but the number of materials is {}", name,
+                             body.material.value, scene.contacts.materials()));
   }
   if (body.start_tick < Tick{} || body.start_tick > k_tick_max) {
-    return error(Kind::bad_number, fmt::format("{}: starts at tick {}; give one from 0 to {}", name,
+    return error(Kind::bad_number, fmt::format("{}: start tick is {}, expected 0 to {}", name,
                                                body.start_tick.value, k_tick_max.value));
   }
   if (body.rests) {
     const Twist& twist = body.start.twist;
     const char* const lacks =
-        body.start_tick != Tick{} ? "it must start at tick 0"
+        body.start_tick != Tick{} ? "the start tick must be 0"
         : !is_zero(twist.velocity_mps) || !is_zero(twist.angular_velocity_radps)
-            ? "its velocities must be 0"
+            ? "the velocities must be 0"
         : !(scene.slow.rest_speed_mps > 0) ? "the scene must let bodies rest (SlowContacts)"
-        : is_zero(scene.gravity_mps2)      ? "there is no gravity that holds it"
+        : is_zero(scene.gravity_mps2)      ? "gravity must not be 0"
                                            : nullptr;
     if (lacks != nullptr)
-      return error(Kind::bad_number, fmt::format("{}: it can't start at rest: {}", name, lacks));
+      return error(Kind::bad_number,
+                   fmt::format("{}: the body can't start at rest: {}", name, lacks));
   }
   return error_of_start(body.start, name);
 }
@@ -163,15 +169,15 @@ std::optional<SceneError> error_of_laws(const ContactTable& contacts) {
           contacts.between({static_cast<std::uint8_t>(a)}, {static_cast<std::uint8_t>(b)});
       const std::string pair = fmt::format("materials {} and {}", a, b);
       if (!(law.restitution >= 0 && law.restitution <= 1)) {
-        return error(Kind::bad_number, fmt::format("{}: restitution {}; give one from 0 to 1", pair,
-                                                   law.restitution));
+        return error(Kind::bad_number,
+                     fmt::format("{}: restitution is {}, expected 0 to 1", pair, law.restitution));
       }
       if (!(law.friction >= 0 && law.friction <= 1e6)) {
         return error(Kind::bad_number,
-                     fmt::format("{}: friction {}; give one from 0 to 1e6", pair, law.friction));
+                     fmt::format("{}: friction is {}, expected 0 to 1e6", pair, law.friction));
       }
       if (!(law.rolling_friction >= 0 && law.rolling_friction <= 1)) {
-        return error(Kind::bad_number, fmt::format("{}: rolling friction {}; give one from 0 to 1",
+        return error(Kind::bad_number, fmt::format("{}: rolling friction is {}, expected 0 to 1",
                                                    pair, law.rolling_friction));
       }
     }
@@ -184,9 +190,9 @@ std::optional<SceneError> error_of_vertices(std::span<const Vec3> vertices_m,
   for (std::size_t v = 0; v < vertices_m.size(); ++v) {
     const Vec3& p = vertices_m[v];
     if (within(p, k_coordinate_m_max)) continue;
-    return error(Kind::bad_number, fmt::format("{}: vertex {} is at ({}, {}, {}) m; coordinates "
-                                               "are at most {} m",
-                                               name, v, p.x(), p.y(), p.z(), k_coordinate_m_max));
+    return error(Kind::bad_number,
+                 fmt::format("{}: vertex {} is at ({}, {}, {}) m; coordinates may be at most {} m",
+                             name, v, p.x(), p.y(), p.z(), k_coordinate_m_max));
   }
   return std::nullopt;
 }
@@ -194,8 +200,9 @@ std::optional<SceneError> error_of_vertices(std::span<const Vec3> vertices_m,
 std::optional<SceneError> error_of_material(const Scene& scene, MaterialId material,
                                             const std::string& name) {
   if (material.value < scene.contacts.materials()) return std::nullopt;
-  return error(Kind::bad_reference, fmt::format("{}: material {}; the scene has {}", name,
-                                                material.value, scene.contacts.materials()));
+  return error(Kind::bad_reference,
+               fmt::format("{}: material is {}, but the number of materials is {}", name,
+                           material.value, scene.contacts.materials()));
 }
 
 std::optional<SceneError> error_of_statics(const Scene& scene) {
@@ -205,9 +212,10 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
     const double length = within(plane.outside.normal, 2) ? math::norm(plane.outside.normal) : 0;
     if (!(std::fabs(length - 1) < 1e-12) ||
         !(std::fabs(plane.outside.offset_m) <= k_coordinate_m_max)) {
-      return error(Kind::bad_shape, fmt::format("{}: its normal must have length 1 and its offset "
-                                                "be at most {} m",
-                                                name, k_coordinate_m_max));
+      return error(
+          Kind::bad_shape,
+          fmt::format("{}: the normal must have length 1, and the offset must be at most {} m",
+                      name, k_coordinate_m_max));
     }
     if (auto wrong = error_of_material(scene, plane.material, name)) return wrong;
     if (!plane.friction_map) continue;
@@ -215,14 +223,14 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
     if (std::fabs(math::dot(frame.u, plane.outside.normal)) > 1e-9 ||
         std::fabs(math::dot(frame.v, plane.outside.normal)) > 1e-9) {
       return error(Kind::bad_shape,
-                   fmt::format("{}: the axes of its friction must lie in the plane", name));
+                   fmt::format("{}: the axes of the friction map must lie in the plane", name));
     }
   }
   for (std::size_t i = 0; i < scene.convexes.size(); ++i) {
     const StaticConvex& convex = scene.convexes[i];
     const std::string name = name_of_static("convex", convex.name, i);
     if (!convex.polyhedron || convex.polyhedron->vertices_m().empty()) {
-      return error(Kind::bad_shape, fmt::format("{}: it has no vertices", name));
+      return error(Kind::bad_shape, fmt::format("{}: the solid has no vertices", name));
     }
     if (auto wrong = error_of_vertices(convex.polyhedron->vertices_m(), name)) return wrong;
     if (auto wrong = error_of_material(scene, convex.material, name)) return wrong;
@@ -231,7 +239,7 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
     const StaticMesh& mesh = scene.meshes[i];
     const std::string name = name_of_static("mesh", mesh.name, i);
     if (!mesh.mesh || mesh.mesh->triangles().empty()) {
-      return error(Kind::bad_shape, fmt::format("{}: it has no triangles", name));
+      return error(Kind::bad_shape, fmt::format("{}: the mesh has no triangles", name));
     }
     if (auto wrong = error_of_vertices(mesh.mesh->vertices_m(), name)) return wrong;
     if (auto wrong = error_of_material(scene, mesh.material, name)) return wrong;
@@ -245,17 +253,18 @@ std::optional<SceneError> error_of_surfaces(const Scene& scene) {
     const StaticSurface& surface = scene.surfaces[i];
     const std::string name = name_of_static("surface", surface.name, i);
     if (!surface.controls)
-      return error(Kind::bad_shape, fmt::format("{}: no control points", name));
+      return error(Kind::bad_shape, fmt::format("{}: the surface has no control points", name));
     // Comparisons with NaN are false; a table as wide as a scene has numbers for all its points.
     if (!(surface.spacing_m >= k_surface_spacing_m_min &&
           surface.spacing_m <= k_coordinate_m_max)) {
       return error(Kind::bad_number,
-                   fmt::format("{}: spacing {} m; give one from {} to {} m", name,
-                               surface.spacing_m, k_surface_spacing_m_min, k_coordinate_m_max));
+                   fmt::format("{}: spacing is {} m, expected {} to {} m", name, surface.spacing_m,
+                               k_surface_spacing_m_min, k_coordinate_m_max));
     }
     if (!(surface.point_spacing_m > 0)) {
-      return error(Kind::bad_number, fmt::format("{}: point spacing {} m; give one above 0", name,
-                                                 surface.point_spacing_m));
+      return error(Kind::bad_number,
+                   fmt::format("{}: point spacing is {} m, expected a number above 0", name,
+                               surface.point_spacing_m));
     }
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
       const auto* compound = std::get_if<std::shared_ptr<const Compound>>(&scene.bodies[b].shape);
@@ -264,9 +273,9 @@ std::optional<SceneError> error_of_surfaces(const Scene& scene) {
                            return BoxLattice::of(part.view(), surface.point_spacing_m).has_value();
                          });
       if (boxes) continue;
-      return error(Kind::bad_shape,
-                   fmt::format("body {}: only boxes meet {}, with at most {} points to a side", b,
-                               name, BoxLattice::k_steps_max));
+      return error(Kind::bad_shape, fmt::format("body {}: this shape can't collide with {}; use "
+                                                "boxes with at most {} points per side",
+                                                b, name, BoxLattice::k_steps_max));
     }
   }
   return std::nullopt;
@@ -275,17 +284,19 @@ std::optional<SceneError> error_of_surfaces(const Scene& scene) {
 std::optional<SceneError> error_of_slow(const SlowContacts& slow) {
   const auto wrong = [](std::string_view what, double value, std::string_view range) {
     return error(Kind::bad_number,
-                 fmt::format("slow contacts: {} {}; give one {}", what, value, range));
+                 fmt::format("slow contacts: {} is {}, expected {}", what, value, range));
   };
   // Comparisons with NaN are false.
   if (!(slow.separation_speed_mps >= 0 && slow.separation_speed_mps <= k_speed_mps_max))
-    return wrong("separation speed", slow.separation_speed_mps, "in m/s, or 0 for none");
+    return wrong("separation speed", slow.separation_speed_mps,
+                 fmt::format("0 (off) to {} m/s", k_speed_mps_max));
   if (!(slow.rest_speed_mps >= 0 && slow.rest_speed_mps <= k_speed_mps_max))
-    return wrong("rest speed", slow.rest_speed_mps, "in m/s, or 0 for no rest");
+    return wrong("rest speed", slow.rest_speed_mps,
+                 fmt::format("0 (bodies never rest) to {} m/s", k_speed_mps_max));
   if (slow.rest_speed_mps > 0 &&
       !(slow.rest_time_s >= k_rest_time_s_min && slow.rest_time_s <= k_rest_time_s_max)) {
     return wrong("rest time", slow.rest_time_s,
-                 fmt::format("from {} to {} s", k_rest_time_s_min, k_rest_time_s_max));
+                 fmt::format("{} to {} s", k_rest_time_s_min, k_rest_time_s_max));
   }
   return std::nullopt;
 }
@@ -295,25 +306,24 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
     if (period == 0) continue;
     if (!(period > 0 && period <= k_coordinate_m_max)) {
       return error(Kind::bad_number,
-                   fmt::format("period {} m; give one above 0, or 0 for none", period));
+                   fmt::format("period is {} m, expected a number above 0, or 0 for none", period));
     }
     if (!scene.planes.empty() || !scene.convexes.empty() || !scene.meshes.empty() ||
         !scene.surfaces.empty() || scene.gravity_mps2 != Vec3::Zero()) {
       return error(Kind::bad_number,
-                   "a scene that repeats can have neither gravity nor static geometry");
+                   "a periodic scene can have neither gravity nor static geometry");
     }
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
       const auto* sphere = std::get_if<Sphere>(&scene.bodies[i].shape);
       if (sphere == nullptr) {
         return error(Kind::bad_shape,
-                     fmt::format("body {}: only spheres can be in a scene that repeats", i));
+                     fmt::format("body {}: a periodic scene can only have spheres", i));
       }
       const double radius_m = sphere->radius_m;
       if (period < 10 * radius_m) {
-        return error(Kind::bad_shape,
-                     fmt::format("body {}: radius {} m in a period of {} m; the period must be at "
-                                 "least ten radii",
-                                 i, radius_m, period));
+        return error(Kind::bad_shape, fmt::format("body {}: radius is {} m, but the period is {} "
+                                                  "m; the period must be at least ten radii",
+                                                  i, radius_m, period));
       }
     }
   }
@@ -324,31 +334,32 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
 
 std::optional<SceneError> error_of_start(const StartState& start, const std::string& name) {
   if (!within(start.pose.position_m, k_coordinate_m_max)) {
-    return error(Kind::bad_number,
-                 fmt::format("{}: starts at ({}, {}, {}) m; coordinates are at most {} m", name,
-                             start.pose.position_m.x(), start.pose.position_m.y(),
-                             start.pose.position_m.z(), k_coordinate_m_max));
+    return error(
+        Kind::bad_number,
+        fmt::format("{}: start position is ({}, {}, {}) m; coordinates may be at most {} m", name,
+                    start.pose.position_m.x(), start.pose.position_m.y(), start.pose.position_m.z(),
+                    k_coordinate_m_max));
   }
   if (!within(start.twist.velocity_mps, k_speed_mps_max)) {
-    return error(Kind::bad_number,
-                 fmt::format("{}: starting velocity ({}, {}, {}) m/s; components "
-                             "are at most {} m/s",
-                             name, start.twist.velocity_mps.x(), start.twist.velocity_mps.y(),
-                             start.twist.velocity_mps.z(), k_speed_mps_max));
+    return error(
+        Kind::bad_number,
+        fmt::format("{}: start velocity is ({}, {}, {}) m/s; components may be at most {} m/s",
+                    name, start.twist.velocity_mps.x(), start.twist.velocity_mps.y(),
+                    start.twist.velocity_mps.z(), k_speed_mps_max));
   }
   if (!within(start.twist.angular_velocity_radps, k_spin_radps_max)) {
-    return error(Kind::bad_number,
-                 fmt::format("{}: starting angular velocity ({}, {}, {}) rad/s; "
-                             "components are at most {} rad/s",
-                             name, start.twist.angular_velocity_radps.x(),
-                             start.twist.angular_velocity_radps.y(),
-                             start.twist.angular_velocity_radps.z(), k_spin_radps_max));
+    return error(
+        Kind::bad_number,
+        fmt::format(
+            "{}: start angular velocity is ({}, {}, {}) rad/s; components may be at most {} rad/s",
+            name, start.twist.angular_velocity_radps.x(), start.twist.angular_velocity_radps.y(),
+            start.twist.angular_velocity_radps.z(), k_spin_radps_max));
   }
   const Quat& q = start.pose.orientation;
   const double norm2 = ((q.w() * q.w() + q.x() * q.x()) + q.y() * q.y()) + q.z() * q.z();
   if (!(std::fabs(norm2 - 1) < 1e-6)) {
     return error(Kind::bad_number,
-                 fmt::format("{}: its orientation has the squared norm {}; give a unit quaternion",
+                 fmt::format("{}: orientation has squared norm {}, expected a unit quaternion",
                              name, norm2));
   }
   return std::nullopt;
@@ -357,7 +368,7 @@ std::optional<SceneError> error_of_start(const StartState& start, const std::str
 std::optional<SceneError> error_of(const Scene& scene) {
   if (!within(scene.gravity_mps2, k_gravity_mps2_max)) {
     return error(Kind::bad_number,
-                 fmt::format("gravity ({}, {}, {}) m/s^2; components are at most {} m/s^2",
+                 fmt::format("gravity is ({}, {}, {}) m/s^2; components may be at most {} m/s^2",
                              scene.gravity_mps2.x(), scene.gravity_mps2.y(), scene.gravity_mps2.z(),
                              k_gravity_mps2_max));
   }
@@ -373,14 +384,17 @@ std::optional<SceneError> error_of(const Scene& scene) {
   if (auto wrong = error_of_surfaces(scene)) return wrong;
   for (const Control& control : scene.controls) {
     if (control.body.value >= scene.bodies.size()) {
-      return error(Kind::bad_reference, fmt::format("a control acts on body {}; the scene has {}",
-                                                    control.body.value, scene.bodies.size()));
+      return error(Kind::bad_reference,
+                   fmt::format("a control acts on body {}, but the number of bodies is {}",
+                               control.body.value, scene.bodies.size()));
     }
     if (control.tick < Tick{} || !within(control.velocity_change_mps, k_speed_mps_max) ||
         !within(control.angular_velocity_change_radps, k_spin_radps_max)) {
-      return error(Kind::bad_number, fmt::format("the control of body {} at tick {} has a bad "
-                                                 "number",
-                                                 control.body.value, control.tick.value));
+      return error(
+          Kind::bad_number,
+          fmt::format(
+              "the control of body {} at tick {} has a negative tick or an invalid velocity",
+              control.body.value, control.tick.value));
     }
   }
   return error_of_period(scene);

@@ -50,9 +50,8 @@ World::World(const Scene& scene, bool record, std::size_t segments_reserved)
 const std::optional<SceneError>& World::failure() {
   if (!failure_ && predictions_.gave_up()) {
     const Predictions::GaveUp& first = *predictions_.gave_up();
-    failure_ =
-        SceneError{SceneError::Kind::search_gave_up,
-                   message_of("the search for a collision gives up", first.body, first.tick)};
+    failure_ = SceneError{SceneError::Kind::search_gave_up,
+                          message_of("collision search gave up", first.body, first.tick)};
   }
   return failure_;
 }

@@ -157,19 +157,18 @@ SceneError World::error_of_rest(BodyId body, double missing, bool holds_if_rough
   std::string message;
   if (partners.empty()) {
     message = fmt::format(
-        "{} can't start at rest: it touches neither static geometry nor another body that starts "
-        "at rest, to within {} m; put it on what is to carry it, or let it start a little above "
-        "and come to rest",
+        "{} can't start at rest: neither static geometry nor another body that starts at rest is "
+        "within {} m; put the body on a support, or start it slightly above one",
         bodies_.name(body), k_at_rest_gap_m);
   } else {
     const std::size_t named = std::min(partners.size(), k_named);
     message = fmt::format(
-        "{} can't start at rest: what it touches ({}{}) can't hold it: it would {}; {:.2g} of the "
+        "{} can't start at rest: its supports ({}{}) can't hold it, and it would {}; {:.2g} of the "
         "forces on it are not balanced",
         bodies_.name(body),
         fmt::join(partners.begin(), partners.begin() + static_cast<int>(named), ", "),
         partners.size() > named ? ", ..." : "",
-        holds_if_rough ? "slide, as friction is too small" : "topple or fall", missing);
+        holds_if_rough ? "slide because friction is too small" : "topple or fall", missing);
   }
   return {SceneError::Kind::no_balance, std::move(message)};
 }
@@ -221,7 +220,8 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
   if (members.size() > k_at_rest_together_max) {
     return SceneError{
         SceneError::Kind::no_balance,
-        fmt::format("{} can't start at rest: {} other bodies hang together with it; {} may",
+        fmt::format("{} can't start at rest: it is connected with {} other bodies at rest, at most "
+                    "{} are supported",
                     bodies_.name(members.front()), members.size() - 1, k_at_rest_together_max - 1)};
   }
   const auto place_of = [&](BodyId body) {

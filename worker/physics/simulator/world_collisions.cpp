@@ -39,7 +39,7 @@ void World::collide(BodyId a, BodyId b, const EventKey& event) {
       at, a, b, predictions_.contact_at(a, b, event),
       scene().contacts.between(bodies_.constants(a).material, bodies_.constants(b).material));
   if (!resolved)
-    note_failure(SceneError::Kind::impact_unresolved, "its impact can't be resolved", a,
+    note_failure(SceneError::Kind::impact_unresolved, "the impact can't be resolved", a,
                  event.tick);
 }
 

@@ -58,12 +58,13 @@ double ess_wanted(std::size_t chains) {
 std::vector<std::string> complaints(std::string_view name, const Convergence& convergence) {
   if (convergence.constant) return {};
   if (convergence.not_finite > 0) {
-    return {fmt::format("{}: {} of {} draws are NaN or infinite, so nothing can be said", name,
-                        convergence.not_finite, convergence.chains * convergence.draws)};
+    return {fmt::format("{}: {} of {} draws are NaN or infinite, so convergence can't be judged",
+                        name, convergence.not_finite, convergence.chains * convergence.draws)};
   }
   if (convergence.draws < k_draws_per_chain_min) {
-    return {fmt::format("{}: {} draws of each chain are too few to judge by; it takes {}", name,
-                        convergence.draws, k_draws_per_chain_min)};
+    return {fmt::format(
+        "{}: {} draws per chain are too few to judge convergence; at least {} are needed", name,
+        convergence.draws, k_draws_per_chain_min)};
   }
 
   std::vector<std::string> reasons;
@@ -71,9 +72,9 @@ std::vector<std::string> complaints(std::string_view name, const Convergence& co
   const double ratio = has_tail ? convergence.r_hat : convergence.r_hat_bulk;
   if (convergence.chains > 1 && convergence.unmoved == convergence.chains) {
     reasons.push_back(
-        fmt::format("{}: no chain ever moves, and they stay at different values", name));
+        fmt::format("{}: no chain ever moves, and the chains stay at different values", name));
   } else if (!(ratio <= k_r_hat_max)) {
-    reasons.push_back(fmt::format("{}: {}R-hat is {:.3f}, above {}: the chains disagree, or drift",
+    reasons.push_back(fmt::format("{}: {}R-hat is {:.3f}, above {}: the chains disagree or drift",
                                   name, who_never_moves(convergence), ratio, k_r_hat_max));
   }
   const double wanted = ess_wanted(convergence.chains);

@@ -23,7 +23,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
       "collisions", p.collisions,
       {.minimum = 1,
        .maximum = k_collisions_max,
-       .help = "number of collisions with a random normal; the ball lands on the next one"});
+       .help = "number of collisions with random normals; the ball lands at the next collision"});
   // A standard deviation near 0 would leave nothing to direct, and of 0 no density.
   world.angle_deg("normal_sd_deg", p.normal_sd_rad,
                   {.minimum = 0.001,
@@ -51,7 +51,7 @@ void bind_constraint(request::Binder& constraint, ConstraintParameters& p) {
                     {.minimum = 1e-6,
                      .maximum = 10000,
                      .unit = "D",
-                     .help = "maximum distance from the target of a satisfying animation"});
+                     .help = "maximum distance from the target that still satisfies it"});
 }
 
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
@@ -59,11 +59,11 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
                  {.minimum = 0,
                   .above_minimum = true,
                   .maximum = 1,
-                  .help = "probability that a proposal changes each normal"});
+                  .help = "probability that a proposal changes a given normal"});
   sampler.angle_deg("change_half_width_deg", p.change_half_width_rad,
                     {.minimum = 0.001,
                      .maximum = 180,
-                     .help = "half width of the uniform distribution of this change"});
+                     .help = "half width of the uniform distribution of a normal's change"});
 }
 
 void bind(request::WorldSections& sections, Parameters& parameters) {

@@ -83,16 +83,17 @@ void bind_orientation(Binder& die, DieKeys& keys) {
   die.optional_integer(
       "up", keys.up,
       {.minimum = 1, .maximum = k_faces, .help = "face on top, if fixed; default: 3"});
-  die.angle_deg(
-      "yaw_deg", keys.yaw_rad,
-      {.minimum = -360, .maximum = 360, .help = "rotation about the vertical after up, if fixed"});
+  die.angle_deg("yaw_deg", keys.yaw_rad,
+                {.minimum = -360,
+                 .maximum = 360,
+                 .help = "rotation about the vertical, applied after up, if fixed"});
   constexpr std::array<const char*, 4> k_parts{"qw", "qx", "qy", "qz"};
   bool gives_quaternion = false;
   double square = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     die.number(
         k_parts[i], keys.quaternion[i],
-        {.minimum = -1, .maximum = 1, .help = "quaternion in place of up and yaw_deg, if fixed"});
+        {.minimum = -1, .maximum = 1, .help = "quaternion instead of up and yaw_deg, if fixed"});
     // By its value: a normalised request has every key, given or not.
     gives_quaternion = gives_quaternion || keys.quaternion[i] != (i == 0 ? 1 : 0);
     square += keys.quaternion[i] * keys.quaternion[i];
@@ -100,9 +101,9 @@ void bind_orientation(Binder& die, DieKeys& keys) {
   if (!die.valid("orientation")) return;
   const bool is_fixed = keys.start.orientation == StartOrientation::fixed;
   if (!is_fixed && (keys.up || gives_quaternion)) {
-    die.error("orientation", "must be \"fixed\" where up or a quaternion is given");
+    die.error("orientation", "must be \"fixed\" if up or a quaternion is given");
   } else if (keys.up && gives_quaternion) {
-    die.error("up", "goes without a quaternion: give one of both");
+    die.error("up", "give up or a quaternion, not both");
   } else if (!(square > 0.01)) {
     die.error("qw", "the quaternion is too small to be a rotation");
   } else if (is_fixed) {
@@ -148,9 +149,9 @@ void bind_dice(Binder& world, WorldParameters& p) {
   world.tables<DieKeys>("die", given,
                         {.count_max = k_dice_max, .help = "start of each die, in order"}, bind_die);
   if (count && !given.empty() && *count != given.size() && world.valid("dice")) {
-    world.error("dice", fmt::format("there are {} tables [[world.die]]: leave it out, or give as "
-                                    "many",
-                                    given.size()));
+    world.error("dice",
+                fmt::format("must be {}, the number of [[world.die]] tables; or remove this key",
+                            given.size()));
   }
   if (given.empty()) given.resize(count.value_or(1));
   p.dice.clear();
@@ -169,9 +170,10 @@ void bind_range(Binder& world, const std::string& name, Range& range, double max
   const std::string high = name + "_high";
   world.number(low, range.low,
                {.minimum = 0, .maximum = maximum, .help = "minimum at the table's control points"});
-  world.number(
-      high, range.high,
-      {.minimum = 0, .maximum = maximum, .help = "maximum there; equal to the minimum: constant"});
+  world.number(high, range.high,
+               {.minimum = 0,
+                .maximum = maximum,
+                .help = "maximum at the table's control points; equal to the minimum: constant"});
   if (world.valid(low) && world.valid(high) && range.low > range.high) {
     world.error(high, fmt::format("must be at least {}", low));
     range = {range.high, range.high};
@@ -204,10 +206,11 @@ void bind_world(Binder& world, WorldParameters& p) {
                 {.minimum = 1, .maximum = k_grid_max, .help = "number of control points along x"});
   world.integer("rows", table.rows,
                 {.minimum = 1, .maximum = k_grid_max, .help = "number of control points along y"});
-  length_mm(world, "height_sd_mm", table.height_sd_m,
-            {.minimum = 0,
-             .maximum = 1000,
-             .help = "standard deviation of control points (of the surface: 0.48 times this)"});
+  length_mm(
+      world, "height_sd_mm", table.height_sd_m,
+      {.minimum = 0,
+       .maximum = 1000,
+       .help = "standard deviation of control point heights; of the surface: 0.48 times this"});
   bind_range(world, "restitution", table.restitution, 1);
   bind_range(world, "friction", table.friction, 10);
   for (const char* key : {"spacing_mm", "height_sd_mm"}) {
@@ -215,7 +218,7 @@ void bind_world(Binder& world, WorldParameters& p) {
   }
   constexpr double k_steepest = 0.5;
   if (table.height_sd_m > k_steepest * table.spacing_m) {
-    world.error("height_sd_mm", fmt::format("must be at most {:.6g}, half of spacing_mm",
+    world.error("height_sd_mm", fmt::format("must be at most {:.6g} (half of spacing_mm)",
                                             1e3 * k_steepest * table.spacing_m));
   }
   for (const DieStart& start : p.dice) {
@@ -250,9 +253,8 @@ struct GoalBinder {
     keys.goal.die = keys.die - 1;
     if (table.valid("die") && keys.die > world.dice.size()) {
       keys.goal.die = 0;
-      table.error("die",
-                  fmt::format("there {} {} {} in [world]", world.dice.size() == 1 ? "is" : "are",
-                              world.dice.size(), world.dice.size() == 1 ? "die" : "dice"));
+      table.error("die", fmt::format("must be at most {}, the number of dice in [world]",
+                                     world.dice.size()));
     }
   }
   void bind_time(Binder& table, GoalKeys& keys) const {
@@ -260,7 +262,7 @@ struct GoalBinder {
                           {.minimum = 0,
                            .maximum = 100,
                            .unit = "s",
-                           .help = "time of the goal; default: the end, at rest"});
+                           .help = "time of the goal; default: at the end, at rest"});
     if (keys.goal.at_s && *keys.goal.at_s > world.time_max_s) {
       keys.goal.at_s.reset();
       table.error("at_s", "must be at most time_max_s of [world]");
@@ -301,8 +303,8 @@ struct GoalBinder {
     for (std::size_t i = 0; i < goals.size(); ++i) {
       const std::string words = contradiction_of(goals[i], goal, world.side_m);
       if (words.empty()) continue;
-      table.error("die",
-                  fmt::format("{}; line {} has [{}]", words, places[i].line, places[i].name));
+      table.error(
+          "die", fmt::format("{} (see also line {}, [{}])", words, places[i].line, places[i].name));
       return;
     }
   }
@@ -396,7 +398,7 @@ void GoalBinder::bind_places() {
 }
 
 void GoalBinder::bind_directions() {
-  tables<FaceKeys>("face", "goal: face of a die on top", [&](Binder& table, FaceKeys& keys) {
+  tables<FaceKeys>("face", "goal: top face of a die", [&](Binder& table, FaceKeys& keys) {
     table.integer(
         "up", keys.up,
         {.minimum = 1, .maximum = k_faces, .help = "face on top; opposite faces add up to 7"});
@@ -405,14 +407,14 @@ void GoalBinder::bind_directions() {
     keys.goal.wanted = FaceDirection{.face = keys.up, .direction = Vec3(0, 0, 1)};
   });
   tables<YawKeys>(
-      "yaw", "goal: direction of a face on the side", [&](Binder& table, YawKeys& keys) {
+      "yaw", "goal: direction of a side face of a die", [&](Binder& table, YawKeys& keys) {
         table.integer("face", keys.face,
                       {.minimum = 1, .maximum = k_faces, .help = "number of the face"});
         table.angle_deg(
             "yaw_deg", keys.yaw_rad,
             {.minimum = -360,
              .maximum = 360,
-             .help = "azimuth of its outward normal, from the x axis towards the y axis"});
+             .help = "azimuth of the face's outward normal, from the x axis towards the y axis"});
         bind_angles(table, keys);
         bind_time(table, keys);
         const math::SinCos yaw = math::sincos(keys.yaw_rad);
@@ -447,7 +449,7 @@ void GoalBinder::bind_motion() {
                      {.minimum = 0,
                       .maximum = 100,
                       .unit = "s",
-                      .help = "latest time of rest, from the first release"});
+                      .help = "latest time of rest, counted from the first release"});
         table.number("sigma_s", keys.goal.sigma,
                      {.minimum = 1e-6, .maximum = 100, .unit = "s", .help = k_sigma_help});
         table.number("tolerance_s", keys.goal.tolerance,
@@ -456,8 +458,8 @@ void GoalBinder::bind_motion() {
         const auto first = std::ranges::min_element(world.dice, {}, &DieStart::start_s);
         const double start_s = world.dice.at(keys.goal.die).start_s - first->start_s;
         if (keys.time_s + keys.goal.tolerance < start_s)
-          table.error("time_s",
-                      fmt::format("die {} starts {:.3g} s after the first one", keys.die, start_s));
+          table.error("time_s", fmt::format("too early: die {} starts {:.3g} s after the first die",
+                                            keys.die, start_s));
       });
 }
 
@@ -471,17 +473,15 @@ void check_faces(Binder& constraint, const Parameters& p) {
     if (of_faces.empty()) continue;
     if (p.numbering == Numbering::free) {
       if (p.world.dice[die].orientation == StartOrientation::fixed) {
-        constraint.error(
-            "numbering",
-            fmt::format("must be \"fixed\": die {} starts with a fixed orientation, so "
-                        "its faces can't be numbered afterwards",
-                        die + 1));
+        constraint.error("numbering",
+                         fmt::format("must be \"fixed\": die {} has a fixed initial orientation, "
+                                     "so its faces can't be numbered after the throw",
+                                     die + 1));
       }
       for (const Goal* goal : of_faces) {
         if (goal->at_s != of_faces.front()->at_s) {
           constraint.error("numbering",
-                           fmt::format("must be \"fixed\": die {} has goals for its faces at "
-                                       "several times, which one numbering has to meet",
+                           fmt::format("must be \"fixed\": die {} has face goals at several times, and one numbering must meet them all",
                                        die + 1));
           break;
         }
@@ -496,7 +496,8 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
   };
   share("change_all", p.change_all, "share of proposals that redraw everything");
   share("change_die", p.change_die, "share of proposals that redraw the start of one die");
-  share("change_start", p.change_start, "share of proposals that change one component of a start");
+  share("change_start", p.change_start,
+        "share of proposals that change one component of a die's start");
   share("change_control", p.change_control,
         "share of proposals that change a random control point");
   share("change_contact", p.change_contact,
@@ -519,10 +520,11 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
              .help = "standard deviation of the largest steps of control points"});
   step("restitution_step", p.restitution, "", 1);
   step("friction_step", p.friction, "", 10);
-  sampler.integer("halvings", p.halvings,
-                  {.minimum = 0,
-                   .maximum = 40,
-                   .help = "a step is halved 0 to this number of times, with equal probabilities"});
+  sampler.integer(
+      "halvings", p.halvings,
+      {.minimum = 0,
+       .maximum = 40,
+       .help = "maximum times that a step is halved; all numbers from 0 are equally likely"});
   for (const char* key :
        {"change_all", "change_die", "change_start", "change_control", "change_contact"}) {
     if (!sampler.valid(key)) return;
@@ -530,14 +532,14 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
   const double sum =
       p.change_all + p.change_die + p.change_start + p.change_control + p.change_contact;
   if (std::fabs(sum - 1) > 1e-9)
-    sampler.error("change_all", fmt::format("the shares add up to {:.6g}, not to 1", sum));
+    sampler.error("change_all", fmt::format("the shares must add up to 1, found {:.6g}", sum));
 }
 
 void bind(request::WorldSections& sections, Parameters& parameters) {
   bind_world(sections.world, parameters.world);
   sections.constraint.choice<Numbering>(
       "numbering", parameters.numbering, k_numbering_names,
-      "free: number the faces after the throw, as fits best; fixed: before it");
+      "free: number the faces after the throw, as fits the goals best; fixed: before the throw");
   GoalBinder{sections.constraint, parameters.world, parameters.goals}.bind_all();
   check_faces(sections.constraint, parameters);
   bind_proposal(sections.sampler, parameters.proposal);

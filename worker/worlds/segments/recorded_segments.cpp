@@ -16,7 +16,7 @@ motion::Mode mode_of(physics::MotionMode mode) {
     case physics::MotionMode::resting:
       return motion::Mode::resting;
   }
-  base::check_failed("a known mode", "");
+  base::check_failed("the mode is known", "");
 }
 
 /// What began a segment of a body, and the partner where that is a hit.
@@ -49,7 +49,7 @@ Beginning beginning_of(const physics::EventKey& event, std::uint32_t body,
     default:
       break;
   }
-  base::check_failed("an event that begins a segment of a world", "");
+  base::check_failed("the event begins a segment", "");
 }
 
 }  // namespace

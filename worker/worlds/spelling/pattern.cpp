@@ -140,20 +140,20 @@ base::Result<Pattern, std::string> pattern_of_rows(std::string_view rows) {
     lines.pop_back();
   while (!lines.empty() && lines.front().empty())
     lines.erase(lines.begin());
-  if (lines.empty()) return std::string("it has no rows");
+  if (lines.empty()) return std::string("the pattern has no rows");
   Pattern pattern = empty_pattern(static_cast<std::uint32_t>(lines.front().size()),
                                   static_cast<std::uint32_t>(lines.size()));
   for (std::size_t row = 0; row < lines.size(); ++row) {
     const std::string of_row = "row " + std::to_string(row + 1);
     if (lines[row].size() != pattern.columns) {
-      return of_row + " has " + std::to_string(lines[row].size()) + " characters, row 1 has " +
+      return of_row + " has " + std::to_string(lines[row].size()) + " characters, but row 1 has " +
              std::to_string(pattern.columns);
     }
     for (std::size_t column = 0; column < pattern.columns; ++column) {
       const char character = lines[row][column];
       if (character != '.' && character != '#') {
-        return of_row + " has a '" + character_at(lines[row].substr(column)) + "' in column " +
-               std::to_string(column + 1) + "; use '.' and '#' only";
+        return of_row + " has '" + character_at(lines[row].substr(column)) + "' in column " +
+               std::to_string(column + 1) + "; use only '.' and '#'";
       }
       pattern.designated[row * pattern.columns + column] = character == '#' ? 1 : 0;
     }
@@ -168,7 +168,7 @@ base::Result<Pattern, std::string> pattern_of_word(std::string_view word, Font f
   for (std::size_t i = 0; i < word.size(); ++i) {
     const Glyph* glyph = glyph_of(word[i], font);
     if (glyph == nullptr) {
-      return "there is no picture of '" + character_at(word.substr(i)) +
+      return "the font has no '" + character_at(word.substr(i)) +
              "'; use A to Z, 0 to 9 and spaces, or a bitmap";
     }
     glyphs.push_back(glyph);

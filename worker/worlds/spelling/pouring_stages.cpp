@@ -77,9 +77,9 @@ DropOdds flattened(const DropOdds& odds) {
 
 std::string StagedSpelling::past_effort() const {
   return fmt::format(
-      "in proportion takes long: on two cores five of HI (16 balls) took 15 to 40 s, of ACM (30 "
-      "balls) 60 to 150 s, of SLEIGHT (61 balls) 250 s, or more than 300 with another seed; this "
-      "has {} balls",
+      "solutions in proportion take long: on two cores, five solutions took 15 to 40 s for HI (16 "
+      "balls), 60 to 150 s for ACM (30 balls) and 250 to over 300 s for SLEIGHT (61 balls); this "
+      "request has {} balls",
       balls());
 }
 

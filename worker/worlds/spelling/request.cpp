@@ -69,13 +69,13 @@ std::optional<Pattern> given_pattern(request::Binder& world, const std::string& 
     }
     pattern = given.value();
     if (pattern.count() == 0) {
-      world.error(key, "it designates no bin");
+      world.error(key, "the pattern has no designated bins");
       return std::nullopt;
     }
   }
   if (pattern.columns > k_columns_max || pattern.rows > k_rows_max) {
-    world.error(key, fmt::format("it needs {} x {} bins, and {} x {} can be had", pattern.columns,
-                                 pattern.rows, k_columns_max, k_rows_max));
+    world.error(key, fmt::format("the pattern needs {} x {} bins, but the maximum is {} x {}",
+                                 pattern.columns, pattern.rows, k_columns_max, k_rows_max));
     return std::nullopt;
   }
   return pattern;
@@ -88,7 +88,7 @@ std::optional<Pattern> pattern_in_box(request::Binder& world, const Pattern& pat
                                       std::optional<std::uint32_t> rows, const char* key) {
   const auto fits = [&](const char* size, std::uint32_t wanted, std::uint32_t needed) {
     if (wanted >= needed) return true;
-    world.error(size, fmt::format("the pattern needs {}", needed));
+    world.error(size, fmt::format("must be at least {} for this pattern", needed));
     return false;
   };
   const std::uint32_t all_columns = columns.value_or(pattern.columns);
@@ -96,7 +96,7 @@ std::optional<Pattern> pattern_in_box(request::Binder& world, const Pattern& pat
   if (!fits("columns", all_columns, pattern.columns) || !fits("rows", all_rows, pattern.rows))
     return std::nullopt;
   if (all_columns * all_rows < 2) {
-    world.error(key, "a box has 2 bins at least; add columns or rows");
+    world.error(key, "a box needs at least 2 bins; add columns or rows");
     return std::nullopt;
   }
   return centred(pattern, all_columns, all_rows);
@@ -109,21 +109,24 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
   Font font = Font::rows_5;
   std::optional<std::uint32_t> columns;
   std::optional<std::uint32_t> rows;
-  world.text(
-      "word", word,
-      {.characters_max = 20,
-       .help = "word to spell: A to Z, 0 to 9 and spaces; default without a bitmap: the thesis's "
-               "HI, which is smaller than HI in this font"});
+  world.text("word", word,
+             {.characters_max = 20,
+              .help = "word to spell, of A to Z, 0 to 9 and spaces; default without a bitmap: the "
+                      "thesis's HI, which is smaller than HI in this font"});
   world.choice<Font>("font", font, k_fonts, "height of the word's letters");
   world.text("bitmap", bitmap,
              {.characters_max = (k_columns_max + 2) * (k_rows_max + 2),
-              .help = "pattern in place of a word: rows of '.' and '#', one per line"});
+              .help = "pattern instead of a word: rows of '.' and '#', one row per line"});
   world.optional_integer<std::uint32_t>(
       "columns", columns,
-      {.minimum = 1, .maximum = k_columns_max, .help = "columns of bins; default: the pattern's"});
+      {.minimum = 1,
+       .maximum = k_columns_max,
+       .help = "number of columns of bins; default: as in the pattern"});
   world.optional_integer<std::uint32_t>(
       "rows", rows,
-      {.minimum = 1, .maximum = k_rows_max, .help = "rows of bins; default: the pattern's"});
+      {.minimum = 1,
+       .maximum = k_rows_max,
+       .help = "number of rows of bins; default: as in the pattern"});
   if (!world.valid("word") || !world.valid("bitmap") || !world.valid("font")) return;
   if (!word.empty() && !bitmap.empty()) {
     world.error("bitmap", "give a word or a bitmap, not both");
@@ -145,35 +148,35 @@ void check_sizes(request::Binder& world, const WorldParameters& p) {
   // A bit of room on each side, else a box that is one bin wide leaves no place to drop from.
   constexpr double k_room_m = 1e-5;
   if (p.ball_diameter_m > p.bin_m - k_room_m) {
-    world.error("ball_diameter_mm", fmt::format("must be at most {}, {} less than bin_mm",
+    world.error("ball_diameter_mm", fmt::format("must be at most {} ({} less than bin_mm)",
                                                 mm(p.bin_m - k_room_m), mm(k_room_m)));
     return;
   }
   constexpr double k_slack = 1 + 1e-9;
   const double most_sd_m = 0.1 * std::min(p.partition_m, p.partition_height_m);
   if (p.vertex_sd_m > k_slack * most_sd_m) {
-    world.error("vertex_sd_mm", fmt::format("must be at most {}, a tenth of partition_mm and of "
-                                            "partition_height_mm",
-                                            mm(most_sd_m)));
+    world.error(
+        "vertex_sd_mm",
+        fmt::format("must be at most {} (a tenth of partition_mm and of partition_height_mm)",
+                    mm(most_sd_m)));
     return;
   }
   const double least_drop_m = p.partition_height_m + 10 * p.vertex_sd_m;
   if (p.drop_height_m < least_drop_m) {
     world.error("drop_height_mm",
-                fmt::format("must be at least {}, above all partitions: their height and 10 times "
-                            "vertex_sd_mm",
+                fmt::format("must be at least {} (partition_height_mm plus 10 times vertex_sd_mm)",
                             mm(least_drop_m)));
     return;
   }
   constexpr double k_thinnest = 1000;
   if (p.bin_m > k_thinnest * p.partition_m) {
-    world.error("partition_mm", fmt::format("must be at least {}, a thousandth of bin_mm",
+    world.error("partition_mm", fmt::format("must be at least {} (a thousandth of bin_mm)",
                                             mm(p.bin_m / k_thinnest)));
     return;
   }
   if (p.dome_m > p.partition_height_m) {
     world.error("dome_mm",
-                fmt::format("must be at most {}: partition_height_mm", mm(p.partition_height_m)));
+                fmt::format("must be at most {} (partition_height_mm)", mm(p.partition_height_m)));
     return;
   }
   // A ball at rest touches two partitions and the dome's slope.
@@ -183,8 +186,8 @@ void check_sizes(request::Binder& world, const WorldParameters& p) {
                           p.dome_m * (1 - (p.bin_m - p.ball_diameter_m) / p.bin_m);
   if (p.partition_height_m <= lowest_m) {
     world.error("partition_height_mm",
-                fmt::format("must be above {}, where the centre of a ball at rest is in its bin "
-                            "(by ball_diameter_mm, dome_mm and bin_mm)",
+                fmt::format("must be above {}, the height of the centre of a ball at rest (from "
+                            "ball_diameter_mm, dome_mm and bin_mm)",
                             mm(lowest_m)));
   }
 }
@@ -208,7 +211,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
                {.minimum = 1,
                 .maximum = 30000,
                 .unit = "kg/m3",
-                .help = "density of the balls; 2500: glass"});
+                .help = "density of the balls; glass: 2500"});
   world.number("drop_interval_s", p.drop_interval_s,
                {.minimum = 0.001, .maximum = 10, .unit = "s", .help = "time between drops"});
   world.number("restitution", p.restitution,
@@ -230,21 +233,23 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   // The slowest bounces would keep a ball from ever being so slow.
   if (world.valid("bounce_end") && world.valid("rest_speed") &&
       p.rest_speed < k_bounce_ends_min * p.bounce_end) {
-    world.error("rest_speed", fmt::format("must be at least {} times bounce_end, found {:.3g}",
-                                          k_bounce_ends_min, p.rest_speed / p.bounce_end));
+    world.error("rest_speed",
+                fmt::format("must be at least {} times bounce_end, found {:.3g} times",
+                            k_bounce_ends_min, p.rest_speed / p.bounce_end));
   }
-  world.number("rest_time", p.rest_time,
-               {.minimum = 0.01,
-                .maximum = 10,
-                .help = "time below rest_speed until a ball rests, in sqrt(diameter / gravity)"});
+  world.number(
+      "rest_time", p.rest_time,
+      {.minimum = 0.01,
+       .maximum = 10,
+       .help =
+           "time that a ball stays below rest_speed before it rests, in sqrt(diameter / gravity)"});
   // What a ball touched longer ago than the rest time doesn't hold it: it would miss what it has
   // just bounced from.
   if (world.valid("bounce_end") && world.valid("rest_time") &&
       p.rest_time < k_bounce_ends_min * p.bounce_end) {
-    world.error("rest_time",
-                fmt::format("must be at least {} times bounce_end, how long the slowest bounces "
-                            "take, found {:.3g}",
-                            k_bounce_ends_min, p.rest_time / p.bounce_end));
+    world.error("rest_time", fmt::format("must be at least {} times bounce_end (the duration of "
+                                         "the slowest bounces), found {:.3g} times",
+                                         k_bounce_ends_min, p.rest_time / p.bounce_end));
   }
   world.number("time_limit_s", p.time_limit_s,
                {.minimum = 0.01,
@@ -269,8 +274,8 @@ void check_memory(request::Binder& sampler, std::uint32_t balls) {
   const std::uint64_t particles = given ? std::stoull(*given) : request::k_particles;
   if (particles <= particles_max(balls)) return;
   sampler.error("particles",
-                fmt::format("{} particles of {} balls take {} MB of each worker, and {} can be "
-                            "had; ask for at most {}",
+                fmt::format("{} particles of {} balls need {} MB per worker, but the limit is {} "
+                            "MB; use at most {} particles",
                             particles, balls, (2 * particles * prefix_bytes(balls)) >> 20U,
                             k_island_bytes_max >> 20U, particles_max(balls)));
 }
@@ -280,22 +285,22 @@ void check_kernel(request::Binder& sampler, Kernel kernel) {
   if (kernel != Kernel::thesis || !sampler.valid("method")) return;
   if (value_of(sampler, "start") == "\"search\"") {
     sampler.error("kernel",
-                  "\"thesis\" is biased, so no burn-in by it is judged: start = \"prior\"");
+                  "\"thesis\" is biased, so its burn-in can't be judged; set start = \"prior\"");
     return;
   }
   const std::string method = value_of(sampler, "method").value_or("");
   if (method != "\"metropolis_hastings\"") {
-    sampler.error("kernel",
-                  fmt::format("\"thesis\" is biased and goes with method \"metropolis_hastings\" "
-                              "alone, found {}{}",
-                              method, sampler.given("method") ? "" : ", the default: set method"));
+    sampler.error(
+        "kernel",
+        fmt::format("\"thesis\" is biased and requires method \"metropolis_hastings\", found {}{}",
+                    method, sampler.given("method") ? "" : " (the default); set method"));
   }
 }
 
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
-  sampler.choice<Kernel>(
-      "kernel", p.kernel, k_kernels,
-      "proposal ratios; thesis: A.2.2 as printed, biased, only for the thesis's figures");
+  sampler.choice<Kernel>("kernel", p.kernel, k_kernels,
+                         "proposal ratios; thesis: biased, as printed in A.2.2, only to reproduce "
+                         "the thesis's figures");
   check_kernel(sampler, p.kernel);
   const auto share = [&](std::string_view key, double& value, std::string_view help) {
     sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
@@ -314,21 +319,23 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   length_mm(sampler, "vertex_move_sd_mm", p.vertex_sd_m,
             {.minimum_mm = 1e-6, .help = "standard deviation of each coordinate of a vertex move"});
   std::optional<double> vertex_redraw;
-  sampler.optional_number("vertex_redraw", vertex_redraw,
-                          {.minimum = 0,
-                           .above_minimum = true,
-                           .maximum = 1,
-                           .help = "share of change_vertices that redraws one vertex from the "
-                                   "prior; default: 0"});
+  sampler.optional_number(
+      "vertex_redraw", vertex_redraw,
+      {.minimum = 0,
+       .above_minimum = true,
+       .maximum = 1,
+       .help =
+           "share of change_vertices proposals that redraw one vertex from the prior; default: 0"});
   p.vertex_redraw = vertex_redraw.value_or(0);
   length_mm(sampler, "ball_move_sd_mm", p.ball_sd_m,
             {.help = "standard deviation of a drop's displacement"});
-  sampler.number("flip_probability", p.flip_probability,
-                 {.minimum = 0,
-                  .above_minimum = true,
-                  .maximum = 1,
-                  .below_maximum = true,
-                  .help = "probability that each ball is removed or added"});
+  sampler.number(
+      "flip_probability", p.flip_probability,
+      {.minimum = 0,
+       .above_minimum = true,
+       .maximum = 1,
+       .below_maximum = true,
+       .help = "probability that enable_balls adds each ball, or disable_balls removes it"});
   sampler.integer("solo_steps", p.solo_steps,
                   {.minimum = 0,
                    .maximum = k_solo_steps_max,
@@ -341,17 +348,19 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   const double sum = p.change_all + p.change_vertices + p.change_ball + p.disable_balls +
                      p.enable_balls + p.aim_ball + p.scatter_ball;
   if (std::fabs(sum - 1) > 1e-9)
-    sampler.error("change_all", fmt::format("the shares add up to {:.6g}, not to 1", sum));
+    sampler.error("change_all", fmt::format("the shares must add up to 1, found {:.6g}", sum));
   if (p.disable_balls != p.enable_balls)
-    sampler.error("enable_balls", "must equal disable_balls: one is the other's way back");
+    sampler.error("enable_balls", "must equal disable_balls, because each reverses the other");
   if ((p.aim_ball > 0) != (p.scatter_ball > 0))
-    sampler.error("scatter_ball", "goes with aim_ball: one is the other's way back");
+    sampler.error("scatter_ball",
+                  "must be used together with aim_ball, because each reverses the other");
   if (p.kernel == Kernel::thesis && p.aim_ball > 0)
-    sampler.error("aim_ball", "is not of A.2.2, and kernel \"thesis\" is that as printed");
+    sampler.error("aim_ball", "can't be used with kernel \"thesis\", which is A.2.2 as printed");
   if (p.kernel == Kernel::thesis && p.vertex_redraw > 0)
-    sampler.error("vertex_redraw", "is not of A.2.2, and kernel \"thesis\" is that as printed");
+    sampler.error("vertex_redraw",
+                  "can't be used with kernel \"thesis\", which is A.2.2 as printed");
   if (p.kernel == Kernel::thesis && p.solo_steps > 0)
-    sampler.error("solo_steps", "are not of A.2.2, and kernel \"thesis\" is that as printed");
+    sampler.error("solo_steps", "can't be used with kernel \"thesis\", which is A.2.2 as printed");
 }
 
 /// Words of more balls are drawn by chains from a search: islands of 32 particles then differ so
