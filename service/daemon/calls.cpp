@@ -19,7 +19,7 @@ namespace {
 rpc::Refusal not_there(rpc::JobId job, bool was_there) {
   return {.kind = was_there ? rpc::RefusalKind::gone : rpc::RefusalKind::not_found,
           .sentence = was_there ? fmt::format("Job {} has been deleted.", job.value)
-                                : fmt::format("Job {} does not exist.", job.value),
+                                : fmt::format("There is no job {}.", job.value),
           .what_to_do = "`sleight list` shows existing jobs."};
 }
 
@@ -110,7 +110,7 @@ base::Result<std::vector<jobs::JobId>, rpc::Refusal> Calls::jobs_of(
   }
   if (seen.empty()) {
     return rpc::Refusal{.kind = rpc::RefusalKind::not_found,
-                        .sentence = fmt::format("Group g{} does not exist.", target.group->value),
+                        .sentence = fmt::format("There is no group g{}.", target.group->value),
                         .what_to_do = "`sleight list` shows each job's group."};
   }
   return seen;

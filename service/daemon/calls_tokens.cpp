@@ -21,9 +21,9 @@ std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::
   if (count + more <= caller.token_jobs_max) return std::nullopt;
   return rpc::Refusal{
       .kind = rpc::RefusalKind::limit,
-      .sentence = fmt::format(
-          "This token allows at most {} unfinished jobs; {} exist, and {} more were requested.",
-          caller.token_jobs_max, count, more),
+      .sentence = fmt::format("This token allows at most {} unfinished jobs; the current number is "
+                              "{}, and {} more were requested.",
+                              caller.token_jobs_max, count, more),
       .what_to_do = "Wait until some jobs end, or use a token with a higher limit."};
 }
 

@@ -204,7 +204,7 @@ base::Result<rpc::TokenView, rpc::Refusal> Tokens::revoke(std::optional<std::uin
   const auto found = tokens_.find(id);
   if (found == tokens_.end() || (user && found->second.view.user != *user)) {
     return rpc::Refusal{.kind = rpc::RefusalKind::not_found,
-                        .sentence = "The token does not exist.",
+                        .sentence = "There is no such token.",
                         .what_to_do = "`sleight token list` shows existing tokens."};
   }
   rpc::TokenView& view = found->second.view;

@@ -104,7 +104,7 @@ void Jobs::take(const Ask& input) {
   std::optional<Refusal> refusal;
   if (found == jobs_.end() || found->second.is_leaving) {
     refusal = {.kind = RefusalKind::not_found,
-               .sentence = fmt::format("Job {} does not exist.", input.job),
+               .sentence = fmt::format("There is no job {}.", input.job),
                .what_to_do = "`sleight list` shows existing jobs."};
   } else if (found->second.user != input.user && !input.is_operator) {
     refusal = {.kind = RefusalKind::not_allowed,

@@ -170,7 +170,7 @@ class Remote(TlsServiceTest):
         self.daemon.terminate()
         self.daemon.wait()
         self.serve("--listen", "127.0.0.1:0", "--tls-certificate", folder / "old.pem", "--tls-key", folder / "old.key")
-        self.assertIn("its time is over", self.path("sleightd.log").read_text())
+        self.assertIn("has expired", self.path("sleightd.log").read_text())
 
     def test_old_protocols_are_refused(self):
         self.serve_over_tls()

@@ -302,7 +302,7 @@ class Search(ProgramTest):
         self.assertEqual(self.digest(cut), self.digest(output))
         slow = sleight("direct", "--word", "HI", "--in-proportion", "-o", self.path("p.h5"),
                        "--time-limit", "0.1s")
-        self.assertIn("in proportion takes long: on two cores five of HI", slow.stderr)
+        self.assertIn("for HI (16 balls)", slow.stderr)
 
     def test_what_can_not_be_found_is_said(self):
         # Balls that never come to rest in time.

@@ -175,7 +175,7 @@ class Service(ServiceTest):
                 pass
         self.until(lambda: self.job(number)["starts"] == 2, 30)
         history = self.ask_json("status", number, "--history")["history"]
-        self.assertIn("Its folder was deleted.", str(history))
+        self.assertIn("folder was deleted", str(history))
         self.wait(number)
         self.assertEqual(self.job(number)["digest"], self.quiet_digest(request))
         shutil.rmtree(self.folder_of(number))
@@ -189,7 +189,7 @@ class Service(ServiceTest):
         for store in self.state.glob("jobs.sqlite*"):
             store.unlink()
         self.serve()
-        self.assertIn("doesn't know", self.path("sleightd.log").read_text())
+        self.assertIn("missing from the job store", self.path("sleightd.log").read_text())
         third = self.submit(self.write_request("third.toml", chains=1, scans=50))
         self.assertEqual(third, 3)
         self.wait(third)
@@ -211,7 +211,7 @@ class Service(ServiceTest):
         with sqlite3.connect(store) as database:
             database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             database.execute("UPDATE job SET record = replace(record, 'done', 'dome')")
-        self.refuses_to_begin("not as it was written", 5)
+        self.refuses_to_begin("wrong checksum", 5)
         with sqlite3.connect(store) as database:
             database.execute("UPDATE job SET record = replace(record, 'dome', 'done')")
         self.serve()

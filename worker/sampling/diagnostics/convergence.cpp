@@ -74,7 +74,7 @@ std::vector<std::string> complaints(std::string_view name, const Convergence& co
     reasons.push_back(
         fmt::format("{}: no chain ever moves, and the chains stay at different values", name));
   } else if (!(ratio <= k_r_hat_max)) {
-    reasons.push_back(fmt::format("{}: {}R-hat is {:.3f}, above {}: the chains disagree or drift",
+    reasons.push_back(fmt::format("{}: {}R-hat is {:.3f}, above {}: the chains disagree, or drift",
                                   name, who_never_moves(convergence), ratio, k_r_hat_max));
   }
   const double wanted = ess_wanted(convergence.chains);

@@ -101,8 +101,8 @@ TEST(Messages, WhatIsMissingOrNewHasItsDefault) {
 
 TEST(Messages, WhatIsWrongIsRefused) {
   const auto seen = [](const std::string& text) { return refusal_of([&] { seen_of(text); }); };
-  EXPECT_THAT(seen("no JSON"), HasSubstr("no JSON object"));
-  EXPECT_THAT(seen("[]"), HasSubstr("no JSON object"));
+  EXPECT_THAT(seen("no JSON"), HasSubstr("not a JSON object"));
+  EXPECT_THAT(seen("[]"), HasSubstr("not a JSON object"));
   EXPECT_THAT(seen(R"({"state":"gone"})"), HasSubstr("version"));
   EXPECT_THAT(seen(R"({"version":2,"state":"gone"})"), HasSubstr("version"));
   EXPECT_THAT(seen(R"({"version":1,"state":"lost"})"), HasSubstr("state"));

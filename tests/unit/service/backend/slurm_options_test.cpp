@@ -53,14 +53,14 @@ TEST(SlurmOptions, ThatTheServiceSaysItselfAreRefused) {
         "--array=1-9", "--output=x", "--error=x", "--signal=9", "--open-mode=truncate", "--wait",
         "--test-only", "--clusters=all", "--job-name=x", "--ntasks=9", "--hold", "--uid=0"})
     EXPECT_THAT(refusal_of({{"more", std::string("--exclusive ") + word}}),
-                HasSubstr("the service itself"))
+                HasSubstr("the service controls"))
         << word;
   EXPECT_EQ(refusal_of({{"more", "--wait-all-nodes=1 --ntasks-per-node=4"}}), "taken");
 }
 
 TEST(SlurmOptions, ThatAreNoneAreRefused) {
   for (const char* words : {"-p long", "--constraint a100", "exclusive", "--", "-"})
-    EXPECT_THAT(refusal_of({{"more", words}}), HasSubstr("no option of sbatch")) << words;
+    EXPECT_THAT(refusal_of({{"more", words}}), HasSubstr("not an sbatch option")) << words;
   EXPECT_THAT(refusal_of({{"more", "--a=b\n--c"}}), HasSubstr("control characters"));
   EXPECT_THAT(refusal_of({{"account", "a\x7f"}}), HasSubstr("control characters"));
   EXPECT_THAT(refusal_of({{"account", std::string(2000, 'a')}}), HasSubstr("longer"));

@@ -164,7 +164,7 @@ TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
   std::erase_if(numbered, [](const events::RunEvent& event) { return event.number == 0; });
   EXPECT_EQ(lines_of(numbered), lines_of(told("ball.h5")));
   const auto phases = of_kind<events::Phase>(heard);
-  EXPECT_THAT(phases, IsSupersetOf({events::Phase{"reading what earlier sessions stored"},
+  EXPECT_THAT(phases, IsSupersetOf({events::Phase{"reading results of earlier sessions"},
                                     events::Phase{"writing the archive"}}));
   EXPECT_EQ(of_kind<events::Progress>(heard).back().scans_done, 900U);
   const auto archives = of_kind<events::ArchiveWritten>(heard);

@@ -91,7 +91,7 @@ TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
   // first file that is created is refused.
   EXPECT_EQ(failure_of({.call = FileCall::create, .reason = std::errc::permission_denied},
                        request_text("scans = 30")),
-            output() + ": can't be written: Permission denied");
+            output() + ": can't write the file: Permission denied");
   EXPECT_THAT(names(), IsEmpty());
 }
 

@@ -116,7 +116,7 @@ TEST_F(RunRequest, LeavesHowEachSessionEnded) {
                                       .digest = late.digest}));
   EXPECT_EQ(heard[2].end, events::End::failed);
   EXPECT_EQ(heard[2].exit_code, base::ExitCode::conflict);
-  EXPECT_THAT(heard[2].words, HasSubstr("is not overwritten"));
+  EXPECT_THAT(heard[2].words, HasSubstr("not overwritten"));
   EXPECT_EQ(heard[3], (events::RunEnd{.epoch = 4,
                                       .end = events::End::finished,
                                       .scans = 300,

@@ -38,7 +38,7 @@ TEST(WritingWords, TellsWhatTakesItsTime) {
                         "writing the archive: 1,000 of 3,000 animations (33%)  0:20 left  100 "
                         "animations/s",
                         "writing the archive: animations",
-                        "writing the archive: learning from stored scans, 1,000,000 so far"));
+                        "writing the archive: learning from stored scans: 1,000,000 so far"));
 }
 
 }  // namespace

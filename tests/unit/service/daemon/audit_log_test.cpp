@@ -137,8 +137,8 @@ TEST_F(AuditLogTest, AFolderAPipeOrALinkInItsPlace) {
     audit.note({.user = 1}, {.call = "submit", .outcome = "done"});
     audit.note({.user = 1}, {.call = "submit", .outcome = "done"});
     const std::string said = ::testing::internal::GetCapturedStderr();
-    EXPECT_THAT(said, HasSubstr("can't be written")) << kind;
-    EXPECT_EQ(said.find("can't be written"), said.rfind("can't be written")) << kind;
+    EXPECT_THAT(said, HasSubstr("can't write")) << kind;
+    EXPECT_EQ(said.find("can't write"), said.rfind("can't write")) << kind;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "elsewhere"));
     std::filesystem::remove(place);
     audit.note({.user = 1}, {.call = "cancel", .outcome = "done"});

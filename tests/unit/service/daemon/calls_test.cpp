@@ -225,7 +225,8 @@ TEST_F(CallsTest, ATokensLimits) {
   const auto too_many = submit(caller, submission("b", 2));
   ASSERT_FALSE(too_many.ok());
   EXPECT_EQ(too_many.error().kind, rpc::RefusalKind::limit);
-  EXPECT_THAT(too_many.error().sentence, HasSubstr("at most 2; there are 1, and 2 more"));
+  EXPECT_THAT(too_many.error().sentence,
+              HasSubstr("at most 2 unfinished jobs; the current number is 1, and 2 more"));
   EXPECT_TRUE(submit(caller, submission("c", 1)).ok());
   EXPECT_FALSE(submit(caller, submission("d", 1)).ok());
   // Also after a restart.
@@ -261,7 +262,7 @@ TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   EXPECT_TRUE(extend(caller, second.value().jobs.front()).ok());
   // Another's wishes are not this token's.
   const rpc::JobId others = own.value().jobs.front();
-  EXPECT_THAT(extend(caller, others).error().sentence, HasSubstr("was not submitted by it"));
+  EXPECT_THAT(extend(caller, others).error().sentence, HasSubstr("was not submitted with it"));
   cancel(others);
   EXPECT_EQ(resume(caller, others).error().kind, rpc::RefusalKind::limit);
   // Its user may, and so may a token without limits; then there is room for its own again.

@@ -237,7 +237,7 @@ class SystemAttemptsTest : public ::testing::Test {
 TEST_F(SystemAttemptsTest, WaitRunAndEnd) {
   waits();
   launch();
-  EXPECT_EQ(sight<jobs::Pending>().words, "Slurm job 812 waits: Priority");
+  EXPECT_EQ(sight<jobs::Pending>().words, "Slurm job 812 is waiting: Priority");
   await_lists();
   EXPECT_EQ(heard_.size(), 1U) << "the same words once";
   ASSERT_EQ(backend_->orders().size(), 1U);
@@ -250,7 +250,7 @@ TEST_F(SystemAttemptsTest, WaitRunAndEnd) {
   EXPECT_TRUE(files_.exists(folders_.request(k_job)));
 
   runs();
-  until([&] { return newest<jobs::Pending>()->words.find("has begun") != std::string::npos; });
+  until([&] { return newest<jobs::Pending>()->words.find("has started") != std::string::npos; });
   begins();
   until([&] { return has_heard<jobs::Launched>(); });
   attempts_.look({.job = k_job, .attempt = k_attempt});
@@ -351,7 +351,7 @@ TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
   heard_.clear();
   begins();
   look();
-  EXPECT_THAT(sight<jobs::Died>().words, HasSubstr("has forgotten it"));
+  EXPECT_THAT(sight<jobs::Died>().words, HasSubstr("no longer lists"));
   heard_.clear();
   std::filesystem::remove(folders_.folder(k_job) + "/attempt.json");
   look();
@@ -399,7 +399,7 @@ TEST_F(SystemAttemptsTest, ThatTheSystemRefusesFailWithItsWords) {
 TEST_F(SystemAttemptsTest, WhoseFolderIsDeletedAreEnded) {
   launch_and_begin();
   std::filesystem::remove_all(folders_.folder(k_job));
-  EXPECT_EQ(sight<jobs::Died>().words, "Its folder was deleted.");
+  EXPECT_THAT(sight<jobs::Died>().words, HasSubstr("folder was deleted"));
   until([&] { return !backend_->signals().empty(); });
   EXPECT_EQ(backend_->signals().front(), keeper::Stop::now);
 }

@@ -78,7 +78,7 @@ TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
   for (const std::uint32_t attempt : {2U, 1U}) {
     const auto again = backend().launch(spec(attempt));
     EXPECT_TRUE(testing::comes_true([&] { return again.has_gone(); }));
-    EXPECT_THAT(text_in("keeper.err"), HasSubstr("attempt 2 has begun before"));
+    EXPECT_THAT(text_in("keeper.err"), HasSubstr("attempt 2 has already begun"));
   }
   EXPECT_EQ(lines_in("runs").size(), 1U);
 }
@@ -196,7 +196,7 @@ TEST_F(BackendTest, AFolderThatCantBeTrustedIsAnError) {
   const auto keeper = backend().launch(spec(6));
   EXPECT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
   EXPECT_EQ(text_in("attempt.json"), "{");
-  EXPECT_THAT(text_in("keeper.err"), HasSubstr("not a record of an attempt"));
+  EXPECT_THAT(text_in("keeper.err"), HasSubstr("not an attempt record"));
 }
 
 }  // namespace

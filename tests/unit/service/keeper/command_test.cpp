@@ -50,7 +50,7 @@ TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
   EXPECT_NE(obstacle_of(spec, k_programs).find("100000 ranks"), std::string::npos);
   Programs without = k_programs;
   without.mpirun.clear();
-  EXPECT_NE(obstacle_of(spec, without).find("no mpirun"), std::string::npos);
+  EXPECT_NE(obstacle_of(spec, without).find("mpirun is not on the PATH"), std::string::npos);
   spec.ranks = 0;
   EXPECT_EQ(obstacle_of(spec, without), "");
   spec.folder = "jobs/17";

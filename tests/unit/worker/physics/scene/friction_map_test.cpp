@@ -98,16 +98,17 @@ TEST(FrictionMap, RefusesWhatIsNone) {
       .u_min_m = 0, .u_max_m = 1, .v_min_m = 0, .v_max_m = 1, .friction = 0.1};
   EXPECT_EQ(error_of({}, {good}), "");
   EXPECT_EQ(error_of({}, std::vector<FrictionRectangle>(4096, good)), "");
-  EXPECT_THAT(error_of({}, std::vector<FrictionRectangle>(4097, good)), HasSubstr("at most 4096"));
+  EXPECT_THAT(error_of({}, std::vector<FrictionRectangle>(4097, good)),
+              HasSubstr("maximum of 4096"));
   FrictionRectangle bad = good;
   bad.u_max_m = 0;
-  EXPECT_THAT(error_of({}, {good, bad}), HasSubstr("rectangle 1 of its friction: u from 0 to 0 m"));
+  EXPECT_THAT(error_of({}, {good, bad}), HasSubstr("rectangle 1: u from 0 to 0 m"));
   bad = good;
   bad.v_min_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(error_of({}, {bad}), HasSubstr("rectangle 0"));
   bad = good;
   bad.friction = -0.1;
-  EXPECT_THAT(error_of({}, {bad}), HasSubstr("friction -0.1; give one from 0"));
+  EXPECT_THAT(error_of({}, {bad}), HasSubstr("friction is -0.1, expected 0 to"));
   EXPECT_THAT(error_of({.u = {1, 0, 0}, .v = {0.1, 1, 0}}, {good}), HasSubstr("length 1"));
   EXPECT_THAT(error_of({.origin_m = {1e7, 0, 0}}, {good}), HasSubstr("origin"));
 }

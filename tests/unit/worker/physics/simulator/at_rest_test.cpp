@@ -169,7 +169,7 @@ TEST(AtRest, WhatIsNotInBalanceIsNamed) {
   slope.gravity_mps2 = k_g_mps2 * Vec3(std::sin(0.35), 0, -std::cos(0.35));
   slope.bodies.push_back(box_at("block", {0.1, 0.1, 0.03}, {0, 0, 0.015}));
   EXPECT_NE(refusal_of(slope).find("body 'block' can't start at rest"), std::string::npos);
-  EXPECT_NE(refusal_of(slope).find("slide, as friction is too small"), std::string::npos)
+  EXPECT_NE(refusal_of(slope).find("friction is too small"), std::string::npos)
       << refusal_of(slope);
 
   Scene leans = floor_scene(0.1, 0.5);
@@ -180,7 +180,8 @@ TEST(AtRest, WhatIsNotInBalanceIsNamed) {
 
   Scene air = floor_scene(0.1, 0.5);
   air.bodies.push_back(box_at("kite", {0.1, 0.1, 0.1}, {0, 0, 0.0501}));
-  EXPECT_NE(refusal_of(air).find("it touches neither"), std::string::npos) << refusal_of(air);
+  EXPECT_NE(refusal_of(air).find("neither static geometry nor another body"), std::string::npos)
+      << refusal_of(air);
 
   Scene overlaps = floor_scene(0.1, 0.5);
   overlaps.bodies.push_back(box_at("one", {0.1, 0.1, 0.1}, {0, 0, 0.05}));

@@ -1,5 +1,6 @@
 // Balls on planes whose friction differs from place to place, against an integration that knows
 // nothing of pieces.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -206,8 +207,7 @@ TEST(Lane, AMapMustLieInItsPlane) {
   scene.planes[0].outside.normal = Vec3(0.6, 0, 0.8);
   const auto started = Simulation::start(scene, {});
   ASSERT_FALSE(started.ok());
-  EXPECT_EQ(started.error().message,
-            "plane 'lane': the axes of its friction must lie in the plane");
+  EXPECT_THAT(started.error().message, ::testing::MatchesRegex("plane 'lane': .*axes.*friction.*"));
 }
 
 TEST(Lane, AnUphillBorderTakesABoundedNumberOfEvents) {

@@ -1,4 +1,7 @@
 // Bad scenes are refused with an error of the right kind that names the body.
+#include <sstream>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "tests/scenes/shared/random_starts.h"
@@ -29,9 +32,16 @@ Scene good_scene() {
   return scene;
 }
 
+/// Each part of `facts`, between bars, is in the message.
+void expect_facts(const std::string& message, const std::string& facts) {
+  std::istringstream parts(facts);
+  for (std::string fact; std::getline(parts, fact, '|');)
+    EXPECT_NE(message.find(fact), std::string::npos) << fact << ": " << message;
+}
+
 struct Wrong {
   Kind kind;
-  const char* message;
+  const char* facts;
   void (*spoil)(Scene& scene);
 };
 
@@ -39,140 +49,123 @@ TEST(SceneErrors, EachFaultIsNamed) {
   // Goal: what is wrong with a scene is said in a typed error that names who, what and what is
   // allowed. Method: a good scene is spoilt in one place.
   const Wrong faults[] = {
-      {Kind::bad_mass, "body 'ball': mass 0 kg; give one from 1e-12 to 1000000000000 kg",
+      {Kind::bad_mass, "body 'ball': |mass|0 kg|1e-12|1000000000000 kg",
        [](Scene& s) { s.bodies[0].inertia.mass_kg = 0; }},
-      {Kind::bad_mass, "body 1: mass nan kg; give one from 1e-12 to 1000000000000 kg",
+      {Kind::bad_mass, "body 1: |mass|nan kg|1e-12|1000000000000 kg",
        [](Scene& s) { s.bodies[1].inertia.mass_kg = k_nan; }},
-      {Kind::bad_mass, "body 'ball': moments of inertia 1, 0, 1 kg m^2; give some above 0",
+      {Kind::bad_mass, "body 'ball': |moments|1, 0, 1 kg m^2|above 0",
        [](Scene& s) {
          s.bodies[0].inertia.principal_kgm2 = {1, 0, 1};
        }},
-      {Kind::bad_mass,
-       "body 'ball': its declared symmetry needs equal moments of inertia; got 1, 1, 2 kg m^2",
+      {Kind::bad_mass, "body 'ball': |symmetry|equal moments|1, 1, 2 kg m^2",
        [](Scene& s) {
          s.bodies[0].inertia.principal_kgm2 = {1, 1, 2};
        }},
-      {Kind::bad_mass,
-       "body 'ball': its declared symmetry needs equal moments of inertia; got 1, 2, 2 kg m^2",
+      {Kind::bad_mass, "body 'ball': |symmetry|equal moments|1, 2, 2 kg m^2",
        [](Scene& s) {
          s.bodies[0].inertia.principal_kgm2 = {1, 2, 2};
          s.bodies[0].inertia.symmetry = InertiaSymmetry::axial;
        }},
-      {Kind::bad_mass,
-       "body 'ball': moments of inertia 1, 2, 4 kg m^2: the largest exceeds the sum of the others",
+      {Kind::bad_mass, "body 'ball': |moments|1, 2, 4 kg m^2|largest exceeds",
        [](Scene& s) {
          s.bodies[0].inertia.principal_kgm2 = {1, 2, 4};
          s.bodies[0].inertia.symmetry = InertiaSymmetry::general;
        }},
-      {Kind::bad_mass,
-       "body 'ball': a sphere has three equal moments of inertia; got 2, 2, 3 kg m^2",
+      {Kind::bad_mass, "body 'ball': |sphere|equal moments|2, 2, 3 kg m^2",
        [](Scene& s) {
          s.bodies[0].inertia.principal_kgm2 = {2, 2, 3};
          s.bodies[0].inertia.symmetry = InertiaSymmetry::axial;
        }},
       {Kind::bad_mass,
-       "body 'ball': moments of inertia 1, 1, 1 kg m^2; with its mass and radius they are from "
-       "4.0000000000000006e-14 to 4e-05 kg m^2",
+       "body 'ball': |moments|1, 1, 1 kg m^2|4.0000000000000006e-14 to 4e-05 kg m^2",
        [](Scene& s) {
          s.bodies[0].inertia.principal_kgm2 = {1, 1, 1};
        }},
-      {Kind::bad_mass, "body 'ball': its inertia has no symmetry number 77",
+      {Kind::bad_mass, "body 'ball': |symmetry 77",
        [](Scene& s) { s.bodies[0].inertia.symmetry = InertiaSymmetry{77}; }},
-      {Kind::bad_number, "slow contacts: separation speed nan; give one in m/s, or 0 for none",
+      {Kind::bad_number, "separation speed|nan|1000000 m/s",
        [](Scene& s) { s.slow.separation_speed_mps = k_nan; }},
-      {Kind::bad_number, "slow contacts: rest speed -1; give one in m/s, or 0 for no rest",
-       [](Scene& s) { s.slow.rest_speed_mps = -1; }},
-      {Kind::bad_number, "slow contacts: rest time 0; give one from 1e-06 to 1000000 s",
+      {Kind::bad_number, "rest speed|-1|1000000 m/s", [](Scene& s) { s.slow.rest_speed_mps = -1; }},
+      {Kind::bad_number, "rest time|is 0|1e-06 to 1000000 s",
        [](Scene& s) { s.slow = {.rest_speed_mps = 0.01}; }},
-      {Kind::bad_shape, "body 'ball': radius 0 m; give one from 1e-06 to 1000000 m",
+      {Kind::bad_shape, "body 'ball': |radius|0 m|1e-06 to 1000000 m",
        [](Scene& s) { s.bodies[0].shape = Sphere{.radius_m = 0}; }},
-      {Kind::bad_shape, "body 1: radius nan m; give one from 1e-06 to 1000000 m",
+      {Kind::bad_shape, "body 1: |radius|nan m|1e-06 to 1000000 m",
        [](Scene& s) { s.bodies[1].shape = Sphere{.radius_m = k_nan}; }},
-      {Kind::bad_shape, "body 'ball': it has no convex parts",
+      {Kind::bad_shape, "body 'ball': |no parts",
        [](Scene& s) { s.bodies[0].shape = std::shared_ptr<const Compound>(); }},
-      {Kind::bad_shape, "body 'ball': it has no convex parts",
+      {Kind::bad_shape, "body 'ball': |no parts",
        [](Scene& s) { s.bodies[0].shape = std::make_shared<const Compound>(); }},
-      {Kind::bad_shape, "body 'ball': part 0 has no vertices",
+      {Kind::bad_shape, "body 'ball': |part 0|no vertices",
        [](Scene& s) {
          s.bodies[0].shape =
              std::make_shared<const Compound>(Compound{.parts = {ConvexPolyhedron()}});
        }},
-      {Kind::bad_reference, "body 1: material 1; the scene has 1",
+      {Kind::bad_reference, "body 1: |material is 1|materials is 1",
        [](Scene& s) { s.bodies[1].material = {1}; }},
-      {Kind::bad_number, "body 1: starts at tick -1; give one from 0 to 4503599627370496",
+      {Kind::bad_number, "body 1: |tick|-1|0 to 4503599627370496",
        [](Scene& s) { s.bodies[1].start_tick = Tick{-1}; }},
-      {Kind::bad_number, "body 'ball': starts at (0, nan, 1) m; coordinates are at most 1000000 m",
+      {Kind::bad_number, "body 'ball': |(0, nan, 1) m|at most 1000000 m",
        [](Scene& s) { s.bodies[0].start.pose.position_m.y() = k_nan; }},
-      {Kind::bad_number,
-       "body 1: starting velocity (nan, 0, 0) m/s; components are at most 1000000 m/s",
+      {Kind::bad_number, "body 1: | velocity|(nan, 0, 0) m/s|at most 1000000 m/s",
        [](Scene& s) { s.bodies[1].start.twist.velocity_mps.x() = k_nan; }},
-      {Kind::bad_number,
-       "body 1: starting angular velocity (0, 0, 1e+100) rad/s; components are at most 1000000 "
-       "rad/s",
+      {Kind::bad_number, "body 1: |angular velocity|(0, 0, 1e+100) rad/s|at most 1000000 rad/s",
        [](Scene& s) { s.bodies[1].start.twist.angular_velocity_radps.z() = 1e100; }},
-      {Kind::bad_number, "body 1: its orientation has the squared norm 0; give a unit quaternion",
+      {Kind::bad_number, "body 1: |orientation|norm 0,|unit quaternion",
        [](Scene& s) { s.bodies[1].start.pose.orientation = Quat(0, 0, 0, 0); }},
-      {Kind::bad_number, "body 1: its orientation has the squared norm nan; give a unit quaternion",
+      {Kind::bad_number, "body 1: |orientation|norm nan,|unit quaternion",
        [](Scene& s) { s.bodies[1].start.pose.orientation = Quat(1, k_nan, 0, 0); }},
-      {Kind::bad_number, "gravity (0, nan, 0) m/s^2; components are at most 10000 m/s^2",
+      {Kind::bad_number, "gravity|(0, nan, 0) m/s^2|at most 10000 m/s^2",
        [](Scene& s) {
          s.gravity_mps2 = {0, k_nan, 0};
        }},
-      {Kind::bad_number, "materials 0 and 0: restitution 1.1; give one from 0 to 1",
+      {Kind::bad_number, "materials 0 and 0: |restitution|1.1|0 to 1",
        [](Scene& s) { s.contacts = ContactTable(1, {.restitution = 1.1}); }},
-      {Kind::bad_number, "materials 0 and 1: friction -0.1; give one from 0 to 1e6",
+      {Kind::bad_number, "materials 0 and 1: |friction|-0.1|0 to 1e6",
        [](Scene& s) {
          s.contacts = ContactTable(2);
          s.contacts.set({0}, {1}, {.friction = -0.1});
        }},
-      {Kind::bad_number, "materials 0 and 0: rolling friction nan; give one from 0 to 1",
+      {Kind::bad_number, "materials 0 and 0: |rolling friction|nan|0 to 1",
        [](Scene& s) { s.contacts = ContactTable(1, {.rolling_friction = k_nan}); }},
-      {Kind::bad_shape,
-       "plane 'floor': its normal must have length 1 and its offset be at most 1000000 m",
+      {Kind::bad_shape, "plane 'floor': |normal|length 1|offset|at most 1000000 m",
        [](Scene& s) {
          s.planes[0].outside.normal = {0, 0, 2};
        }},
-      {Kind::bad_shape,
-       "plane 'floor': its normal must have length 1 and its offset be at most 1000000 m",
+      {Kind::bad_shape, "plane 'floor': |normal|length 1|offset|at most 1000000 m",
        [](Scene& s) { s.planes[0].outside.offset_m = k_nan; }},
-      {Kind::bad_reference, "plane 'floor': material 3; the scene has 1",
+      {Kind::bad_reference, "plane 'floor': |material is 3|materials is 1",
        [](Scene& s) { s.planes[0].material = {3}; }},
-      {Kind::bad_shape, "convex 'block': it has no vertices",
+      {Kind::bad_shape, "convex 'block': |no vertices",
        [](Scene& s) { s.convexes.push_back({.name = "block", .polyhedron = nullptr}); }},
-      {Kind::bad_reference, "convex 'block': material 1; the scene has 1",
+      {Kind::bad_reference, "convex 'block': |material is 1|materials is 1",
        [](Scene& s) {
          s.convexes.push_back(
              {.name = "block",
               .polyhedron = std::make_shared<const ConvexPolyhedron>(cube(0.1).value()),
               .material = {1}});
        }},
-      {Kind::bad_reference, "a control acts on body 2; the scene has 2",
+      {Kind::bad_reference, "control|body 2|bodies is 2",
        [](Scene& s) { s.controls.push_back({.tick = Tick{5}, .body = {2}}); }},
-      {Kind::bad_number, "the control of body 1 at tick 5 has a bad number",
+      {Kind::bad_number, "control of body 1|tick 5",
        [](Scene& s) {
          s.controls.push_back({.tick = Tick{5}, .body = {1}, .velocity_change_mps = {0, k_nan, 0}});
        }},
-      {Kind::bad_number, "the control of body 1 at tick -5 has a bad number",
+      {Kind::bad_number, "control of body 1|tick -5",
        [](Scene& s) { s.controls.push_back({.tick = Tick{-5}, .body = {1}}); }},
-      {Kind::bad_number, "a scene that repeats can have neither gravity nor static geometry",
+      {Kind::bad_number, "neither gravity nor static geometry",
        [](Scene& s) {
          s.period_m = {1, 1, 1};
        }},
-      {Kind::bad_number, "period -1 m; give one above 0, or 0 for none",
+      {Kind::bad_number, "period|-1 m|above 0|0 for none",
        [](Scene& s) {
          s.period_m = {-1, 0, 0};
        }},
-      {Kind::overlap,
-       "body 1 can't start at 0 s: it overlaps body 'ball', or is "
-       "within 1e-07 m of it",
+      {Kind::overlap, "body 1 can't start|at 0 s|overlaps body 'ball'|1e-07 m",
        [](Scene& s) { s.bodies[1].start.pose.position_m.y() = 0.03; }},
-      {Kind::overlap,
-       "body 'ball' can't start at 0 s: it overlaps plane 'floor', or is "
-       "within 1e-07 m of it",
+      {Kind::overlap, "body 'ball' can't start|at 0 s|overlaps plane 'floor'|1e-07 m",
        [](Scene& s) { s.bodies[0].start.pose.position_m.z() = 0.01; }},
-      {Kind::overlap,
-       "body 'ball' can't start at 0 s: it overlaps plane 'floor', or is "
-       "within 1e-07 m of it",
+      {Kind::overlap, "body 'ball' can't start|at 0 s|overlaps plane 'floor'|1e-07 m",
        [](Scene& s) { s.bodies[0].start.pose.position_m.z() = -1; }},
   };
   EXPECT_FALSE(error_of(good_scene()));
@@ -181,9 +174,9 @@ TEST(SceneErrors, EachFaultIsNamed) {
     Scene scene = good_scene();
     wrong.spoil(scene);
     const auto started = Simulation::start(scene, {});
-    ASSERT_FALSE(started.ok()) << wrong.message;
-    EXPECT_EQ(started.error().message, wrong.message);
-    EXPECT_EQ(started.error().kind, wrong.kind) << wrong.message;
+    ASSERT_FALSE(started.ok()) << wrong.facts;
+    expect_facts(started.error().message, wrong.facts);
+    EXPECT_EQ(started.error().kind, wrong.kind) << wrong.facts;
   }
 }
 
@@ -219,9 +212,8 @@ TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
     }
     const auto started = Simulation::start(scene, {});
     ASSERT_FALSE(started.ok()) << (sphere ? "ball" : "cube");
-    EXPECT_EQ(started.error().message,
-              "body 'ball' can't start at 0 s: it overlaps convex 'block', or is within "
-              "1e-07 m of it");
+    expect_facts(started.error().message,
+                 "body 'ball' can't start|at 0 s|overlaps convex 'block'|1e-07 m");
   }
 }
 
@@ -257,9 +249,7 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
     const auto error = simulation.run_until(tick + 1000);
     ASSERT_TRUE(error) << moving;
     EXPECT_EQ(error->kind, Kind::overlap);
-    EXPECT_EQ(error->message,
-              "body 1 can't start at 0.5 s: it overlaps body 'ball', or is "
-              "within 1e-07 m of it");
+    expect_facts(error->message, "body 1 can't start|at 0.5 s|overlaps body 'ball'|1e-07 m");
     EXPECT_FALSE(simulation.started({1}));
     EXPECT_EQ(simulation.now(), tick);
     // It stays where it failed.
@@ -314,11 +304,9 @@ TEST(SceneErrors, AThousandDrawsAreEnough) {
       return scene.bodies[0].start;
     };
     const std::string error = testing::recorded(scene, 0.1).error;
-    EXPECT_EQ(error, when_s == 0
-                         ? "body 1 finds no free place to start at 0 s in 1000 attempts; the last "
-                           "one overlaps body 'ball'"
-                         : "body 1 finds no free place to start at 0.0100000007 s in 1000 "
-                           "attempts; the last one overlaps body 'ball'");
+    expect_facts(error, when_s == 0
+                            ? "body 1 |at 0 s|1000 attempts|overlaps body 'ball'"
+                            : "body 1 |at 0.0100000007 s|1000 attempts|overlaps body 'ball'");
     EXPECT_EQ(asked, k_start_attempts_max);
   }
 }

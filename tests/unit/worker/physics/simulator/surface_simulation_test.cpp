@@ -411,13 +411,13 @@ TEST(SurfaceSimulation, WrongScenesAreRefused) {
   using Kind = SceneError::Kind;
   const Wrong faults[]{
       {Kind::bad_shape, "no control points", [](Scene& s) { s.surfaces[0].controls = nullptr; }},
-      {Kind::bad_number, "spacing nan m", [](Scene& s) { s.surfaces[0].spacing_m = NAN; }},
-      {Kind::bad_number, "spacing 0 m", [](Scene& s) { s.surfaces[0].spacing_m = 0; }},
-      {Kind::bad_number, "point spacing nan m",
+      {Kind::bad_number, "spacing is nan m", [](Scene& s) { s.surfaces[0].spacing_m = NAN; }},
+      {Kind::bad_number, "spacing is 0 m", [](Scene& s) { s.surfaces[0].spacing_m = 0; }},
+      {Kind::bad_number, "point spacing is nan m",
        [](Scene& s) { s.surfaces[0].point_spacing_m = NAN; }},
       {Kind::bad_shape, "at most 1024 points",
        [](Scene& s) { s.surfaces[0].point_spacing_m = 1e-5; }},
-      {Kind::bad_shape, "only boxes meet",
+      {Kind::bad_shape, "boxes",
        [](Scene& s) {
          s.bodies[0].shape = Sphere{.radius_m = 0.01};
          s.bodies[0].inertia = solid_ball_inertia(0.01, 0.01);

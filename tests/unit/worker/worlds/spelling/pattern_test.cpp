@@ -1,10 +1,14 @@
 // Pictures of words and bitmaps.
 #include "worker/worlds/spelling/pattern.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace sleight::worlds::spelling {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 std::string rows_of(const Pattern& pattern) {
   std::string text;
@@ -47,12 +51,13 @@ TEST(Pattern, RowsComeBackAsTheyWere) {
 
 TEST(Pattern, ErrorsNameTheRowAndTheCharacter) {
   // Goal: what is wrong can be found. Method: one of each.
-  EXPECT_EQ(pattern_of_rows("").error(), "it has no rows");
-  EXPECT_EQ(pattern_of_rows("#.\n#").error(), "row 2 has 1 characters, row 1 has 2");
-  EXPECT_EQ(pattern_of_rows("#.\n.x").error(), "row 2 has a 'x' in column 2; use '.' and '#' only");
-  EXPECT_EQ(pattern_of_word("", Font::rows_5).error(), "the word has no letters");
-  EXPECT_EQ(pattern_of_word("A?", Font::rows_7).error(),
-            "there is no picture of '?'; use A to Z, 0 to 9 and spaces, or a bitmap");
+  EXPECT_THAT(pattern_of_rows("").error(), HasSubstr("no rows"));
+  EXPECT_THAT(pattern_of_rows("#.\n#").error(),
+              AllOf(HasSubstr("row 2 has 1 "), HasSubstr("row 1 has 2")));
+  EXPECT_THAT(pattern_of_rows("#.\n.x").error(), HasSubstr("row 2 has 'x' in column 2"));
+  EXPECT_THAT(pattern_of_word("", Font::rows_5).error(), HasSubstr("no letters"));
+  EXPECT_THAT(pattern_of_word("A?", Font::rows_7).error(),
+              AllOf(HasSubstr("no '?'"), HasSubstr("A to Z, 0 to 9 and spaces")));
 }
 
 TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {

@@ -182,32 +182,34 @@ TEST(SpellingRequest, WhatIsAcceptedCanBeMade) {
 TEST(SpellingRequest, ErrorsSayWhatToDo) {
   // Goal: what can't be is refused, with the key. Method: one of each.
   EXPECT_NE(complaint("word = \"A\"\nbitmap = \"#.\"").find("not both"), std::string::npos);
-  EXPECT_NE(complaint("word = \"A-B\"").find("no picture of '-'"), std::string::npos);
+  EXPECT_NE(complaint("word = \"A-B\"").find("no '-'"), std::string::npos);
   EXPECT_NE(complaint("bitmap = \"#.\\n#\"").find("row 2 has 1 characters"), std::string::npos);
-  EXPECT_NE(complaint("bitmap = \"..\"").find("designates no bin"), std::string::npos);
+  EXPECT_NE(complaint("bitmap = \"..\"").find("no designated bins"), std::string::npos);
   EXPECT_NE(complaint("bitmap = \"#\"").find("2 bins"), std::string::npos);
-  EXPECT_NE(complaint("word = \"\u00c9\"").find("picture of '\u00c9'"), std::string::npos);
+  EXPECT_NE(complaint("word = \"\u00c9\"").find("no '\u00c9'"), std::string::npos);
   EXPECT_NE(complaint("bitmap = \"#\\t\"").find("\\u{9}"), std::string::npos);
-  EXPECT_NE(complaint("columns = 6").find("the pattern needs 7"), std::string::npos);
-  EXPECT_NE(complaint("word = \"ABCDEFGHIJKLMNOPQ\"").find("72 x 7 bins, and 64 x 12"),
-            std::string::npos);
+  EXPECT_NE(complaint("columns = 6").find("at least 7"), std::string::npos);
+  EXPECT_NE(
+      complaint("word = \"ABCDEFGHIJKLMNOPQ\"").find("72 x 7 bins, but the maximum is 64 x 12"),
+      std::string::npos);
   EXPECT_NE(complaint("ball_diameter_mm = 20").find("at most 19.99"), std::string::npos);
   EXPECT_NE(complaint("drop_height_mm = 12").find("at least 13"), std::string::npos);
   EXPECT_NE(complaint("partition_height_mm = 8").find("must be above 8."), std::string::npos);
   EXPECT_NE(complaint("bin_mm = 1000\npartition_mm = 0.5\nvertex_sd_mm = 0.01")
-                .find("must be at least 1, a thousandth"),
+                .find("must be at least 1 (a thousandth"),
             std::string::npos);
-  EXPECT_NE(complaint("dome_mm = 12.5").find("must be at most 12: partition_height_mm"),
+  EXPECT_NE(complaint("dome_mm = 12.5").find("must be at most 12 (partition_height_mm)"),
             std::string::npos);
   EXPECT_NE(complaint("vertex_sd_mm = 0.5").find("at most 0.2"), std::string::npos);
   EXPECT_NE(complaint("bounce_end = 0.1").find("at least 2 times bounce_end, found 1"),
             std::string::npos);
-  EXPECT_NE(complaint("rest_time = 0.09").find("at least 2 times bounce_end, how long"),
-            std::string::npos);
+  EXPECT_NE(complaint("rest_time = 0.09").find("at least 2 times bounce_end"), std::string::npos);
   EXPECT_EQ(complaint("bounce_end = 0.045"), "");
   EXPECT_EQ(complaint("partition_mm = 0.3\nvertex_sd_mm = 0.03"), "");
-  EXPECT_NE(complaint("[sampler]\nchange_all = 0.5").find("add up to 1.46"), std::string::npos);
-  EXPECT_NE(complaint("[sampler]\nenable_balls = 0.15\ndisable_balls = 0.17").find("way back"),
+  EXPECT_NE(complaint("[sampler]\nchange_all = 0.5").find("add up to 1, found 1.46"),
+            std::string::npos);
+  EXPECT_NE(complaint("[sampler]\nenable_balls = 0.15\ndisable_balls = 0.17")
+                .find("must equal disable_balls"),
             std::string::npos);
 }
 
@@ -225,7 +227,7 @@ TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
   EXPECT_NE(normalised_text(biased.value()).find("kernel = \"thesis\""), std::string::npos);
   EXPECT_NE(identity_text(biased.value()), identity_text(plain.value()));
   EXPECT_NE(complaint("[sampler]\nkernel = \"printed\"").find("\"correct\""), std::string::npos);
-  EXPECT_NE(complaint("[sampler]\nkernel = \"thesis\"").find("the default: set method"),
+  EXPECT_NE(complaint("[sampler]\nkernel = \"thesis\"").find("(the default); set method"),
             std::string::npos);
 }
 
@@ -241,12 +243,12 @@ TEST(SpellingRequest, KindsThatAreNotOfTheThesisAreAskedForByName) {
   EXPECT_EQ(parameters.proposal.aim_ball, 0.03);
   EXPECT_EQ(parameters.proposal.solo_steps, 12U);
   EXPECT_NE(complaint("[sampler]\n" + k_plain_chains + "kernel = \"thesis\"\nsolo_steps = 3")
-                .find("not of A.2.2"),
+                .find("A.2.2"),
             std::string::npos);
-  EXPECT_NE(complaint("[sampler]\n" + k_plain_chains + "kernel = \"thesis\"\n" + aims)
-                .find("not of A.2.2"),
-            std::string::npos);
-  EXPECT_NE(complaint("[sampler]\nchange_all = 0\naim_ball = 0.04").find("goes with aim_ball"),
+  EXPECT_NE(
+      complaint("[sampler]\n" + k_plain_chains + "kernel = \"thesis\"\n" + aims).find("A.2.2"),
+      std::string::npos);
+  EXPECT_NE(complaint("[sampler]\nchange_all = 0\naim_ball = 0.04").find("together with aim_ball"),
             std::string::npos);
   EXPECT_NE(complaint("[sampler]\nsolo_steps = 1001").find("1000"), std::string::npos);
 }
