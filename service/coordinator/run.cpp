@@ -85,7 +85,8 @@ void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& 
       "{}, replica {}, scan {}); {}",
       plan::name_of(failed.failure.kind), failed.failure.message, replica.chain.value,
       replica.replica.value, failed.scan.value,
-      path ? "to repeat it: sleight replay " + *path : "no more failures are stored as files"));
+      path ? "to repeat it: sleight replay " + *path
+           : "the maximum number of failure files is reached"));
 }
 
 /// Units that have begun may take a while.
@@ -261,7 +262,8 @@ std::string words_of(const RunSummary& summary) {
     case events::End::simulation_failed:
       return summary.first_failure.empty()
                  ? "a simulation failed, and --strict ends the run"
-                 : fmt::format("a simulation failed: sleight replay {}", summary.first_failure);
+                 : fmt::format("a simulation failed; to repeat it: sleight replay {}",
+                               summary.first_failure);
     default:
       return {};
   }

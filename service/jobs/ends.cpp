@@ -143,7 +143,7 @@ Verdict judge_bug(const Job& job, const Ended& ended, const Options& options) {
                         ? fails(job, Reason::bug,
                                 with_log(fmt::format("{} The check failed twice without progress "
                                                      "in between. This is a bug in Sleight.",
-                                                     how),
+                                                     sentence(how)),
                                          ended.log_end, ended.repeat))
                         : dies(job, how, ended.log_end, ended.repeat, options);
   verdict.is_death = true;
@@ -194,7 +194,7 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
       return goes_on(job,
                      {.to = State::queued,
                       .reason = Reason::stopped_by_itself,
-                      .words = "A signal stopped the job in order. The job restarts automatically.",
+                      .words = "A signal stopped the job. The job restarts automatically.",
                       .backs_off = !is_asked(job) && job.counts.scans <= job.scans_at_attempt});
     case EndKind::failed:
       return judge_error(job, ended, around, options);

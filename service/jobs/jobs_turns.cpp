@@ -328,7 +328,7 @@ Waiting Jobs::waiting(JobId id) const {
   if (!has_begun_ || !room_) return because(WhyNot::not_known_yet, "The server has just started.");
   if (job.next_start_s > clock_s_)
     return because(WhyNot::back_off,
-                   fmt::format("The job restarts in {:.0f} s (delay after its last end).",
+                   fmt::format("The job restarts in {:.0f} s (delay after its last attempt).",
                                std::ceil(job.next_start_s - clock_s_)));
   if (unfit_.contains(id))
     return because(WhyNot::too_large,

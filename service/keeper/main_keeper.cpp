@@ -41,7 +41,7 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
   app.add_flag("--ranks", options.with_ranks,
                "The program is mpirun: also kill it if it hangs without ranks");
   app.add_flag("--batch", options.in_batch,
-               "Run inside a batch system's job: SIGTERM also stops the program in order");
+               "Run inside a batch system's job: SIGTERM also stops the program cleanly");
   app.add_option("--grace", options.grace_s,
                  "Time until a program that reported its end is killed. Default: 30")
       ->check(CLI::NonNegativeNumber)
@@ -51,7 +51,7 @@ void add_options(CLI::App& app, keeper::KeeperOptions& options) {
       ->type_name("PROGRAM ARGUMENTS...");
   app.footer(
       "The server starts sleight-keeper for each attempt of a job; see docs/OPERATING.md.\nSIGUSR1 "
-      "and Ctrl-C stop the program in order. SIGTERM kills the program and everything it "
+      "and Ctrl-C stop the program cleanly. SIGTERM kills the program and everything it "
       "started.\n\nExit codes: 0 the attempt has ended, and attempt.json has its result; 2 invalid "
       "command line;\n4 another keeper uses the folder, or the attempt has already begun; 5 the "
       "folder can't be written;\n1 a bug.");

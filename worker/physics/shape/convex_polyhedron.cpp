@@ -218,7 +218,8 @@ std::string describe(const ShapeError& error) {
     case Kind::no_parts:
       return "a body needs at least one part";
     case Kind::dimension_not_positive:
-      return fmt::format("size, density or count {} must be positive and finite", error.index);
+      return fmt::format("number {} (a size, density or count) must be positive and finite",
+                         error.index);
     case Kind::too_many_features:
       return fmt::format("at most {} rings and balls are allowed, found {}", k_round_features_max,
                          error.index);

@@ -191,7 +191,7 @@ std::optional<SceneError> error_of_vertices(std::span<const Vec3> vertices_m,
     const Vec3& p = vertices_m[v];
     if (within(p, k_coordinate_m_max)) continue;
     return error(Kind::bad_number,
-                 fmt::format("{}: vertex {} is at ({}, {}, {}) m; coordinates may be at most {} m",
+                 fmt::format("{}: vertex {} is at ({}, {}, {}) m; coordinates must be at most {} m",
                              name, v, p.x(), p.y(), p.z(), k_coordinate_m_max));
   }
   return std::nullopt;
@@ -336,14 +336,14 @@ std::optional<SceneError> error_of_start(const StartState& start, const std::str
   if (!within(start.pose.position_m, k_coordinate_m_max)) {
     return error(
         Kind::bad_number,
-        fmt::format("{}: start position is ({}, {}, {}) m; coordinates may be at most {} m", name,
+        fmt::format("{}: start position is ({}, {}, {}) m; coordinates must be at most {} m", name,
                     start.pose.position_m.x(), start.pose.position_m.y(), start.pose.position_m.z(),
                     k_coordinate_m_max));
   }
   if (!within(start.twist.velocity_mps, k_speed_mps_max)) {
     return error(
         Kind::bad_number,
-        fmt::format("{}: start velocity is ({}, {}, {}) m/s; components may be at most {} m/s",
+        fmt::format("{}: start velocity is ({}, {}, {}) m/s; components must be at most {} m/s",
                     name, start.twist.velocity_mps.x(), start.twist.velocity_mps.y(),
                     start.twist.velocity_mps.z(), k_speed_mps_max));
   }
@@ -351,7 +351,7 @@ std::optional<SceneError> error_of_start(const StartState& start, const std::str
     return error(
         Kind::bad_number,
         fmt::format(
-            "{}: start angular velocity is ({}, {}, {}) rad/s; components may be at most {} rad/s",
+            "{}: start angular velocity is ({}, {}, {}) rad/s; components must be at most {} rad/s",
             name, start.twist.angular_velocity_radps.x(), start.twist.angular_velocity_radps.y(),
             start.twist.angular_velocity_radps.z(), k_spin_radps_max));
   }
@@ -368,7 +368,7 @@ std::optional<SceneError> error_of_start(const StartState& start, const std::str
 std::optional<SceneError> error_of(const Scene& scene) {
   if (!within(scene.gravity_mps2, k_gravity_mps2_max)) {
     return error(Kind::bad_number,
-                 fmt::format("gravity is ({}, {}, {}) m/s^2; components may be at most {} m/s^2",
+                 fmt::format("gravity is ({}, {}, {}) m/s^2; components must be at most {} m/s^2",
                              scene.gravity_mps2.x(), scene.gravity_mps2.y(), scene.gravity_mps2.z(),
                              k_gravity_mps2_max));
   }

@@ -220,8 +220,8 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
   if (members.size() > k_at_rest_together_max) {
     return SceneError{
         SceneError::Kind::no_balance,
-        fmt::format("{} can't start at rest: it is connected with {} other bodies at rest, at most "
-                    "{} are supported",
+        fmt::format("{} can't start at rest: it is connected with {} other bodies at rest; the "
+                    "maximum is {}",
                     bodies_.name(members.front()), members.size() - 1, k_at_rest_together_max - 1)};
   }
   const auto place_of = [&](BodyId body) {

@@ -481,7 +481,8 @@ void check_faces(Binder& constraint, const Parameters& p) {
       for (const Goal* goal : of_faces) {
         if (goal->at_s != of_faces.front()->at_s) {
           constraint.error("numbering",
-                           fmt::format("must be \"fixed\": die {} has face goals at several times, and one numbering must meet them all",
+                           fmt::format("must be \"fixed\": die {} has face goals at several times, "
+                                       "and one numbering must meet them all",
                                        die + 1));
           break;
         }
