@@ -36,11 +36,10 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   const std::string database = store::RunStore::database_path(folder);
   const bool has_run = files.exists(database);
   if (files.exists(output) && !has_run) {
-    throw base::Error(
-        base::ExitCode::conflict,
-        fmt::format("{}: can't resume or overwrite the archive, because its run store {} is "
-                    "missing; move the archive away, or choose another output",
-                    output, database));
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: not overwritten, because its run store {} is missing; move "
+                                  "the file away, or choose another output",
+                                  output, database));
   }
   if (!fresh || !has_run) return;
   if (files.exists(output)) refuse_foreign_file(output, {""});
