@@ -41,7 +41,7 @@ T value_of(const Json& json, const char* key, T otherwise) {
 
 AttemptName name_in(const Json& json) {
   const auto* found = json.find("attempt");
-  if (!found || !found->is_object()) refuse_message("the message has no object 'attempt'");
+  if (!found || !found->is_object()) refuse_message("the message lacks the object 'attempt'");
   AttemptName name{.daemon = value_of<std::string>(*found, "daemon", ""),
                    .job = value_of<std::uint64_t>(*found, "job", 0),
                    .epoch = value_of<std::uint64_t>(*found, "epoch", 0)};
@@ -101,7 +101,7 @@ bool signalled_of(std::string_view text) {
 std::map<AttemptName, Seen> list_of(const std::string& daemon, std::string_view text) {
   const Json json = parsed(text);
   const auto* attempts = json.find("attempts");
-  if (!attempts || !attempts->is_array()) refuse_message("the message has no array 'attempts'");
+  if (!attempts || !attempts->is_array()) refuse_message("the message lacks the array 'attempts'");
   std::map<AttemptName, Seen> listed;
   for (const Json& entry : attempts->elements()) {
     if (!entry.is_object())

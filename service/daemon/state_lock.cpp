@@ -20,7 +20,7 @@ std::unique_ptr<store::RunLock> lock_state_folder(const std::string& state) {
     std::ifstream(state + "/lock") >> process;
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: in use by another server{}; `sleight server status` shows "
-                                  "it, `sleight server stop` stops it",
+                                  "that server, `sleight server stop` stops it",
                                   state, process.empty() ? "" : " (process " + process + ")"));
   }
 }

@@ -110,7 +110,8 @@ const std::string k_disk_full =
     "resumes automatically.";
 const std::string k_other_results =
     "The run's results version differs from that of the installed programs. The job resumes "
-    "automatically when programs of its version are installed. Otherwise, submit it again.";
+    "automatically when programs with the run's version are installed. Otherwise, submit the "
+    "request again.";
 
 Verdict judge_error(const Job& job, const Ended& ended, const Surroundings& around,
                     const Options& options) {
@@ -123,11 +124,12 @@ Verdict judge_error(const Job& job, const Ended& ended, const Surroundings& arou
       (code == ExitCode::environment && around.is_disk_low))
     return is_hindered(job, Reason::disk_full, k_disk_full);
   if (ended.hindrance == Hindrance::store_damaged)
-    return fails(job, Reason::refused_by_program,
-                 with_log(fmt::format("The run store is damaged: {} Submit the job again. Archives "
-                                      "that it wrote are still available (`sleight fetch {}`).",
-                                      ended.words, job.id),
-                          {}, ended.repeat));
+    return fails(
+        job, Reason::refused_by_program,
+        with_log(fmt::format("The run store is damaged: {} Submit the job again. Archives that the "
+                             "run wrote are still available (`sleight fetch {}`).",
+                             ended.words, job.id),
+                 {}, ended.repeat));
   if (code == ExitCode::usage || code == ExitCode::bad_request || code == ExitCode::bad_archive)
     return fails(
         job, Reason::refused_by_program,

@@ -133,7 +133,7 @@ void Jobs::take(const Room& input) {
     for (auto& [id, open] : open_)
       ask_to_stop(jobs_.at(id), Reason::disk_low,
                   "Free disk space is below the server's reserve. The job resumes automatically "
-                  "when there is enough. `sleight delete` deletes finished jobs.");
+                  "when enough space is free. `sleight delete` deletes finished jobs.");
   } else if (was_low || is_other_machine) {
     release_held();
   }

@@ -121,10 +121,10 @@ void Jobs::hand_out() {
   while (const std::optional<NextJob> next = next_job()) {
     Job& job = jobs_.at(next->id);
     if (has_other_results(job)) {
-      enter(
-          job, State::held, Reason::other_results,
-          "The run's results version differs from that of the installed programs. The job resumes "
-          "automatically when programs of its version are installed. Otherwise, submit it again.");
+      enter(job, State::held, Reason::other_results,
+            "The run's results version differs from that of the installed programs. The job "
+            "resumes automatically when programs with the run's version are installed. Otherwise, "
+            "submit the request again.");
       continue;
     }
     const Shares now = shares();
@@ -310,11 +310,11 @@ void Jobs::hold_over_limits() {
     if (has_had_slice && accounts_.is_over_core_hours(job.user, clock_s_, false)) {
       ask_to_stop(job, Reason::limit_core_hours,
                   "The user's jobs have used their daily core-hours. The job resumes automatically "
-                  "when some are available again.");
+                  "when core-hours are available again.");
     } else if (accounts_.is_over_bytes(job.user, false)) {
       ask_to_stop(job, Reason::limit_bytes,
                   "The user's jobs have reached their disk limit. The job resumes automatically "
-                  "after some are deleted (`sleight delete`).");
+                  "after some jobs are deleted (`sleight delete`).");
     }
   }
 }

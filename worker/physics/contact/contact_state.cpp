@@ -9,7 +9,7 @@ std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_en
     return fmt::format("more than {} collisions at one tick", k_events_at_a_tick_max);
   return fmt::format("more than {} collisions in a millisecond ({})", k_collisions_in_window_max,
                      slow_contacts_end ? "the body is wedged, or squeezed by a much heavier body"
-                                       : "to avoid this, let slow contacts end: SlowContacts");
+                                       : "enable SlowContacts to end slow contacts");
 }
 
 }  // namespace sleight::physics

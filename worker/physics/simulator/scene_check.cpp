@@ -317,7 +317,7 @@ std::optional<SceneError> error_of_period(const Scene& scene) {
       const auto* sphere = std::get_if<Sphere>(&scene.bodies[i].shape);
       if (sphere == nullptr) {
         return error(Kind::bad_shape,
-                     fmt::format("body {}: a periodic scene can only have spheres", i));
+                     fmt::format("body {}: only spheres are allowed in a periodic scene", i));
       }
       const double radius_m = sphere->radius_m;
       if (period < 10 * radius_m) {

@@ -103,7 +103,7 @@ void bind_orientation(Binder& die, DieKeys& keys) {
   if (!is_fixed && (keys.up || gives_quaternion)) {
     die.error("orientation", "must be \"fixed\" if up or a quaternion is given");
   } else if (keys.up && gives_quaternion) {
-    die.error("up", "give up or a quaternion, not both");
+    die.error("up", "set either up or a quaternion, not both");
   } else if (!(square > 0.01)) {
     die.error("qw", "the quaternion is too small to be a rotation");
   } else if (is_fixed) {
@@ -262,7 +262,7 @@ struct GoalBinder {
                           {.minimum = 0,
                            .maximum = 100,
                            .unit = "s",
-                           .help = "time of the goal; default: at the end, at rest"});
+                           .help = "time of the goal; default: the end of the simulation"});
     if (keys.goal.at_s && *keys.goal.at_s > world.time_max_s) {
       keys.goal.at_s.reset();
       table.error("at_s", "must be at most time_max_s of [world]");
@@ -525,7 +525,7 @@ void bind_proposal(Binder& sampler, ProposalParameters& p) {
       "halvings", p.halvings,
       {.minimum = 0,
        .maximum = 40,
-       .help = "maximum times that a step is halved; all numbers from 0 are equally likely"});
+       .help = "maximum number of times a step is halved; all numbers from 0 are equally likely"});
   for (const char* key :
        {"change_all", "change_die", "change_start", "change_control", "change_contact"}) {
     if (!sampler.valid(key)) return;

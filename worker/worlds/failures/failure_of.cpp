@@ -30,7 +30,7 @@ plan::FailureKind kind_of(physics::SceneError::Kind kind) {
     case Kind::incomplete_history:  // a void replay is followed by a whole simulation
       break;
   }
-  base::check_failed("the failure is one of the simulator's", "");
+  base::check_failed("the failure comes from the simulator", "");
 }
 
 }  // namespace

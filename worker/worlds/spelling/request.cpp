@@ -299,8 +299,8 @@ void check_kernel(request::Binder& sampler, Kernel kernel) {
 
 void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
   sampler.choice<Kernel>("kernel", p.kernel, k_kernels,
-                         "proposal ratios; thesis: biased, as printed in A.2.2, only to reproduce "
-                         "the thesis's figures");
+                         "proposal ratios; thesis: biased, as printed in the thesis (A.2.2), only "
+                         "to reproduce its figures");
   check_kernel(sampler, p.kernel);
   const auto share = [&](std::string_view key, double& value, std::string_view help) {
     sampler.number(key, value, {.minimum = 0, .maximum = 1, .help = help});
@@ -355,12 +355,17 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
     sampler.error("scatter_ball",
                   "must be used together with aim_ball, because each reverses the other");
   if (p.kernel == Kernel::thesis && p.aim_ball > 0)
-    sampler.error("aim_ball", "can't be used with kernel \"thesis\", which is A.2.2 as printed");
+    sampler.error(
+        "aim_ball",
+        "can't be used with kernel \"thesis\", which follows the thesis (A.2.2) as printed");
   if (p.kernel == Kernel::thesis && p.vertex_redraw > 0)
-    sampler.error("vertex_redraw",
-                  "can't be used with kernel \"thesis\", which is A.2.2 as printed");
+    sampler.error(
+        "vertex_redraw",
+        "can't be used with kernel \"thesis\", which follows the thesis (A.2.2) as printed");
   if (p.kernel == Kernel::thesis && p.solo_steps > 0)
-    sampler.error("solo_steps", "can't be used with kernel \"thesis\", which is A.2.2 as printed");
+    sampler.error(
+        "solo_steps",
+        "can't be used with kernel \"thesis\", which follows the thesis (A.2.2) as printed");
 }
 
 /// Words of more balls are drawn by chains from a search: islands of 32 particles then differ so
