@@ -127,13 +127,13 @@ std::string kept_animations(const Facts& facts) {
   const auto most = static_cast<std::uint64_t>(summary.keep_max);
   const auto each = static_cast<std::uint64_t>(summary.keep_per_lineage);
   if (facts.has_one_lineage && summary.chains > 0 && each <= most / summary.chains) {
-    return fmt::format("{} kept (at most {} of each of {} chains)", summary.animations, each,
+    return fmt::format("{} kept (at most {} from each of {} chains)", summary.animations, each,
                        summary.chains);
   }
   if (facts.has_one_lineage)
-    return fmt::format("{} kept (at most {} in all)", summary.animations, most);
-  return fmt::format("{} kept (at most {} of each lineage, {} in all)", summary.animations, each,
-                     most);
+    return fmt::format("{} kept (at most {} in total)", summary.animations, most);
+  return fmt::format("{} kept (at most {} from each lineage, {} in total)", summary.animations,
+                     each, most);
 }
 
 void add_chains(const Facts& facts, report::Report& report) {
@@ -171,10 +171,9 @@ void add_finds(const Facts& facts, report::Report& report) {
   report.for_programs("finds_kept", finds.animations);
   if (!facts.finds) return;
   const Plausibility& log_p = *facts.finds;
-  report.add(
-      "log_prior_of_finds", {log_p.least, log_p.most}, "",
-      fmt::format("log p {:.1f} to {:.1f}; of blind throws nine in ten have {:.1f} to {:.1f}",
-                  log_p.least, log_p.most, log_p.throws_from, log_p.throws_to));
+  report.add("log_prior_of_finds", {log_p.least, log_p.most}, "",
+             fmt::format("log p {:.1f} to {:.1f} (nine in ten blind throws: {:.1f} to {:.1f})",
+                         log_p.least, log_p.most, log_p.throws_from, log_p.throws_to));
   report.for_programs("log_prior_of_throws", {log_p.throws_from, log_p.throws_to});
 }
 
@@ -182,13 +181,15 @@ void add_failures(const archive::Summary& summary, report::Report& report) {
   const std::uint64_t failed = summary.failures.total();
   report.add("failed_simulations", analysis::failures_json(summary.failures), "failed",
              failed == 0 ? ""
-                         : fmt::format("{} simulations, refused: {}", failed,
+                         : fmt::format("{} simulations, all rejected: {}", failed,
                                        plan::to_string(summary.failures)));
-  report.add("failed_animations", summary.failed_animations, "",
-             summary.failed_animations == 0
-                 ? ""
-                 : fmt::format("{} satisfied, but could not be simulated to rest: not kept",
-                               summary.failed_animations));
+  report.add(
+      "failed_animations", summary.failed_animations, "",
+      summary.failed_animations == 0
+          ? ""
+          : fmt::format(
+                "{} satisfying animations not kept, because their simulation until rest failed",
+                summary.failed_animations));
 }
 
 report::Report report_of(const std::string& path, const Facts& facts) {
@@ -221,8 +222,12 @@ int archive_info(const std::string& path, bool json) {
   if (json) {
     fmt::print("{}\n", report::dumped(report.as_json()));
   } else {
-    fmt::print("{}: {} samples\n\n{}\nThe request that reproduces it:\n\n{}", path,
-               facts.summary.world, report.as_text(2, 13), facts.summary.request_text);
+    fmt::print(
+        "{}: {} samples\n\n"
+        "{}\n"
+        "The request that reproduces this archive:\n\n"
+        "{}",
+        path, facts.summary.world, report.as_text(2, 13), facts.summary.request_text);
   }
   return terminal::k_ok;
 }

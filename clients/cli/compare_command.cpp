@@ -49,7 +49,7 @@ void compare_looks(const browse::Browsed& browsed, std::size_t groups, Compariso
   const auto& archives = browsed.archives;
   const scene::Scene& scene = archives[0].index.scene;
   if (!browse::are_comparable(scene, archives[1].index.scene)) {
-    comparison.why_no_groups = "they have other bodies";
+    comparison.why_no_groups = "the archives have different bodies";
     return;
   }
   std::vector<browse::Picked> all;
@@ -62,8 +62,8 @@ void compare_looks(const browse::Browsed& browsed, std::size_t groups, Compariso
   }
   if (sets[0].empty() || sets[1].empty()) {
     comparison.why_no_groups = archives[1].twice > 0 && sets[1].empty()
-                                   ? "all animations of the second are in the first"
-                                   : "one of them has no animations";
+                                   ? "all animations of the second archive are in the first"
+                                   : "one of the archives has no animations";
     return;
   }
   const auto& found = groups_of(all, groups, browse::Grouping::medoids);
@@ -127,20 +127,22 @@ void print_requests(const std::vector<analysis::OtherLine>& lines) {
                           lines[i].second.empty() ? "-" : lines[i].second});
   fmt::print("{}", to_text(table, terminal::width_of(stdout)));
   if (lines.size() > k_lines_shown_max)
-    fmt::print("and {} keys more (--json has all)\n", lines.size() - k_lines_shown_max);
+    fmt::print("and {} more keys (--json prints all)\n", lines.size() - k_lines_shown_max);
 }
 
 void print_comparison(const browse::Browsed& browsed, const Comparison& comparison) {
   constexpr std::array k_order{"first", "second"};
   for (std::size_t i = 0; i < browsed.archives.size(); ++i) {
     const browse::BrowsedArchive& archive = browsed.archives[i];
-    fmt::print("{:7} {}: {} of {} animations, run {}\n", k_order.at(i), archive.path,
+    fmt::print("{:7} {}: world {}, {} animations, run {}\n", k_order.at(i), archive.path,
                archive.index.world, comparison.animations[i],
                archive.index.run_id.substr(0, browse::k_run_letters));
   }
   if (const std::size_t twice = browsed.archives[1].twice; twice > 0)
-    fmt::print("{} animations are in both; in the looks below they are the first's alone.\n",
-               twice);
+    fmt::print(
+        "{} animations are in both archives; groups and test below count them in the first archive "
+        "only.\n",
+        twice);
   fmt::print("\n");
   print_requests(comparison.request);
   report::TextTable table{.columns = {{.head = "number"},
@@ -148,10 +150,10 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
                                       {.head = "mean second", .to_the_right = true},
                                       {.head = "sd first", .to_the_right = true},
                                       {.head = "sd second", .to_the_right = true},
-                                      {.head = "least first", .to_the_right = true, .rank = 1},
-                                      {.head = "least second", .to_the_right = true, .rank = 1},
-                                      {.head = "most first", .to_the_right = true, .rank = 1},
-                                      {.head = "most second", .to_the_right = true, .rank = 1}}};
+                                      {.head = "min first", .to_the_right = true, .rank = 1},
+                                      {.head = "min second", .to_the_right = true, .rank = 1},
+                                      {.head = "max first", .to_the_right = true, .rank = 1},
+                                      {.head = "max second", .to_the_right = true, .rank = 1}}};
   for (const analysis::ComparedNumber& number : comparison.numbers) {
     if (number.of[0].count == 0 && number.of[1].count == 0) continue;
     std::vector<std::string> row{number.name};
@@ -164,20 +166,24 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
   }
   fmt::print("\n{}", to_text(table, terminal::width_of(stdout)));
   if (!comparison.why_no_groups.empty()) {
-    fmt::print("\nTheir looks are not compared: {}.\n", comparison.why_no_groups);
+    fmt::print(
+        "\n"
+        "Looks not compared: {}.\n",
+        comparison.why_no_groups);
     return;
   }
   report::TextTable groups{.columns = {{.head = "like"},
-                                       {.head = "of first", .to_the_right = true},
-                                       {.head = "of second", .to_the_right = true}}};
+                                       {.head = "in first", .to_the_right = true},
+                                       {.head = "in second", .to_the_right = true}}};
   for (const ComparedGroup& group : comparison.groups)
     groups.rows.push_back({group.representative, fmt::format("{}", group.members[0]),
                            fmt::format("{}", group.members[1])});
   fmt::print("\n{}", to_text(groups, terminal::width_of(stdout)));
   fmt::print(
-      "\nOf the {} nearest neighbours of each of {} + {} animations {:.1f}% are of the same "
+      "\n"
+      "Test of the {} nearest neighbours of each of {} + {} animations: {:.1f}% are from the same "
       "archive;\n"
-      "if the two were dealt at random, {:.1f}%: p = {:.3f}.\n",
+      "by chance, {:.1f}% would be (p = {:.3f}).\n",
       browse::k_neighbours, comparison.looks.tested[0], comparison.looks.tested[1],
       100 * comparison.looks.test.share, 100 * comparison.looks.test.expected,
       comparison.looks.test.p_value);

@@ -70,7 +70,11 @@ int print_config(bool json) {
     fmt::print("{:<{}}  {:<{}}  {:<{}}  {}\n", row.key, key_width, row.value, value_width,
                source_of(row, path), source_width, row.help);
   }
-  if (path) fmt::print("\nThe file is {}{}.\n", *path, is_there ? "" : ", which is not there");
+  if (path)
+    fmt::print(
+        "\n"
+        "Settings file: {}{}\n",
+        *path, is_there ? "" : " (does not exist)");
   return 0;
 }
 

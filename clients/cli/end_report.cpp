@@ -21,7 +21,7 @@ EndReport::EndReport(const std::string& path, Missing missing) {
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
   if (descriptor_ < 0 && missing == Missing::tells_nothing) return;
   if (descriptor_ < 0) {
-    const std::string reason = errno == ENXIO ? "nobody reads it" : std::strerror(errno);
+    const std::string reason = errno == ENXIO ? "no process is reading it" : std::strerror(errno);
     throw base::Error(base::ExitCode::usage, fmt::format("--end-report: {}: {}", path, reason));
   }
   struct stat file {};
@@ -29,7 +29,7 @@ EndReport::EndReport(const std::string& path, Missing missing) {
     ::close(descriptor_);
     throw base::Error(
         base::ExitCode::usage,
-        fmt::format("--end-report: {}: not a named pipe; make one with mkfifo", path));
+        fmt::format("--end-report: {}: not a named pipe; create one with mkfifo", path));
   }
   base::set_bug_listener({.heard = &EndReport::tell_bug, .context = this});
 }
@@ -57,7 +57,7 @@ int EndReport::watch(const std::function<int()>& work) {
     if (code != 0) {
       tell({.end = events::End::failed,
             .exit_code = static_cast<base::ExitCode>(code),
-            .words = "the reasons were printed"});
+            .words = "the log has the reasons"});
     }
     return code;
   } catch (const std::exception& error) {

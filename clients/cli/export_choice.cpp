@@ -47,12 +47,13 @@ std::vector<browse::AnimationId> chosen(const archive::Source& source, const Exp
   const bool is_selected = !choice.select.empty() || choice.representatives;
   std::vector<browse::AnimationId> ids =
       is_selected ? selected(source, choice) : browse::animation_ids(source);
-  if (ids.empty() && !choice.select.empty()) refuse(source, "no animation is meant by --select");
-  if (ids.empty()) refuse(source, "it holds no animation; run more scans");
+  if (ids.empty() && !choice.select.empty()) refuse(source, "no animation matches --select");
+  if (ids.empty()) refuse(source, "the archive has no animations; run more scans");
   if (is_bounded && ids.size() > k_export_max && !choice.all && !choice.representatives) {
-    refuse(source, fmt::format("{} {} animations, more than {}; name some with --ids, --select or "
-                               "--representatives, or give --all",
-                               is_selected ? "these are" : "it holds", ids.size(), k_export_max));
+    refuse(source,
+           fmt::format("{} {} animations, above the limit of {}; choose some with --ids, --select "
+                       "or --representatives, or add --all",
+                       is_selected ? "matched" : "the archive has", ids.size(), k_export_max));
   }
   return ids;
 }

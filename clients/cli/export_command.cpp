@@ -46,7 +46,8 @@ bool is_film(const std::string& format) {
 /// Also what is no number, which lies in no range and outside none.
 void check_range(const char* option, double value, double low, double high) {
   if (value >= low && value <= high) return;
-  terminal::refuse_usage(fmt::format("{} {}: it must be from {} to {}", option, value, low, high));
+  terminal::refuse_usage(
+      fmt::format("{} {}: expected a number from {} to {}", option, value, low, high));
 }
 
 /// "mp4" of "a/b.MP4"; "" of what has no ending.
@@ -72,11 +73,12 @@ void refuse_other_ending(const ExportAnimationsOptions& options) {
   const bool is_right = is_file_of(options.output, options.format) && options.format != "png";
   if (is_right || std::ranges::find(k_files, ending) == k_files.end()) return;
   if (options.format == "png")
-    terminal::refuse_usage(fmt::format(
-        "{}: frames go into a folder; its name must not end with .{}", options.output, ending));
+    terminal::refuse_usage(
+        fmt::format("{}: --format png writes a folder, whose name must not end in .{}",
+                    options.output, ending));
   terminal::refuse_usage(
-      fmt::format("{}: a file of --format {} ends with .{}; a folder for a file each must "
-                  "not end with .{}",
+      fmt::format("{}: --format {} requires a file name that ends in .{}, or a folder name that "
+                  "does not end in .{}",
                   options.output, options.format, options.format, ending));
 }
 
@@ -85,34 +87,40 @@ void check(const ExportAnimationsOptions& options) {
   const std::string& format = options.format;
   const ExportChoice& choice = options.choice;
   if (!choice.ids.empty() && (!choice.select.empty() || choice.representatives))
-    terminal::refuse_usage(
-        "--ids names animations itself: leave out --select and --representatives");
+    terminal::refuse_usage("--ids excludes --select and --representatives");
+  for (const std::string& id : choice.ids) {
+    if (id.empty() || id.starts_with('-'))
+      terminal::refuse_usage(fmt::format("--ids: expected the id of an animation, found '{}'", id));
+  }
   if (choice.all && !choice.ids.empty())
-    terminal::refuse_usage("--all and --ids contradict each other");
+    terminal::refuse_usage("--all and --ids exclude each other");
   if (format != "csv" && options.table != "animations")
-    terminal::refuse_usage("--table is for --format csv");
+    terminal::refuse_usage("--table requires --format csv");
   if (format != "csv" && options.output.empty()) {
     terminal::refuse_usage(
-        format == "png" ? std::string("say where to with -o: a folder for a folder of frames each")
-                        : fmt::format("say where to with -o: a file OUT.{}, or a folder for a file "
-                                      "each",
-                                      format));
+        format == "png"
+            ? std::string("-o is required: name a folder, for one folder of frames per animation")
+            : fmt::format(
+                  "-o is required: name a file OUT.{}, or a folder for one file per animation",
+                  format));
   }
-  if (format != "glb" && options.together) terminal::refuse_usage("--together is for --format glb");
+  if (format != "glb" && options.together)
+    terminal::refuse_usage("--together requires --format glb");
   if (options.output == "-")
     terminal::refuse_usage(
-        "-o -: only a table goes to standard output (--format csv); name a file or folder");
+        "-o -: only --format csv writes to standard output; name a file or folder");
   if (options.together && !is_file_of(options.output, format))
     terminal::refuse_usage(
-        fmt::format("{}: --together makes one file; its name must end with .glb", options.output));
+        fmt::format("{}: --together writes one file, whose name must end in .glb", options.output));
   if (format == "csv" && !options.output.empty() && !is_file_of(options.output, format))
-    terminal::refuse_usage(fmt::format("{}: a table's name must end with .csv", options.output));
+    terminal::refuse_usage(
+        fmt::format("{}: expected a file name that ends in .csv", options.output));
   if ((format == "csv" || format == "svg") && options.fps)
-    terminal::refuse_usage("--fps is for --format glb, png and mp4");
+    terminal::refuse_usage("--fps requires --format glb, png or mp4");
   if (format != "png" && format != "mp4" && (options.view != "both" || options.scale != 1))
-    terminal::refuse_usage("--view and --scale are for --format png and mp4");
+    terminal::refuse_usage("--view and --scale require --format png or mp4");
   if (options.json && options.output.empty())
-    terminal::refuse_usage("--json tells which files were written; name one with -o");
+    terminal::refuse_usage("--json lists the written files, so it requires -o");
   refuse_other_ending(options);
   if (options.fps) check_range("--fps", *options.fps, k_export_fps_min, k_export_fps_max);
   check_range("--scale", options.scale, 1 / k_film_scale_max, k_film_scale_max);
@@ -208,8 +216,8 @@ void tell(const ExportAnimationsOptions& options, const std::vector<WrittenFile>
 void require_one(std::span<const browse::AnimationId> ids, const ExportAnimationsOptions& options) {
   if (ids.size() == 1 || options.together) return;
   terminal::refuse_usage(fmt::format(
-      "{}: one file can't hold {} animations by themselves; {}give a folder", options.output,
-      ids.size(), options.format == "glb" ? "add --together for clips of one file, or " : ""));
+      "{}: one file can't contain {} separate animations; {}name a folder", options.output,
+      ids.size(), options.format == "glb" ? "add --together to write clips of one file, or " : ""));
 }
 
 /// Step two, of one file.
@@ -243,8 +251,8 @@ void refuse_taken_place(const std::string& place, const ExportAnimationsOptions&
   std::error_code none;
   if (options.format == "png" && fs::exists(place, none) && !fs::is_empty(place, none)) {
     throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: something is there already, and frames want a folder of "
-                                  "their own; remove it, or name another folder",
+                      fmt::format("{}: already exists, but frames require a new or empty folder; "
+                                  "remove it, or name another folder",
                                   place));
   }
   refuse_others_file(place, options.force);

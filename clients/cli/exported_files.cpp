@@ -46,21 +46,21 @@ void make_export_folder(const std::string& given) {
   std::error_code failed;
   fs::create_directories(path, failed);
   if (!failed && fs::is_directory(path)) return;
-  throw base::Error(fmt::format("{}: can't make this folder: {}", path,
-                                failed ? failed.message() : "a file has its name"));
+  throw base::Error(fmt::format("{}: can't create this folder: {}", path,
+                                failed ? failed.message() : "a file has the same name"));
 }
 
 void refuse_others_file(const std::string& path, bool force) {
   std::error_code none;
   // A pipe would keep the writer waiting for a reader.
   if (fs::exists(path, none) && !fs::is_regular_file(path, none) && !fs::is_directory(path, none))
-    throw base::Error(base::ExitCode::conflict, fmt::format("{}: it is no file", path));
+    throw base::Error(base::ExitCode::conflict,
+                      fmt::format("{}: already exists and is not a regular file", path));
   if (force || !fs::is_regular_file(path, none) || is_ours(path)) return;
-  throw base::Error(
-      base::ExitCode::conflict,
-      fmt::format("{}: it is there already, and sleight did not make it, or can't tell; give "
-                  "--force to replace it",
-                  path));
+  throw base::Error(base::ExitCode::conflict,
+                    fmt::format("{}: already exists and is not recognised as a file written by "
+                                "sleight; to replace it, add --force",
+                                path));
 }
 
 void ExportProgress::done(std::size_t count, std::size_t frames, std::size_t of) {

@@ -45,7 +45,7 @@ double as_double(std::uint64_t count) {
 
 std::string sha256_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw base::Error(fmt::format("{}: can't read what is there", path));
+  if (!file) throw base::Error(fmt::format("{}: can't read the existing file", path));
   hash::Sha256 hash;
   std::string piece(k_read_bytes, '\0');
   while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0)
@@ -114,14 +114,14 @@ bool is_no_file(const std::string& path) {
 
 [[noreturn]] void refuse_to_replace(const std::string& path) {
   if (is_no_file(path)) {
-    throw base::Error(base::ExitCode::conflict,
-                      fmt::format("{}: is there already and is no plain file; -o names another "
-                                  "place",
-                                  terminal::shown(path)));
+    throw base::Error(
+        base::ExitCode::conflict,
+        fmt::format("{}: already exists and is not a regular file; choose another place with -o",
+                    terminal::shown(path)));
   }
   throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: is there already, with other content; --force replaces it, -o "
-                                "names another place",
+                    fmt::format("{}: already exists with other content; replace it with --force, "
+                                "or choose another place with -o",
                                 terminal::shown(path)));
 }
 
@@ -181,10 +181,14 @@ struct Brought {
   bool interrupted = false;
 };
 
+bool is_of_one_file(rpc::FetchKind kind) {
+  return kind == rpc::FetchKind::archive || kind == rpc::FetchKind::so_far;
+}
+
 Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& job,
                   const std::string& place, const FetchOptions& options,
                   const ArchiveCheck& check) {
-  const bool is_file = ask.kind == rpc::FetchKind::archive || ask.kind == rpc::FetchKind::so_far;
+  const bool is_file = is_of_one_file(ask.kind);
   Arrivals arrivals(options, place, is_file);
   const rpc::FetchProgress progress = [&](const rpc::FileView& file, std::uint64_t bytes) {
     return arrivals.arrived(file, bytes);
@@ -209,12 +213,12 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
     if (arrivals.same().empty()) {
       // What a job that goes on has given is not the last word.
       const bool is_of_now = is_file && !rpc::is_settled(job.state);
-      fmt::print("{}  {}{}\n", terminal::shown(path), size_text(arrivals.bytes_of(path)),
-                 is_of_now
-                     ? fmt::format(", as of now: job {} is {}", job.id, rpc::name_of(job.state))
-                     : "");
+      fmt::print(
+          "{}  {}{}\n", terminal::shown(path), size_text(arrivals.bytes_of(path)),
+          is_of_now ? fmt::format(", results so far: job {} is {}", job.id, rpc::name_of(job.state))
+                    : "");
     } else {
-      fmt::print("{}  is here already, with the same content\n", terminal::shown(path));
+      fmt::print("{}  already exists with the same content\n", terminal::shown(path));
     }
   }
   if (brought.paths.empty() && !brought.interrupted) fmt::print("job {}: no files\n", ask.job);
@@ -232,7 +236,7 @@ void make_folder(const std::string& path) {
   std::error_code failure;
   fs::create_directories(path, failure);
   if (failure)
-    throw base::Error(fmt::format("{}: can't make the folder: {}", path, failure.message()));
+    throw base::Error(fmt::format("{}: can't create the folder: {}", path, failure.message()));
 }
 
 int fetch_all(rpc::Client& client, const FetchOptions& options,
@@ -240,6 +244,7 @@ int fetch_all(rpc::Client& client, const FetchOptions& options,
   const rpc::FetchAsk ask = fetch_ask_of(options);
   const std::vector<rpc::JobView> jobs = views_of(client, names);
   const bool several = !is_single_job(names);
+  const bool is_file = is_of_one_file(ask.kind);
   const auto* group = names.size() == 1 ? std::get_if<rpc::GroupId>(&names.front()) : nullptr;
   const terminal::Interruption interruption([&client] { client.interrupt(); });
   std::vector<Brought> all;
@@ -249,7 +254,11 @@ int fetch_all(rpc::Client& client, const FetchOptions& options,
     of_job.job = job.id;
     const std::string place =
         place_of(options, job.id, several, group ? std::optional(*group) : std::nullopt);
-    if (several) make_folder(fs::path(place).parent_path().string());
+    const fs::path folder = fs::path(place).parent_path();
+    if (several) make_folder(folder.string());
+    std::error_code none;
+    if (is_file && !folder.empty() && !fs::is_directory(folder, none))
+      throw base::Error(fmt::format("{}: no such folder", terminal::shown(folder.string())));
     try {
       all.push_back(fetch_job(client, of_job, job, place, options, check));
     } catch (const rpc::RefusedError& error) {
@@ -269,7 +278,7 @@ int fetch_all(rpc::Client& client, const FetchOptions& options,
       continue;
     }
     if (all.back().interrupted) {
-      terminal::complain("stopped; the same command goes on from here");
+      terminal::complain("interrupted; to resume, repeat the command");
       code = base::ExitCode::interrupted;
       break;
     }
@@ -303,7 +312,7 @@ rpc::FetchAsk fetch_ask_of(const FetchOptions& options) {
   const int kinds = int{options.so_far} + int{!options.recordings.empty()} + int{options.failures};
   if (kinds > 1) {
     throw base::Error(base::ExitCode::usage,
-                      "--so-far, --recordings and --failures: give one of them");
+                      "--so-far, --recordings and --failures exclude each other");
   }
   rpc::FetchAsk ask;
   if (options.so_far) ask.kind = rpc::FetchKind::so_far;
@@ -312,9 +321,11 @@ rpc::FetchAsk fetch_ask_of(const FetchOptions& options) {
     ask.kind = rpc::FetchKind::recordings;
     auto ids = recording_ids_of(options.recordings);
     if (!ids) {
-      throw base::Error(base::ExitCode::usage,
-                        fmt::format("--recordings: '{}' are no ids; say 3,7,10..20, at most {}",
-                                    terminal::shown(options.recordings), rpc::k_fetch_ids_max));
+      throw base::Error(
+          base::ExitCode::usage,
+          fmt::format(
+              "--recordings: '{}' is not a list of ids such as 3,7,10..20, of at most {} ids",
+              terminal::shown(options.recordings), rpc::k_fetch_ids_max));
     }
     ask.ids = *std::move(ids);
   }

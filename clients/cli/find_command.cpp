@@ -29,11 +29,10 @@ std::size_t number_called(const std::string& name, const browse::BrowsedArchive&
   for (const browse::NumberName& number : numbers)
     known.push_back(number.name);
   const auto near = request::nearest(name, known);
-  throw base::Error(
-      base::ExitCode::usage,
-      fmt::format("--sort: animations of {} have no number '{}'{}", archive.path, name,
-                  near ? fmt::format("; did you mean '{}'?", *near)
-                       : "; `sleight find --names` lists them"));
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("--sort: {} has no number '{}'{}", archive.path, name,
+                                near ? fmt::format("; did you mean '{}'?", *near)
+                                     : "; to list the numbers, run `sleight find --names`"));
 }
 
 void sort_picked(const std::string& name, bool descending, std::vector<browse::Picked>& picked) {
@@ -141,9 +140,9 @@ int print_names(const FindOptions& options, const browse::Browsed& browsed) {
 
 int find_animations(const FindOptions& options) {
   if (options.descending && options.sort.empty())
-    throw base::Error(base::ExitCode::usage, "--descending goes with --sort NUMBER");
+    throw base::Error(base::ExitCode::usage, "--descending requires --sort NUMBER");
   if (options.ids && options.json)
-    throw base::Error(base::ExitCode::usage, "--ids and --json contradict each other");
+    throw base::Error(base::ExitCode::usage, "--ids and --json exclude each other");
   return terminal::with_results([&] {
     browse::Browsed browsed = browse::browse_archives(options.paths);
     std::vector<browse::Picked> found =
@@ -170,10 +169,9 @@ int find_animations(const FindOptions& options) {
     }
     if (!found.empty()) print_table(options, browsed, found);
     fmt::print(
-        "{}{} of {} animations{}\n",
-        found.size() < total ? fmt::format("shown {} of ", found.size()) : "", total,
-        browsed.animations(),
-        browsed.archives.size() > 1 ? fmt::format(" in {} archives", browsed.archives.size()) : "");
+        "{} of {} animations{} match{}\n", total, browsed.animations(),
+        browsed.archives.size() > 1 ? fmt::format(" in {} archives", browsed.archives.size()) : "",
+        found.size() < total ? fmt::format("; {} shown", found.size()) : "");
     return static_cast<int>(base::ExitCode::ok);
   });
 }

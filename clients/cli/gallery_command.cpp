@@ -130,8 +130,8 @@ void say_how_to_open(const web::Server& server, const CommandOptions& options,
       fmt::print("from another machine: ssh -L {0}:127.0.0.1:{0} {1}, then open the link there\n",
                  server.port(), host_name());
     }
-    fmt::print("The link lets one browser in{}. Ctrl-C ends the gallery.\n",
-               terminal::is_typed() ? "; Enter makes another" : "");
+    fmt::print("The link works in one browser{}. Ctrl-C ends the gallery.\n",
+               terminal::is_typed() ? "; Enter prints another link" : "");
   }
   std::fflush(stdout);
 }

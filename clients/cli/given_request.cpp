@@ -60,7 +60,7 @@ std::optional<request::Diagnostic> given_twice(std::span<const request::KeySet> 
         one.is_given ? request::find_set(sets, one.section, one.key) : nullptr;
     if (set == nullptr) continue;
     return request::Diagnostic{"--set " + set->text, request::k_no_place,
-                               fmt::format("{} replaces that; leave one of them out", one.option)};
+                               fmt::format("conflicts with {}; remove one of them", one.option)};
   }
   return std::nullopt;
 }

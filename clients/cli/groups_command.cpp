@@ -24,9 +24,9 @@ void print_groups(const browse::Browsed& browsed, const std::vector<browse::Pick
                   const browse::Groups& groups) {
   report::TextTable table{.columns = {{.head = "group", .to_the_right = true},
                                       {.head = "animations", .to_the_right = true},
-                                      {.head = "stands for it"},
+                                      {.head = "representative"},
                                       {.head = "mean mm", .to_the_right = true},
-                                      {.head = "most mm", .to_the_right = true},
+                                      {.head = "max mm", .to_the_right = true},
                                       {.head = "log_prior", .to_the_right = true, .rank = 1},
                                       {.head = "rest_s", .to_the_right = true, .rank = 2}}};
   const bool has_archives = browsed.archives.size() > 1;
@@ -46,12 +46,12 @@ void print_groups(const browse::Browsed& browsed, const std::vector<browse::Pick
     table.rows.push_back(std::move(row));
   }
   fmt::print("{}", to_text(table, terminal::width_of(stdout)));
-  fmt::print("{} animation{} in {} group{}; mm: resemblance to the one that stands for the group\n",
+  fmt::print("{} animation{} in {} group{}; mm: difference from the representative\n",
              picked.size(), picked.size() == 1 ? "" : "s", groups.groups.size(),
              groups.groups.size() == 1 ? "" : "s");
   if (groups.is_approximate) {
-    fmt::print("The groups are those of {} of them; the others were put to the nearest.\n",
-               browse::k_full_matrix_max);
+    fmt::print(
+        "The groups come from a sample; each remaining animation joined the nearest group.\n");
   }
 }
 
@@ -83,17 +83,17 @@ browse::Groups groups_of(const std::vector<browse::Picked>& picked, std::uint64_
     const browse::BrowsedArchive& first = *picked.front().archive;
     if (!browse::are_comparable(first.index.scene, one.archive->index.scene)) {
       throw base::Error(base::ExitCode::usage,
-                        fmt::format("{} and {} have other bodies: their animations can't be "
-                                    "compared; group each by itself",
+                        fmt::format("{} and {} have different bodies, so their animations can't be "
+                                    "compared; group each archive separately",
                                     first.path, one.archive->path));
     }
     entries.push_back(one.entry);
   }
   if (entries.size() > browse::k_full_matrix_max && groups > browse::k_full_matrix_max) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("of {} animations at most {} groups can be told, as they are "
-                                  "those of a sample",
-                                  entries.size(), browse::k_full_matrix_max));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("{} animations allow at most {} groups, because the groups come from a sample",
+                    entries.size(), browse::k_full_matrix_max));
   }
   if (entries.empty()) return {};
   return browse::groups_of(entries, picked.front().archive->index.scene,
@@ -103,8 +103,9 @@ browse::Groups groups_of(const std::vector<browse::Picked>& picked, std::uint64_
 int group_animations(const GroupsOptions& options) {
   if (!options.output.empty() && !options.output.ends_with(".svg") &&
       !options.output.ends_with(".png"))
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: a picture's name ends with .svg or .png", options.output));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("{}: expected a file name that ends in .svg or .png", options.output));
   for (const std::string& path : options.paths) {
     if (!options.output.empty()) terminal::refuse_same_file(path, options.output);
   }
@@ -118,7 +119,7 @@ int group_animations(const GroupsOptions& options) {
     if (options.json) {
       fmt::print("{}\n", report::dumped(groups_json(browsed, all, groups)));
     } else if (all.empty()) {
-      fmt::print("none of {} animations matches\n", browsed.animations());
+      fmt::print("0 of {} animations match\n", browsed.animations());
     } else {
       print_groups(browsed, all, groups);
     }

@@ -29,8 +29,8 @@ rpc::JobState state_of(const std::string& text) {
   const auto state = rpc::job_state_of(text);
   if (state && *state != rpc::JobState::unknown) return *state;
   terminal::refuse_usage(
-      fmt::format("--state: '{}' is no state; there are queued, starting, running, yielding, "
-                  "held, done, failed and cancelled",
+      fmt::format("--state: unknown state '{}'; expected queued, starting, running, yielding, "
+                  "held, done, failed or cancelled",
                   terminal::shown(text)));
 }
 
@@ -68,7 +68,7 @@ void print_page(const rpc::JobPage& page, const ListOptions& options) {
                                          .with_users = with_users || !options.user.empty(),
                                          .user_name = &terminal::name_of_user}));
   if (!page.cursor.empty()) {
-    fmt::print("{} of {}; --all lists all, --after '{}' those that follow\n",
+    fmt::print("{} of {} jobs; to list all, add --all; to list the next page, add --after '{}'\n",
                events::grouped(page.jobs.size()), events::grouped(page.total),
                terminal::shown(page.cursor));
   }
@@ -114,14 +114,14 @@ void refuse_running_and_pinned(std::span<const rpc::JobView> jobs) {
     if (rpc::is_settled(job.state) && job.pinned) {
       throw base::Error(
           base::ExitCode::conflict,
-          fmt::format("nothing deleted: job {} is pinned; `sleight pin {} --off` lets it go",
+          fmt::format("nothing deleted: job {} is pinned; to unpin it, run `sleight pin {} --off`",
                       job.id, job.id));
     }
     if (rpc::is_settled(job.state)) continue;
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("nothing deleted: job {} is {}; `sleight cancel {}` ends it first", job.id,
-                    rpc::name_of(job.state), job.id));
+        fmt::format("nothing deleted: job {} is {}; to cancel it first, run `sleight cancel {}`",
+                    job.id, rpc::name_of(job.state), job.id));
   }
 }
 
@@ -132,7 +132,7 @@ std::string question(std::span<const rpc::JobView> jobs) {
   std::string text = fmt::format("Delete {}", fmt::join(texts, ", "));
   if (jobs.size() > k_asked_about_max)
     text += fmt::format(" and {} more", jobs.size() - k_asked_about_max);
-  return text + ", with archives and logs?";
+  return text + ", with their archives and logs?";
 }
 
 }  // namespace
@@ -144,18 +144,19 @@ rpc::ListAsk list_ask_of(const ListOptions& options) {
     ask.states.push_back(state_of(state));
   if (options.mine) ask.user = ::getuid();
   if (!options.user.empty()) {
-    if (options.mine) terminal::refuse_usage("--mine and --user: give one of them");
+    if (options.mine) terminal::refuse_usage("--mine and --user exclude each other");
     ask.user = terminal::user_of(options.user);
     if (!ask.user)
       terminal::refuse_usage(
-          fmt::format("--user: there is no user '{}'", terminal::shown(options.user)));
+          fmt::format("--user: no user '{}' on this machine", terminal::shown(options.user)));
   }
   if (!options.group.empty()) {
     const std::vector<service_client::JobName> names =
         service_client::read_job_names(std::span(&options.group, 1));
     const auto* group = std::get_if<rpc::GroupId>(&names.front());
     if (group == nullptr)
-      terminal::refuse_usage(fmt::format("--group: '{}' is no group; say g5", options.group));
+      terminal::refuse_usage(
+          fmt::format("--group: expected a group such as g5, found '{}'", options.group));
     ask.group = *group;
   }
   return ask;
@@ -225,7 +226,7 @@ rpc::Extension extension_of(const ExtendOptions& options) {
   add(rpc::ExtendBy::solutions, options.solutions);
   add(rpc::ExtendBy::odds, options.odds);
   if (given.size() != 1)
-    terminal::refuse_usage("give one of --scans, --rounds, --solutions and --odds");
+    terminal::refuse_usage("expected exactly one of --scans, --rounds, --solutions and --odds");
   return given.front();
 }
 

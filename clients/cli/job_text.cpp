@@ -125,11 +125,11 @@ std::string resources_line(const rpc::JobView& job) {
     return fmt::format("{} core{}", count, count == 1 ? "" : "s");
   };
   if (job.cores > 0) parts.push_back(cores(job.cores) + " now");
-  parts.push_back(job.cores_wanted ? "wants " + cores(*job.cores_wanted)
-                                   : "wants the cores that are free");
-  if (job.ranks > 0) parts.push_back(fmt::format("{} ranks by mpirun", job.ranks));
+  parts.push_back(job.cores_wanted ? "maximum " + cores(*job.cores_wanted)
+                                   : "maximum all free cores");
+  if (job.ranks > 0) parts.push_back(fmt::format("{} MPI ranks", job.ranks));
   if (job.memory_bytes > 0)
-    parts.push_back(fmt::format("{} of memory", size_text(job.memory_bytes)));
+    parts.push_back(fmt::format("{} of simulation cache", size_text(job.memory_bytes)));
   if (job.priority != 0) parts.push_back(fmt::format("priority {}", job.priority));
   if (job.strict) parts.emplace_back("--strict");
   return fmt::format("{}", fmt::join(parts, ", "));
@@ -146,8 +146,8 @@ std::string kept_line(const rpc::JobView& job) {
   std::string line = job.bytes > 0 ? size_text(job.bytes) : "";
   if (job.pinned) return line + (line.empty() ? "" : ", ") + "pinned";
   if (job.deleted_at_s > 0) {
-    line += fmt::format("{}deleted after {}; `sleight pin {}` keeps it", line.empty() ? "" : ", ",
-                        local_time(job.deleted_at_s), job.id);
+    line += fmt::format("{}deleted after {}; to prevent this, run `sleight pin {}`",
+                        line.empty() ? "" : ", ", local_time(job.deleted_at_s), job.id);
   }
   return line;
 }
@@ -256,7 +256,7 @@ report::Report job_report(const rpc::JobView& job) {
   report.for_programs("solutions_left_seconds", optional_json(job.solutions_left_s));
   const std::string rate = rate_cell(job);
   report.add("simulations_per_second", job.simulations_per_s, "rate",
-             rate.empty() ? rate : rate + " simulations a second");
+             rate.empty() ? rate : rate + " simulations per second");
   report.add("failed_simulations", failures_json(job.failures), "failures",
              failures_text(job.failures));
   report.for_people("resources", resources_line(job));
@@ -278,11 +278,11 @@ report::Report job_report(const rpc::JobView& job) {
   report.add("digest", job.digest, "archive",
              job.digest.empty() ? "" : "digest " + terminal::shown(job.digest));
   report.for_programs("results_version", job.results_version);
-  report.add("end_words", job.end_words, "at the end", terminal::shown_on_one_line(job.end_words));
+  report.add("end_words", job.end_words, "end", terminal::shown_on_one_line(job.end_words));
   report.for_programs("last_log_lines", job.last_log_lines);
   for (const std::string& line : job.last_log_lines)
     report.for_people("log", terminal::shown(line));
-  report.add("repeat_command", job.repeat_command, "to repeat it",
+  report.add("repeat_command", job.repeat_command, "to repeat",
              terminal::shown(job.repeat_command));
   return report;
 }
@@ -291,7 +291,7 @@ std::string job_text(const rpc::JobView& job) {
   const std::string world = job.name.empty() || job.name == job.world
                                 ? ""
                                 : fmt::format(" ({})", terminal::shown(job.world));
-  const std::string group = job.group ? fmt::format(", of group g{}", *job.group) : "";
+  const std::string group = job.group ? fmt::format(", group g{}", *job.group) : "";
   return fmt::format("job {}  {}{}{}\n", job.id, name_of_job(job), world, group) +
          job_report(job).as_text(2, 14);
 }

@@ -141,12 +141,12 @@ bool WatchPrinter::lost(const std::string& words) {
   finish();
   if (!look_.quiet)
     terminal::complain(
-        fmt::format("the server is away, waiting for it: {}", terminal::shown(words)));
+        fmt::format("lost the connection to the server, reconnecting: {}", terminal::shown(words)));
   return true;
 }
 
 bool WatchPrinter::found_again() {
-  if (!look_.quiet) terminal::complain("the server is back");
+  if (!look_.quiet) terminal::complain("reconnected to the server");
   return true;
 }
 
@@ -167,9 +167,10 @@ base::ExitCode WatchPrinter::exit_code() const {
 int watch_jobs(rpc::Client& client, std::span<const rpc::JobView> jobs, std::uint64_t from_number,
                const WatchLook& look) {
   if (jobs.size() > rpc::k_watch_jobs_max) {
-    throw base::Error(base::ExitCode::usage, fmt::format("{} jobs are more than the {} that can be "
-                                                         "watched at once",
-                                                         jobs.size(), rpc::k_watch_jobs_max));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("{} jobs exceed the maximum of {} jobs that can be watched at once",
+                    jobs.size(), rpc::k_watch_jobs_max));
   }
   std::vector<rpc::WatchPoint> points;
   for (const rpc::JobView& job : jobs)
@@ -182,9 +183,9 @@ int watch_jobs(rpc::Client& client, std::span<const rpc::JobView> jobs, std::uin
   if (how == rpc::Waited::interrupted) {
     const std::string ids = id_list(jobs);
     terminal::complain(
-        fmt::format("{} on. `sleight watch {}` shows {} again, `sleight cancel {}` ends {}.",
-                    jobs.size() == 1 ? "The job goes" : "The jobs go", ids,
-                    jobs.size() == 1 ? "it" : "them", ids, jobs.size() == 1 ? "it" : "them"));
+        fmt::format("{} running. To watch again, run `sleight watch {}`; to cancel, run `sleight "
+                    "cancel {}`.",
+                    jobs.size() == 1 ? "The job keeps" : "The jobs keep", ids, ids));
     return static_cast<int>(base::ExitCode::interrupted);
   }
   tell_the_end(client, jobs, look);

@@ -28,7 +28,7 @@ constexpr std::size_t k_token_file_bytes_max = 4096;
 access::ServerAddress address_of(const std::string& text) {
   const auto address = access::server_address_of(text);
   if (!address || address->port == 0) {
-    terminal::refuse_usage(fmt::format("{}: is no address as render.example.org:{}",
+    terminal::refuse_usage(fmt::format("{}: expected an address such as render.example.org:{}",
                                        terminal::shown(text), access::k_port));
   }
   return *address;
@@ -79,8 +79,8 @@ std::string token_given(const LoginOptions& options) {
   if (!access::token_of(text)) {
     // Nothing of it is shown: it may be nearly right.
     terminal::refuse_usage(
-        "this is no token: one begins with sleight_ and has its check at the end; was all "
-        "of it copied?");
+        "invalid token: a token begins with sleight_ and ends with a checksum; copy the whole "
+        "token");
   }
   return text;
 }
@@ -102,8 +102,8 @@ std::string digits_of_fingerprint(const std::string& text) {
   if (digits.size() == 64 && digits.find_first_not_of("0123456789abcdef") == std::string::npos)
     return digits;
   terminal::refuse_usage(
-      "--fingerprint: it is SHA256: and 64 hexadecimal digits, as `sleight server status` on "
-      "the service's machine shows it");
+      "--fingerprint: expected SHA256: and 64 hexadecimal digits, as printed by `sleight server "
+      "status` on the service's machine");
 }
 
 /// How the service is to be known; nothing where the system's authorities vouch for it.
@@ -111,8 +111,8 @@ void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (!options.ca_file.empty()) {
     service.certificate = base::read_text_file(options.ca_file, k_pem_bytes_max);
     if (access::certificates_in(service.certificate).empty())
-      terminal::refuse_usage(
-          fmt::format("{}: has no certificate in PEM", terminal::shown(options.ca_file)));
+      terminal::refuse_usage(fmt::format("{}: contains no certificate in PEM format",
+                                         terminal::shown(options.ca_file)));
     return;
   }
   if (options.fingerprint.empty()) return;
@@ -120,18 +120,19 @@ void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   const std::string pem = access::certificate_shown_at(service.address, k_login_s_max);
   const std::string seen = access::fingerprint_of(pem);
   if (digits_of_fingerprint(seen) != wanted) {
-    throw base::Error(base::ExitCode::not_allowed,
-                      fmt::format("{} shows the certificate {}, not the one that was given: either "
-                                  "it has a new one, or somebody stands between. `sleight server "
-                                  "status` on its machine shows the right one",
-                                  access::text_of(service.address), seen));
+    throw base::Error(
+        base::ExitCode::not_allowed,
+        fmt::format("{} presented the certificate {}, which is not the given one: either the "
+                    "server has a new certificate, or someone intercepts the connection. To see "
+                    "the right fingerprint, run `sleight server status` on the server's machine",
+                    access::text_of(service.address), seen));
   }
   const auto own_name = access::self_signed_name(pem);
   if (!own_name) {
     terminal::refuse_usage(
-        fmt::format("the certificate of {} is an authority's, which is not known by its "
-                    "fingerprint: give --ca FILE with the authority's own, or neither where "
-                    "the system trusts it",
+        fmt::format("the certificate of {} is signed by an authority, so --fingerprint can't be "
+                    "used: give the authority's certificate with --ca FILE, or neither option if "
+                    "the system trusts the authority",
                     access::text_of(service.address)));
   }
   service.certificate = pem;
@@ -153,14 +154,16 @@ int login(const LoginOptions& options) {
     const std::string name = access::text_of(address);
     if (!access::self_signed_name(pem)) {
       throw base::Error(base::ExitCode::not_allowed,
-                        fmt::format("{}; --ca FILE trusts another authority", error.what()));
+                        fmt::format("{}; to trust another authority, add --ca FILE", error.what()));
     }
-    throw base::Error(
-        base::ExitCode::not_allowed,
-        fmt::format("{0}\nIt shows the certificate\n  {2}\nCompare that with what `sleight server "
-                    "status` says on its machine; if they are the same:\n  sleight login {1} "
-                    "--fingerprint {2}",
-                    error.what(), name, access::fingerprint_of(pem)));
+    throw base::Error(base::ExitCode::not_allowed,
+                      fmt::format("{0}\n"
+                                  "The server's certificate is\n"
+                                  "  {2}\n"
+                                  "Compare it with the output of `sleight server status` on the "
+                                  "server's machine. If both are the same, run\n"
+                                  "  sleight login {1} --fingerprint {2}",
+                                  error.what(), name, access::fingerprint_of(pem)));
   } catch (const rpc::NoServer& error) {
     throw base::Error(base::ExitCode::no_server, terminal::shown(error.what()));
   } catch (const rpc::RefusedError& error) {
@@ -172,8 +175,10 @@ int login(const LoginOptions& options) {
   if (options.json) {
     fmt::print("{}\n", indented({{"server", name}, {"file", path}}));
   } else {
-    fmt::print("logged in to {0}. This makes commands go there:\n  export SLEIGHT_SERVER={0}\n",
-               name);
+    fmt::print(
+        "logged in to {0}. To send commands to this server, run\n"
+        "  export SLEIGHT_SERVER={0}\n",
+        name);
   }
   return static_cast<int>(base::ExitCode::ok);
 }
@@ -184,8 +189,9 @@ int logout(const std::string& text, bool json) {
   if (json) {
     fmt::print("{}\n", indented({{"server", access::text_of(address)}, {"was_known", was_known}}));
   } else {
-    fmt::print("{}\n", was_known ? "its token is deleted here; it is valid until it is revoked"
-                                 : "it was not logged in to");
+    fmt::print("{}\n",
+               was_known ? "deleted the stored token; the token itself is valid until it is revoked"
+                         : "there was no stored login for this server");
   }
   return static_cast<int>(base::ExitCode::ok);
 }

@@ -50,7 +50,7 @@ std::optional<rpc::LogPiece> next_piece(rpc::Client& client, const rpc::LogAsk& 
     return piece;
   } catch (const rpc::NoServer&) {
     if (++looks_in_vain > k_looks_in_vain_max) throw;
-    if (looks_in_vain == 1) terminal::complain("the server is away, waiting for it");
+    if (looks_in_vain == 1) terminal::complain("lost the connection to the server, reconnecting");
     return std::nullopt;
   }
 }
@@ -72,7 +72,8 @@ int follow(rpc::Client& client, rpc::LogAsk ask, rpc::LogPiece piece, const Logs
     }
     piece = *std::move(more);
     if (piece.first > next)
-      terminal::complain(fmt::format("{} bytes of the log are gone", piece.first - next));
+      terminal::complain(
+          fmt::format("skipped {} bytes that the log no longer contains", piece.first - next));
     if (!piece.text.empty()) print_piece(piece, options.json, lines);
   }
   return static_cast<int>(base::ExitCode::interrupted);
@@ -109,8 +110,9 @@ int show_logs(const std::string& socket, const LogsOptions& options) {
       service_client::read_job_names(std::span(&options.job, 1));
   const auto* job = std::get_if<rpc::JobId>(&names.front());
   if (job == nullptr) {
-    throw base::Error(base::ExitCode::usage,
-                      "logs shows one job at a time; `sleight list --group` names a group's");
+    throw base::Error(
+        base::ExitCode::usage,
+        "logs shows one job at a time; to list the jobs of a group, run `sleight list --group`");
   }
   return service_client::with_service(socket, [&](rpc::Client& client) {
     const rpc::LogAsk ask{.job = *job, .lines = options.lines, .bytes_max = rpc::k_log_bytes_max};

@@ -35,7 +35,7 @@ void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
       ->type_name("N");
   command->footer(
       "To resume a run, repeat the command. This works after Ctrl-C, a time limit, kill -9 or a\n"
-      "power failure. Threads and interruptions don't change the archive.\n\n"
+      "power failure. The archive does not depend on the number of threads or on interruptions.\n\n"
       "Examples:\n"
       "  sleight direct --word SLEIGHT -o s.h5\n"
       "  sleight direct --word HI -n 8 --found -o hi.h5\n"
@@ -106,9 +106,10 @@ void add_replay(CLI::App& app, ReplayArguments& arguments, Action& action) {
       ->type_name("FAILURE.toml");
   command->add_flag("--json", arguments.json, "Print JSON");
   command->footer(
-      "Exit codes: 0 the simulation succeeds in this version; 8 it fails, in the same way or in\n"
-      "another; 3 the file is not a failure file, or was changed.\n\n"
-      "Example:\n  sleight replay hi.h5.run/failures/failure-0-3-1760.toml");
+      "Exit codes: 0 the simulation succeeds in this version; 8 the simulation fails, in the\n"
+      "same way or in another; 3 the file is not a valid failure file.\n\n"
+      "Example:\n"
+      "  sleight replay hi.h5.run/failures/failure-0-3-1760.toml");
   command->callback([&] { action = [&] { return replay(arguments.path, arguments.json); }; });
 }
 
@@ -129,8 +130,9 @@ void add_derive(CLI::App& archive, DeriveArguments& arguments, Action& action) {
       ->type_name("OUTPUT.h5");
   command->add_flag("--json", arguments.json, "Print a summary of the archive as JSON");
   command->footer(
-      "The archive is the one that the run would give if it stopped now. The run may continue\n"
-      "meanwhile. A copy of the run's folder works too, if nothing wrote to it while copying.\n\n"
+      "Writes the archive that the run would write if it stopped now, even while the run\n"
+      "continues. A copy of the run's folder works too, unless the run wrote to the folder during\n"
+      "the copy.\n\n"
       "Example:\n"
       "  sleight archive derive ball.h5.run -o ball_so_far.h5");
   command->callback([&] { action = [&] { return derive(arguments); }; });
@@ -158,7 +160,8 @@ CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action
   add("verify", "Check an archive's structure, invariants and digest", true,
       [&] { return cli::archive_verify(path, arguments.json); })
       ->footer(
-          "Prints every error and exits with 6 if there are any.\n\nExample:\n"
+          "Prints every error. Exits with 6 if there are errors.\n\n"
+          "Example:\n"
           "  sleight archive verify ball.h5");
   CLI::App* exported = add("export", "Export a table as CSV", false,
                            [&] { return cli::archive_export_csv(arguments.export_options); });
@@ -169,8 +172,9 @@ CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action
       ->capture_default_str()
       ->type_name("TABLE");
   exported
-      ->add_option("--animation", arguments.export_options.animations,
-                   "Export only this animation of a table of segments. Repeatable")
+      ->add_option(
+          "--animation", arguments.export_options.animations,
+          "Export only rows of this animation (tables animations, segments and points). Repeatable")
       ->allow_extra_args(false)
       ->type_name("N");
   exported
@@ -198,10 +202,10 @@ void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
   command->add_flag("--json", arguments.json, "Print JSON");
   command->footer(
       "Checks R-hat (at most 1.01) and effective sample size (at least 400, and 100 per chain)\n"
-      "of log p, the outcomes and the state. Uses the longest round of a tempered run, or the\n"
-      "second half of plain chains. A tempered ladder must also have made a round trip. If the\n"
-      "chains have not mixed, prints the reasons and exits with 7. A pass is no proof: chains\n"
-      "that all miss the same mode agree with each other.\n\n"
+      "of log p, the outcomes and the state. Judges the longest round of a tempered run, or\n"
+      "the second half of plain chains. A tempered ladder must also have made a round trip. If\n"
+      "the chains have not mixed, prints the reasons and exits with 7. Success is no proof that\n"
+      "the chains have mixed: chains that all miss the same mode agree with each other.\n\n"
       "Examples:\n"
       "  sleight diagnose ball.h5\n"
       "  sleight diagnose ball.h5 --json | jq .reasons");
@@ -276,10 +280,10 @@ CommandLine::~CommandLine() = default;
 
 void build_app(CLI::App& app, CommandLine& line) {
   app.name("sleight");
+  app.failure_message(usage_words);
   app.description(
-      "Sleight directs physical simulations: say how a chaotic motion must end, and get many "
-      "different,\n"
-      "plausible animations that end that way.");
+      "Sleight directs physical simulations: you specify how a chaotic motion must end, and get\n"
+      "many different, plausible animations that end that way.");
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.footer(std::string("`sleight COMMAND --help` shows a command's options and examples.\n\n") +

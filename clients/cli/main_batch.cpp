@@ -118,7 +118,7 @@ void run_other_rank(DirectArguments arguments) {
   const base::SteadyClock clock;
   const auto request = read_request(catalogue, given, arguments);
   if (!request) {
-    run::refuse(given.name + " has errors there");
+    run::refuse(given.name + " has errors on this rank");
     return;
   }
   const auto worker = catalogue.world_of(*request).make_worker(*request, arguments.resources());
@@ -161,7 +161,8 @@ int run_ranks(const DirectArguments& arguments, cli::EndReport& end_report, int*
       });
     });
     if (!all_have_left)
-      logging::warn("some ranks don't answer; everything is stored, and the job ends without them");
+      logging::warn(
+          "some ranks do not answer; all work is stored, and the job ends without these ranks");
     if (!all_have_left || code == static_cast<int>(base::ExitCode::bad_request)) {
       std::fflush(nullptr);
       MPI_Abort(MPI_COMM_WORLD, code);

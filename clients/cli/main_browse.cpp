@@ -7,10 +7,11 @@ namespace {
 
 constexpr const char* k_query_words =
     "Queries:\n"
-    "  die 3 in x 0..20mm y -5..5mm during 0.4..0.6s   its centre is in this box at some time "
-    "then\n"
-    "  any in z 30mm..                                 some body's centre is, at any time\n"
-    "  every ends in x -0.1..0.1                       each body comes to rest in this box\n"
+    "  die 3 in x 0..20mm y -5..5mm during 0.4..0.6s   its centre is in this box at some time in "
+    "0.4..0.6s\n"
+    "  any in z 30mm..                                 a body's centre is above 30 mm at some "
+    "time\n"
+    "  every ends in x -0.1..0.1                       every body comes to rest in the box\n"
     "  die 1 touches table during ..0.2s\n"
     "  die 1 touches table then die 1 touches die 2\n"
     "  log_prior -30..-20    rest_s < 2s    offsets[2] > 0\n"
@@ -23,9 +24,9 @@ void add_asked(CLI::App& command, browse::QueryOptions& asked) {
       ->allow_extra_args(false)
       ->type_name("QUERY");
   command
-      .add_option(
-          "--in", asked.in,
-          "Keep animations with a body in a box, such as 'die 3: x 0..20mm during 0.4..0.6s'")
+      .add_option("--in", asked.in,
+                  "Keep animations with a body in a box, such as 'die 3: x 0..20mm during "
+                  "0.4..0.6s'. Repeatable")
       ->allow_extra_args(false)
       ->type_name("QUERY");
   command.add_option("--not", asked.not_in, "Remove animations that match this query. Repeatable")
@@ -94,8 +95,8 @@ void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
   command->footer(
       "Animations look alike if their bodies are at the same places at the same times and\n"
       "collide in the same order; docs/BROWSING.md has the formula. Above 500 animations, the\n"
-      "groups come from a sample of 200 (500 for more than 100 groups), and each other animation\n"
-      "joins the group with the nearest representative.\n\n"
+      "groups come from a sample of 200 (500 for more than 100 groups), and each remaining\n"
+      "animation joins the group with the nearest representative.\n\n"
       "Examples:\n"
       "  sleight groups hi.h5 -k 12\n"
       "  sleight groups die.h5 -k 6 -o die_groups.png\n"
@@ -120,7 +121,8 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
       "Compares the requests, the numbers of the animations (such as log_prior), and how many\n"
       "animations of each archive are in each group. A test of nearest neighbours compares the\n"
       "looks: a small p means that the two sets look different. Archives keep distinct\n"
-      "animations, not the model's proportions; for means of the model use /posterior.\n\n"
+      "animations, not in the model's proportions; for means of the model, use the group\n"
+      "/posterior.\n\n"
       "Examples:\n"
       "  sleight compare die.h5 die_more_sigma.h5\n"
       "  sleight compare hi.h5 hi_tempered.h5 -k 12 --json");
@@ -142,7 +144,7 @@ void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
       .add_option(
           "--representatives", choice.representatives,
-          "One animation for each of N groups of similar ones, among those of --select or all")
+          "One representative for each of N groups of similar animations, of --select or of all")
       ->check(CLI::Range(1, 1'000'000).description(""))
       ->type_name("N");
   command.add_flag("--all", choice.all,

@@ -30,7 +30,7 @@ void refuse_what_is_no_run(const std::string& folder) {
   base::PosixFileSystem files;
   if (!files.exists(store::RunStore::database_path(folder))) {
     throw base::Error(fmt::format(
-        "{}: holds no run's store; the folder of a run with output ball.h5 is ball.h5.run",
+        "{}: not the folder of a run; a run with output ball.h5 has the folder ball.h5.run",
         folder));
   }
 }
@@ -43,10 +43,11 @@ void refuse_unusable_output(const DeriveArguments& arguments,
   std::error_code ignored;
   if (!own.empty() && std::filesystem::weakly_canonical(own, ignored) ==
                           std::filesystem::weakly_canonical(arguments.output, ignored)) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("-o {}: is the archive that the run itself writes; choose "
-                                  "another name, or run it again to have it there",
-                                  arguments.output));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format(
+            "-o {}: the run itself writes this archive; choose another name, or resume the run",
+            arguments.output));
   }
   if (files.exists(arguments.output))
     coordinator::refuse_foreign_file(arguments.output, coordinator::beginnings_of(request));
@@ -67,14 +68,14 @@ int derive(const DeriveArguments& given) {
   if (stored.results_version != results_version()) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: holds results {} (of sleight {}), this program makes results {}: derive "
-                    "with that version",
+        fmt::format("{}: the run has results version {} (sleight {}), but this program has {}; use "
+                    "the version of the run",
                     folder, stored.results_version, stored.program_version, results_version()));
   }
   const run::Catalogue catalogue = worlds_of_program();
   const auto read = request::read_request(stored.request_text, folder, catalogue.bindings());
   if (!read) {
-    throw base::Error(fmt::format("{}: damaged: its request can't be read: {}", folder,
+    throw base::Error(fmt::format("{}: damaged run, can't read its request: {}", folder,
                                   request::to_string(read.error().front())));
   }
   const request::DirectionRequest& request = read.value();
@@ -108,8 +109,9 @@ int derive(const DeriveArguments& given) {
       printer.clear();
       throw base::Error(
           base::ExitCode::interrupted,
-          fmt::format("{}: stopped before it was written; what was there is as it was",
-                      arguments.output));
+          fmt::format(
+              "{}: interrupted before the archive was written; an existing file is unchanged",
+              arguments.output));
     }
     printer.clear();
   }
@@ -122,7 +124,7 @@ int derive(const DeriveArguments& given) {
                            {"digest", digest}};
     fmt::print("{}\n", json.dump(2));
   } else if (digest.empty()) {
-    fmt::print("{}: has no draws and no finds yet: no archive\n", folder);
+    fmt::print("{}: no archive yet, because the run has no draws and no finds\n", folder);
   } else {
     fmt::print("{}: {} chain{} of {} scans, {} found, digest {}{}\n", arguments.output,
                request.sampler.chains, request.sampler.chains == 1 ? "" : "s", cut.scans, cut.found,

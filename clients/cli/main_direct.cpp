@@ -44,7 +44,8 @@ int direct(const DirectArguments& arguments) {
 
 int check_request(const std::string& path, const std::vector<std::string>& sets) {
   if (path.empty())
-    throw base::Error(base::ExitCode::usage, "check: the name of REQUEST.toml is empty");
+    throw base::Error(base::ExitCode::usage,
+                      "check: expected the name of a request, found an empty name");
   const run::Catalogue catalogue = worlds_of_program();
   DirectArguments arguments;
   arguments.request_path = path;
@@ -68,7 +69,7 @@ int print_keys(const std::string& world) {
   }
   if (world.empty()) return static_cast<int>(base::ExitCode::ok);
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("no world '{}'; `sleight keys` lists them", world));
+                    fmt::format("no world '{}'; to list the worlds, run `sleight keys`", world));
 }
 
 }  // namespace sleight::programs

@@ -31,12 +31,12 @@ std::string fault_of_host(const std::string& text) {
   const auto [rest, failure] = std::from_chars(port.data(), port.data() + port.size(), number);
   const bool is_port = failure == std::errc() && rest == port.data() + port.size() && number != 0;
   if (is_port && !name.empty() && name.find_first_not_of(allowed) == std::string::npos) return {};
-  return fmt::format("'{}' is no HOST:PORT, such as localhost:8080",
+  return fmt::format("expected HOST:PORT, such as localhost:8080, found '{}'",
                      request::printable(text, k_shown_characters_max));
 }
 
 std::string fault_of_folder(const std::string& text) {
-  return text.empty() ? "a folder's name is missing" : std::string();
+  return text.empty() ? "expected the name of a folder" : std::string();
 }
 
 }  // namespace
@@ -75,9 +75,9 @@ void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const anal
       ->type_name("FOLDER");
   command->add_flag("--json", options.json, "Print link, port and process id as one line of JSON");
   command->footer(
-      "The gallery listens on this machine's loopback address only. Its link admits one\n"
-      "browser; other users of the machine cannot see anything. From another machine, run\n"
-      "`ssh -L PORT:127.0.0.1:PORT HOST` and open the same link.\n\n"
+      "The gallery listens on this machine's loopback address only. Its link works in one\n"
+      "browser only, so other users of the machine cannot open the gallery. From another machine,\n"
+      "run `ssh -L PORT:127.0.0.1:PORT HOST` and open the same link.\n\n"
       "The page updates when an archive changes and when a running job commits new animations.\n"
       "Stars, tags and notes are stored in ~/.local/share/sleight/notes, or in a folder\n"
       "\"sleight-notes\" beside the archive if there is one; never in an archive.\n\n"

@@ -81,14 +81,15 @@ int write_man_pages(const std::string& folder) {
 
 void add_config(CLI::App& app, OwnArguments& arguments, Action& action) {
   CLI::App* command =
-      app.add_subcommand("config", "List the service's settings and where each comes from");
+      app.add_subcommand("config", "List the service's settings and the source of each");
   command->add_flag("--json", arguments.json, "Print JSON");
   command->footer(
-      "Every setting has a default. The first of these that gives a value wins:\n"
-      "the command line;\n"
-      "the environment (SLEIGHT_STATE, SLEIGHT_SOCKET, SLEIGHT_SERVER, SLEIGHT_ALLOW_ROOT);\n"
-      "the file $XDG_CONFIG_HOME/sleight/config.toml, else ~/.config/sleight/config.toml.\n\n"
-      "The file is TOML with the listed keys; limits.jobs is the key jobs in section [limits].\n\n"
+      "Sources, highest priority first: the command line; the environment (SLEIGHT_STATE,\n"
+      "SLEIGHT_SOCKET, SLEIGHT_SERVER, SLEIGHT_ALLOW_ROOT); the file\n"
+      "$XDG_CONFIG_HOME/sleight/config.toml (without XDG_CONFIG_HOME:\n"
+      "~/.config/sleight/config.toml); defaults.\n\n"
+      "The file is TOML with the listed keys. For example, limits.jobs is the key jobs in section\n"
+      "[limits].\n\n"
       "Examples:\n"
       "  sleight config\n"
       "  sleight config --json | jq .settings.state.value");
@@ -106,13 +107,13 @@ void add_completion(CLI::App& app, OwnArguments& arguments, Action& action) {
       ->capture_default_str()
       ->type_name("PROGRAM");
   command->footer(
-      "Load the script in the shell's start-up file; in zsh, after compinit.\n\n"
+      "Load the script in the shell's start-up file. In zsh, load it after compinit.\n\n"
       "Examples:\n"
       "  source <(sleight completion bash)\n"
       "  source <(sleight completion zsh)\n"
       "  sleight completion fish | source\n"
-      "  sleight completion bash sleight-batch > ~/.local/share/bash-completion/completions/"
-      "sleight-batch");
+      "  sleight completion bash sleight-batch > "
+      "~/.local/share/bash-completion/completions/sleight-batch");
   command->callback(
       [&] { action = [&] { return print_completion(arguments.shell, arguments.program); }; });
 }

@@ -27,20 +27,21 @@ std::string verdict(const failure_file::FailureFile& file, const plan::FailurePo
   const plan::SimulationFailure& then = file.failed.failure;
   if (now == nullptr) {
     return file.program_version == base::version()
-               ? "It is carried out, though this very version wrote the file: somebody changed the "
-                 "file, or the simulation isn't deterministic."
-               : "It is carried out: this version has no such failure.";
+               ? "The simulation succeeds, although this same version recorded the failure: either "
+                 "the file was changed, or the simulation is not deterministic."
+               : "The simulation succeeds in this version.";
   }
-  if (*now == then) return "It fails again, in the same way.";
-  return fmt::format("It fails in another way: {}: {}", plan::name_of(now->kind), now->message);
+  if (*now == then) return "The simulation fails again, in the same way.";
+  return fmt::format("The simulation fails in another way: {}: {}", plan::name_of(now->kind),
+                     now->message);
 }
 
 void print(const failure_file::FailureFile& file, const run::SimulationEnd& end) {
   const plan::SimulationFailure& then = file.failed.failure;
-  fmt::print("chain {}, replica {}, scan {} of a run by sleight {}; this is {}\n",
+  fmt::print("chain {}, replica {}, scan {}, recorded by sleight {}; this is sleight {}\n",
              file.replica.chain.value, file.replica.replica.value, file.failed.scan.value,
              file.program_version, base::version());
-  fmt::print("It failed: {}: {}\n", plan::name_of(then.kind), then.message);
+  fmt::print("Recorded failure: {}: {}\n", plan::name_of(then.kind), then.message);
   fmt::print("{}\n", verdict(file, end.failure));
   if (end.failure == nullptr)
     fmt::print("log p_w {:.6g}, log p_c {:.6g}\n", end.log_prior, end.log_constraint);
@@ -79,9 +80,10 @@ int replay(const std::string& path, bool json) {
   const std::optional<run::SimulationEnd> end =
       catalogue.world_of(request.value()).simulate(request.value(), file.failed.failure.state);
   if (!end) {
-    throw base::Error(base::ExitCode::bad_request,
-                      fmt::format("{}: 'state' is no state of the world '{}' with this request",
-                                  path, request.value().world));
+    throw base::Error(
+        base::ExitCode::bad_request,
+        fmt::format("{}: 'state' is not a valid state of world '{}' with this request", path,
+                    request.value().world));
   }
   if (json) {
     print_json(file, *end);

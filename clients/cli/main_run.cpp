@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <regex>
 #include <system_error>
 #include <variant>
 
@@ -25,6 +26,7 @@
 #include "common/events/run_event.h"
 #include "common/json/value.h"
 #include "common/logging/log.h"
+#include "common/request/nearest.h"
 #include "common/request/sets.h"
 #include "common/request/text.h"
 #include "service/coordinator/stop_signal.h"
@@ -76,7 +78,7 @@ void print_effort(const coordinator::RunSummary& summary) {
   const plan::CacheUse& cache = summary.handling.cache;
   const std::uint64_t asked = cache.hits + cache.misses;
   if (asked > 0) {
-    fmt::print("; {:.1f}% of chains' states were still in the worker's cache",
+    fmt::print("; {:.1f}% of chain states were found in the cache",
                100.0 * static_cast<double>(cache.hits) / static_cast<double>(asked));
   }
   fmt::print("\n");
@@ -86,26 +88,28 @@ void print_effort(const coordinator::RunSummary& summary) {
 void print_failures(const DirectArguments& arguments, const coordinator::RunSummary& summary) {
   const plan::FailureCounts& failures = summary.progress.failures;
   if (failures.total() == 0) return;
-  fmt::print("{} simulation{} failed and {} refused: {}. That is a bug of the simulator; {}\n",
-             events::grouped(failures.total()), failures.total() == 1 ? "" : "s",
-             failures.total() == 1 ? "was" : "were", plan::to_string(failures),
-             summary.first_failure.empty()
-                 ? fmt::format("see {}/failures.", coordinator::run_folder(arguments.output))
-                 : fmt::format("`sleight replay {}` repeats the first of this session.",
-                               summary.first_failure));
+  fmt::print(
+      "{} simulation{} failed and {} rejected: {}. This is a bug in the simulator; {}\n",
+      events::grouped(failures.total()), failures.total() == 1 ? "" : "s",
+      failures.total() == 1 ? "was" : "were", plan::to_string(failures),
+      summary.first_failure.empty()
+          ? fmt::format("see {}/failures.", coordinator::run_folder(arguments.output))
+          : fmt::format("to repeat the first failure of this session, run `sleight replay {}`.",
+                        summary.first_failure));
 }
 
 /// What the last starts of a search had in common.
 std::string why_it_gave_up(const plan::Finds& finds) {
   if (finds.relaxed < finds.relaxed_wanted && finds.found >= finds.wanted)
-    return fmt::format("Of {} finds in a row none ended as is wanted once it was relaxed.",
+    return fmt::format("None of the last {} finds satisfied the constraint after relaxing.",
                        sampling::k_starts_in_vain_max);
   if (finds.stuck_at.empty())
-    return fmt::format("{} starts in a row did not end as is wanted once all moved together.",
-                       sampling::k_starts_in_vain_max);
+    return fmt::format(
+        "None of the last {} starts satisfied the constraint when all bodies moved together.",
+        sampling::k_starts_in_vain_max);
   return fmt::format(
-      "Of {} starts in a row none got past {}: nothing that was tried there ended as is wanted. "
-      "`sleight check` prints what is asked for, limits of time included.",
+      "None of the last {} starts got past {}: every attempt there violated the constraint. To "
+      "print the full constraint, with time limits, run `sleight check`.",
       sampling::k_starts_in_vain_max, finds.stuck_at);
 }
 
@@ -113,11 +117,11 @@ std::string why_it_gave_up(const plan::Finds& finds) {
 std::string what_is_missing(const coordinator::RunSummary& summary) {
   const plan::Finds& finds = summary.progress.finds;
   if (finds.is_all && finds.gave_up && finds.found == 0)
-    return fmt::format("Nothing found: no archive. {}", why_it_gave_up(finds));
-  if (finds.is_all) return "Stopped before anything was found: no archive yet.";
+    return fmt::format("No archive: the search found nothing. {}", why_it_gave_up(finds));
+  if (finds.is_all) return "No archive yet: the run stopped before the first find.";
   if (summary.progress.odds.are_asked)
-    return "Stopped before the first island was done: no archive yet.";
-  return "Stopped before every chain had its first draw: no archive yet.";
+    return "No archive yet: the run stopped before the first island was complete.";
+  return "No archive yet: the run stopped before every chain had a draw.";
 }
 
 void print_summary(const DirectArguments& arguments, const request::DirectionRequest& request,
@@ -149,21 +153,19 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     return;
   }
   if (summary.is_archive_given_up) {
-    fmt::print(
-        "Stopped while the archive was written: {} is as it was before, and {} has all that was "
-        "computed.\n",
-        arguments.output, coordinator::run_folder(arguments.output));
+    fmt::print("Stopped while writing the archive: {} is unchanged, and {} contains all work.\n",
+               arguments.output, coordinator::run_folder(arguments.output));
   } else if (summary.digest.empty()) {
     fmt::print("{}\n", what_is_missing(summary));
   } else if (summary.relaxed > 0) {
     fmt::print(
-        "{}: {} relaxed from a search, each by {} scans of a chain; shares of kinds are the "
-        "search's; seed {}, digest {}\n",
+        "{}: {} takes (finds of a search, each relaxed by {} scans), not in the model's "
+        "proportions; seed {}, digest {}\n",
         arguments.output, events::grouped(summary.relaxed),
         events::grouped(request.sampler.relax_scans.value_or(0)), request.sampler.seed,
         summary.digest);
   } else if (summary.scans == 0) {
-    fmt::print("{}: {} found, not in the model's proportions; seed {}, digest {}\n",
+    fmt::print("{}: {} found by search, not in the model's proportions; seed {}, digest {}\n",
                arguments.output, events::grouped(summary.found), request.sampler.seed,
                summary.digest);
   } else if (summary.progress.odds.are_asked) {
@@ -179,9 +181,9 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
   print_effort(summary);
   print_failures(arguments, summary);
   if (summary.end == coordinator::DriveEnd::simulation_failed) {
-    fmt::print("Stopped by --strict; without it the same command goes on from here.\n");
+    fmt::print("Stopped by --strict. To resume, repeat the command without --strict.\n");
   } else if (summary.end != coordinator::DriveEnd::finished) {
-    fmt::print("Stopped early; the same command goes on from here.\n");
+    fmt::print("Stopped early. To resume, repeat the command.\n");
   }
 }
 
@@ -189,16 +191,47 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
 
 const char* const k_exit_codes =
     "Exit codes: 0 success (also at a time limit); 1 bug; 2 wrong usage;\n"
-    "3 errors in the request; 4 output belongs to another run;\n"
-    "5 system error (disk, files, memory); 6 invalid archive;\n"
-    "7 chains have not mixed, or cannot be judged (diagnose);\n"
-    "8 simulation failed (--strict, replay); 9 not allowed; 10 job failed; 11 job cancelled;\n"
-    "12 service not running; 130 interrupted, all work stored.";
+    "3 errors in the request; 4 output belongs to another request, other\n"
+    "results or a running process; 5 system error (disk, files, memory); 6 invalid archive;\n"
+    "7 chains have not mixed or cannot be judged, or weighted draws are worth too little "
+    "(diagnose);\n"
+    "8 simulation failed (--strict, replay); 9 not allowed; 10 job failed (wait, watch);\n"
+    "11 job cancelled (wait, watch); 12 service not running; 130 interrupted, all work stored;\n"
+    "134 internal check failed (bug); 141 the reader of the output closed it, as head does.";
 
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher) {
   base::report_uncaught_exceptions();
-  base::add_repeat_note(
-      fmt::format("to repeat it: {}{}", launcher, base::command_line(argc, argv)));
+  base::add_repeat_note(fmt::format("to repeat: {}{}", launcher, base::command_line(argc, argv)));
+}
+
+std::string usage_words(const CLI::App* app, const CLI::Error& error) {
+  std::string command = app->get_name();
+  for (auto below = app->get_subcommands(); !below.empty(); below = app->get_subcommands()) {
+    app = below.front();
+    command += " " + app->get_name();
+  }
+  std::string words = error.what();
+  if (words == "A subcommand is required") {
+    std::vector<std::string> names;
+    for (const CLI::App* below : app->get_subcommands([](const CLI::App*) { return true; }))
+      names.push_back(below->get_name());
+    const std::vector<std::string> rest = app->remaining();
+    const auto unknown =
+        std::ranges::find_if(rest, [](const std::string& word) { return !word.starts_with('-'); });
+    words = "expected a command";
+    if (unknown != rest.end()) {
+      const auto near = request::nearest(*unknown, names);
+      words = fmt::format("unknown command '{}'{}", request::printable(*unknown, 40),
+                          near ? fmt::format("; did you mean '{}'?", *near) : "");
+    }
+  }
+  // CLI11 says this even of a number in the range that is written as no integer.
+  static const std::regex k_out_of_range("(.*): Value (.*) not in range (.*)");
+  if (std::smatch found; std::regex_match(words, found, k_out_of_range)) {
+    words = fmt::format("{}: expected a number from {} in plain digits, found '{}'", found.str(1),
+                        found.str(3), request::printable(found.str(2), 40));
+  }
+  return fmt::format("{}: {}\nFor help, run `{} --help`.\n", command, words, command);
 }
 
 void add_run_options(CLI::App& app, DirectArguments& arguments) {
@@ -217,9 +250,9 @@ void add_run_options(CLI::App& app, DirectArguments& arguments) {
       ->type_name("OUTPUT.h5");
   app.add_flag("--fresh", arguments.fresh,
                "Discard an earlier run of this output and start from scratch");
-  app.add_option(
-         "--time-limit", arguments.time_limit,
-         "Stop cleanly after this time (20s, 5m, 1.5h). The same command resumes. Default: none")
+  app.add_option("--time-limit", arguments.time_limit,
+                 "Stop cleanly after this time (20s, 5m, 1.5h). To resume, repeat the command. "
+                 "Default: none")
       ->type_name("TIME");
   app.add_option("--seed", arguments.seed, "Random seed. Default: the request's")
       ->check(CLI::Range(std::uint64_t{0}, request::k_seed_max))
@@ -254,9 +287,8 @@ std::string AnswerOptions::words() const {
 }
 
 void add_answer_options(CLI::App& app, AnswerOptions& options) {
-  app.add_option(
-         "-n,--number", options.number,
-         "Number of animations, in place of the request's [stop]. Default without [stop]: 5")
+  app.add_option("-n,--number", options.number,
+                 "Number of animations; replaces [stop] of the request. Default without [stop]: 5")
       ->check(CLI::Range(1U, request::k_independent_solutions_max))
       ->type_name("N");
   CLI::Option* found = app.add_flag(
@@ -276,6 +308,7 @@ void add_sets_option(CLI::App& app, std::vector<std::string>& sets) {
 
 void build_batch_app(CLI::App& app, DirectArguments& arguments) {
   app.name("sleight-batch");
+  app.failure_message(usage_words);
   app.description(
       "Runs a direction request on the ranks of an MPI job. The archive does not depend on the "
       "number\nof ranks.");
@@ -294,8 +327,9 @@ std::string version_text() {
 double parse_duration_s(const std::string& text) {
   const std::optional<double> duration_s = config::duration_s_of(text);
   if (duration_s) return *duration_s;
-  throw base::Error(base::ExitCode::usage,
-                    fmt::format("--time-limit: '{}' is not a time; say 20s, 5m or 1.5h", text));
+  throw base::Error(
+      base::ExitCode::usage,
+      fmt::format("--time-limit: expected a time such as 20s, 5m or 1.5h, found '{}'", text));
 }
 
 cli::GivenRequest given_request(const DirectArguments& arguments) {
@@ -361,8 +395,9 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
   if (is_of_chains && request.stop.independent_solutions && !request.stop.scans &&
       !request.stop.rounds) {
     logging::warn(
-        "the run ends by independent solutions alone: a chain that never arrives keeps it going; "
-        "scans under [stop] bound it, and --time-limit a session");
+        "the run stops only after enough independent solutions, so a chain that never reaches one "
+        "keeps the run going; set scans under [stop] to limit the run, or --time-limit to limit "
+        "this session");
   }
   const run::WorldEntry& world = catalogue.world_of(request);
   const bool in_proportion = request.stop.independent_solutions.has_value();
@@ -422,11 +457,11 @@ int report_failure(const std::string& program) {
     const auto* failed = dynamic_cast<const std::system_error*>(&error);
     if (failed != nullptr && (failed->code() == std::errc::resource_unavailable_try_again ||
                               failed->code() == std::errc::not_enough_memory)) {
-      complain(fmt::format("{}: {}; or there are too many processes (ulimit -u)", program,
+      complain(fmt::format("{}: {}, or there are too many processes (ulimit -u)", program,
                            base::k_too_little_memory));
       return static_cast<int>(base::ExitCode::environment);
     }
-    complain(fmt::format("{}: unexpected: {}", program, error.what()));
+    complain(fmt::format("{}: unexpected error: {}", program, error.what()));
     std::fputs(base::repeat_notes().c_str(), stderr);
     return static_cast<int>(base::ExitCode::bug);
   }

@@ -62,6 +62,10 @@ void add_run_options(CLI::App& app, DirectArguments& arguments);
 /// --set, which may be repeated.
 void add_sets_option(CLI::App& app, std::vector<std::string>& sets);
 
+/// What is wrong with a command line, and which command's help to read: for CLI11's
+/// failure_message.
+std::string usage_words(const CLI::App* app, const CLI::Error& error);
+
 /// The command line of `sleight-batch`: here, since `sleight man` has its page too.
 void build_batch_app(CLI::App& app, DirectArguments& arguments);
 

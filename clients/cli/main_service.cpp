@@ -126,8 +126,9 @@ void add_submit(CLI::App& app, Action& action) {
   command->add_flag("--wait", options->wait, "Wait until the job ends, as `sleight wait` does");
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
-      "Prints the job's id. With --watch or --wait, Ctrl-C leaves the job running, and the exit\n"
-      "code is that of `sleight wait`. To start the service, run `sleight server start`.\n\n"
+      "Prints the job's id. With --watch or --wait, Ctrl-C leaves the job running, and the\n"
+      "exit codes are those of `sleight wait`. To start the service, run `sleight server "
+      "start`.\n\n"
       "Examples:\n"
       "  sleight submit --word SLEIGHT\n"
       "  sleight submit requests/hi.toml --watch\n"
@@ -160,12 +161,13 @@ void add_list(CLI::App& app, Action& action) {
                     "List the oldest job first. Default: the newest");
   command
       ->add_option("--after", options->after,
-                   "List the jobs after an earlier page, given by `after` in its JSON")
+                   "Continue a list; CURSOR is `after` in the JSON of the page before")
       ->type_name("CURSOR");
   command->add_flag("--complete", options->complete, "Print lines for shell completion")->group("");
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
-      "Solutions of a search and solutions in the model's proportions are counted separately.\n\n"
+      "The column FOUND counts solutions of a search, IN PROPORTION those in the model's\n"
+      "proportions.\n\n"
       "Examples:\n"
       "  sleight list\n"
       "  sleight list --state running --state queued\n"
@@ -194,7 +196,7 @@ void add_looks(CLI::App& app, Action& action) {
   command->footer(
       "With --json, prints one line per event. Solutions, failures, and ends of rounds and\n"
       "sessions are numbered from 1 without gaps. A restart of the service doesn't end the\n"
-      "command; Ctrl-C leaves the jobs running.\n\n"
+      "command. Ctrl-C leaves the jobs running.\n\n"
       "Exit codes: 0 all jobs are done; 10 a job failed; 11 a job was cancelled.\n\n"
       "Examples:\n"
       "  sleight watch 17\n"
@@ -210,8 +212,7 @@ void add_looks(CLI::App& app, Action& action) {
       "Example:\n  sleight wait 17 && sleight fetch 17");
 
   const auto logs = std::make_shared<cli::LogsOptions>();
-  command =
-      add_command(app, "logs", "Print the output of a job's program", action, cli::show_logs, logs);
+  command = add_command(app, "logs", "Print the log of a job", action, cli::show_logs, logs);
   command->add_option("job", logs->job, "Job number (17)")->required()->type_name("JOB");
   command->add_flag("-f,--follow", logs->follow, "Keep printing new lines until the job ends");
   command->add_option("--lines", logs->lines, "Number of lines to print, from the end")
@@ -236,11 +237,13 @@ void add_stops(CLI::App& app, Action& action) {
     command->footer(footer);
   };
   add("cancel", "Cancel jobs", rpc::ChangeKind::cancel,
-      "A running job stops at the end of a scan, with an archive of its results so far.\n\n"
-      "Examples:\n  sleight cancel 17\n  sleight cancel g5\n  sleight cancel 17 19 23..30");
+      "A running job stops after its current scan and writes an archive of its results so far.\n\n"
+      "Examples:\n"
+      "  sleight cancel 17\n"
+      "  sleight cancel g5\n"
+      "  sleight cancel 17 19 23..30");
   add("hold", "Stop jobs until `sleight resume`", rpc::ChangeKind::hold,
-      "No work is lost: `sleight resume` continues the run, and the archive is the same as\n"
-      "without the stop.\n\n"
+      "No work is lost. After `sleight resume`, the archive is the same as without the stop.\n\n"
       "Example:\n"
       "  sleight hold 17");
   add("resume", "Resume held, failed or cancelled jobs", rpc::ChangeKind::resume,
@@ -267,8 +270,8 @@ void add_priority(CLI::App& app, Action& action) {
       ->check(CLI::Range(-k_priority_max, k_priority_max))
       ->type_name("N");
   command->footer(
-      "Priorities order the jobs of one user. Between users, their shares of the machine\n"
-      "decide. No running job is stopped for one with a higher priority.\n\n"
+      "Priorities order the jobs of one user. Between users, fair shares of the machine decide.\n"
+      "A higher priority never stops a job that is already running.\n\n"
       "Examples:\n"
       "  sleight priority 17 --to 5\n"
       "  sleight priority g5 --to -1");
@@ -285,7 +288,8 @@ void add_extend(CLI::App& app, Action& action) {
       },
       options);
   add_jobs(*command, *options);
-  CLI::App* rule = command->add_option_group("[stop]", "One rule, which replaces the request's");
+  CLI::App* rule =
+      command->add_option_group("[stop]", "Exactly one rule; replaces [stop] of the request");
   rule->add_option("--scans", options->scans, "Number of scans of each chain")
       ->check(CLI::Range(std::uint64_t{1}, request::k_scans_max).description(""))
       ->type_name("N");
@@ -300,9 +304,11 @@ void add_extend(CLI::App& app, Action& action) {
       ->type_name("X");
   rule->require_option(1);
   command->footer(
-      "Numbers are totals of the whole run, not additions. The archive is the one that the longer\n"
-      "request would have given from the start.\n\n"
-      "Examples:\n  sleight extend 17 --solutions 100\n  sleight extend g5 --scans 40000");
+      "Numbers are totals of the whole run, not additions. The archive is the same as if the\n"
+      "request had contained the new number from the start.\n\n"
+      "Examples:\n"
+      "  sleight extend 17 --solutions 100\n"
+      "  sleight extend g5 --scans 40000");
 }
 
 void add_fetch(CLI::App& app, Action& action) {
@@ -330,7 +336,7 @@ void add_fetch(CLI::App& app, Action& action) {
   command->add_flag("-q,--quiet", options->quiet, "Don't show progress or file names");
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
-      "Each file appears once it is complete and its digest is right. To resume a download,\n"
+      "A file appears only when it is complete and its digest is correct. To resume a download,\n"
       "repeat the command. Without --force, an existing file with other content is an error.\n\n"
       "Examples:\n"
       "  sleight fetch 17 -o hi.h5\n"
@@ -347,9 +353,11 @@ void add_keeps(CLI::App& app, Action& action) {
   add_jobs(*command, *deleted);
   command->add_flag("-y,--yes", deleted->yes, "Don't ask for confirmation");
   command->footer(
-      "If one of the jobs has not ended, or is pinned, deletes none. On a terminal, asks for\n"
+      "Deletes nothing if one of the jobs has not ended or is pinned. On a terminal, asks for\n"
       "confirmation.\n\n"
-      "Examples:\n  sleight delete 17\n  sleight delete g5 -y");
+      "Examples:\n"
+      "  sleight delete 17\n"
+      "  sleight delete g5 -y");
 
   struct PinOptions : cli::JobsOptions {
     bool off = false;
@@ -365,8 +373,8 @@ void add_keeps(CLI::App& app, Action& action) {
   add_jobs(*command, *pinned);
   command->add_flag("--off", pinned->off, "Remove the protection");
   command->footer(
-      "The service deletes finished jobs after some time (`sleight config`: keep_days,\n"
-      "keep_bytes), but no pinned ones.\n\n"
+      "The service deletes old finished jobs (settings keep_days and keep_bytes, see\n"
+      "`sleight config`), but never pinned jobs.\n\n"
       "Examples:\n"
       "  sleight pin 17\n"
       "  sleight pin 17 --off");
@@ -383,9 +391,9 @@ void add_server(CLI::App& app, Action& action) {
   command->add_flag("--json", start->json, k_json_help);
   command->callback([&action, start] { action = [start] { return cli::start_server(*start); }; });
   command->footer(
-      "Returns when the service answers. Its log is server.log in its state folder. All\n"
-      "settings have defaults; `sleight config` lists them. A service that is already running\n"
-      "stays as it is.\n\n"
+      "Returns when the service answers. The log is server.log in the state folder. All settings\n"
+      "have defaults; `sleight config` lists them. If the service is already running, the command\n"
+      "changes nothing.\n\n"
       "Examples:\n"
       "  sleight server start\n"
       "  sleight server start --cores 8 --memory 24GB");
@@ -399,10 +407,13 @@ void add_server(CLI::App& app, Action& action) {
     one->footer(footer);
   };
   add("stop", "Stop the service; jobs keep running", cli::stop_server,
-      "The next `sleight server start` takes the jobs over.\n\nExample:\n  sleight server stop");
+      "The next `sleight server start` takes over the jobs.\n\n"
+      "Example:\n"
+      "  sleight server stop");
   add("drain", "Stop all running jobs cleanly and start no more", cli::drain_server,
-      "Use it before the machine goes down. The next start of the service resumes the jobs.\n\n"
-      "Example:\n  sleight server drain");
+      "Use this before the machine shuts down. The next start of the service resumes the jobs.\n\n"
+      "Example:\n"
+      "  sleight server drain");
   add("status", "Show the state of the service", cli::show_server,
       "Examples:\n  sleight server status\n  sleight server status --json | jq .pid");
 }

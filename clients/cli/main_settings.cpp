@@ -19,7 +19,7 @@ static_assert(config::k_disk_reserve_bytes == 1'000'000'000 && config::k_slice_s
                   config::k_keep_days == 30 && config::k_keep_bytes == 50'000'000'000 &&
                   config::k_cache_mb == 256 && config::k_system_cores == 1024 &&
                   config::k_system_memory_bytes == 4'000'000'000'000,
-              "said in the help");
+              "the help quotes these values");
 
 constexpr SettingOption k_options[] = {
     {"state", "--state", "FOLDER",
@@ -37,7 +37,7 @@ constexpr SettingOption k_options[] = {
     {"backend", "--backend", "NAME",
      "System that runs jobs: local (this machine), slurm, or a program's absolute path. Default: "
      "local"},
-    {"allow_root", "--allow-root", nullptr, "Allow the service, and so every job, to run as root"},
+    {"allow_root", "--allow-root", nullptr, "Allow the service and all of its jobs to run as root"},
     {"cores", "--cores", "N",
      "Number of cores for all running jobs together. Default: all; 1024 on a batch "
      "system"},
@@ -47,11 +47,11 @@ constexpr SettingOption k_options[] = {
     {"disk_reserve", "--disk-reserve", "SIZE",
      "Free disk space below which no job starts and running jobs are held. Default: 1GB"},
     {"slice", "--slice", "TIME",
-     "Minimum time for which a job runs before it yields to waiting jobs. Default: 10s"},
+     "Minimum running time of a job before it yields to waiting jobs. Default: 10s"},
     {"keep_days", "--keep-days", "N",
-     "Days until a finished job is deleted, unless pinned. Default: 30"},
+     "Days until a finished job is deleted, unless it is pinned. Default: 30"},
     {"keep_bytes", "--keep-bytes", "SIZE",
-     "Maximum disk space of finished jobs; beyond it, the oldest unpinned ones are deleted. "
+     "Maximum disk space of finished jobs. Above this, the oldest unpinned jobs are deleted. "
      "Default: 50GB"},
     {"cache_mb", "--cache", "MB", "Simulation cache of each process of a job, in MB. Default: 256"},
 };
@@ -79,13 +79,15 @@ void add_setting_options(CLI::App& app, std::vector<config::Given>& given) {
 
 void build_daemon_app(CLI::App& app, std::vector<config::Given>& given) {
   app.name("sleightd");
+  app.failure_message(usage_words);
   app.description(
       "Sleight's service: accepts direction requests as jobs and runs them. To start it in the\n"
       "background, run `sleight server start`.");
   app.set_version_flag("--version", version_text());
   add_setting_options(app, given);
   app.footer(
-      "To list all settings and where each comes from, run `sleight config`.\n\nExamples:\n"
+      "To list all settings and the source of each, run `sleight config`.\n\n"
+      "Examples:\n"
       "  sleightd\n"
       "  sleightd --state /scratch/ada/sleight --cores 8 --memory 24GB\n"
       "  sleightd --listen 0.0.0.0:7423");

@@ -46,7 +46,7 @@ System system_of(const config::Settings& settings) {
     if (::access(script.c_str(), R_OK) != 0) {
       throw base::Error(
           base::ExitCode::usage,
-          fmt::format("slurm.script: {} can't be read; it is deploy/slurm/direct.sbatch",
+          fmt::format("slurm.script: can't read {}; expected a copy of deploy/slurm/direct.sbatch",
                       request::printable(script, 200)));
     }
     return {.backend = std::make_shared<backend::SlurmBackend>(
@@ -57,8 +57,8 @@ System system_of(const config::Settings& settings) {
   }
   if (::access(name.c_str(), X_OK) != 0) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: {} can't be run", settings.backend.given_by,
-                                  request::printable(name, 200)));
+                      fmt::format("{}: {} is not a program that can be run",
+                                  settings.backend.given_by, request::printable(name, 200)));
   }
   return {.backend =
               std::make_shared<backend::ProgramBackend>(backend::ProgramSettings{.program = name}),
@@ -70,7 +70,7 @@ void check_options(const config::Settings& settings,
   if (options.empty()) return;
   if (settings.backend.value == "local") {
     throw base::Error(base::ExitCode::usage,
-                      "This service runs jobs on its own machine, which takes no options.");
+                      "This service runs jobs on its own machine and accepts no job options.");
   }
   if (settings.backend.value == "slurm")
     static_cast<void>(backend::slurm_wishes_of(defaults_of(settings.slurm), options));

@@ -32,8 +32,9 @@ void add_create(CLI::App& token, Action& action) {
       ->type_name("TIME")
       ->capture_default_str();
   command
-      ->add_option("--user", options->user,
-                   "Owner of the token. Default: you. Only the service's own user may name another")
+      ->add_option(
+          "--user", options->user,
+          "Owner of the token. Default: you. Only the service's own user can name another user")
       ->type_name("USER");
   command
       ->add_option("--jobs", options->jobs_max,
@@ -54,7 +55,7 @@ void add_create(CLI::App& token, Action& action) {
     action = [options] { return cli::create_token(service_called(), *options); };
   });
   command->footer(
-      "A token permits what its user may do, within its scopes: read (list, status, watch, logs,\n"
+      "A token permits its user's actions within its scopes: read (list, status, watch, logs,\n"
       "fetch), submit, manage (cancel, hold, resume, extend, delete, pin, priority) and operate\n"
       "(drain and stop the service). The service stores only a hash of the token.\n\n"
       "Examples:\n"

@@ -88,10 +88,11 @@ std::vector<OwnWhat> own_whats_of(const pictures::PlotsOfWorlds& worlds) {
   for (const OwnWhat& own : own_whats_of(worlds)) {
     if (own.kind.what == what) whose = own.worlds;
   }
-  throw base::Error(base::ExitCode::usage,
-                    fmt::format("{} can be drawn of {} archives only, and {} is of the world {}; "
-                                "try --what animations",
-                                what, fmt::join(whose, " and "), source.name(), world));
+  throw base::Error(
+      base::ExitCode::usage,
+      fmt::format(
+          "--what {} works only for archives of {}, but {} is of world {}; try --what animations",
+          what, fmt::join(whose, " and "), source.name(), world));
 }
 
 void draw_on_terminal(const plot::Figure& figure) {
@@ -131,10 +132,11 @@ pictures::Picture picture_of(const archive::Source& source, const PlotOptions& o
           ? options.what
           : std::string(has_draws ? pictures::k_trace : pictures::k_drawn_animations);
   if (what == pictures::k_trace && summary.scans == 0 && summary.finds.found > 0) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: its animations were found by search, which leaves no trace; "
-                                  "try --what animations",
-                                  source.name()));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format(
+            "{}: the animations come from a search, which has no trace; try --what animations",
+            source.name()));
   }
   if (const pictures::WorldPlots* own = plots_for(worlds, summary.world, what)) {
     return own->draw(what, source,
@@ -152,7 +154,7 @@ int plot_archive(const PlotOptions& options, const pictures::PlotsOfWorlds& worl
   if (!options.output.empty()) terminal::refuse_same_file(options.path, options.output);
   const plot::Notes notes = plot::notes_of(options.notes);
   if (options.output.empty() && !notes.empty())
-    throw base::Error(base::ExitCode::usage, "--note goes with -o FILE.svg");
+    throw base::Error(base::ExitCode::usage, "--note requires -o FILE.svg");
   const pictures::Picture picture = picture_of(*archive::remote::open_remote(options.path), options,
                                                !options.output.empty(), worlds);
   if (options.output.empty()) {

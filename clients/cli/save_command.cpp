@@ -54,9 +54,8 @@ std::vector<gallery::SavedArchive> read_archives(const std::vector<std::string>&
     fmt::print(stderr, "left out: {}\n", faults[i].what());
   if (thrown != 0) throw base::Error(faults.front());
   if (archives.empty()) {
-    throw base::Error(
-        base::ExitCode::usage,
-        "there is no archive (*.h5) in what was named; folders below are not searched");
+    throw base::Error(base::ExitCode::usage,
+                      "no archive (*.h5) found; subfolders are not searched");
   }
   return archives;
 }
@@ -118,7 +117,7 @@ int save_archives(const CommandOptions& options, const std::function<std::string
           {"folder", options.save}, {"animations", animations}, {"bytes", bytes}};
       fmt::print("{}\n", report::dumped(json));
     } else {
-      fmt::print("{}: {} animations, {:.1f} MB; open {}, or put the folder on any web server\n",
+      fmt::print("{}: {} animations, {:.1f} MB; open {}, or publish the folder on any web server\n",
                  options.save, animations, static_cast<double>(bytes) / k_megabyte,
                  (std::filesystem::path(options.save) / "index.html").string());
     }

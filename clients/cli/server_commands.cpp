@@ -53,16 +53,17 @@ int tell_started(const rpc::ServerView& server, const std::string& socket, bool 
                                  {"already_running", was_running}}));
     return terminal::k_ok;
   }
-  fmt::print("the server {}: pid {}, {}\n", was_running ? "runs already" : "runs", server.pid,
-             terminal::shown(socket));
+  fmt::print("the server {}: pid {}, {}\n", was_running ? "is already running" : "is running",
+             server.pid, terminal::shown(socket));
   if (was_running && !options.given.empty())
-    terminal::complain("it keeps its settings; `sleight server stop`, then start, gives it others");
+    terminal::complain(
+        "the running server keeps its settings; to change settings, stop and start the server");
   return terminal::k_ok;
 }
 
 [[noreturn]] void fail_start(const service_client::ServerProcess& process,
                              const std::string& what) {
-  std::string words = fmt::format("{}; its log is {}", what, terminal::shown(process.log_path()));
+  std::string words = fmt::format("{}; the log is {}", what, terminal::shown(process.log_path()));
   for (const std::string& line : process.log_lines(k_told_log_lines))
     words += "\n  " + terminal::shown(line);
   throw base::Error(process.exit_code(), words);
@@ -77,7 +78,7 @@ int wait_for_server(service_client::ServerProcess& process, const std::string& s
     const bool runs = process.is_running();
     if (const auto server = server_at(socket))
       return tell_started(*server, socket, server->pid != process.pid(), options);
-    if (!runs) fail_start(process, "sleightd ended at once");
+    if (!runs) fail_start(process, "sleightd exited immediately");
     if (clock.now_s() - began_s > k_start_s_max) {
       fail_start(process, fmt::format("sleightd (pid {}) does not answer after {} s", process.pid(),
                                       k_start_s_max));
@@ -123,7 +124,7 @@ void wait_until_gone(std::int64_t pid, const std::string& socket) {
   while (!is_gone(pid, socket)) {
     if (clock.now_s() - began_s > k_stop_s_max) {
       throw base::Error(
-          fmt::format("the server (pid {}) has not ended after {} s", pid, k_stop_s_max));
+          fmt::format("the server (pid {}) has not exited after {} s", pid, k_stop_s_max));
     }
     std::this_thread::sleep_for(k_server_look_again);
   }
@@ -133,8 +134,10 @@ int tell_stopped(std::int64_t pid, bool json) {
   if (json) {
     fmt::print("{}\n", indented({{"pid", pid}, {"stopped", true}}));
   } else {
-    fmt::print("the server (pid {}) has ended; its jobs run on, and the next one takes them over\n",
-               pid);
+    fmt::print(
+        "the server (pid {}) has stopped; its jobs keep running, and the next server takes them "
+        "over\n",
+        pid);
   }
   return terminal::k_ok;
 }
@@ -185,10 +188,9 @@ report::Report server_report(const rpc::ServerView& server, const std::string& s
   if (server.version != base::version())
     version += fmt::format(" (this sleight is {})", base::version());
   report::Report report;
-  report.for_people("server",
-                    fmt::format("pid {}, up {}, {}{}", server.pid, events::clock_time(server.up_s),
-                                terminal::shown(socket),
-                                server.draining ? "; draining: it starts no more jobs" : ""));
+  report.for_people("server", fmt::format("pid {}, up {}, {}{}", server.pid,
+                                          events::clock_time(server.up_s), terminal::shown(socket),
+                                          server.draining ? "; draining: no more jobs start" : ""));
   report.for_programs("pid", server.pid);
   report.for_programs("up_seconds", server.up_s);
   report.for_programs("socket", socket);
@@ -207,9 +209,9 @@ report::Report server_report(const rpc::ServerView& server, const std::string& s
                                           size_text(server.memory_bytes)));
   report.for_programs("memory_bytes", server.memory_bytes);
   report.for_programs("memory_used_bytes", server.memory_used_bytes);
-  report.for_people("disk",
-                    fmt::format("{} free, of which {} stay so", size_text(server.disk_free_bytes),
-                                size_text(server.disk_reserve_bytes)));
+  report.for_people(
+      "disk", fmt::format("{} free, of which {} are reserved", size_text(server.disk_free_bytes),
+                          size_text(server.disk_reserve_bytes)));
   report.for_programs("disk_free_bytes", server.disk_free_bytes);
   report.for_programs("disk_reserve_bytes", server.disk_reserve_bytes);
   report.add("keeping_rule", server.keeping_rule, "keeps", terminal::shown(server.keeping_rule));
@@ -254,7 +256,7 @@ int stop_server(const std::string& socket, bool json) {
     if (json) {
       fmt::print("{}\n", indented({{"pid", nullptr}, {"stopped", false}}));
     } else {
-      fmt::print("no server runs at {}\n", terminal::shown(socket));
+      fmt::print("no server is running at {}\n", terminal::shown(socket));
     }
     return terminal::k_ok;
   }
@@ -273,8 +275,8 @@ int drain_server(const std::string& socket, bool json) {
       fmt::print("{}\n", indented(server_report(server, socket).as_json()));
     } else {
       fmt::print(
-          "the server starts no more jobs, and stops those that run in order; `sleight server "
-          "status` shows what is left\n");
+          "the server starts no more jobs and stops all running jobs cleanly; to see which jobs "
+          "remain, run `sleight server status`\n");
     }
     return terminal::k_ok;
   });

@@ -34,9 +34,9 @@ std::uint64_t memory_of(const std::string& text) {
   if (text.empty()) return 0;
   const auto bytes = config::bytes_of(text);
   if (bytes && *bytes > 0) return *bytes;
-  throw base::Error(
-      base::ExitCode::usage,
-      fmt::format("--memory: '{}' is not a size; say 2 GB or 500 MB", terminal::shown(text)));
+  throw base::Error(base::ExitCode::usage,
+                    fmt::format("--memory: expected a size such as 2GB or 500MB, found '{}'",
+                                terminal::shown(text)));
 }
 
 std::string job_name(const SubmitOptions& options) {
@@ -45,8 +45,9 @@ std::string job_name(const SubmitOptions& options) {
   // A name is for people: a file's may be anything.
   name = request::printable(name, name.size());
   if (!options.name.empty() && name.size() > rpc::k_name_bytes_max) {
-    throw base::Error(base::ExitCode::usage, fmt::format("--name: has {} bytes; at most {}",
-                                                         name.size(), rpc::k_name_bytes_max));
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("--name: {} bytes exceed the maximum of {} bytes", name.size(),
+                                  rpc::k_name_bytes_max));
   }
   return name;
 }
@@ -69,9 +70,10 @@ std::vector<rpc::JobOption> job_options_of(const std::vector<std::string>& texts
   for (const std::string& text : texts) {
     const std::size_t end = text.find('=');
     if (end == std::string::npos || end == 0) {
-      throw base::Error(base::ExitCode::usage,
-                        fmt::format("--option: '{}' is not KEY=VALUE, such as partition=long",
-                                    request::printable(text, k_option_characters_max)));
+      throw base::Error(
+          base::ExitCode::usage,
+          fmt::format("--option: expected KEY=VALUE, such as partition=long, found '{}'",
+                      request::printable(text, k_option_characters_max)));
     }
     values[text.substr(0, end)] = text.substr(end + 1);
   }
@@ -94,8 +96,8 @@ void check_size(const rpc::Submission& submission) {
     bytes += job.request.size();
   if (bytes <= rpc::k_submission_bytes_max) return;
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("these {} requests have {} bytes, and a submission at most {}; "
-                                "submit them in parts",
+                    fmt::format("the {} requests have {} bytes, above the maximum of {} bytes per "
+                                "submission; submit them in parts",
                                 submission.jobs.size(), bytes, rpc::k_submission_bytes_max));
 }
 
@@ -141,7 +143,7 @@ void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool dr
   std::fflush(stdout);
   if (draining)
     terminal::complain(
-        "the server is draining: it starts no job until `sleight server start` is given again");
+        "the server is draining: no job starts until `sleight server start` is run again");
 }
 
 int submit_with(rpc::Client& client, const SubmitOptions& options, const GivenRequest& given,
@@ -177,7 +179,7 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
   const std::size_t count = combinations.value().size();
   if (count > rpc::k_submission_jobs_max) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("--set asks for {} jobs, and a submission takes {} at most",
+                      fmt::format("--set defines {} jobs, above the maximum of {} per submission",
                                   count, rpc::k_submission_jobs_max));
   }
   // What is asked of a word is in its text already.
@@ -216,20 +218,21 @@ std::string submitted_text(const rpc::Submitted& submitted, const std::string& n
                                             submitted.jobs.size() == 1 ? "" : "s")
                               : "job " + id;
   text += fmt::format(" ({}){}\n", terminal::shown(name),
-                      submitted.was_known ? ", submitted before" : "");
+                      submitted.was_known ? ", already submitted" : "");
   const auto add = [&](const std::string& command, const std::string& what) {
     text += fmt::format("  sleight {:<20}{}\n", command, what);
   };
-  add("watch " + id, is_group ? "how they go" : "how it goes");
-  add("wait " + id, is_group ? "until they have ended" : "until it has ended");
-  add("fetch " + id, is_group ? "their archives" : "its archive; with --so-far before its end");
-  add("cancel " + id, is_group ? "ends them" : "ends it");
+  add("watch " + id, is_group ? "show progress" : "show progress");
+  add("wait " + id, is_group ? "wait until all jobs end" : "wait until the job ends");
+  add("fetch " + id,
+      is_group ? "download the archives" : "download the archive (before the end: --so-far)");
+  add("cancel " + id, is_group ? "cancel the jobs" : "cancel the job");
   return text;
 }
 
 int submit(const std::string& socket, const SubmitOptions& options, const RequestTexts& texts) {
   if (options.watch && options.wait)
-    throw base::Error(base::ExitCode::usage, "--watch waits already; leave --wait out");
+    throw base::Error(base::ExitCode::usage, "--watch already waits; remove --wait");
   const GivenRequest given = given_request(options.request_path, options.word, options.asked);
   auto submission = submission_of(options, given, texts);
   if (!submission) return print_diagnostics(submission.error());

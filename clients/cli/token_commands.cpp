@@ -55,7 +55,7 @@ report::Report report_of(const rpc::TokenView& token) {
   report.add("user", token.user, Column{.head = "USER", .rank = 3},
              terminal::name_of_user(token.user));
   report.add("state", state_of_token(token), Column{.head = "STATE"}, state_of_token(token));
-  report.add("scopes", scopes, Column{.head = "MAY", .rank = 1},
+  report.add("scopes", scopes, Column{.head = "SCOPES", .rank = 1},
              fmt::format("{}", fmt::join(scopes, " ")));
   report.for_programs("created", token.created_s);
   report.add("expires", or_null(token.expires_s), Column{.head = "EXPIRES", .rank = 2},
@@ -108,10 +108,9 @@ double validity_s_of(const std::string& text) {
     seconds = config::duration_s_of(text);
   }
   if (!seconds || *seconds > rpc::k_token_s_max) {
-    terminal::refuse_usage(
-        fmt::format("--expires: '{}' is not a time such as 90d, 12h, or never; ten years are "
-                    "the longest",
-                    terminal::shown(text)));
+    terminal::refuse_usage(fmt::format(
+        "--expires: expected a time of at most ten years, such as 90d or 12h, or never; found '{}'",
+        terminal::shown(text)));
   }
   return *seconds;
 }
@@ -125,7 +124,7 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
     const auto scope = rpc::scope_of(name);
     if (!scope) {
       terminal::refuse_usage(
-          fmt::format("--scope: '{}' is none; there are read, submit, manage and operate",
+          fmt::format("--scope: unknown scope '{}'; expected read, submit, manage or operate",
                       terminal::shown(name)));
     }
     ask.scopes.add(*scope);
@@ -134,7 +133,7 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
     ask.for_user = terminal::user_of(*options.user);
     if (!ask.for_user)
       terminal::refuse_usage(
-          fmt::format("--user: there is no user '{}' here", terminal::shown(*options.user)));
+          fmt::format("--user: no user '{}' on this machine", terminal::shown(*options.user)));
   }
   ask.token = access::text_of(access::draw_token());
   std::optional<SecretFile> file;
@@ -152,13 +151,13 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
         fmt::print("{}\n", indented(json));
         return terminal::k_ok;
       }
-      terminal::complain(fmt::format("token {} of {}, {}; may {}. It {} and can't be shown again.",
-                                     token.id, terminal::name_of_user(token.user),
-                                     token.expires_s > 0
-                                         ? fmt::format("valid until {}", day_of(token.expires_s))
-                                         : std::string("valid until it is revoked"),
-                                     fmt::join(names_of(token.scopes), ", "),
-                                     file ? "is in " + options.output : std::string("follows")));
+      terminal::complain(
+          fmt::format("token {} of {}, {}; scopes: {}. The token {} and can't be shown again.",
+                      token.id, terminal::name_of_user(token.user),
+                      token.expires_s > 0 ? fmt::format("valid until {}", day_of(token.expires_s))
+                                          : std::string("valid until it is revoked"),
+                      fmt::join(names_of(token.scopes), ", "),
+                      file ? "is in " + options.output : std::string("follows")));
       if (!file) fmt::print("{}\n", ask.token);
       return terminal::k_ok;
     });
@@ -193,7 +192,7 @@ int revoke_tokens(const std::string& called, const TokenRevokeOptions& options) 
   for (const std::string& id : options.ids) {
     if (!access::is_token_id(id)) {
       terminal::refuse_usage(
-          fmt::format("'{}' is no id of a token; `sleight token list` shows them",
+          fmt::format("'{}' is not a token id; to list the ids, run `sleight token list`",
                       terminal::shown(id.substr(0, 20))));
     }
   }
