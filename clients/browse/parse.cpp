@@ -62,8 +62,7 @@ struct OtherWord {
 constexpr std::array k_other_words{OtherWord{"score", "log_constraint"},
                                    OtherWord{"plausibility", "log_prior"}};
 
-constexpr const char* k_then_joins =
-    "'then' joins what happens at a moment: '... in BOX' and '... touches ...'";
+constexpr const char* k_then_joins = "'then' can only join '... in BOX' and '... touches ...'";
 
 /// Thrown by the rules, caught by parse_query alone: a result handed through ten levels of rules
 /// would hide the grammar.
@@ -83,9 +82,10 @@ class Parser {
       : tokens_(std::move(tokens)), scene_(scene), numbers_(numbers) {}
 
   Condition whole() {
-    if (next().kind == Token::Kind::end) fail("a query is expected, as 'any in x 0..20mm'");
+    if (next().kind == Token::Kind::end) fail("expected a query, such as 'any in x 0..20mm'");
     Condition condition = any_of();
-    if (next().kind != Token::Kind::end) fail("'and', 'or', 'then' or the end is expected");
+    if (next().kind != Token::Kind::end)
+      fail("expected 'and', 'or', 'then' or the end of the query");
     return condition;
   }
 
@@ -137,7 +137,7 @@ class Parser {
 
   Condition negated() {
     if (++depth_ > k_query_depth_max)
-      fail(fmt::format("it is nested more than {} deep", k_query_depth_max));
+      fail(fmt::format("the query is nested more than {} levels deep", k_query_depth_max));
     Condition condition;
     if (take_word("not")) {
       Not no;
@@ -145,7 +145,7 @@ class Parser {
       condition = {std::move(no)};
     } else if (take_sign("(")) {
       condition = any_of();
-      if (!take_sign(")")) fail("')' is expected");
+      if (!take_sign(")")) fail("expected ')'");
     } else {
       condition = in_order();
     }
@@ -200,7 +200,7 @@ class Parser {
       return {std::move(touches)};
     }
     if (take_word("ends")) {
-      if (!take_word("in")) fail("'in' is expected: '... ends in x 0..20mm'");
+      if (!take_word("in")) fail("expected 'in', as in '... ends in x 0..20mm'");
       return {EndsIn{.who = std::move(who), .box = box()}};
     }
     fail("'in', 'touches' or 'ends in' is expected");
@@ -229,7 +229,7 @@ class Parser {
     }
     if (who.bodies.empty()) {
       fail_at(column, kind.empty() ? std::string("the scene has no bodies")
-                                   : fmt::format("no body is called '{} N'; there are: {}", kind,
+                                   : fmt::format("no body is named '{} N'; the bodies are {}", kind,
                                                  shown_names(scene_.bodies())));
     }
     return who;
@@ -243,7 +243,9 @@ class Parser {
     if (!found) fail_unknown(name, scene_.features.size(), column);
     if (scene_.features[*found].kind == scene::FeatureKind::wanted)
       fail_at(column,
-              fmt::format("'{}' is a goal, which nothing touches: ask 'in' its place", name));
+              fmt::format(
+                  "'{}' is a goal, which bodies cannot touch; use 'in' with the place of the goal",
+                  name));
     return {*found};
   }
 
@@ -251,7 +253,7 @@ class Parser {
   std::string taken_name() {
     if (next().kind == Token::Kind::quoted) return tokens_[at_++].text;
     if (next().kind != Token::Kind::word || is_keyword(next().text))
-      fail("a body, 'any', 'every' or a number's name is expected");
+      fail("expected a body, 'any', 'every' or the name of a number");
     std::string name = tokens_[at_++].text;
     while (true) {
       const bool is_more_words = next().kind == Token::Kind::word && !is_keyword(next().text);
@@ -282,20 +284,22 @@ class Parser {
     for (std::size_t i = 0; i < features; ++i)
       known.push_back(scene_.features[i].name);
     const auto near = request::nearest(name, known);
-    fail_at(column, near ? fmt::format("nothing is called '{}'; did you mean '{}'?", name, *near)
-                         : fmt::format("nothing is called '{}'; there are: {}", name,
+    fail_at(column, near ? fmt::format("nothing is named '{}'; did you mean '{}'?", name, *near)
+                         : fmt::format("nothing is named '{}'; the names are {}", name,
                                        shown_names(features)));
   }
 
   std::uint32_t body_called(const std::string& name, std::size_t column) const {
     const auto found = scene_.find(name);
     if (found && *found < scene_.bodies()) return *found;
-    if (found) fail_at(column, fmt::format("'{}' doesn't move: ask which body touches it", name));
+    if (found)
+      fail_at(column,
+              fmt::format("'{}' doesn't move; use 'touches', as in 'any touches {}'", name, name));
     if (number_called(name)) {
       fail_at(column,
-              fmt::format("'{}' is a number: a range or a comparison is expected behind it, "
-                          "as '{} 0..1'",
-                          name, name));
+              fmt::format(
+                  "'{}' is a number; expected a range or a comparison after it, as in '{} 0..1'",
+                  name, name));
     }
     fail_unknown(name, scene_.bodies(), column);
   }
@@ -312,7 +316,7 @@ class Parser {
     while (take_sign("[")) {
       name += '[';
       while (!take_sign("]")) {
-        if (next().kind != Token::Kind::number && !is_sign(",")) fail("']' is expected");
+        if (next().kind != Token::Kind::number && !is_sign(",")) fail("expected ']'");
         name += tokens_[at_++].text;
       }
       name += ']';
@@ -331,7 +335,7 @@ class Parser {
       return {in};
     }
     ++at_;
-    if (next().kind != Token::Kind::number) fail("a number is expected");
+    if (next().kind != Token::Kind::number) fail("expected a number");
     const double value = tokens_[at_++].number * taken_unit(dimension).value_or(1);
     if (*comparison != "<" && *comparison != "<=") in.low = value;
     if (*comparison != ">" && *comparison != ">=") in.high = value;
@@ -348,22 +352,23 @@ class Parser {
       if (number.name.starts_with(name + "[")) ++elements;
     }
     if (elements > 0)
-      fail_at(column, fmt::format("'{}' has {} elements: say which, as {}", name, elements,
+      fail_at(column, fmt::format("'{}' has {} elements; choose one, such as {}", name, elements,
                                   *std::ranges::find_if(known, [&](const std::string& other) {
                                     return other.starts_with(name + "[");
                                   })));
     if (scene_.find(name))
-      fail_at(column, fmt::format("'{}' is no number: 'in', 'touches' or 'ends in' is expected "
-                                  "behind it",
-                                  name));
+      fail_at(column,
+              fmt::format("'{}' is not a number; expected 'in', 'touches' or 'ends in' after it",
+                          name));
     const auto other = std::ranges::find(k_other_words, name, &OtherWord::word);
     const bool is_other_word = other != k_other_words.end() && number_called(other->name);
     const auto near =
         is_other_word ? std::optional(std::string(other->name)) : request::nearest(name, known);
     fail_at(column,
-            near
-                ? fmt::format("no number is called '{}'; did you mean '{}'?", name, *near)
-                : fmt::format("no number is called '{}'; `sleight find --names` lists them", name));
+            near ? fmt::format("no number is named '{}'; did you mean '{}'?", name, *near)
+                 : fmt::format(
+                       "no number is named '{}'; to list the numbers, run `sleight find --names`",
+                       name));
   }
 
   // Boxes, ranges and units.
@@ -377,7 +382,7 @@ class Parser {
           std::ranges::find_if(k_axes, [&](std::string_view word) { return is_word(word); });
       if (axis == k_axes.end()) break;
       const auto i = static_cast<std::size_t>(axis - k_axes.begin());
-      if (seen[i]) fail(fmt::format("{} has a range already", *axis));
+      if (seen[i]) fail(fmt::format("{} already has a range", *axis));
       seen[i] = true;
       ++at_;
       const Ends ends = range(Dimension::length);
@@ -387,7 +392,8 @@ class Parser {
                                   std::ranges::find(k_axes, after_next().text) != k_axes.end();
       if (is_sign(",") && is_axis_behind) ++at_;
     }
-    if (!seen[0] && !seen[1] && !seen[2]) fail("a range of x, y or z is expected, as 'x 0..20mm'");
+    if (!seen[0] && !seen[1] && !seen[2])
+      fail("expected a range of x, y or z, such as 'x 0..20mm'");
     return box;
   }
 
@@ -407,18 +413,18 @@ class Parser {
       low = tokens_[at_++].number;
       low_unit = taken_unit(dimension);
     }
-    if (!take_sign("..")) fail("'..' is expected: a range as 0..20, 0.. or ..20");
+    if (!take_sign("..")) fail("expected '..': a range is 0..20, 0.. or ..20");
     if (next().kind == Token::Kind::number) {
       high = tokens_[at_++].number;
       high_unit = taken_unit(dimension);
     }
-    if (!low && !high) fail_at(column, "a range needs an end, as 0.. or ..20");
+    if (!low && !high) fail_at(column, "a range needs at least one end, as in 0.. or ..20");
     // A unit behind the range is of both its ends.
     Ends ends;
     if (low) ends.low = *low * low_unit.value_or(high_unit.value_or(1));
     if (high) ends.high = *high * high_unit.value_or(low_unit.value_or(1));
     if (ends.low > ends.high)
-      fail_at(column, "nothing is in this range: its first end is above its second");
+      fail_at(column, "the range is empty, because its first end is above its second end");
     return ends;
   }
 
@@ -429,11 +435,11 @@ class Parser {
     if (unit == nullptr) {
       // Behind a blank it is the next word.
       if (next().is_joined)
-        fail(fmt::format("'{}' is no unit; there are: {}", next().text, units()));
+        fail(fmt::format("'{}' is not a unit; the units are {}", next().text, units()));
       return std::nullopt;
     }
     if (unit->dimension != dimension)
-      fail(fmt::format("{} is expected here, and {} is the unit of {}",
+      fail(fmt::format("expected {} here, but {} is a unit of {}",
                        k_dimension_words[static_cast<std::size_t>(dimension)], unit->name,
                        k_dimension_words[static_cast<std::size_t>(unit->dimension)]));
     ++at_;

@@ -158,8 +158,8 @@ class GroupReader {
     auto motion = motions_.animation(row, index_.scene);
     if (!motion)
       throw base::Error(base::ExitCode::bad_archive,
-                        fmt::format("{}: its animation {} {}", source_.name(),
-                                    short_text(entry.name), motion.error()));
+                        fmt::format("{}: animation {} {}", source_.name(), short_text(entry.name),
+                                    motion.error()));
     add_motion(motion.value(), entry);
     return entry;
   }
@@ -198,7 +198,7 @@ class GroupReader {
   void require_at_most(double count, double most, const char* of_what) const {
     if (count <= most) return;
     throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: its animations have {:.0f} {}; at most {:.0f} are browsed",
+                      fmt::format("{}: the animations have {:.0f} {}, above the maximum of {:.0f}",
                                   source_.name(), count, of_what, most));
   }
 
@@ -352,7 +352,7 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
     if (!names.insert(entry.name).second) {
       throw base::Error(
           base::ExitCode::bad_archive,
-          fmt::format("{}: it has two animations {}", source.name(), short_text(entry.name)));
+          fmt::format("{}: two animations have the id {}", source.name(), short_text(entry.name)));
     }
   }
   return read;

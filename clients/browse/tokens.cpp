@@ -83,7 +83,7 @@ class Lexer {
       if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
       token.text += text_[at_];
     }
-    return QueryError{.column = token.column, .message = "the quote is not closed"};
+    return QueryError{.column = token.column, .message = "the closing quote is missing"};
   }
 
   std::optional<QueryError> read_number(Token& token) {
@@ -113,7 +113,7 @@ class Lexer {
     const auto [stop, failure] = std::from_chars(text_.data() + digits, end, token.number);
     if (failure != std::errc{} || stop != end || !std::isfinite(token.number)) {
       return QueryError{.column = begin,
-                        .message = fmt::format("'{}' is no number that can be held", token.text)};
+                        .message = fmt::format("'{}' is outside the range of numbers", token.text)};
     }
     if (text_[begin] == '-') token.number = -token.number;
     return std::nullopt;
@@ -131,9 +131,8 @@ class Lexer {
     }
     const bool is_printable = text_[at_] > ' ' && text_[at_] < '\x7f';
     return QueryError{.column = at_,
-                      .message = is_printable
-                                     ? fmt::format("the sign '{}' has no meaning here", text_[at_])
-                                     : std::string("this sign has no meaning here")};
+                      .message = is_printable ? fmt::format("unexpected character '{}'", text_[at_])
+                                              : std::string("unexpected character")};
   }
 
   std::string_view text_;

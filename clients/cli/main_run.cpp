@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
-#include <regex>
+#include <string_view>
 #include <system_error>
 #include <variant>
 
@@ -225,11 +225,16 @@ std::string usage_words(const CLI::App* app, const CLI::Error& error) {
                           near ? fmt::format("; did you mean '{}'?", *near) : "");
     }
   }
-  // CLI11 says this even of a number in the range that is written as no integer.
-  static const std::regex k_out_of_range("(.*): Value (.*) not in range (.*)");
-  if (std::smatch found; std::regex_match(words, found, k_out_of_range)) {
-    words = fmt::format("{}: expected a number from {} in plain digits, found '{}'", found.str(1),
-                        found.str(3), request::printable(found.str(2), 40));
+  // Also of a number in the range that is no plain integer, as 1e3.
+  constexpr std::string_view k_value = ": Value ";
+  constexpr std::string_view k_range = " not in range ";
+  const std::size_t value = words.find(k_value);
+  if (const std::size_t range = words.rfind(k_range);
+      value != std::string::npos && range != std::string::npos && range > value) {
+    const std::size_t begin = value + k_value.size();
+    words = fmt::format("{}: expected a number from {} in decimal digits, found '{}'",
+                        words.substr(0, value), words.substr(range + k_range.size()),
+                        request::printable(words.substr(begin, range - begin), 40));
   }
   return fmt::format("{}: {}\nFor help, run `{} --help`.\n", command, words, command);
 }

@@ -128,8 +128,8 @@ class Assembler {
     const std::size_t channels = most_channels();
     if (channels > k_channels_max) {
       return fmt::format(
-          "and those with it have up to {} channels in one file, at most {}: put fewer of them "
-          "together, or each into a file",
+          "and the animations exported with it need up to {} channels in one file, above the "
+          "maximum of {}; export fewer animations together, or one file per animation",
           channels, k_channels_max);
     }
     for (const Clip& clip : document_.clips) {

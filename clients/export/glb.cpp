@@ -151,7 +151,8 @@ base::Result<Glb, std::string> GlbWriter::finish(Json document) const {
   const std::uint64_t bytes = k_head_bytes + k_chunk_head_bytes + json.size() +
                               (binary.empty() ? 0 : k_chunk_head_bytes + binary.size());
   if (bytes > k_glb_bytes_max)
-    return fmt::format("makes a file of {} bytes, more than {}", bytes, k_glb_bytes_max);
+    return fmt::format("needs a file of {} bytes, above the maximum of {} bytes", bytes,
+                       k_glb_bytes_max);
   Glb glb;
   std::string& file = glb.bytes;
   file.reserve(bytes);

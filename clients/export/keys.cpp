@@ -139,7 +139,7 @@ void add_pieces(const std::vector<Piece>& pieces, const std::vector<double>& par
 
 std::string too_many(double keys) {
   return fmt::format(
-      "moves in more ways than can be exported: a body would have {:.3g} keys, at most {}", keys,
+      "has too much motion to export: a body needs {:.3g} keys, above the maximum of {}", keys,
       k_keys_max);
 }
 

@@ -346,7 +346,7 @@ plot::Figure animation_figure(const archive::Source& source,
   for (const std::size_t i : chosen) {
     browse::KeptAnimation kept =
         browse::kept_animation(source, motions, i, scene, fmt::format("{}", i));
-    if (kept.motion.segment_count() == 0) browse::refuse_animation(source, i, "moves nothing");
+    if (kept.motion.segment_count() == 0) browse::refuse_animation(source, i, "has no motion");
     animations.push_back(
         {.title = browse::where_found(
              source, i, [&](double draw) { return fmt::format("{} {}", step, per_scan * draw); }),

@@ -191,7 +191,8 @@ class FolderBeside {
       refuse_used();
     const std::string beside = fmt::format("{}.tmp.{}", place_, ::getpid());
     if (::mkdir(beside.c_str(), 0777) != 0)
-      throw base::Error(fmt::format("{}: can't make it: {}", beside, std::strerror(errno)));
+      throw base::Error(
+          fmt::format("{}: can't create the folder: {}", beside, std::strerror(errno)));
     beside_ = beside;
   }
   FolderBeside(const FolderBeside&) = delete;
@@ -208,7 +209,8 @@ class FolderBeside {
     // The system itself refuses to replace a folder that is not empty.
     if (::rename(beside_.c_str(), place_.c_str()) != 0) {
       if (errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR) refuse_used();
-      throw base::Error(fmt::format("{}: can't make it: {}", place_, std::strerror(errno)));
+      throw base::Error(
+          fmt::format("{}: can't create the folder: {}", place_, std::strerror(errno)));
     }
     beside_.clear();
   }
@@ -216,9 +218,7 @@ class FolderBeside {
  private:
   [[noreturn]] void refuse_used() const {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: something is there already; name a folder that is new or "
-                                  "empty",
-                                  place_));
+                      fmt::format("{}: already exists; name a new or empty folder", place_));
   }
 
   std::string place_;
@@ -227,7 +227,7 @@ class FolderBeside {
 
 void write_file(base::FileSystem& files, const std::string& path, base::BytesView bytes) {
   const auto fail = [&](const std::error_code& failure) {
-    throw base::Error(fmt::format("{}: can't write it: {}", path, failure.message()));
+    throw base::Error(fmt::format("{}: can't write the file: {}", path, failure.message()));
   };
   auto file = files.create(path);
   if (!file) fail(file.error());
@@ -246,13 +246,13 @@ std::size_t frame_count(const motion::Animation& motion, double fps) {
   if (!(fps > 0 && fps <= k_fps_max)) {
     throw base::Error(
         base::ExitCode::usage,
-        fmt::format("{} frames a second: expected more than 0 and at most {}", fps, k_fps_max));
+        fmt::format("{} frames per second: expected more than 0 and at most {}", fps, k_fps_max));
   }
   const double count = std::floor(std::max(0.0, motion.end_s()) * fps) + 1;
   if (count > static_cast<double>(k_frames_max)) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{:.6g} s at {} frames a second are more than {} frames; ask for "
-                                  "fewer a second",
+                      fmt::format("{:.6g} s at {} frames per second exceed the maximum of {} "
+                                  "frames; use fewer frames per second",
                                   motion.end_s(), fps, k_frames_max));
   }
   return static_cast<std::size_t>(count);
@@ -293,7 +293,7 @@ void write_motion_svg(const std::string& title, const scene::Scene& scene,
                       const ShownAnimation& animation, const std::string& path) {
   if (!path.ends_with(".svg")) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: expected a name that ends in .svg", path));
+                      fmt::format("{}: expected a file name that ends in .svg", path));
   }
   plot::save(animation_figure(title, scene, {animation}), path);
 }

@@ -50,7 +50,7 @@ std::vector<std::string> last_lines(std::FILE* file) {
 [[noreturn]] void fail_to_start(int reason) {
   if (reason == ENOENT) {
     throw base::Error(
-        "ffmpeg is not installed, and films are its work: install it (Debian: apt-get install "
+        "ffmpeg, which encodes videos, is not installed: install it (Debian: apt-get install "
         "ffmpeg), or write the frames as PNG files");
   }
   throw base::Error(fmt::format("ffmpeg can't be started: {}", std::strerror(reason)));
@@ -108,11 +108,11 @@ Ffmpeg::Ffmpeg(const FfmpegOptions& options)
       output_(options.output) {
   CHECK_EQ(options.columns % 2 + options.rows % 2, 0U);
   if (!messages_)
-    throw base::Error(fmt::format("can't make a temporary file: {}", std::strerror(errno)));
+    throw base::Error(fmt::format("can't create a temporary file: {}", std::strerror(errno)));
   // A socket's other end may go without a signal to us, unlike a pipe's.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
-    throw base::Error(fmt::format("can't make a socket: {}", std::strerror(errno)));
+    throw base::Error(fmt::format("can't create a socket: {}", std::strerror(errno)));
   input_ = ends[0];
 
   std::vector<std::string> command = ffmpeg_command(options);
@@ -174,10 +174,11 @@ void Ffmpeg::fail() {
   input_ = -1;
   if (id_ >= 0) wait();
   const std::vector<std::string> lines = last_lines(messages_.get());
-  throw base::Error(
-      fmt::format("ffmpeg could not make the film{}{}",
-                  lines.empty() ? ", and says nothing (is the disk full?)" : "; it says:\n  ",
-                  fmt::join(lines, "\n  ")));
+  throw base::Error(fmt::format("ffmpeg could not encode the video{}{}",
+                                lines.empty() ? " and printed no reason (is the disk full?)"
+                                              : ":\n"
+                                                "  ",
+                                fmt::join(lines, "\n  ")));
 }
 
 }  // namespace sleight::pictures

@@ -49,7 +49,7 @@ plot::Figure picked_figure(const std::string& title, const std::vector<PickedPan
       source = archive::remote::open_remote(path);
       // Rows are those of the archive that was browsed.
       if (archive::summary_of(*source).content_digest != panel.picked.archive->index.digest)
-        throw base::Error(fmt::format("{}: it was replaced meanwhile; ask again", path));
+        throw base::Error(fmt::format("{}: the archive was replaced meanwhile; try again", path));
     }
     shown.push_back(read_picked(*source, panel.picked, panel.title));
   }

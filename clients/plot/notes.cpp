@@ -26,16 +26,15 @@ Notes notes_of(std::span<const std::string> texts) {
     const std::size_t end = text.find('=');
     if (end == std::string::npos || end == 0 || end + 1 == text.size() ||
         text.find_first_not_of(k_letters) != end || std::ranges::any_of(text, is_control)) {
-      throw base::Error(
-          base::ExitCode::usage,
-          fmt::format("--note '{}': expected NAME=VALUE, a name of letters a to z and "
-                      "underscores and a value of one line",
-                      text));
+      throw base::Error(base::ExitCode::usage,
+                        fmt::format("--note '{}': expected NAME=VALUE, where NAME has letters a to "
+                                    "z and underscores only, and VALUE is one line",
+                                    text));
     }
     Note note{.name = text.substr(0, end), .value = text.substr(end + 1)};
     if (std::ranges::count(notes, note.name, &Note::name) > 0) {
       throw base::Error(base::ExitCode::usage,
-                        fmt::format("--note '{}': the note {} is given twice", text, note.name));
+                        fmt::format("--note '{}': there are two notes named {}", text, note.name));
     }
     notes.push_back(std::move(note));
   }

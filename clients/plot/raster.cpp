@@ -33,7 +33,7 @@ using Context = std::unique_ptr<cairo_t, ReleaseContext>;
 [[noreturn]] void fail(GError* error) {
   std::string reason = error != nullptr ? error->message : "no reason given";
   g_clear_error(&error);
-  throw base::Error(fmt::format("the picture can't be drawn: {}", reason));
+  throw base::Error(fmt::format("can't draw the picture: {}", reason));
 }
 
 constexpr std::size_t k_drawing_bytes = std::size_t{128} << 20U;
@@ -80,7 +80,7 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int lengt
 
 void check_cairo(cairo_status_t status) {
   if (status == CAIRO_STATUS_SUCCESS) return;
-  throw base::Error(fmt::format("the picture can't be drawn: {}", cairo_status_to_string(status)));
+  throw base::Error(fmt::format("can't draw the picture: {}", cairo_status_to_string(status)));
 }
 
 Surface white_surface(int columns, int rows) {
@@ -105,7 +105,7 @@ SvgDocument::SvgDocument(std::string_view svg) {
   handle_ = handle;
   if (rsvg_handle_get_intrinsic_size_in_pixels(handle, &width_px_, &height_px_) == FALSE) {
     g_object_unref(handle_);
-    throw base::Error("the picture can't be drawn: its SVG gives no width and height in pixels");
+    throw base::Error("can't draw the picture: its SVG has no width and height in pixels");
   }
 }
 
@@ -128,10 +128,10 @@ PixelSize pixel_size(double width_px, double height_px, double scale) {
   const double columns = std::ceil(width_px * scale);
   const double rows = std::ceil(height_px * scale);
   if (!(columns >= 1 && rows >= 1 && columns <= k_png_side_max_px && rows <= k_png_side_max_px)) {
-    throw base::Error(fmt::format(
-        "a PNG of {} x {} pixels can't be drawn; its sides must be from 1 to {}: choose another "
-        "size or scale",
-        columns, rows, k_png_side_max_px));
+    throw base::Error(
+        fmt::format("can't draw a PNG of {} x {} pixels: width and height must be from 1 to {} "
+                    "pixels; choose another size or scale",
+                    columns, rows, k_png_side_max_px));
   }
   return {.columns = static_cast<int>(columns), .rows = static_cast<int>(rows)};
 }
@@ -149,7 +149,7 @@ base::Bytes quick_png_of(cairo_surface_t* surface) {
   png_infop info = writer != nullptr ? png_create_info_struct(writer) : nullptr;
   const bool written = info != nullptr && write_quickly(writer, info, surface, bytes);
   png_destroy_write_struct(&writer, &info);
-  if (!written) throw base::Error("the picture can't be drawn: it could not be written as PNG");
+  if (!written) throw base::Error("can't draw the picture: writing the PNG failed");
   return bytes;
 }
 

@@ -35,13 +35,12 @@ void save(const Figure& figure, const std::string& path, const SaveOptions& opti
     write_whole(path, std::as_bytes(std::span(svg)));
   } else if (ending == ".png") {
     if (!options.notes.empty()) {
-      throw base::Error(base::ExitCode::usage,
-                        fmt::format("{}: only an SVG has room for notes", path));
+      throw base::Error(base::ExitCode::usage, fmt::format("{}: notes require an SVG file", path));
     }
     write_whole(path, to_png(figure));
   } else {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: expected a picture's name ending in .svg or .png", path));
+                      fmt::format("{}: expected a file name that ends in .svg or .png", path));
   }
 }
 

@@ -36,7 +36,8 @@ std::string words(rpc::JobId job, const events::Failure& failure) {
                                  terminal::shown(failure.simulation), failure.chain,
                                  failure.replica, grouped(failure.scan));
   if (!failure.file.empty())
-    text += fmt::format("; `sleight fetch {} --failures` brings what repeats it", job);
+    text += fmt::format("; for a file that repeats the failure, run `sleight fetch {} --failures`",
+                        job);
   return text;
 }
 

@@ -21,7 +21,8 @@ void check_archive(const std::string& path, const rpc::JobView& job) {
       // As stored, which is that of the content: it has been verified.
       const std::string digest = archive::summary_of(source).content_digest;
       if (digest != job.digest)
-        findings.push_back(fmt::format("its digest is {}, the job's {}", digest, job.digest));
+        findings.push_back(fmt::format("the archive's digest is {}, expected the job's digest {}",
+                                       digest, job.digest));
     }
     for (const std::string& finding : findings)
       terminal::complain(fmt::format("sleight: job {}: {}", job.id, terminal::shown(finding)));
@@ -36,10 +37,9 @@ void check_archive(const std::string& path, const rpc::JobView& job) {
   }
   throw base::Error(
       base::ExitCode::bad_archive,
-      fmt::format(
-          "job {}: its archive is damaged on the server's disk{}, and was not put in place; "
-          "`sleight fetch {} --so-far` has it made anew from what the run stored",
-          job.id, words, job.id));
+      fmt::format("job {}: the archive on the server's disk is damaged{}, so no file was written; "
+                  "to rebuild the archive from the run store, run `sleight fetch {} --so-far`",
+                  job.id, words, job.id));
 }
 
 }  // namespace sleight::service_client

@@ -43,8 +43,9 @@ base::Result<std::vector<JobName>, std::string> job_names_of(std::span<const std
   for (const std::string& text : texts) {
     const auto name = job_name_of(text);
     if (!name) {
-      return fmt::format("'{}' names no job; say 17, 3..8 or, of a group, g5",
-                         request::printable(text, k_shown_characters_max));
+      return fmt::format(
+          "'{}' is not a job; expected a job number (17), a range (3..8) or a group (g5)",
+          request::printable(text, k_shown_characters_max));
     }
     if (const auto* range = std::get_if<JobRange>(&*name)) {
       if (range->last - range->first >= k_range_jobs_max)

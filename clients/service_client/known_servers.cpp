@@ -22,8 +22,7 @@ constexpr std::size_t k_known_file_bytes_max = std::size_t{1} << 20U;
 
 std::string file_of_server(const access::ServerAddress& address) {
   const auto folder = base::own_folder("XDG_CONFIG_HOME", ".config", "servers");
-  if (!folder)
-    throw base::Error("there is no home for what is known of servers: set HOME or XDG_CONFIG_HOME");
+  if (!folder) throw base::Error("no folder for stored logins: set HOME or XDG_CONFIG_HOME");
   return (*folder / (access::text_of(address) + ".json")).string();
 }
 
@@ -36,15 +35,14 @@ rpc::RemoteService read_known(const access::ServerAddress& address) {
   struct stat seen = {};
   if (::stat(path.c_str(), &seen) != 0) {
     if (errno != ENOENT && errno != ENOTDIR) fail_at(path);
-    throw base::Error(
-        base::ExitCode::usage,
-        fmt::format("{0} was not logged in to: `sleight login {0}`, with a token that "
-                    "`sleight token create` prints on its machine",
-                    access::text_of(address)));
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("not logged in to {0}: run `sleight token create` on that "
+                                  "machine, then `sleight login {0}` with the token",
+                                  access::text_of(address)));
   }
   if ((seen.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
-    throw base::Error(
-        fmt::format("{}: others can read this token; revoke it, and log in with a new one", path));
+    throw base::Error(fmt::format(
+        "{}: other users can read this token; revoke the token, and log in with a new one", path));
   }
   try {
     const auto json = json::Value::parse(base::read_text_file(path, k_known_file_bytes_max));
@@ -53,8 +51,8 @@ rpc::RemoteService read_known(const access::ServerAddress& address) {
             .certificate = json.at("certificate").text(),
             .own_name = json.at("own_name").text()};
   } catch (const json::Error&) {
-    throw base::Error(
-        fmt::format("{}: can't be read; `sleight login {}` again", path, access::text_of(address)));
+    throw base::Error(fmt::format("{}: not a valid login file; run `sleight login {}` again", path,
+                                  access::text_of(address)));
   }
 }
 
@@ -64,8 +62,9 @@ rpc::ServicePlace place_of(const std::string& called) {
   if (called.starts_with('/')) return called;
   const auto address = access::server_address_of(called);
   if (!address)
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: is no address", terminal::shown(called)));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("{}: expected the path of a socket, or HOST:PORT", terminal::shown(called)));
   return read_known(*address);
 }
 

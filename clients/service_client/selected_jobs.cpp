@@ -27,7 +27,7 @@ void for_each_job(const JobRange& range, const std::function<void(rpc::JobId)>& 
   }
   if (!is_any) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("there is no job of yours in {}..{}", range.first, range.last));
+                      fmt::format("no job of yours in {}..{}", range.first, range.last));
   }
 }
 
@@ -51,7 +51,7 @@ std::vector<rpc::JobView> jobs_of(rpc::Client& client, rpc::GroupId group) {
   if (jobs.empty()) {
     throw rpc::RefusedError({.kind = rpc::RefusalKind::not_found,
                              .sentence = fmt::format("There is no group g{}.", group),
-                             .what_to_do = "`sleight list` shows what there is."});
+                             .what_to_do = "To list jobs and groups, run `sleight list`."});
   }
   return jobs;
 }

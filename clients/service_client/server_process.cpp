@@ -35,9 +35,9 @@ void make_state_folder(const std::string& path) {
   const fs::path parent = fs::path(path).parent_path();
   if (!parent.empty()) fs::create_directories(parent, failure);
   if (failure)
-    throw base::Error(fmt::format("can't make {}: {}", parent.string(), failure.message()));
+    throw base::Error(fmt::format("can't create {}: {}", parent.string(), failure.message()));
   if (::mkdir(path.c_str(), S_IRWXU) != 0 && errno != EEXIST)
-    throw base::Error(fmt::format("can't make {}: {}", path, std::strerror(errno)));
+    throw base::Error(fmt::format("can't create {}: {}", path, std::strerror(errno)));
 }
 
 /// In the child, between fork and exec: only what is async-signal-safe.
@@ -62,8 +62,8 @@ std::string program_beside(const std::string& name) {
   if (failure) throw base::Error("can't read /proc/self/exe: " + failure.message());
   const std::string path = (here.parent_path() / name).string();
   if (::access(path.c_str(), X_OK) == 0) return path;
-  throw base::Error(fmt::format("{}: {}; it belongs beside {}", path, std::strerror(errno),
-                                here.filename().string()));
+  throw base::Error(fmt::format("{}: {}; the program must be in the same folder as {}", path,
+                                std::strerror(errno), here.filename().string()));
 }
 
 void become(const std::vector<std::string>& command) {

@@ -51,7 +51,7 @@ bool Interruption::requested() {
 
 void Interruption::check() {
   if (requested())
-    throw base::Error(base::ExitCode::interrupted, "interrupted; what was not whole is taken away");
+    throw base::Error(base::ExitCode::interrupted, "interrupted; incomplete files were removed");
 }
 
 }  // namespace sleight::terminal

@@ -80,8 +80,9 @@ void refuse_same_file(const std::string& archive, const std::string& output) {
   struct stat to {};
   if (::stat(archive.c_str(), &from) != 0 || ::stat(output.c_str(), &to) != 0) return;
   if (from.st_dev != to.st_dev || from.st_ino != to.st_ino) return;
-  throw base::Error(base::ExitCode::usage,
-                    fmt::format("{}: this is the archive itself; give another output", output));
+  throw base::Error(
+      base::ExitCode::usage,
+      fmt::format("{}: the output is the archive itself; choose another output", output));
 }
 
 std::string shown_on_one_line(std::string text) {

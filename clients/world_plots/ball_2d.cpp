@@ -50,8 +50,10 @@ Asked asked_of(const archive::Source& source) {
                     .step = analysis::scan_label(numbers)};
   if (!(asked.diameter_m > 0 && asked.tolerance >= 0) || !std::isfinite(asked.diameter_m) ||
       !std::isfinite(asked.target) || !std::isfinite(asked.tolerance)) {
-    throw base::Error(base::ExitCode::bad_archive,
-                      source.name() + ": its request has numbers that no ball has");
+    throw base::Error(
+        base::ExitCode::bad_archive,
+        source.name() +
+            ": its request has an invalid diameter_m, target_diameters or tolerance_diameters");
   }
   return asked;
 }

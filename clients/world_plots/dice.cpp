@@ -83,8 +83,8 @@ std::uint64_t dice_of(const archive::Source& source) {
   if (spec == nullptr || spec->dims.size() != 2 || spec->dims[0].size > k_dice_max) {
     throw base::Error(
         base::ExitCode::bad_archive,
-        fmt::format("{}: {}: expected three numbers of each of at most {} dice", source.name(),
-                    archive::path_of(archive::k_prior, name), k_dice_max));
+        fmt::format("{}: {}: expected three numbers for each die, and at most {} dice",
+                    source.name(), archive::path_of(archive::k_prior, name), k_dice_max));
   }
   return spec->dims[0].size;
 }
@@ -108,11 +108,10 @@ bool is_table_random(const archive::Source& source) {
                                   archive::k_prior_draws_max));
   }
   if (draws < 2) {
-    throw base::Error(
-        base::ExitCode::usage,
-        fmt::format("{}: this plot compares with at least 2 draws from the prior, and "
-                    "it has {}; the archive of the whole run has them",
-                    source.name(), draws));
+    throw base::Error(base::ExitCode::usage,
+                      fmt::format("{}: this plot needs at least 2 draws from the prior, but the "
+                                  "archive has {}; use the archive of the whole run",
+                                  source.name(), draws));
   }
   const std::vector<double> squares = analysis::read_rows(
       source, archive::k_sample_stats_prior, k_squares, draws, {.first = 0, .count = 1});
@@ -122,7 +121,7 @@ bool is_table_random(const archive::Source& source) {
 [[noreturn]] void refuse_number(const archive::Source& source, std::string_view variable,
                                 std::string_view group = archive::k_animations) {
   throw base::Error(base::ExitCode::bad_archive,
-                    fmt::format("{}: {}: it has values that no throw has", source.name(),
+                    fmt::format("{}: {}: values are impossible for a throw", source.name(),
                                 archive::path_of(group, variable)));
 }
 
@@ -217,22 +216,26 @@ std::string shown(double mean, double error) {
 }
 
 std::string words_of(const PlausibilityCost& cost) {
-  if (!cost.is_random) return "nothing of them is normally distributed";
-  return fmt::format("log probability {} blind throws' mean (single ones vary by {:.2f})",
-                     shown(cost.mean, cost.error), cost.spread);
+  if (!cost.is_random) return "nothing is normally distributed";
+  return fmt::format(
+      "log probability {} the mean of blind throws (standard deviation of single throws: {:.2f})",
+      shown(cost.mean, cost.error), cost.spread);
 }
 
 std::string verdict(const PlausibilityCost& cost) {
   constexpr double k_errors = 2;
   constexpr double k_exponent_max = 20;
-  if (std::isnan(cost.error)) return "One lineage alone does not tell how much of that is chance.";
+  if (std::isnan(cost.error))
+    return "A single lineage can't show how much of the difference is chance.";
   if (std::fabs(cost.mean) <= k_errors * cost.error)
-    return "Together that is within what chance makes of so few.";
+    return "The total difference is within chance for this number of lineages.";
   const double size = std::fabs(cost.mean);
   const std::string times =
       size > k_exponent_max ? fmt::format("e^{:.0f}", size) : fmt::format("{:.2g}", std::exp(size));
-  return fmt::format("So typically they are {} times {} probable (in density) than blind throws.",
-                     times, cost.mean < 0 ? "more" : "less");
+  return fmt::format(
+      "In total, these animations are typically {} times {} probable (in density) than blind "
+      "throws.",
+      times, cost.mean < 0 ? "more" : "less");
 }
 
 }  // namespace
@@ -247,7 +250,7 @@ DicePrior dice_prior_of(const archive::Source& source) {
   for (const std::string_view group : {archive::k_prior, archive::k_sample_stats_prior}) {
     if (archive::find_group(source, group) == nullptr)
       throw base::Error(base::ExitCode::bad_archive,
-                        fmt::format("{}: it has no group {}", source.name(), group));
+                        fmt::format("{}: missing group {}", source.name(), group));
   }
   DicePrior prior{.dice = dice_of(source)};
   std::vector<std::vector<double>> means;
@@ -283,10 +286,11 @@ DicePrior dice_prior_of(const archive::Source& source) {
 DicePlausibility dice_plausibility(const archive::Source& source, const DicePrior& prior,
                                    std::optional<std::uint64_t> chain) {
   if (browse::drawn_group(source) == archive::k_finds) {
-    throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: its animations were found by search, not in the model's "
-                                  "proportions: how plausible they are says nothing of others",
-                                  source.name()));
+    throw base::Error(
+        base::ExitCode::usage,
+        fmt::format("{}: the animations come from a search, not in the model's proportions, so "
+                    "their plausibility can't be compared with the model",
+                    source.name()));
   }
   const std::vector<std::size_t> animations =
       browse::choose_animations(source, chain, std::numeric_limits<std::size_t>::max());
@@ -337,10 +341,12 @@ plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior&
 
 std::string plausibility_words(const DicePlausibility& found) {
   return fmt::format(
-      "{} kept animations of {} lineages{}; bars: theirs, the outermost of all beyond; curve: "
-      "blind "
-      "throws\nstarts: {}\ntable:  {}\n{}\n",
-      found.animations, found.lineages, found.has_weights ? ", whose weights are left out" : "",
+      "Bars: {} kept animations of {} lineages{}; the outermost bars include everything beyond. "
+      "Curve: blind throws.\n"
+      "starts: {}\n"
+      "table:  {}\n"
+      "{}\n",
+      found.animations, found.lineages, found.has_weights ? ", without their weights" : "",
       words_of(found.start_cost), words_of(found.table_cost), verdict(found.cost));
 }
 
@@ -356,11 +362,10 @@ pictures::Picture Dice::draw(std::string_view /*what*/, const archive::Source& s
                              const pictures::DrawnPart& part) const {
   const DicePrior prior = dice_prior_of(source);
   if (prior.start.empty() && !prior.is_table_random) {
-    throw base::Error(
-        base::ExitCode::environment,
-        fmt::format("{}: of its throws nothing is normally distributed: no component of a start, "
-                    "no heights of the table",
-                    source.name()));
+    throw base::Error(base::ExitCode::environment,
+                      fmt::format("{}: nothing to plot, because neither the starts nor the table "
+                                  "heights are normally distributed",
+                                  source.name()));
   }
   const DicePlausibility found = dice_plausibility(source, prior, part.chain);
   return {.figure = plausibility_figure(found, prior), .words = plausibility_words(found)};

@@ -25,7 +25,7 @@ std::uint64_t bins_to_fill(const archive::Source& source) {
   if (spec == nullptr || spec->dims.size() != 3) {
     throw base::Error(
         base::ExitCode::bad_archive,
-        fmt::format("{}: {}: expected a number of each chain, draw and ball", source.name(),
+        fmt::format("{}: {}: expected one number per chain, draw and ball", source.name(),
                     archive::path_of(archive::k_posterior, k_of_balls)));
   }
   return spec->dims[2].size;

@@ -27,7 +27,7 @@ std::vector<std::int64_t> numbers_of(const archive::Source& source, std::string_
                     spec->dims.size() == 1 && spec->dims[0].size == count;
   if (!fits) {
     throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: {}/{} is no column of {} numbers", source.name(),
+                      fmt::format("{}: {}/{}: expected a column of {} numbers", source.name(),
                                   archive::k_animations, name, count));
   }
   return std::get<std::vector<std::int64_t>>(source.read(archive::k_animations, name, 0, count));
@@ -51,7 +51,7 @@ void refuse_lost_zeros(const archive::Source& source, const std::string& text,
   }
   if (meant.empty() || (meant.size() == 1 && meant.front() == exact)) return;
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("{}: '{}' may be a number that lost its zeros; say {}",
+                    fmt::format("{}: the id '{}' may have lost zeros at its end; give {}",
                                 source.name(), text, fmt::join(meant, " or ")));
 }
 
@@ -70,15 +70,17 @@ std::vector<AnimationId> animation_ids(const archive::Source& source) {
     const auto draws = numbers_of(source, "draw", summary.animations);
     for (std::size_t row = 0; row < chains.size(); ++row) {
       if (chains[row] < 0 || draws[row] < 0) {
-        throw base::Error(base::ExitCode::bad_archive,
-                          fmt::format("{}: a chain or draw is below 0", source.name()));
+        throw base::Error(
+            base::ExitCode::bad_archive,
+            fmt::format("{}: the number of a chain or draw is below 0", source.name()));
       }
       ids.push_back({.row = row,
                      .text = browse::short_text({.chain = static_cast<std::uint64_t>(chains[row]),
                                                  .draw = static_cast<std::uint64_t>(draws[row])})});
       if (!texts.insert(ids.back().text).second) {
-        throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: it has two animations {}",
-                                                                   source.name(), ids.back().text));
+        throw base::Error(
+            base::ExitCode::bad_archive,
+            fmt::format("{}: two animations have the id {}", source.name(), ids.back().text));
       }
     }
   }
@@ -108,9 +110,10 @@ std::vector<AnimationId> animations_of(const archive::Source& source,
         first.push_back(id.text);
       throw base::Error(
           base::ExitCode::usage,
-          all.empty() ? fmt::format("{}: no animation '{}'; it has none", source.name(), text)
-                      : fmt::format("{}: no animation '{}'; it has {}{}", source.name(), text,
-                                    fmt::join(first, ", "),
+          all.empty() ? fmt::format("{}: no animation '{}'; the archive has no animations",
+                                    source.name(), text)
+                      : fmt::format("{}: no animation '{}'; the archive has {}{}", source.name(),
+                                    text, fmt::join(first, ", "),
                                     all.size() > first.size()
                                         ? fmt::format(" and {} more", all.size() - first.size())
                                         : ""));

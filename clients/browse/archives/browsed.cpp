@@ -121,7 +121,7 @@ Browsed browse_archives(const std::vector<std::string>& paths) {
       leave_out(error);
     } catch (const std::bad_alloc&) {
       leave_out({base::ExitCode::environment,
-                 fmt::format("{}: browsing it takes more memory than there is", path)});
+                 fmt::format("{}: too little memory to browse this archive", path)});
     }
   }
   if (browsed.archives.empty() && first) throw base::Error(*first);
@@ -174,7 +174,7 @@ void say_what_is_missing(const Browsed& browsed) {
     fmt::print(stderr, "left out: {}: {}\n", left.path, left.reason);
   for (const BrowsedArchive& archive : browsed.archives) {
     if (archive.twice > 0)
-      fmt::print(stderr, "{}: {} of its animations are in an archive before it, and count once\n",
+      fmt::print(stderr, "{}: {} animations are also in an archive before and count only there\n",
                  archive.path, archive.twice);
   }
 }

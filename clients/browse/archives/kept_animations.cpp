@@ -19,13 +19,13 @@ namespace {
 [[noreturn]] void refuse_empty(const archive::Source& source, std::optional<std::uint64_t> chain) {
   const archive::Summary summary = archive::summary_of(source);
   const std::string whose = chain ? fmt::format(" of chain {}", *chain) : "";
-  const char* why = summary.keep_max <= 0           ? "its request keeps none: keep_max = 0"
-                    : summary.keep_per_lineage <= 0 ? "its request keeps none: keep_per_lineage = 0"
-                    : chain                         ? "try another chain or run more scans"
-                                                    : "run more scans";
-  throw base::Error(
-      base::ExitCode::usage,
-      fmt::format("{}: it holds no satisfying animation{} to draw; {}", source.name(), whose, why));
+  const char* why = summary.keep_max <= 0 ? "the request stores no animations (keep_max = 0)"
+                    : summary.keep_per_lineage <= 0
+                        ? "the request stores no animations (keep_per_lineage = 0)"
+                    : chain ? "try another chain or run more scans"
+                            : "run more scans";
+  throw base::Error(base::ExitCode::usage, fmt::format("{}: no satisfying animation{} to draw; {}",
+                                                       source.name(), whose, why));
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ std::vector<double> of_animations(const archive::Source& source, std::string_vie
 void refuse_animation(const archive::Source& source, std::string_view name,
                       std::string_view reason) {
   throw base::Error(base::ExitCode::bad_archive,
-                    fmt::format("{}: its animation {} {}", source.name(), name, reason));
+                    fmt::format("{}: animation {} {}", source.name(), name, reason));
 }
 
 void refuse_animation(const archive::Source& source, std::size_t animation,
@@ -91,9 +91,9 @@ std::vector<std::size_t> choose_animations(const archive::Source& source,
                                            std::optional<std::uint64_t> only, std::size_t count) {
   if (drawn_group(source) == archive::k_finds) {
     if (only) {
-      throw base::Error(base::ExitCode::usage,
-                        fmt::format("{}: its animations were found by search, which has no chains",
-                                    source.name()));
+      throw base::Error(
+          base::ExitCode::usage,
+          fmt::format("{}: the animations come from a search, which has no chains", source.name()));
     }
     std::vector<std::size_t> all(of_animations(source, "start").size());
     std::iota(all.begin(), all.end(), std::size_t{0});
