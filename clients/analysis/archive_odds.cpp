@@ -35,8 +35,8 @@ std::vector<LogEstimate> estimates_of(const archive::Source& source, const std::
 /// (WorldLayout::log_natural_throw).
 std::string natural_throw_of(double log_natural_throw) {
   if (log_natural_throw == 0) return "";
-  return log_natural_throw < 0 ? "a throw leaves no body out"
-                               : "a throw's bodies are numbered before it";
+  return log_natural_throw < 0 ? "a throw includes all bodies"
+                               : "bodies are numbered before the throw";
 }
 
 ArchiveOdds weighted_of(const archive::Source& source, std::uint64_t chains) {
@@ -55,9 +55,10 @@ ArchiveOdds weighted_of(const archive::Source& source, std::uint64_t chains) {
                           .doubts = doubts_of_weights(log_p, size, k_effective_size_min)}};
   if (!odds.log_p_satisfied.known()) {
     const Remedy remedy = remedy_of(odds.log_p_satisfied.doubts);
-    odds.how_to_know = {.longer = remedy.longer,
-                        .at_least = remedy.at_least,
-                        .besides = "more steps_per_level under [sampler] makes weights more equal"};
+    odds.how_to_know = {
+        .longer = remedy.longer,
+        .at_least = remedy.at_least,
+        .besides = "more steps_per_level under [sampler] also helps: weights become more equal"};
   }
   return odds;
 }
@@ -140,7 +141,7 @@ HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> 
   }
   for (const Doubt& doubt : doubts) {
     if (doubt.kind == DoubtOf::heavy_tail || doubt.kind == DoubtOf::few_particles)
-      how.besides = "more particles under [sampler] make islands more equal";
+      how.besides = "more particles under [sampler] also help: islands become more equal";
   }
   return how;
 }
@@ -211,12 +212,12 @@ std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request
                          static_cast<double>(ladders.rounds[ladders.judged].scans);
   if (allowed < k_trips_each && request.find("sampler", "replicas")) {
     return fmt::format(
-        "more replicas under [sampler] help too: swaps alone allow only {:.1f} round trips",
+        "more replicas under [sampler] also help: swaps limit this round to {:.1f} round trips",
         allowed);
   }
   if (allowed >= k_trips_each && allowed >= 2 * made) {
-    return fmt::format(
-        "more iterations_per_scan helps too: swaps alone would allow {:.0f} round trips", allowed);
+    return fmt::format("more iterations_per_scan also helps: swaps would allow {:.0f} round trips",
+                       allowed);
   }
   return "";
 }
@@ -322,9 +323,9 @@ void add_remedy(const HowToKnow& how, const ArchiveOdds& odds, report::Report& r
   } else {
     what = fmt::format("rounds = {} under [stop]", *how.rounds);
   }
-  std::string words =
-      fmt::format("to know it: {}{}", how.at_least && !how.odds ? "at least " : "", what);
-  if (how.scans) words += fmt::format(" ({} scans of each ladder)", *how.scans);
+  std::string words = fmt::format("to determine the odds: {}{}",
+                                  how.at_least && !how.odds ? "at least " : "", what);
+  if (how.scans) words += fmt::format(" ({} scans per ladder)", *how.scans);
   report.for_people("", words);
   report.for_people("", how.besides);
 }
@@ -342,22 +343,22 @@ std::string where_throws(const ArchiveOdds& odds) {
 
 /// How an estimate whose error can't be trusted may be off.
 const char* caution_of(const ArchiveOdds& odds) {
-  if (has_rounds(odds.from)) return "which mostly is too low while ladders have not mixed";
+  if (has_rounds(odds.from)) return "this estimate is usually too low until the ladders have mixed";
   if (odds.from == OddsFrom::weights)
-    return "which mostly is too low where few draws have all the weight";
+    return "this estimate is usually too low if few draws have all the weight";
   const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
   if (std::ranges::find(doubts, DoubtOf::not_sized, &Doubt::kind) != doubts.end())
-    return "which hangs on when the run ended";
-  return "which mostly is too low where few islands have most of the sum";
+    return "this estimate depends on when the run ended";
+  return "this estimate is usually too low if few islands have most of the sum";
 }
 
 /// Of an estimate whose error can't be trusted.
 void add_unknown(const ArchiveOdds& odds, report::Report& report) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   const bool is_none = log_p.all.ladders == 0;
-  report.for_people("by chance", is_none ? fmt::format("unknown: nothing satisfied in any {}",
-                                                       place_word(odds.from))
-                                         : "unknown");
+  report.for_people(
+      "by chance",
+      is_none ? fmt::format("unknown: no solution in any {}", place_word(odds.from)) : "unknown");
   add_doubts(log_p.doubts, report);
   if (odds.how_to_know) add_remedy(*odds.how_to_know, odds, report);
   if (is_none) return;

@@ -24,8 +24,9 @@ const archive::DatasetSpec& dataset_of(const archive::Source& source, std::strin
   const archive::DatasetSpec* spec =
       found == nullptr ? nullptr : archive::find_dataset(*found, name);
   if (spec == nullptr) {
-    throw base::Error(base::ExitCode::bad_archive, fmt::format("{}: no dataset {}", source.name(),
-                                                               archive::path_of(group, name)));
+    throw base::Error(
+        base::ExitCode::bad_archive,
+        fmt::format("{}: missing dataset {}", source.name(), archive::path_of(group, name)));
   }
   return *spec;
 }
@@ -64,7 +65,7 @@ void check_series(const archive::Source& source, std::string_view variable) {
   if (spec.type == archive::ElementType::text || spec.dims.size() != 2 ||
       spec.dims[0].size != stats_size(source, "chain") ||
       spec.dims[1].size != stats_size(source, "draw")) {
-    refuse(source, archive::k_sample_stats, variable, "it has no number for each chain and draw");
+    refuse(source, archive::k_sample_stats, variable, "expected one number per chain and draw");
   }
 }
 
@@ -72,8 +73,8 @@ void check_chain(const archive::Source& source, std::uint64_t chain) {
   const std::uint64_t chains = stats_size(source, "chain");
   if (chain < chains) return;
   throw base::Error(base::ExitCode::usage,
-                    fmt::format("{}: no chain {}; it has {} chains, counted from 0", source.name(),
-                                chain, chains));
+                    fmt::format("{}: no chain {}; the archive has {} chains, numbered from 0",
+                                source.name(), chain, chains));
 }
 
 std::vector<std::string> outcome_names(const archive::Source& source) {
@@ -103,7 +104,8 @@ std::vector<double> read_rows(const archive::Source& source, std::string_view gr
   const std::uint64_t held = spec.dims[0].size;
   if (rows.first > held || rows.count > held - rows.first) {
     refuse(source, group, dataset,
-           fmt::format("it has {} rows: no {} from row {}", held, rows.count, rows.first));
+           fmt::format("{} rows are too few; expected {} rows from row {}", held, rows.count,
+                       rows.first));
   }
   return as_doubles(source.read(group, dataset, rows.first * columns, rows.count * columns));
 }

@@ -83,18 +83,17 @@ bool is_worse(const ScalarReport& a, const ScalarReport& b) {
 void complain_of_zero_density(ScalarReport& report, std::uint64_t draws) {
   const std::uint64_t count = report.not_finite.minus_infinite;
   if (count == 0) return;
-  report.verdict.complaints.insert(
-      report.verdict.complaints.begin(),
-      fmt::format("{}: {} of {} draws are -inf: such a state has probability 0, so its chain "
-                  "has not yet found what was asked for",
-                  report.name, count, draws));
+  report.verdict.complaints.insert(report.verdict.complaints.begin(),
+                                   fmt::format("{}: {} of {} draws are -inf (probability 0), so a "
+                                               "chain has not yet found what the request specifies",
+                                               report.name, count, draws));
 }
 
 void note_thinning(Judged& judged, const DrawRange& range, std::string_view what) {
   if (range.stride == 1) return;
   judged.diagnosis.notes.push_back(
-      fmt::format("{}: one of every {} draws was looked at, so effective sample sizes are those "
-                  "of {} draws of each chain",
+      fmt::format("{}: only one of every {} draws was used, so effective sample sizes are for {} "
+                  "draws per chain",
                   what, range.stride, range.count));
 }
 
@@ -103,12 +102,12 @@ void complain_of_few(Judged& judged, const DrawRange& range, std::string_view wh
   const double wanted = judged.rules.ess_wanted(range.chains);
   if (range.count < judged.rules.draws_min) {
     judged.diagnosis.reasons.push_back(
-        fmt::format("each chain has too few {} to judge by: {}, and it takes {}", what, range.count,
+        fmt::format("each chain has too few {}: {}, but at least {} are needed", what, range.count,
                     judged.rules.draws_min));
   } else if (static_cast<double>(range.chains * range.count) < wanted) {
     judged.diagnosis.reasons.push_back(
-        fmt::format("each chain has too few {}: {}; were all independent, the effective sample "
-                    "size would still be below {:.0f}",
+        fmt::format("each chain has too few {}: {}; even if all were independent, the effective "
+                    "sample size would be below {:.0f}",
                     what, range.count, wanted));
   }
 }
@@ -166,7 +165,7 @@ void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
   if (variables.empty()) return;
   // Where every scan's state is archived, this was said of the scans.
   if (judged.diagnosis.states < judged.diagnosis.judged.scans) {
-    complain_of_few(judged, range, "archived states (see thin) in the judged scans");
+    complain_of_few(judged, range, "archived states (see thin) among the judged scans");
   }
   note_thinning(judged, range, "state variables");
   std::uint64_t left = scalars_max(range);
@@ -175,7 +174,7 @@ void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
     left -= entries;
     if (entries < variable.entries()) {
       judged.diagnosis.notes.push_back(
-          fmt::format("{}: left out {} of its {} entries, more than are looked at", variable.name,
+          fmt::format("{}: skipped {} of its {} entries, because there are too many", variable.name,
                       variable.entries() - entries, variable.entries()));
     }
     judged.diagnosis.variables.push_back(variable_report(judged, variable, entries, range));
@@ -208,12 +207,12 @@ void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> 
   }
   if (chains > k_ladders_max) {
     judged.diagnosis.notes.push_back(
-        fmt::format("the first {} of {} ladders are shown", k_ladders_max, chains));
+        fmt::format("only the first {} of {} ladders are shown", k_ladders_max, chains));
   }
   if (!none.empty() && !burn_in) {
     judged.diagnosis.reasons.push_back(fmt::format(
         "{} of {} ladders made no round trip in the judged round{}", none.size(), chains,
-        none.size() == chains ? "" : fmt::format(": ladder {} among them", none.front())));
+        none.size() == chains ? "" : fmt::format(", for example ladder {}", none.front())));
   }
   judged.diagnosis.tempering = std::move(report);
 }
@@ -227,9 +226,9 @@ void judge_walks(Judged& judged, std::uint64_t chains) {
     if (!(trips[c] >= 1)) none.push_back(c);
   }
   if (none.empty()) return;
-  judged.diagnosis.reasons.push_back(
-      fmt::format("{} of {} chains made no round trip to the prior and back{}", none.size(), chains,
-                  none.size() == chains ? "" : fmt::format(": chain {} among them", none.front())));
+  judged.diagnosis.reasons.push_back(fmt::format(
+      "{} of {} chains made no round trip to the prior and back{}", none.size(), chains,
+      none.size() == chains ? "" : fmt::format(", for example chain {}", none.front())));
 }
 
 /// What weighted draws are worth.
@@ -255,9 +254,9 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   report.log_p_satisfied = together(log_p);
   if (!(report.effective_size >= k_effective_size_min)) {
     judged.diagnosis.reasons.push_back(fmt::format(
-        "the weighted draws of all chains are worth {} draws of equal weight, and it takes {:.0f}: "
-        "more steps_per_level or iterations_per_scan make weights more equal, more scans make more "
-        "draws",
+        "the weighted draws of all chains are worth {} draws of equal weight, but at least {:.0f} "
+        "are needed; more steps_per_level or iterations_per_scan make weights more equal, and more "
+        "scans add draws",
         std::isnan(report.effective_size) ? "an unknown number of"
                                           : fmt::format("{:.1f}", report.effective_size),
         k_effective_size_min));
@@ -269,9 +268,10 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
 void refuse_tours(Diagnosis& diagnosis, std::int64_t tour_scans) {
   diagnosis.reasons.insert(
       diagnosis.reasons.begin(),
-      fmt::format("each draw ends a tour of {} scans of its own, so draws are independent however "
-                  "far tours get; a run of longer tours should have the same means",
-                  tour_scans));
+      fmt::format(
+          "each draw ends a separate tour of {} scans, so draws are independent even if tours are "
+          "too short; rerun with longer tours to check that the means stay the same",
+          tour_scans));
 }
 
 /// `draws_are_burnt_in`: the archive has no others, of islands or of chains from a search.
@@ -327,12 +327,12 @@ DrawRange states_in(const archive::Source& source, const Diagnosis& diagnosis, s
 void note_chains(Diagnosis& diagnosis, std::uint64_t looked_at) {
   if (looked_at < diagnosis.chains) {
     diagnosis.notes.push_back(
-        fmt::format("the first {} of {} chains are judged", looked_at, diagnosis.chains));
+        fmt::format("only the first {} of {} chains are judged", looked_at, diagnosis.chains));
   }
   if (looked_at == 1) {
     diagnosis.notes.emplace_back(
-        "there is one chain, so R-hat compares its two halves: that a chain never found another "
-        "mode only several chains can show");
+        "there is only one chain, so R-hat compares its two halves; only several chains can reveal "
+        "a mode that a chain missed");
   }
 }
 
@@ -356,13 +356,14 @@ void judge_draws(Judged& judged, const archive::Summary& summary) {
 
 std::string why_not_diagnosed(const archive::Source& source, const archive::Summary& summary) {
   if (summary.finds.found > 0 && summary.scans == 0) {
-    return fmt::format("its {} animations were found by search and are no draws",
+    return fmt::format("its {} animations come from a search and are not draws",
                        summary.finds.found);
   }
   const archive::Group* learnt = archive::find_group(source, archive::k_tempering);
   const bool has_weights = learnt != nullptr && find_dataset(*learnt, "log_weight") != nullptr;
   if (has_weights && method_of(summary.request_text) == request::Method::sequential)
-    return "its draws are islands', independent and weighted; sleight archive info tells the odds";
+    return "its draws come from islands, so they are independent and weighted; for the odds, run "
+           "`sleight archive info`";
   return {};
 }
 
@@ -370,10 +371,10 @@ Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules) {
   const archive::Summary summary = archive::summary_of(source);
   if (const std::string reason = why_not_diagnosed(source, summary); !reason.empty()) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: there is nothing to diagnose: {}", source.name(), reason));
+                      fmt::format("{}: nothing to diagnose: {}", source.name(), reason));
   }
   if (summary.chains == 0 || summary.scans == 0) {
-    throw base::Error(base::ExitCode::bad_archive, source.name() + ": it has no scans");
+    throw base::Error(base::ExitCode::bad_archive, source.name() + ": the archive has no scans");
   }
   Diagnosis diagnosis;
   diagnosis.world = summary.world;

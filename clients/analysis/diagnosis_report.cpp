@@ -62,7 +62,7 @@ report::Report report_of(const ScalarReport& scalar) {
     remark += fmt::format("{}{} {}", remark.empty() ? "" : "; ", count(times), what);
   };
   note(scalar.not_finite.minus_infinite, "are -inf");
-  note(scalar.not_finite.nan, "don't apply");
+  note(scalar.not_finite.nan, "are not applicable");
   report::Report report;
   report.add("name", scalar.name, "", scalar.name);
   report.add("mean", verdict.mean, "mean", number(verdict.mean));
@@ -102,7 +102,7 @@ report::Report report_of(const LadderReport& ladder, std::size_t index) {
   report.for_people("", fmt::format("ladder {}", index));
   report.for_people("temperatures", count(levels.inverse_temperature.size()));
   report.add("barrier", ladder.barrier, "barrier", fixed(ladder.barrier, 2));
-  report.for_people("least swapped", percent(least(levels.swap_acceptance)));
+  report.for_people("lowest swap rate", percent(least(levels.swap_acceptance)));
   report.add("round_trips", ladder.round_trips, "round trips", count(ladder.round_trips));
   report.add("predicted_round_trips", ladder.predicted_round_trips, "predicted",
              fixed(ladder.predicted_round_trips, 1));
@@ -122,8 +122,8 @@ report::Report report_of(const WalkReport& walk, std::size_t index) {
   report.for_people("", fmt::format("chain {}", index));
   report.for_people("temperatures", count(walk.inverse_temperature.size()));
   report.add("round_trips", walk.round_trips, "round trips", count(walk.round_trips));
-  report.for_people("least visited", percent(least(walk.visits) / scans));
-  report.for_people("least moved", percent(least(moves)));
+  report.for_people("fewest visits", percent(least(walk.visits) / scans));
+  report.for_people("lowest move rate", percent(least(moves)));
   report.for_programs("inverse_temperature", walk.inverse_temperature);
   report.for_programs("visits", walk.visits);
   report.for_programs("acceptance", walk.acceptance);
@@ -133,7 +133,7 @@ report::Report report_of(const WalkReport& walk, std::size_t index) {
 report::Report report_of(const TransitionReport& chain, std::size_t index) {
   report::Report report;
   report.for_people("", fmt::format("chain {}", index));
-  report.add("temperatures", chain.levels, "temperatures down", count(chain.levels));
+  report.add("temperatures", chain.levels, "temperatures", count(chain.levels));
   report.add("acceptance", chain.acceptance, "accepted", percent(chain.acceptance));
   return report;
 }
@@ -167,15 +167,17 @@ constexpr auto k_numbered_report_of = [](const auto& record, std::size_t index) 
 
 void append_variables(std::string& text, const Diagnosis& diagnosis) {
   if (diagnosis.variables.empty()) return;
-  text += fmt::format("\nState variables, by {} archived states of each chain\n",
-                      count(diagnosis.states));
+  text += fmt::format(
+      "\n"
+      "State variables, from {} archived states per chain\n",
+      count(diagnosis.states));
   std::vector<ScalarReport> listed;
   std::vector<std::string> rest;
   for (const VariableReport& variable : diagnosis.variables) {
     listed.insert(listed.end(), variable.listed.begin(), variable.listed.end());
     const std::uint64_t shown = variable.listed.size();
     if (shown == variable.judged) continue;
-    rest.push_back(fmt::format("{}: the worst {} of {} entries; {} of all have not mixed",
+    rest.push_back(fmt::format("{}: the worst {} of {} entries are shown; {} have not mixed",
                                variable.name, shown, count(variable.judged),
                                variable.failing == 0 ? "none" : count(variable.failing)));
   }
@@ -190,12 +192,12 @@ void append_counts(std::string& text, const Diagnosis& diagnosis) {
   text += fmt::format("  satisfied  {} of the judged scans, {} of all{}\n",
                       percent(share_of(diagnosis.satisfied_judged, judged)),
                       percent(share_of(diagnosis.satisfied, diagnosis.chains * diagnosis.scans)),
-                      diagnosis.weights ? ", each counted once whatever its weight" : "");
-  text += fmt::format("  solutions  {}{} independent: lineages with a satisfied scan\n",
+                      diagnosis.weights ? ", regardless of weights" : "");
+  text += fmt::format("  solutions  {}{} independent (lineages with a satisfied scan)\n",
                       count(diagnosis.solutions), diagnosis.solutions_more ? " or more" : "");
   if (std::isnan(diagnosis.simulations)) return;
   text +=
-      fmt::format("  simulated  {}: the number of proposals and of draws from the prior{}\n",
+      fmt::format("  simulated  {} (proposals and draws from the prior{})\n",
                   count(diagnosis.simulations), diagnosis.tempering ? ", at all temperatures" : "");
 }
 
@@ -212,14 +214,17 @@ void append_ladders(std::string& text, const TemperingReport& tempering) {
 }
 
 void append_levels(std::string& text, const Ladder& ladder, std::size_t index) {
-  text += fmt::format("\nLadder {} by inverse temperature, from the prior on\n", index);
+  text += fmt::format(
+      "\n"
+      "Ladder {} by inverse temperature, starting at the prior\n",
+      index);
   std::vector<report::Report> rows;
   for (std::size_t level = 0; level < ladder.inverse_temperature.size(); ++level) {
     const bool has_next = level < ladder.swap_acceptance.size();
     report::Report& row = rows.emplace_back();
     row.for_people("", fmt::format("level {}", level));
     row.for_people("inverse temperature", number(ladder.inverse_temperature[level]));
-    row.for_people("swaps with the next", has_next ? percent(ladder.swap_acceptance[level]) : "");
+    row.for_people("swaps with next level", has_next ? percent(ladder.swap_acceptance[level]) : "");
     row.for_people("local barrier", number(ladder.local_barrier[level]));
   }
   text += report::indented_table(rows);
@@ -255,8 +260,10 @@ void append_tempering(std::string& text, const Diagnosis& diagnosis) {
     append_acceptance(text, diagnosis, tempering.ladders[i].levels, i);
   }
   if (shown < tempering.ladders.size()) {
-    text += fmt::format("\n  {} more ladders by temperature: --json\n",
-                        tempering.ladders.size() - shown);
+    text += fmt::format(
+        "\n"
+        "  {} more ladders not shown (--json shows all)\n",
+        tempering.ladders.size() - shown);
   }
 }
 
@@ -266,7 +273,10 @@ void append_walks(std::string& text, const std::vector<WalkReport>& walks) {
   text += report::indented_table(report::reports_of(walks, k_numbered_report_of));
   const std::size_t shown = std::min(walks.size(), k_ladders_shown);
   for (std::size_t i = 0; i < shown; ++i) {
-    text += fmt::format("\nWalk of chain {} by inverse temperature, from the prior on\n", i);
+    text += fmt::format(
+        "\n"
+        "Walk of chain {} by inverse temperature, starting at the prior\n",
+        i);
     std::vector<report::Report> levels;
     for (std::size_t level = 0; level < walks[i].visits.size(); ++level) {
       const bool has_next = level + 1 < walks[i].visits.size();
@@ -274,7 +284,7 @@ void append_walks(std::string& text, const std::vector<WalkReport>& walks) {
       row.for_people("", fmt::format("level {}", level));
       row.for_people("inverse temperature", number(walks[i].inverse_temperature[level]));
       row.for_people("scans", count(walks[i].visits[level]));
-      row.for_people("moves to the next and back",
+      row.for_people("moves to next level and back",
                      has_next ? percent(walks[i].acceptance[level]) : "");
     }
     text += report::indented_table(levels);
@@ -290,7 +300,7 @@ void append_transitions(std::string& text, const std::vector<TransitionReport>& 
 /// Weighted draws, chain by chain and together.
 void append_weights(std::string& text, const Diagnosis& diagnosis) {
   const WeightsReport& weights = *diagnosis.weights;
-  text += "Draws are independent and have weights\n";
+  text += "Independent weighted draws\n";
   std::vector<report::Report> rows;
   const std::size_t shown = std::min(weights.chains.size(), k_chains_shown);
   for (std::size_t i = 0; i < shown; ++i)
@@ -302,7 +312,8 @@ void append_weights(std::string& text, const Diagnosis& diagnosis) {
                                   .log_p_satisfied = weights.log_p_satisfied.log}));
   text += report::indented_table(rows);
   if (shown < weights.chains.size())
-    text += fmt::format("  {} more chains: --json\n", weights.chains.size() - shown);
+    text += fmt::format("  {} more chains not shown (--json shows all)\n",
+                        weights.chains.size() - shown);
 }
 
 const char* name_of(JudgedDraws which) {
@@ -326,13 +337,13 @@ const char* in_words(JudgedDraws which) {
     case JudgedDraws::second_half:
       return "the second half";
     case JudgedDraws::round:
-      return "a round, in which neither ladder nor sizes of proposals change";
+      return "one round, with constant ladder and proposal sizes";
     case JudgedDraws::all:
-      return "all after the burn-in";
+      return "all scans after the burn-in";
     case JudgedDraws::tours:
       return "all, each the last scan of a tour";
     case JudgedDraws::weighted:
-      return "all, by their weights";
+      return "all, with their weights";
   }
   return "";
 }
@@ -342,17 +353,23 @@ void append_verdict(std::string& text, const Diagnosis& diagnosis) {
     text += fmt::format("\nNote: {}.\n", note);
   const bool weighted = diagnosis.weights.has_value();
   if (diagnosis.mixed()) {
-    text += weighted ? "\nThe draws are worth enough.\n"
-                     : "\nNothing here says that the chains have not mixed.\n";
+    text += weighted ? "\n"
+                       "The weighted draws are worth enough draws of equal weight.\n"
+                     : "\n"
+                       "No check failed: there is no sign that the chains have not mixed.\n";
     return;
   }
   const bool of_tours = diagnosis.which == JudgedDraws::tours;
-  text += weighted ? "\nNot enough:\n" : of_tours ? "\nCan't be judged:\n" : "\nNot mixed:\n";
+  text += weighted   ? "\n"
+                       "The weighted draws are worth too little:\n"
+          : of_tours ? "\nCan't be judged:\n"
+                     : "\nNot mixed:\n";
   const std::size_t shown = std::min(diagnosis.reasons.size(), k_reasons_shown);
   for (std::size_t i = 0; i < shown; ++i)
     text += fmt::format("  {}\n", diagnosis.reasons[i]);
   if (shown < diagnosis.reasons.size()) {
-    text += fmt::format("  and {} more reasons: --json\n", diagnosis.reasons.size() - shown);
+    text +=
+        fmt::format("  and {} more reasons (--json shows all)\n", diagnosis.reasons.size() - shown);
   }
 }
 
@@ -390,9 +407,11 @@ std::string for_people(const std::string& path, const Diagnosis& diagnosis) {
                                  count(diagnosis.chains), diagnosis.chains == 1 ? "" : "s",
                                  count(diagnosis.scans), diagnosis.scans == 1 ? "" : "s");
   if (!diagnosis.warning.empty()) text += fmt::format("Warning: {}\n", diagnosis.warning);
-  text +=
-      fmt::format("\nJudged are scans {} to {} of each chain: {}.\n\n", count(judged.first_scan),
-                  count(judged.first_scan + judged.scans - 1), in_words(diagnosis.which));
+  text += fmt::format(
+      "\n"
+      "Judged scans of each chain: {} to {} ({}).\n\n",
+      count(judged.first_scan), count(judged.first_scan + judged.scans - 1),
+      in_words(diagnosis.which));
   if (diagnosis.weights) {
     append_weights(text, diagnosis);
   } else {

@@ -31,7 +31,7 @@ void doubt_values(std::vector<Doubt>& doubts, const CombinedEstimate& all, std::
                   const Whose& whose, const std::string& where) {
   if (all.ladders == ladders) return;
   doubts.push_back({.kind = DoubtOf::no_value,
-                    .reason = fmt::format("nothing satisfied in {} of {}{}", ladders - all.ladders,
+                    .reason = fmt::format("no solution in {} of {}{}", ladders - all.ladders,
                                           so_many(ladders, whose), where),
                     .at_least = true});
 }
@@ -55,15 +55,15 @@ void doubt_round_trips(std::vector<Doubt>& doubts, const LadderFacts& facts) {
               .at_least = least < 1};
   const std::string all = so_many(trips.size(), k_ladders);
   if (below(1) > 0) {
-    doubt.reason = fmt::format("{} of {} made no round trip in {}: each has to make {:.0f}",
+    doubt.reason = fmt::format("{} of {} made no round trip in {}; each needs at least {:.0f}",
                                below(1), all, facts.round, k_trips_each);
   } else if (below(k_trips_each) > 0) {
     doubt.reason = fmt::format("{} of {} made fewer than {:.0f} round trips in {}",
                                below(k_trips_each), all, k_trips_each, facts.round);
   } else {
     doubt.reason =
-        fmt::format("{} made {:.0f} round trips in {}: together they have to make {:.0f}", all, sum,
-                    facts.round, k_renewals_in_all);
+        fmt::format("{} made {:.0f} round trips in {}; in total, at least {:.0f} are needed", all,
+                    sum, facts.round, k_renewals_in_all);
   }
   doubts.push_back(std::move(doubt));
 }
@@ -73,8 +73,8 @@ void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
                  const CombinedEstimate& judged) {
   if (facts.before.empty()) {
     doubts.push_back({.kind = DoubtOf::first_round,
-                      .reason = fmt::format("{} is the first: no round before it shows whether its "
-                                            "starts are forgotten",
+                      .reason = fmt::format("{} is the first, so no earlier round shows whether "
+                                            "the chains have forgotten their starts",
                                             facts.round)});
     return;
   }
@@ -82,14 +82,15 @@ void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
   const double change = judged.log.value - before.log.value;
   const double error = std::hypot(judged.log.error, before.log.error);
   if (before.ladders < facts.before.size() || !std::isfinite(error)) {
-    doubts.push_back({.kind = DoubtOf::rounds_disagree,
-                      .reason = fmt::format("the round before {} can't be compared with it: it is "
-                                            "too short, or nothing satisfied there",
-                                            facts.round)});
+    doubts.push_back(
+        {.kind = DoubtOf::rounds_disagree,
+         .reason = fmt::format(
+             "the round before {} can't be compared, because it is too short or has no solution",
+             facts.round)});
   } else if (!(std::abs(change) <= k_drift_max * error)) {
     doubts.push_back({.kind = DoubtOf::rounds_disagree,
-                      .reason = fmt::format("{} and the one before disagree by {:.2f} +- {:.2f}: "
-                                            "there is a drift yet",
+                      .reason = fmt::format("{} and the round before differ by {:.2f} +- {:.2f}, "
+                                            "so the estimate is still drifting",
                                             facts.round, std::abs(change), error),
                       .at_least = true});
   }
@@ -100,24 +101,25 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
   if (!std::isfinite(all.own_error)) {
     doubts.push_back(
         {.kind = DoubtOf::wide,
-         .reason = fmt::format("not every {} has an error of its own: too few draws satisfied",
-                               whose.one),
+         .reason = fmt::format(
+             "not every {} has an error estimate, because too few draws are solutions", whose.one),
          .at_least = true});
   } else if (!(spread <= k_spread_max)) {
     // A variance falls as scans grow.
-    doubts.push_back({.kind = DoubtOf::wide,
-                      .reason = fmt::format("each {} knows the log to +- {:.1f} only: it has to be "
-                                            "{:.0f} or less",
-                                            whose.one, spread, k_spread_max),
-                      .longer = std::max(spread * spread / (k_spread_max * k_spread_max), 2.0),
-                      .at_least = true});
+    doubts.push_back(
+        {.kind = DoubtOf::wide,
+         .reason = fmt::format(
+             "the log estimate of a single {} has an error of {:.1f}; at most {:.0f} is allowed",
+             whose.one, spread, k_spread_max),
+         .longer = std::max(spread * spread / (k_spread_max * k_spread_max), 2.0),
+         .at_least = true});
   }
   if (all.between_error > k_disagreement_max * all.own_error) {
-    doubts.push_back({.kind = DoubtOf::ladders_disagree,
-                      .reason = fmt::format("{} lie {:.1f} times as far apart as their own errors "
-                                            "explain",
-                                            whose.many, all.between_error / all.own_error),
-                      .at_least = true});
+    doubts.push_back(
+        {.kind = DoubtOf::ladders_disagree,
+         .reason = fmt::format("{} differ {:.1f} times as much as their own errors explain",
+                               whose.many, all.between_error / all.own_error),
+         .at_least = true});
   }
 }
 
@@ -128,12 +130,12 @@ const char* reason_not_sized(IslandNumber number) {
     case IslandNumber::sized:
       return "";
     case IslandNumber::unfinished:
-      return "the batch of islands that alone tells the odds is not sized or not complete";
+      return "the batch of islands that determines the odds has no size yet, or is not complete";
     case IslandNumber::by_solutions:
-      return "the run could end by solutions, so islands themselves chose how many they are; those "
-             "that it makes in any case are not all there";
+      return "the run could stop at a number of solutions, so results influenced the number of "
+             "islands, and the islands that it makes in any case are not complete";
     case IslandNumber::unknown:
-      return "its request does not say what chose the number of islands";
+      return "the request does not show how the number of islands was chosen";
   }
   return "";
 }
@@ -159,7 +161,7 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
   if (!(effective_size >= effective_size_min)) {
     doubts.push_back({.kind = DoubtOf::few_draws,
                       .reason = fmt::format("the weighted draws are worth {:.1f} draws of equal "
-                                            "weight, and it takes {:.0f}",
+                                            "weight, but at least {:.0f} are needed",
                                             effective_size, effective_size_min),
                       .longer = effective_size_min / std::fmax(effective_size, 1),
                       .at_least = true});
@@ -172,8 +174,8 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
   }
   if (worth < k_renewals_in_all) {
     doubts.push_back({.kind = DoubtOf::few_draws,
-                      .reason = fmt::format("those that count are worth {:.1f} draws of equal "
-                                            "weight, and it takes {:.0f}",
+                      .reason = fmt::format("the draws behind this estimate are worth {:.1f} draws "
+                                            "of equal weight, but at least {:.0f} are needed",
                                             worth, k_renewals_in_all),
                       .longer = k_renewals_in_all / std::fmax(worth, 1),
                       .at_least = true});
@@ -197,24 +199,24 @@ std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumb
   const auto count = static_cast<double>(islands.islands);
   if (islands.islands < math::k_islands_min) {
     doubts.push_back({.kind = DoubtOf::few_draws,
-                      .reason = fmt::format("there are {} islands, and it takes {}",
+                      .reason = fmt::format("there are {} islands, but at least {} are needed",
                                             islands.islands, math::k_islands_min),
                       .longer = static_cast<double>(math::k_islands_min) / count,
                       .at_least = true});
   }
   if (particles && *particles < k_particles_min) {
     doubts.push_back({.kind = DoubtOf::few_particles,
-                      .reason = fmt::format("islands have {:.0f} particles, and it takes {:.0f}: "
-                                            "of fewer the large islands mostly have not come",
+                      .reason = fmt::format("islands have {:.0f} particles, but at least {:.0f} "
+                                            "are needed; fewer usually miss the rare large weights",
                                             *particles, k_particles_min),
                       .at_least = true});
   }
   if (islands.largest_share > math::k_largest_share_max) {
     doubts.push_back(
         {.kind = DoubtOf::heavy_tail,
-         .reason = fmt::format("one of {} islands has {:.1f}% of the sum, and may have {:.0f}%",
-                               islands.islands, 100 * islands.largest_share,
-                               100 * math::k_largest_share_max),
+         .reason = fmt::format(
+             "one of {} islands has {:.1f}% of the sum; at most {:.0f}% is allowed",
+             islands.islands, 100 * islands.largest_share, 100 * math::k_largest_share_max),
          .longer = std::max(islands.largest_share / math::k_largest_share_max, 2.0),
          .at_least = true});
   }

@@ -13,7 +13,7 @@ request::Document parsed(std::string_view text, std::string_view archive) {
   auto document = request::parse_document(text, archive);
   if (!document) {
     throw base::Error(base::ExitCode::bad_archive,
-                      "its request can't be read: " + request::to_string(document.error()));
+                      "can't read its request: " + request::to_string(document.error()));
   }
   return std::move(document).value();
 }
@@ -38,7 +38,7 @@ double RequestNumbers::at(std::string_view section, std::string_view key) const 
   if (const std::optional<double> number = find(section, key)) return *number;
   throw base::Error(
       base::ExitCode::bad_archive,
-      fmt::format("{}: its request has no number '{}' in [{}]", archive_, key, section));
+      fmt::format("{}: the request has no number '{}' in [{}]", archive_, key, section));
 }
 
 std::string scan_label(const RequestNumbers& numbers) {

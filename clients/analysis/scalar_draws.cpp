@@ -30,8 +30,8 @@ const archive::DatasetSpec& spec_of(const archive::Source& source, const Quantit
       !std::equal(quantity.inner.begin(), quantity.inner.end(), spec->dims.begin() + 2,
                   [](const auto& a, const auto& b) { return a.size == b.size; })) {
     throw base::Error(base::ExitCode::bad_archive,
-                      fmt::format("{}: {}: expected a number for each chain and draw",
-                                  source.name(), archive::path_of(quantity.group, quantity.name)));
+                      fmt::format("{}: {}: expected one number per chain and draw", source.name(),
+                                  archive::path_of(quantity.group, quantity.name)));
   }
   return *spec;
 }

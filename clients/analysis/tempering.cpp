@@ -71,7 +71,7 @@ std::vector<double> read_entries(const archive::Source& source, std::string_view
 std::uint64_t count_of(const archive::Source& source, std::string_view name, double value,
                        std::uint64_t most) {
   if (!(value >= 0 && value <= static_cast<double>(most)) || value != std::floor(value)) {
-    refuse(source, name, fmt::format("{} is no count up to {}", value, most));
+    refuse(source, name, fmt::format("{} is not a whole number from 0 to {}", value, most));
   }
   return static_cast<std::uint64_t>(value);
 }
@@ -82,7 +82,7 @@ std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains
                              std::optional<std::uint64_t> draws) {
   const archive::DatasetSpec* first = find_table(source, "first_scan", k_by_round);
   if (first == nullptr) return {};
-  if (first->dims[0].size != chains) refuse(source, "first_scan", "another number of chains");
+  if (first->dims[0].size != chains) refuse(source, "first_scan", "unexpected number of chains");
   std::vector<Round> rounds;
   std::uint64_t end = k_run_scans_max;
   for (std::size_t r = 0; r < first->dims[1].size; ++r) {
@@ -90,7 +90,7 @@ std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains
     const std::vector<double> begins = of_ladders(source, "first_scan", chains, r);
     if (std::ranges::any_of(begins, [](double begin) { return std::isnan(begin); })) break;
     if (std::ranges::any_of(begins, [&](double begin) { return begin != begins[0]; })) {
-      refuse(source, "first_scan", "rounds begin at different scans");
+      refuse(source, "first_scan", "rounds of different chains begin at different scans");
     }
     Round round{.first_scan = count_of(source, "first_scan", begins[0], end), .scans = 0};
     if (r == 0 && draws) end = round.first_scan + std::min(*draws, k_run_scans_max);
@@ -180,11 +180,12 @@ IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain
   const std::uint64_t moments = spec->dims[1].size;
   const std::uint64_t replicas = spec->dims[2].size;
   if (chain >= spec->dims[0].size || moments != process.scan.size())
-    refuse(source, k_name, "other chains or moments than index_scan has");
+    refuse(source, k_name, "chains or moments differ from those of index_scan");
   // Where another chain has more moments, this one's rest is NaN.
   const auto end = std::ranges::find_if(process.scan, [](double scan) { return std::isnan(scan); });
   process.scan.erase(end, process.scan.end());
-  if (!std::ranges::is_sorted(process.scan)) refuse(source, "index_scan", "scans don't ascend");
+  if (!std::ranges::is_sorted(process.scan))
+    refuse(source, "index_scan", "scans are not in ascending order");
   process.level.assign(replicas, std::vector<double>(process.scan.size(), k_nan));
   const std::uint64_t batch = std::max<std::uint64_t>(1, archive::k_batch_elements / replicas);
   for (std::uint64_t first = 0; first < process.scan.size(); first += batch) {
@@ -201,7 +202,7 @@ std::vector<double> of_chains(const archive::Source& source, std::string_view na
                               std::uint64_t chains) {
   const archive::DatasetSpec* spec = find_table(source, name, {"chain"});
   if (spec == nullptr) return std::vector<double>(chains, k_nan);
-  if (chains > spec->dims[0].size) refuse(source, name, "fewer chains than there are");
+  if (chains > spec->dims[0].size) refuse(source, name, "too few chains");
   std::vector<double> all;
   for (std::uint64_t first = 0; first < chains; first += archive::k_batch_elements) {
     const std::uint64_t count = std::min<std::uint64_t>(archive::k_batch_elements, chains - first);
@@ -240,10 +241,9 @@ std::optional<std::uint64_t> islands_of_chain(const archive::Source& source, std
                                               std::uint64_t chains) {
   const archive::DatasetSpec* spec = find_table(source, name, {"chain", "island"});
   if (spec == nullptr) return std::nullopt;
-  if (spec->dims[0].size != chains) refuse(source, name, "another number of chains");
+  if (spec->dims[0].size != chains) refuse(source, name, "unexpected number of chains");
   const std::uint64_t islands = spec->dims[1].size;
-  if (chains > 0 && islands > k_run_scans_max / chains)
-    refuse(source, name, "more islands than any run has");
+  if (chains > 0 && islands > k_run_scans_max / chains) refuse(source, name, "too many islands");
   return islands;
 }
 
@@ -260,7 +260,7 @@ void for_each_of_islands(const archive::Source& source, std::string_view name, I
           source.read(archive::k_tempering, name, chain * all + begin, count));
       for (const double value : values) {
         if (!(value < std::numeric_limits<double>::infinity()))
-          refuse(source, name, fmt::format("{} is no log of an estimate", value));
+          refuse(source, name, fmt::format("{} is not the log of an estimate", value));
         visit(value);
       }
     }
@@ -273,7 +273,7 @@ std::optional<std::uint64_t> island_of_all(const archive::Source& source, std::s
   const std::vector<double> numbers = of_chains(source, std::string(name), chains);
   if (numbers.empty()) return std::nullopt;
   if (std::ranges::any_of(numbers, [&](double other) { return other != numbers.front(); }))
-    refuse(source, name, "chains have different ones");
+    refuse(source, name, "the value differs between chains");
   return count_of(source, name, numbers.front(), islands);
 }
 
@@ -283,8 +283,9 @@ std::vector<std::string> proposal_kinds(const archive::Source& source) {
       stats == nullptr ? nullptr : find_dataset(*stats, "proposal_kind");
   if (spec == nullptr || spec->type != archive::ElementType::text || spec->dims.size() != 1 ||
       spec->dims[0].size > k_kinds_max) {
-    throw base::Error(base::ExitCode::bad_archive,
-                      source.name() + ": /sample_stats/proposal_kind: expected a few names");
+    throw base::Error(
+        base::ExitCode::bad_archive,
+        source.name() + ": /sample_stats/proposal_kind: expected a short list of names");
   }
   return std::get<std::vector<std::string>>(
       source.read(archive::k_sample_stats, "proposal_kind", 0, spec->dims[0].size));

@@ -46,11 +46,11 @@ def document_of(path):
     with open(path, "rb") as file:
         head = file.read(20)
         if len(head) < 20 or head[:4] != b"glTF":
-            raise ImportFailed(f"{path}: this is no .glb file")
+            raise ImportFailed(f"{path}: not a .glb file")
         version, _, length, kind = struct.unpack("<IIII", head[4:])
         text = file.read(length)
     if version != 2 or kind != 0x4E4F534A or len(text) != length:
-        raise ImportFailed(f"{path}: this .glb file is cut off or of another version than 2")
+        raise ImportFailed(f"{path}: this .glb file is truncated, or its version is not 2")
     try:
         return json.loads(text)
     except ValueError as error:
@@ -121,8 +121,8 @@ def import_files(paths, fps=24, scene=None):
     """Imports .glb files, each into a collection of its own, and returns these collections."""
     scene = scene or bpy.context.scene
     if ours(scene) and scene.get(FPS, fps) != fps:
-        raise ImportFailed(f"this scene holds animations at {scene[FPS]} frames a second already; "
-                           "import with that rate, or into another scene")
+        raise ImportFailed(f"this scene already contains animations at {scene[FPS]} frames per second; "
+                           "import at the same rate, or into another scene")
     documents = [(path, document_of(path)) for path in paths]
     # The importer places keys by the scene's rate.
     scene.render.fps = fps
@@ -139,7 +139,7 @@ def export_archive(program, archive, folder, ids="", whole_frames_fps=None, howe
     """Has `sleight` write an archive's animations into a folder; the files."""
     found = shutil.which(program)
     if found is None:
-        raise ImportFailed(f"the program '{program}' is not found: give its path in the import's "
+        raise ImportFailed(f"program '{program}' not found; set its path in the import "
                            "options, or export the archive yourself and choose the .glb files")
     command = [found, "export", str(archive), "-o", str(folder), "--json"]
     if whole_frames_fps:
@@ -148,7 +148,7 @@ def export_archive(program, archive, folder, ids="", whole_frames_fps=None, howe
         command.append("--all")
     words = ids.replace(",", " ").split()
     if any(word.startswith("-") for word in words):
-        raise ImportFailed(f"these are no animations' ids: {ids}")
+        raise ImportFailed(f"expected ids of animations such as c0.250, found: {ids}")
     if words:
         command += ["--ids", *words]
     try:
@@ -157,12 +157,12 @@ def export_archive(program, archive, folder, ids="", whole_frames_fps=None, howe
     except (OSError, subprocess.TimeoutExpired) as error:
         raise ImportFailed(f"{program}: {error}") from error
     if done.returncode != 0:
-        raise ImportFailed(done.stderr.strip() or f"sleight ended with {done.returncode}")
+        raise ImportFailed(done.stderr.strip() or f"sleight exited with code {done.returncode}")
     return [written["path"] for written in json.loads(done.stdout)["written"]]
 
 
 class ImportSleight(bpy.types.Operator, ImportHelper):
-    """Import animations that Sleight directed, a collection each"""
+    """Import animations from Sleight, each into its own collection"""
 
     bl_idname = "import_scene.sleight"
     bl_label = "Import Sleight animations"
@@ -173,15 +173,15 @@ class ImportSleight(bpy.types.Operator, ImportHelper):
     files: CollectionProperty(type=bpy.types.OperatorFileListElement,
                               options={"HIDDEN", "SKIP_SAVE"})
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
-    fps: IntProperty(name="Frame rate", description="Frames a second", default=24, min=1, max=1000)
+    fps: IntProperty(name="Frame rate", description="Frames per second", default=24, min=1, max=1000)
     ids: StringProperty(name="Animations", default="",
-                        description="Ids such as c0.250 or find.3, where an archive is chosen; empty: all")
+                        description="For archives: ids of animations, such as c0.250 or find.3. Empty: all")
     however_many: BoolProperty(name="More than 100", default=False,
-                               description="Of an archive: all, however many there are")
+                               description="For archives: import all animations, even more than 100")
     whole_frames: BoolProperty(name="Keys on whole frames", default=False,
-                               description="Of an archive: a key on each frame and nowhere else")
+                               description="For archives: one keyframe on each frame, and no others")
     program: StringProperty(name="Program", default="sleight",
-                            description="Of an archive: the program that exports it")
+                            description="For archives: program that exports the animations")
 
     def chosen(self):
         names = [one.name for one in self.files if one.name]
