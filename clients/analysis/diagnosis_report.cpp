@@ -122,7 +122,7 @@ report::Report report_of(const WalkReport& walk, std::size_t index) {
   report.for_people("", fmt::format("chain {}", index));
   report.for_people("temperatures", count(walk.inverse_temperature.size()));
   report.add("round_trips", walk.round_trips, "round trips", count(walk.round_trips));
-  report.for_people("fewest visits", percent(least(walk.visits) / scans));
+  report.for_people("lowest visit rate", percent(least(walk.visits) / scans));
   report.for_people("lowest move rate", percent(least(moves)));
   report.for_programs("inverse_temperature", walk.inverse_temperature);
   report.for_programs("visits", walk.visits);

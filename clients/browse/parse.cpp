@@ -203,7 +203,7 @@ class Parser {
       if (!take_word("in")) fail("expected 'in', as in '... ends in x 0..20mm'");
       return {EndsIn{.who = std::move(who), .box = box()}};
     }
-    fail("'in', 'touches' or 'ends in' is expected");
+    fail("expected 'in', 'touches' or 'ends in'");
   }
 
   Bodies bodies_of_kind() {
@@ -413,7 +413,7 @@ class Parser {
       low = tokens_[at_++].number;
       low_unit = taken_unit(dimension);
     }
-    if (!take_sign("..")) fail("expected '..': a range is 0..20, 0.. or ..20");
+    if (!take_sign("..")) fail("expected '..', as in 0..20, 0.. or ..20");
     if (next().kind == Token::Kind::number) {
       high = tokens_[at_++].number;
       high_unit = taken_unit(dimension);

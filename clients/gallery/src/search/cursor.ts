@@ -106,19 +106,20 @@ export class Cursor {
       low = this.take().number;
       lowUnit = this.takenUnit(dimension);
     }
-    if (!this.takeSign("..")) this.fail("'..' is expected: a range as 0..20, 0.. or ..20");
+    if (!this.takeSign("..")) this.fail("expected '..', as in 0..20, 0.. or ..20");
     if (this.next().kind === "number") {
       high = this.take().number;
       highUnit = this.takenUnit(dimension);
     }
-    if (low === null && high === null) throw new QueryFault(column, "a range needs an end, as 0.. or ..20");
+    if (low === null && high === null)
+      throw new QueryFault(column, "a range needs at least one end, as in 0.. or ..20");
     // A unit behind the range is of both its ends.
     const ends = {
       low: low === null ? -Infinity : low * (lowUnit ?? highUnit ?? 1),
       high: high === null ? Infinity : high * (highUnit ?? lowUnit ?? 1),
     };
     if (ends.low > ends.high)
-      throw new QueryFault(column, "nothing is in this range: its first end is above its second");
+      throw new QueryFault(column, "the range is empty, because its first end is above its second end");
     return ends;
   }
 
@@ -130,10 +131,10 @@ export class Cursor {
     if (unit === undefined) {
       // Behind a blank it is the next word.
       if (!token.isJoined) return null;
-      this.fail(`'${token.text}' is no unit; there are: ${UNITS.map((one) => one.name).join(", ")}`);
+      this.fail(`'${token.text}' is not a unit; the units are ${UNITS.map((one) => one.name).join(", ")}`);
     }
     if (unit.dimension !== dimension)
-      this.fail(`${dimension} is expected here, and ${unit.name} is the unit of ${unit.dimension}`);
+      this.fail(`expected ${dimension} here, but ${unit.name} is a unit of ${unit.dimension}`);
     ++this.at;
     return unit.si;
   }

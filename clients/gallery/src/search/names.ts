@@ -35,7 +35,7 @@ export class Names {
   /** Words and plain numbers behind them, or one name in quotes. */
   taken(cursor: Cursor): string {
     if (cursor.next().kind === "quoted") return cursor.take().text;
-    if (!cursor.isFreeWord()) cursor.fail("a body, 'any', 'every' or a number's name is expected");
+    if (!cursor.isFreeWord()) cursor.fail("expected a body, 'any', 'every' or the name of a number");
     let name = cursor.take().text;
     for (;;) {
       const after = cursor.afterNext();
@@ -67,7 +67,7 @@ export class Names {
       for (let body = 0; body < this.bodies; ++body) bodies.push(body);
     if (bodies.length === 0)
       throw new QueryFault(token.column, kind === "" ? "the scene has no bodies"
-        : `no body is called '${kind} N'; there are: ${this.shown(this.bodies)}`);
+        : `no body is named '${kind} N'; the bodies are ${this.shown(this.bodies)}`);
     return this.bodiesOf(bodies, isEvery);
   }
 
@@ -85,17 +85,19 @@ export class Names {
     const feature = this.features.indexOf(name);
     if (feature < 0) this.failUnknown(name, this.features.length, column);
     if (this.isGoal[feature])
-      throw new QueryFault(column, `'${name}' is a goal, which nothing touches: ask 'in' its place`);
+      throw new QueryFault(column,
+        `'${name}' is a goal, which bodies cannot touch; use 'in' with the place of the goal`);
     return feature;
   }
 
   bodyCalled(name: string, column: number): Bodies {
     const feature = this.features.indexOf(name);
     if (feature >= 0 && feature < this.bodies) return this.bodiesOf([feature], false);
-    if (feature >= 0) throw new QueryFault(column, `'${name}' doesn't move: ask which body touches it`);
+    if (feature >= 0)
+      throw new QueryFault(column, `'${name}' doesn't move; use 'touches', as in 'any touches ${name}'`);
     if (this.numbers.includes(name))
-      throw new QueryFault(column, `'${name}' is a number: a range or a comparison is expected behind ` +
-        `it, as '${name} 0..1'`);
+      throw new QueryFault(column, `'${name}' is a number; expected a range or a comparison after it, ` +
+        `as in '${name} 0..1'`);
     this.failUnknown(name, this.bodies, column);
   }
 
@@ -105,22 +107,22 @@ export class Names {
     const elements = this.numbers.filter((other) => other.startsWith(`${name}[`));
     if (elements.length > 0)
       throw new QueryFault(column,
-        `'${name}' has ${elements.length} elements: say which, as ${elements[0]!}`);
+        `'${name}' has ${elements.length} elements; choose one, such as ${elements[0]!}`);
     if (this.features.includes(name))
       throw new QueryFault(column,
-        `'${name}' is no number: 'in', 'touches' or 'ends in' is expected behind it`);
+        `'${name}' is not a number; expected 'in', 'touches' or 'ends in' after it`);
     const meant = OTHER_WORDS.get(name);
     const near = meant !== undefined && this.numbers.includes(meant) ? meant : nearest(name, this.numbers);
     throw new QueryFault(column, near === null
-      ? `no number is called '${name}'; \`sleight find --names\` lists them`
-      : `no number is called '${name}'; did you mean '${near}'?`);
+      ? `no number is named '${name}'; to list the numbers, run \`sleight find --names\``
+      : `no number is named '${name}'; did you mean '${near}'?`);
   }
 
   private failUnknown(name: string, features: number, column: number): never {
     const near = nearest(name, this.features.slice(0, features));
     throw new QueryFault(column, near === null
-      ? `nothing is called '${name}'; there are: ${this.shown(features)}`
-      : `nothing is called '${name}'; did you mean '${near}'?`);
+      ? `nothing is named '${name}'; the names are ${this.shown(features)}`
+      : `nothing is named '${name}'; did you mean '${near}'?`);
   }
 
   private shown(count: number): string {

@@ -16,7 +16,7 @@ export interface QueryError {
   readonly message: string;
 }
 
-const THEN_JOINS = "'then' joins what happens at a moment: '... in BOX' and '... touches ...'";
+const THEN_JOINS = "'then' can only join '... in BOX' and '... touches ...'";
 const AXES: readonly string[] = ["x", "y", "z"];
 const COMPARISONS: readonly string[] = ["<", "<=", ">", ">=", "="];
 
@@ -45,9 +45,9 @@ class Parser {
   }
 
   whole(): Condition {
-    if (this.cursor.next().kind === "end") this.cursor.fail("a query is expected, as 'any in x 0..20mm'");
+    if (this.cursor.next().kind === "end") this.cursor.fail("expected a query, such as 'any in x 0..20mm'");
     const condition = this.anyOf();
-    if (this.cursor.next().kind !== "end") this.cursor.fail("'and', 'or', 'then' or the end is expected");
+    if (this.cursor.next().kind !== "end") this.cursor.fail("expected 'and', 'or', 'then' or the end of the query");
     return condition;
   }
 
@@ -68,13 +68,14 @@ class Parser {
   }
 
   private negated(): Condition {
-    if (++this.depth > QUERY_DEPTH_MAX) this.cursor.fail(`it is nested more than ${QUERY_DEPTH_MAX} deep`);
+    if (++this.depth > QUERY_DEPTH_MAX)
+      this.cursor.fail(`the query is nested more than ${QUERY_DEPTH_MAX} levels deep`);
     let condition: Condition;
     if (this.cursor.takeWord("not")) {
       condition = { is: "not", part: this.negated() };
     } else if (this.cursor.takeSign("(")) {
       condition = this.anyOf();
-      if (!this.cursor.takeSign(")")) this.cursor.fail("')' is expected");
+      if (!this.cursor.takeSign(")")) this.cursor.fail("expected ')'");
     } else {
       condition = this.inOrder();
     }
@@ -119,10 +120,10 @@ class Parser {
       return { is: "touches", who, partner, when: cursor.during() };
     }
     if (cursor.takeWord("ends")) {
-      if (!cursor.takeWord("in")) cursor.fail("'in' is expected: '... ends in x 0..20mm'");
+      if (!cursor.takeWord("in")) cursor.fail("expected 'in', as in '... ends in x 0..20mm'");
       return { is: "ends", who, box: this.box() };
     }
-    cursor.fail("'in', 'touches' or 'ends in' is expected");
+    cursor.fail("expected 'in', 'touches' or 'ends in'");
   }
 
   private ofNumber(begun: string, column: number): NumberIn {
@@ -131,7 +132,7 @@ class Parser {
     while (cursor.takeSign("[")) {
       name += "[";
       while (!cursor.takeSign("]")) {
-        if (cursor.next().kind !== "number" && !cursor.isSign(",")) cursor.fail("']' is expected");
+        if (cursor.next().kind !== "number" && !cursor.isSign(",")) cursor.fail("expected ']'");
         name += cursor.take().text;
       }
       name += "]";
@@ -142,7 +143,7 @@ class Parser {
     if (comparison === undefined)
       return { is: "number", number, ...cursor.range(dimension), isLowOpen: false, isHighOpen: false };
     cursor.take();
-    if (cursor.next().kind !== "number") cursor.fail("a number is expected");
+    if (cursor.next().kind !== "number") cursor.fail("expected a number");
     const plain = cursor.take().number;
     const value = plain * (cursor.takenUnit(dimension) ?? 1);
     return {
@@ -162,7 +163,7 @@ class Parser {
     for (;;) {
       const axis = AXES.findIndex((word) => cursor.isWord(word));
       if (axis < 0) break;
-      if (seen[axis]) cursor.fail(`${AXES[axis]!} has a range already`);
+      if (seen[axis]) cursor.fail(`${AXES[axis]!} already has a range`);
       seen[axis] = true;
       cursor.take();
       const ends = cursor.range("a length");
@@ -171,7 +172,7 @@ class Parser {
       const isAxisBehind = cursor.afterNext().kind === "word" && AXES.includes(cursor.afterNext().text);
       if (cursor.isSign(",") && isAxisBehind) cursor.take();
     }
-    if (!seen.includes(true)) cursor.fail("a range of x, y or z is expected, as 'x 0..20mm'");
+    if (!seen.includes(true)) cursor.fail("expected a range of x, y or z, such as 'x 0..20mm'");
     return box;
   }
 }

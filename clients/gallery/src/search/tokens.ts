@@ -63,7 +63,7 @@ function tokenAt(bytes: string, column: number, isJoined: boolean): { token: Tok
     return { token: { kind: "sign", column, text, number: 0, isJoined }, end: column + text.length };
   const sign = bytes[column] ?? "";
   throw new QueryFault(column, sign > " " && sign < "\x7f"
-    ? `the sign '${sign}' has no meaning here` : "this sign has no meaning here");
+    ? `unexpected character '${sign}'` : "unexpected character");
 }
 
 /** \" and \\ stand for the signs. */
@@ -74,7 +74,7 @@ function quotedAt(bytes: string, column: number): { text: string; end: number } 
     if (bytes[at] === "\\" && at + 1 < bytes.length) ++at;
     text += bytes[at] ?? "";
   }
-  throw new QueryFault(column, "the quote is not closed");
+  throw new QueryFault(column, "the closing quote is missing");
 }
 
 function numberOf(text: string, column: number): number {
@@ -82,7 +82,7 @@ function numberOf(text: string, column: number): number {
   // Beyond what a double can hold, or so small that nothing is left of it.
   const isLost = number === 0 && /[1-9]/.test(text.replace(/[eE].*/, ""));
   if (!Number.isFinite(number) || isLost)
-    throw new QueryFault(column, `'${text}' is no number that can be held`);
+    throw new QueryFault(column, `'${text}' is outside the range of numbers`);
   return number;
 }
 
