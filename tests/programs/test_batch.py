@@ -186,7 +186,7 @@ class Batch(ProgramTest):
         errors = process.communicate(timeout=150)[1]
         print(f"\nended {time.monotonic() - begin:.0f} s after a rank did")
         self.assertEqual(process.returncode, 0, errors)
-        self.assertIn("don't answer", errors)
+        self.assertIn("ranks do not answer", errors)
         whole = self.path("whole.h5")
         self.direct(request, whole)
         self.assertEqual(self.digest(output), self.digest(whole))

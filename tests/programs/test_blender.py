@@ -69,7 +69,7 @@ class Blender(ProgramTest):
         bad.write_bytes(b"glTF and no more")
         result = self.in_blender(archive, [bad])
         self.assertNotEqual(result.returncode, 0)
-        self.assertIn(f"{bad}: this is no .glb file", result.stdout + result.stderr)
+        self.assertIn(f"{bad}: not a .glb file", result.stdout + result.stderr)
 
 
 if __name__ == "__main__":

@@ -26,12 +26,12 @@ class BugReport(ProgramTest):
         lines = result.stderr.splitlines()
         self.assertRegex(lines[0], r"sha256\.cpp:\d+: check failed: EVP_DigestInit_ex")
         quoted = [f"'{part}'" if " " in str(part) else str(part) for part in command]
-        self.assertEqual(lines[1], "to repeat it: " + " ".join(quoted))
+        self.assertEqual(lines[1], "to repeat: " + " ".join(quoted))
         self.assertTrue(lines[2].startswith(self.request_line(request)), lines)
         self.assertEqual(len(lines), 3, lines)
 
         # What is printed does repeat it: the run goes on from its store to the same place.
-        again = harness.run(["sh", "-c", "exec " + lines[1].removeprefix("to repeat it: ")],
+        again = harness.run(["sh", "-c", "exec " + lines[1].removeprefix("to repeat: ")],
                             env=self.failing_calls())
         self.assertEqual(again.stderr, result.stderr)
         # The seed is the one that the run had, not the request's.
@@ -48,7 +48,7 @@ class BugReport(ProgramTest):
         lines = [line for line in result.stderr.splitlines()
                  if not line.startswith("sleight: warning: ")]
         self.assertRegex(lines[0], "^sleight: unexpected: .")
-        self.assertEqual(lines[1], "to repeat it: " + " ".join(str(part) for part in command))
+        self.assertEqual(lines[1], "to repeat: " + " ".join(str(part) for part in command))
         self.assertTrue(lines[2].startswith(self.request_line(request)), lines)
 
     def test_a_check_that_fails_on_a_rank(self):
@@ -57,16 +57,16 @@ class BugReport(ProgramTest):
                              env=self.failing_calls())
         self.assertNotEqual(result.returncode, 0)
         self.assertRegex(result.stderr, r"main_batch\.cpp:\d+: check failed: provided >= ")
-        self.assertIn(f"to repeat it: mpirun -n 3 {harness.program('sleight-batch')} {request} -o ",
+        self.assertIn(f"to repeat: mpirun -n 3 {harness.program('sleight-batch')} {request} -o ",
                       result.stderr)
         self.assertIn("rank 1 of 3\n", result.stderr)
-        self.assertEqual(len(re.findall("to repeat it", result.stderr)), 1, result.stderr)
+        self.assertEqual(len(re.findall("to repeat: ", result.stderr)), 1, result.stderr)
 
     def test_other_failures_are_no_bugs(self):
         """What a person can mend is said without it."""
         result = harness.sleight("direct", self.path("none.toml"), "-o", self.path("a.h5"))
         self.assertEqual(result.returncode, 5)
-        self.assertNotIn("to repeat it", result.stderr)
+        self.assertNotIn("to repeat: ", result.stderr)
 
 
 if __name__ == "__main__":

@@ -102,13 +102,13 @@ class Derive(ProgramTest):
         self.direct(self.write_request(chains=2, scans=50), output)
         run = f"{output}.run"
         before = output.read_bytes()
-        self.refused(5, "holds no run's store", self.folder, "-o", self.path("b.h5"))
-        self.refused(5, "holds no run's store", self.path("none.run"), "-o", self.path("b.h5"))
-        self.refused(2, "is the archive that the run itself writes", run, "-o", output)
+        self.refused(5, "not the folder of a run", self.folder, "-o", self.path("b.h5"))
+        self.refused(5, "not the folder of a run", self.path("none.run"), "-o", self.path("b.h5"))
+        self.refused(2, "the run itself writes", run, "-o", output)
         self.path("link").symlink_to(run)
-        self.refused(2, "is the archive that the run itself writes", self.path("link"), "-o", output)
-        self.refused(2, "not a file name", run, "-o", self.folder)
-        self.refused(4, "the run store of another output", run, "-o", f"{run}/b.h5")
+        self.refused(2, "the run itself writes", self.path("link"), "-o", output)
+        self.refused(2, "file name", run, "-o", self.folder)
+        self.refused(4, "run store of another output", run, "-o", f"{run}/b.h5")
         self.path("mine").write_text("mine")
         self.refused(4, "not overwritten", run, "-o", self.path("mine"))
         self.refused(5, "nowhere/b.h5: can't write the file: No such file", run, "-o", self.path("nowhere/b.h5"))
@@ -119,7 +119,7 @@ class Derive(ProgramTest):
         self.assertEqual(output.read_bytes(), before)
         for key, value, code, words in [("results_version", "0123456789abcdef", 4, "0123456789abcdef"),
                                         ("format_version", "4", 4, "format 4"),
-                                        ("request", "[world]\nname = 3\n", 5, "damaged: its request")]:
+                                        ("request", "[world]\nname = 3\n", 5, "can't read its request")]:
             shutil.copytree(run, self.path("changed"))
             store = sqlite3.connect(self.path("changed/store.sqlite"))
             store.execute("UPDATE run SET value=? WHERE key=?", (value, key))

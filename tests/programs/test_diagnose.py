@@ -74,7 +74,7 @@ class DiagnoseTest(ProgramTest):
         found = json.loads(machine.stdout)
         self.assertEqual(found["mixed"], code == 0)
         self.assertEqual(found["mixed"], found["reasons"] == [])
-        heading = "Not enough:" if "weights" in found else "Not mixed:"
+        heading = "worth too little:" if "weights" in found else "Not mixed:"
         self.assertEqual(heading in people.stdout, code == 7)
         return found
 

@@ -189,7 +189,7 @@ class EndReport(ProgramTest):
 
     def test_no_pipe(self):
         request = self.write_request(scans=20)
-        for path, words in [(self.path("none"), "No such file"), (self.path("unread"), "nobody reads")]:
+        for path, words in [(self.path("none"), "No such file"), (self.path("unread"), "no process is reading")]:
             if "unread" in str(path):
                 os.mkfifo(path)
             result = harness.sleight("direct", request, "-o", self.path("a.h5"), "--end-report", path)

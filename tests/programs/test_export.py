@@ -186,11 +186,11 @@ class Export(ProgramTest):
         self.assertEqual(in_folder.read_bytes(), one.read_bytes())
         for theirs, output in [(two, two), (in_folder, in_folder.parent)]:
             theirs.write_bytes(b"glTF of somebody else")
-            self.refused(4, f"{theirs}: it is there already", archive, "--ids", "find.3", "-o", output)
+            self.refused(4, f"{theirs}: already exists", archive, "--ids", "find.3", "-o", output)
             self.assertEqual(theirs.read_bytes(), b"glTF of somebody else")
             self.export(archive, "--ids", "find.3", "-o", output, "--force")
             self.assertEqual(theirs.read_bytes(), one.read_bytes())
-        self.refused(2, "this is the archive itself", archive, "--ids", "find.3", "--force",
+        self.refused(2, "is the archive itself", archive, "--ids", "find.3", "--force",
                      "--format", "csv", "-o", self.linked(archive, "link.csv"))
         left = {path.name for path in self.folder.rglob("*")}
         self.assertEqual({name for name in left if name.startswith(".") or "export" in name}, set())
@@ -214,7 +214,7 @@ class Export(ProgramTest):
         for unknown in ["c9.9", "find.7", "\x1b[31m"]:
             result = sleight("export", archive, "--ids", unknown, "-o", self.path("b.glb"))
             self.assertEqual(result.returncode, 2)
-            self.assertIn(f"it has {first}, ", result.stderr)
+            self.assertIn(f"the archive has {first}, ", result.stderr)
             self.assertNotIn("\x1b", result.stderr)
         self.assertFalse(self.path("b.glb").exists())
 
@@ -222,7 +222,7 @@ class Export(ProgramTest):
         archive = self.run_of("ball", BALL)
         count = len(self.table(archive))
         self.assertGreater(count, 100)
-        self.refused(2, f"it holds {count} animations, more than 100", archive, "-o", self.path("all"))
+        self.refused(2, f"{count} animations, above the limit of 100", archive, "-o", self.path("all"))
         self.assertFalse(self.path("all").exists())
         self.assertIn(f"{count} animations, {count} files",
                       self.export(archive, "--all", "-o", self.path("all")))
@@ -293,7 +293,7 @@ class Export(ProgramTest):
         output = self.path("t.csv")
         self.export(archive, "--format", "csv", "-o", output)
         self.assertEqual(output.read_text(), self.export(archive, "--format", "csv"))
-        self.refused(4, "give --force", archive, "--format", "csv", "-o", output)
+        self.refused(4, "--force", archive, "--format", "csv", "-o", output)
 
     def test_what_it_cannot_do(self):
         archive = self.made_up()
@@ -302,29 +302,30 @@ class Export(ProgramTest):
         none.write_text(BALL.replace("tolerance_diameters = 5", "tolerance_diameters = 1e-6"))
         self.direct(none, self.path("none.h5"))
         for code, words, args in [
-                (2, "say where to with -o", [archive]),
-                (2, "its name must end with .glb", [archive, "--together", "-o", self.path("a")]),
+                (2, "-o is required", [archive]),
+                (2, "--ids: expected", [archive, "--ids=", "-o", output]),
+                (2, "must end in .glb", [archive, "--together", "-o", self.path("a")]),
                 (2, "add --together", [archive, "-o", output]),
-                (2, "must end with .csv", [archive, "--format", "csv", "-o", output]),
-                (2, "--fps is for", [archive, "--format", "csv", "--fps", "24"]),
-                (2, "--together is for", [archive, "--format", "svg", "--together", "-o", output]),
-                (2, "--view and --scale are for", [archive, "--view", "front", "-o", output]),
+                (2, "ends in .csv", [archive, "--format", "csv", "-o", output]),
+                (2, "--fps requires", [archive, "--format", "csv", "--fps", "24"]),
+                (2, "--together requires", [archive, "--format", "svg", "--together", "-o", output]),
+                (2, "--view and --scale require", [archive, "--view", "front", "-o", output]),
                 (2, "--scale 9", [archive, "--format", "png", "--scale", "9", "-o", self.path("f")]),
-                (2, "say where to with -o", [archive, "--format", "png"]),
-                (2, "leave out --select", [archive, "--ids", "0.1", "--select", "draw < 3", "-o", output]),
+                (2, "-o is required", [archive, "--format", "png"]),
+                (2, "--ids excludes --select", [archive, "--ids", "0.1", "--select", "draw < 3", "-o", output]),
                 (2, "column 13: ", [archive, "--select", "log_prior < low", "-o", output]),
-                (2, "no animation is meant", [archive, "--select", "draw < 0", "-o", output]),
-                (2, "name one with -o", [archive, "--format", "csv", "--json"]),
+                (2, "no animation matches --select", [archive, "--select", "draw < 0", "-o", output]),
+                (2, "requires -o", [archive, "--format", "csv", "--json"]),
                 (2, "--table", [archive, "--format", "csv", "--table", "posterior"]),
                 (2, "--format", [archive, "--format", "obj", "-o", output]),
-                (2, "must not end with .mov", [archive, "--format", "mp4", "-o", self.path("a.mov")]),
-                (2, "must not end with .png", [archive, "-o", self.path("a.png")]),
-                (2, "--table is for", [archive, "--table", "points", "-o", output]),
+                (2, ".mov", [archive, "--format", "mp4", "-o", self.path("a.mov")]),
+                (2, ".png", [archive, "-o", self.path("a.png")]),
+                (2, "--table requires", [archive, "--table", "points", "-o", output]),
                 (5, "can't write", [archive, "--together", "-o", self.path("no/folder/a.glb")]),
-                (5, "can't make this folder", [archive, "-o", archive / "folder"]),
+                (5, "this folder", [archive, "-o", archive / "folder"]),
                 (5, "no.h5: can't open", [self.path("no.h5"), "-o", output]),
                 (6, "", [none, "-o", output]),
-                (2, "holds no animation", [self.path("none.h5"), "-o", output])]:
+                (2, "has no animations", [self.path("none.h5"), "-o", output])]:
             self.refused(code, words, *args)
         self.assertFalse(output.exists())
 

@@ -185,7 +185,7 @@ class Failures(ProgramTest):
                 ("changed", whole.replace("\nscan = ", "\nscan = 1"),
                  "the file has changed since it was written"),
                 ("short state", re.sub(r'state = "\w+"', 'state = "00"', text),
-                 "'state' is no state of the world"),
+                 "'state' is not a valid state of world 'ball_2d'"),
                 ("world", text.replace('name = "ball_2d"', 'name = "marbles"'), "marbles")]:
             with self.subTest(name):
                 result = harness.sleight("replay", self.request(bad, "bad.toml"))

@@ -264,7 +264,8 @@ class Search(ProgramTest):
                 (["--word", "HI"], "-o OUTPUT.h5 is required"),
                 (["--word", "HI", "x.toml", "-o", "x.h5"], "request excludes --word"),
                 (["--word", b"A\xff", "-o", "x.h5"], "--word: expected UTF-8 text"),
-                (["--word", "HI", "-n", "0", "-o", "x.h5"], "not in range")]:
+                (["--word", "HI", "-n", "0", "-o", "x.h5"], "--number: expected a number from 1 to 1000000"),
+                (["--word", "HI", "-n", "1e3", "-o", "x.h5"], "found '1e3'")]:
             result = sleight("direct", *map(os.fsdecode, arguments))
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(complaint, result.stderr)
@@ -275,7 +276,7 @@ class Search(ProgramTest):
         output = self.path("hi.h5")
         run = ["direct", "--word", "HI", "-n", "3", "-o", output]
         whole = self.succeed(sleight(*run))
-        self.assertIn("3 relaxed from a search, each by 114 scans of a chain", whole.stdout)
+        self.assertIn("3 takes (finds of a search, each relaxed by 114 scans)", whole.stdout)
         self.succeed(sleight("archive", "verify", output))
         numbers = self.info(output)
         self.assertIn("relaxed from a search: ", numbers["warning"])

@@ -49,12 +49,12 @@ class Sets(ProgramTest):
         self.assertFalse(output.exists())
         direct = ["direct", request, "-o", output]
         self.assertEqual(self.errors(*direct, "--seed", "2", "--set", "sampler.seed=1"),
-                         "--set sampler.seed=1: --seed replaces that; leave one of them out\n")
+                         "--set sampler.seed=1: conflicts with --seed; remove one of them\n")
         self.assertEqual(self.errors(*direct, "-n", "2", "--set", "stop.scans=9"),
-                         "--set stop.scans=9: -n 2 replaces that; leave one of them out\n")
+                         "--set stop.scans=9: conflicts with -n 2; remove one of them\n")
         self.assertEqual(self.errors("direct", "--word", "HI", "--print-request", "--set",
                                      "world.word=HO"),
-                         "--set world.word=HO: --word replaces that; leave one of them out\n")
+                         "--set world.word=HO: conflicts with --word; remove one of them\n")
         result = run([program("sleight-batch"), request, "-o", output, "--set", "samplr.seed=1"])
         self.assertEqual(result.returncode, 3)
         self.assertEqual(result.stderr, "--set samplr.seed=1: unknown section [samplr]; did you mean "

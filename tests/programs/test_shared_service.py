@@ -118,7 +118,7 @@ class Shared(ServiceTest):
         refused(9, "--allow-root", daemon)
         refused(9, "--allow-root", harness.program("sleight"), "server", "start", "--foreground")
         of_its_user = [*become(DAEMON, GROUP_ID), daemon]
-        refused(2, "--group: there is no group no-such-group", *of_its_user, "--group", "no-such-group")
+        refused(2, "--group: no group no-such-group", *of_its_user, "--group", "no-such-group")
         refused(5, "can't listen", *become(DAEMON), daemon, "--group", GROUP)
         inside = self.state / "socket"
         refused(2, "a socket outside the state folder", *of_its_user, "--group", GROUP, "--socket", inside)

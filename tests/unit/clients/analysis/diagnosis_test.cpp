@@ -171,12 +171,12 @@ TEST_F(DiagnosisTest, ToursAreNeverSaidToHaveMixed) {
   EXPECT_EQ(diagnosis.which, JudgedDraws::tours);
   EXPECT_EQ(shown_.at("lp").draws, 201U);
   ASSERT_FALSE(diagnosis.reasons.empty());
-  EXPECT_THAT(diagnosis.reasons[0], HasSubstr("each draw ends a tour of 16 scans of its own"));
+  EXPECT_THAT(diagnosis.reasons[0], HasSubstr("each draw ends a separate tour of 16 scans"));
   EXPECT_THAT(diagnosis.reasons, Contains("lp: disliked"));
   EXPECT_THAT(for_people("a.h5", diagnosis), HasSubstr("\nCan't be judged:\n  each draw ends"));
   EXPECT_EQ(as_json("a.h5", diagnosis)["judged"]["what"], "tours");
   disliked_.clear();
-  EXPECT_THAT(diagnose().reasons.at(0), HasSubstr("each draw ends a tour"));
+  EXPECT_THAT(diagnose().reasons.at(0), HasSubstr("each draw ends a separate tour"));
 }
 
 TEST_F(DiagnosisTest, DrawsBeginWithTheFirstRound) {
@@ -232,15 +232,15 @@ TEST_F(DiagnosisTest, TooFewDrawsAreSaidOnce) {
   archive_plain(options(1));
   disliked_ = {"lp", "height_m"};
   EXPECT_THAT(diagnose().reasons,
-              ElementsAre("each chain has too few judged scans to judge by: 1, and it takes 6"));
+              ElementsAre("each chain has too few judged scans: 1, but at least 6 are needed"));
   // States of every tenth scan alone: five of each chain.
   disliked_ = {"height_m"};
   archive_plain(options(100));
   values(archive::k_sample_stats, "log_constraint").assign(k_chains * 100, 0);
   EXPECT_THAT(
       diagnose().reasons,
-      ElementsAre("each chain has too few archived states (see thin) in the judged scans to "
-                  "judge by: 5, and it takes 6"));
+      ElementsAre("each chain has too few archived states (see thin) among the judged scans: "
+                  "5, but at least 6 are needed"));
 }
 
 TEST_F(DiagnosisTest, OneChainIsSaidToBeHalved) {

@@ -107,7 +107,7 @@ TEST(ScalarDraws, OtherShapesAreRefused) {
   const auto refused = [&](const Quantity& quantity, const DrawRange& range) {
     return tests::failure_of(
         [&] { for_each_scalar(source, quantity, 1, range, [](auto, auto&) {}); },
-        "expected a number for each chain and draw");
+        "expected one number per chain and draw");
   };
   const Quantity right{.group = archive::k_posterior, .name = "x"};
   EXPECT_EQ(refused({.group = archive::k_posterior, .name = "y"}, {.chains = 2, .count = 1}),

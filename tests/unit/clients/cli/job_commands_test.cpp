@@ -119,7 +119,10 @@ TEST_F(JobCommands, ListShowsPagesAndFilters) {
   EXPECT_TRUE(asks[0].oldest_first);
   EXPECT_EQ(asks[1].cursor, "second");
   const std::string page = out([&] { return list_jobs(socket_, {.count = 2}); });
-  EXPECT_NE(page.find("2 of 4; --all lists all, --after 'second'"), std::string::npos) << page;
+  EXPECT_NE(
+      page.find("2 of 4 jobs; to list all, add --all; to list the next page, add --after 'second'"),
+      std::string::npos)
+      << page;
   const Json json =
       Json::parse(out([&] { return list_jobs(socket_, {.count = 2, .json = true}); }));
   EXPECT_EQ(json["jobs"].size(), 2U);

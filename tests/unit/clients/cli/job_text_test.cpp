@@ -109,7 +109,7 @@ TEST_F(JobText, StatusOfAFailedJobSaysWhatRepeatsIt) {
             std::string::npos);
   EXPECT_NE(text.find("  log           first line\n  log           last line\n"),
             std::string::npos);
-  EXPECT_NE(text.find("to repeat it  sleight direct request.toml -o out.h5\n"), std::string::npos);
+  EXPECT_NE(text.find("to repeat     sleight direct request.toml -o out.h5\n"), std::string::npos);
   EXPECT_NE(text.find("deleted after 2026-11-26 05:12:40; `sleight pin 18` keeps it"),
             std::string::npos);
 }

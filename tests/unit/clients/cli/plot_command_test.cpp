@@ -90,8 +90,9 @@ TEST(PlotCommand, WhatAnArchiveCannotHaveIsSaid) {
               base::ExitCode::usage);
   };
   refused("gas", "smoke",
-          "smoke can be drawn of marbles and rods archives only, and small.h5 is of the world gas");
-  refused("marbles", "mirrors", "mirrors can be drawn of rods archives only, and small.h5 is of");
+          "--what smoke works only for archives of marbles and rods, but small.h5 is of world gas");
+  refused("marbles", "mirrors",
+          "--what mirrors works only for archives of rods, but small.h5 is of");
 }
 
 }  // namespace

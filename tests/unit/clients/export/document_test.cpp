@@ -250,7 +250,7 @@ TEST(Document, SaysWhyThereIsNone) {
     document.clips.push_back(clip);
     document.clips.back().own.parts[0].position_m.z() = 1e-3 * i;
   }
-  EXPECT_THAT(glb_of(document).error(), HasSubstr("put fewer of them together"));
+  EXPECT_THAT(glb_of(document).error(), HasSubstr("export fewer animations together"));
 }
 
 }  // namespace

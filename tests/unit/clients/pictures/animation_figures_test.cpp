@@ -240,7 +240,7 @@ TEST(AnimationFigures, AreDrawnFromAnArchiveAlone) {
   EXPECT_EQ(plot::to_svg(figure).find("nan"), std::string::npos);
   archive::MemoryArchive still;
   write(archive::testing::FakeReader(), still);
-  EXPECT_EQ(tests::failure_of([&] { animation_figure(still, {.count = 100}); }, "moves nothing"),
+  EXPECT_EQ(tests::failure_of([&] { animation_figure(still, {.count = 100}); }, "has no motion"),
             base::ExitCode::bad_archive);
 }
 

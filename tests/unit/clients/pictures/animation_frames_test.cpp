@@ -226,9 +226,10 @@ TEST_F(Frames, AreCounted) {
   }
   const auto week = motion::Animation::of(
       std::vector<motion::Segment>{{.start_s = 7 * 86400.0, .mode = motion::Mode::resting}}, 1);
-  EXPECT_EQ(tests::failure_of([&] { (void)frame_count(week.value(), 24); },
-                              "604800 s at 24 frames a second are more than 100000 frames"),
-            base::ExitCode::usage);
+  EXPECT_EQ(
+      tests::failure_of([&] { (void)frame_count(week.value(), 24); },
+                        "604800 s at 24 frames per second exceed the maximum of 100000 frames"),
+      base::ExitCode::usage);
 }
 
 TEST_F(Frames, AreWrittenAsPngFiles) {
@@ -260,10 +261,9 @@ TEST_F(Frames, NothingOfOthersIsOverwritten) {
   const fs::path folder = path("mine");
   fs::create_directory(folder);
   std::ofstream(folder / "frame-0001.png") << "dear";
-  EXPECT_EQ(
-      tests::failure_of([&] { write_png_frames(scene, animation, folder.string(), {}); },
-                        "mine: something is there already; name a folder that is new or empty"),
-      base::ExitCode::usage);
+  EXPECT_EQ(tests::failure_of([&] { write_png_frames(scene, animation, folder.string(), {}); },
+                              "mine: already exists; name a new or empty folder"),
+            base::ExitCode::usage);
   EXPECT_EQ(text_of(folder / "frame-0001.png"), "dear");
   const auto stopped = [](std::size_t done, std::size_t) {
     if (done == 2) throw std::runtime_error("enough");
@@ -318,13 +318,12 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
               base::ExitCode::environment);
     EXPECT_FALSE(fs::exists(output));
   };
-  refused(
-      path_with_ffmpeg("seq 1 20 >&2; printf 'no \\033[2Jcodec\\n' >&2; exit 1\n"),
-      "ffmpeg could not make the film; it says:\n  16\n  17\n  18\n  19\n  20\n  no \xEF\xBF\xBD["
-      "2Jcodec");
+  refused(path_with_ffmpeg("seq 1 20 >&2; printf 'no \\033[2Jcodec\\n' >&2; exit 1\n"),
+          "ffmpeg could not encode the video:\n  16\n  17\n  18\n  19\n  20\n  no \xEF\xBF\xBD["
+          "2Jcodec");
   refused(path_with_ffmpeg("cat > /dev/null; echo 'disk full' >&2; exit 3\n"),
-          "it says:\n  disk full");
-  refused(path_with_ffmpeg("cat > /dev/null; kill -9 $$\n"), "and says nothing");
+          "video:\n  disk full");
+  refused(path_with_ffmpeg("cat > /dev/null; kill -9 $$\n"), "printed no reason");
   // As on a full disk: it ends well, and its file is cut off, in a box or before the index.
   for (const char* film : {"\\0\\0\\0\\010moov\\0\\0\\0\\020mdat", "\\0\\0\\0\\010mdat"}) {
     refused(path_with_ffmpeg(fmt::format("cat > /dev/null; for last; do :; done\n"
@@ -333,7 +332,7 @@ TEST_F(Frames, FfmpegsFailureIsShown) {
             "is the disk full?");
   }
   fs::create_directory(path("none"));
-  refused(path("none"), "ffmpeg is not installed, and films are its work: install it");
+  refused(path("none"), "ffmpeg, which encodes videos, is not installed");
   EXPECT_THAT(names_in(fs::path(output).parent_path()), ElementsAre("bin", "none"));
 }
 
@@ -359,7 +358,7 @@ TEST_F(Frames, TheWholeMotionIsAnSvg) {
   write_motion_svg("balls", scene, animation, output);
   EXPECT_EQ(text_of(output), plot::to_svg(animation_figure("balls", scene, {animation})));
   EXPECT_EQ(tests::failure_of([&] { write_motion_svg("balls", scene, animation, "throw.png"); },
-                              "throw.png: expected a name that ends in .svg"),
+                              "throw.png: expected a file name that ends in .svg"),
             base::ExitCode::usage);
 }
 

@@ -175,7 +175,7 @@ TEST(BrowsedArchives, AnswerAllQueriesThatAreGiven) {
     FAIL() << "it is no query";
   } catch (const base::Error& error) {
     EXPECT_EQ(error.exit_code(), base::ExitCode::usage);
-    EXPECT_THAT(error.what(), HasSubstr("--not for a.h5: column 8: a number is expected"));
+    EXPECT_THAT(error.what(), HasSubstr("--not for a.h5: column 8: expected a number"));
   }
 }
 
