@@ -167,10 +167,8 @@ constexpr auto k_numbered_report_of = [](const auto& record, std::size_t index) 
 
 void append_variables(std::string& text, const Diagnosis& diagnosis) {
   if (diagnosis.variables.empty()) return;
-  text += fmt::format(
-      "\n"
-      "State variables, from {} archived states per chain\n",
-      count(diagnosis.states));
+  text += fmt::format("\nState variables, from {} archived states per chain\n",
+                      count(diagnosis.states));
   std::vector<ScalarReport> listed;
   std::vector<std::string> rest;
   for (const VariableReport& variable : diagnosis.variables) {
@@ -214,10 +212,7 @@ void append_ladders(std::string& text, const TemperingReport& tempering) {
 }
 
 void append_levels(std::string& text, const Ladder& ladder, std::size_t index) {
-  text += fmt::format(
-      "\n"
-      "Ladder {} by inverse temperature, starting at the prior\n",
-      index);
+  text += fmt::format("\nLadder {} by inverse temperature, starting at the prior\n", index);
   std::vector<report::Report> rows;
   for (std::size_t level = 0; level < ladder.inverse_temperature.size(); ++level) {
     const bool has_next = level < ladder.swap_acceptance.size();
@@ -260,10 +255,8 @@ void append_tempering(std::string& text, const Diagnosis& diagnosis) {
     append_acceptance(text, diagnosis, tempering.ladders[i].levels, i);
   }
   if (shown < tempering.ladders.size()) {
-    text += fmt::format(
-        "\n"
-        "  {} more ladders not shown (--json shows all)\n",
-        tempering.ladders.size() - shown);
+    text += fmt::format("\n  {} more ladders not shown (--json shows all)\n",
+                        tempering.ladders.size() - shown);
   }
 }
 
@@ -273,10 +266,7 @@ void append_walks(std::string& text, const std::vector<WalkReport>& walks) {
   text += report::indented_table(report::reports_of(walks, k_numbered_report_of));
   const std::size_t shown = std::min(walks.size(), k_ladders_shown);
   for (std::size_t i = 0; i < shown; ++i) {
-    text += fmt::format(
-        "\n"
-        "Walk of chain {} by inverse temperature, starting at the prior\n",
-        i);
+    text += fmt::format("\nWalk of chain {} by inverse temperature, starting at the prior\n", i);
     std::vector<report::Report> levels;
     for (std::size_t level = 0; level < walks[i].visits.size(); ++level) {
       const bool has_next = level + 1 < walks[i].visits.size();
@@ -353,15 +343,12 @@ void append_verdict(std::string& text, const Diagnosis& diagnosis) {
     text += fmt::format("\nNote: {}.\n", note);
   const bool weighted = diagnosis.weights.has_value();
   if (diagnosis.mixed()) {
-    text += weighted ? "\n"
-                       "The weighted draws are worth enough draws of equal weight.\n"
-                     : "\n"
-                       "No check failed: there is no sign that the chains have not mixed.\n";
+    text += weighted ? "\nThe weighted draws are worth enough draws of equal weight.\n"
+                     : "\nNo check failed: there is no sign that the chains have not mixed.\n";
     return;
   }
   const bool of_tours = diagnosis.which == JudgedDraws::tours;
-  text += weighted   ? "\n"
-                       "The weighted draws are worth too little:\n"
+  text += weighted   ? "\nThe weighted draws are worth too little:\n"
           : of_tours ? "\nCan't be judged:\n"
                      : "\nNot mixed:\n";
   const std::size_t shown = std::min(diagnosis.reasons.size(), k_reasons_shown);
@@ -407,11 +394,8 @@ std::string for_people(const std::string& path, const Diagnosis& diagnosis) {
                                  count(diagnosis.chains), diagnosis.chains == 1 ? "" : "s",
                                  count(diagnosis.scans), diagnosis.scans == 1 ? "" : "s");
   if (!diagnosis.warning.empty()) text += fmt::format("Warning: {}\n", diagnosis.warning);
-  text += fmt::format(
-      "\n"
-      "Judged scans of each chain: {} to {} ({}).\n\n",
-      count(judged.first_scan), count(judged.first_scan + judged.scans - 1),
-      in_words(diagnosis.which));
+  text += fmt::format("\nJudged scans of each chain: {} to {} ({}).\n\n", count(judged.first_scan),
+                      count(judged.first_scan + judged.scans - 1), in_words(diagnosis.which));
   if (diagnosis.weights) {
     append_weights(text, diagnosis);
   } else {

@@ -188,7 +188,7 @@ void add_failures(const archive::Summary& summary, report::Report& report) {
       summary.failed_animations == 0
           ? ""
           : fmt::format(
-                "{} satisfying animations not kept, because their simulation until rest failed",
+                "{} satisfying animations not stored, because simulating them until rest failed",
                 summary.failed_animations));
 }
 

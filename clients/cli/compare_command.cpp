@@ -166,10 +166,7 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
   }
   fmt::print("\n{}", to_text(table, terminal::width_of(stdout)));
   if (!comparison.why_no_groups.empty()) {
-    fmt::print(
-        "\n"
-        "Looks not compared: {}.\n",
-        comparison.why_no_groups);
+    fmt::print("\nLooks not compared: {}.\n", comparison.why_no_groups);
     return;
   }
   report::TextTable groups{.columns = {{.head = "like"},
@@ -180,8 +177,8 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
                            fmt::format("{}", group.members[1])});
   fmt::print("\n{}", to_text(groups, terminal::width_of(stdout)));
   fmt::print(
-      "\n"
-      "Test of the {} nearest neighbours of each of {} + {} animations: {:.1f}% are from the same "
+      "\nTest of the {} nearest neighbours of each of {} + {} animations: {:.1f}% are from the "
+      "same "
       "archive;\n"
       "by chance, {:.1f}% would be (p = {:.3f}).\n",
       browse::k_neighbours, comparison.looks.tested[0], comparison.looks.tested[1],

@@ -70,11 +70,7 @@ int print_config(bool json) {
     fmt::print("{:<{}}  {:<{}}  {:<{}}  {}\n", row.key, key_width, row.value, value_width,
                source_of(row, path), source_width, row.help);
   }
-  if (path)
-    fmt::print(
-        "\n"
-        "Settings file: {}{}\n",
-        *path, is_there ? "" : " (does not exist)");
+  if (path) fmt::print("\nSettings file: {}{}\n", *path, is_there ? "" : " (does not exist)");
   return 0;
 }
 

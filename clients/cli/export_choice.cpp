@@ -53,7 +53,8 @@ std::vector<browse::AnimationId> chosen(const archive::Source& source, const Exp
     refuse(source,
            fmt::format("{} {} animations, above the limit of {}; choose some with --ids, --select "
                        "or --representatives, or add --all",
-                       is_selected ? "matched" : "the archive has", ids.size(), k_export_max));
+                       is_selected ? "--select matches" : "the archive has", ids.size(),
+                       k_export_max));
   }
   return ids;
 }

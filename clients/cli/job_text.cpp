@@ -125,8 +125,7 @@ std::string resources_line(const rpc::JobView& job) {
     return fmt::format("{} core{}", count, count == 1 ? "" : "s");
   };
   if (job.cores > 0) parts.push_back(cores(job.cores) + " now");
-  parts.push_back(job.cores_wanted ? "maximum " + cores(*job.cores_wanted)
-                                   : "maximum all free cores");
+  parts.push_back(job.cores_wanted ? "maximum " + cores(*job.cores_wanted) : "uses all free cores");
   if (job.ranks > 0) parts.push_back(fmt::format("{} MPI ranks", job.ranks));
   if (job.memory_bytes > 0)
     parts.push_back(fmt::format("{} of simulation cache", size_text(job.memory_bytes)));

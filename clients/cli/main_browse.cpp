@@ -142,9 +142,9 @@ void add_choice(CLI::App& command, cli::ExportChoice& choice) {
       ->allow_extra_args(false)
       ->type_name("QUERY");
   command
-      .add_option(
-          "--representatives", choice.representatives,
-          "One representative for each of N groups of similar animations, of --select or of all")
+      .add_option("--representatives", choice.representatives,
+                  "One representative for each of N groups of similar animations. Groups come from "
+                  "--select, or from all animations")
       ->check(CLI::Range(1, 1'000'000).description(""))
       ->type_name("N");
   command.add_flag("--all", choice.all,

@@ -153,8 +153,9 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
     return;
   }
   if (summary.is_archive_given_up) {
-    fmt::print("Stopped while writing the archive: {} is unchanged, and {} contains all work.\n",
-               arguments.output, coordinator::run_folder(arguments.output));
+    fmt::print(
+        "Stopped while writing the archive: {} is unchanged, and all work is stored in {}.\n",
+        arguments.output, coordinator::run_folder(arguments.output));
   } else if (summary.digest.empty()) {
     fmt::print("{}\n", what_is_missing(summary));
   } else if (summary.relaxed > 0) {
@@ -193,11 +194,10 @@ const char* const k_exit_codes =
     "Exit codes: 0 success (also at a time limit); 1 bug; 2 wrong usage;\n"
     "3 errors in the request; 4 output belongs to another request, other\n"
     "results or a running process; 5 system error (disk, files, memory); 6 invalid archive;\n"
-    "7 chains have not mixed or cannot be judged, or weighted draws are worth too little "
-    "(diagnose);\n"
-    "8 simulation failed (--strict, replay); 9 not allowed; 10 job failed (wait, watch);\n"
-    "11 job cancelled (wait, watch); 12 service not running; 130 interrupted, all work stored;\n"
-    "134 internal check failed (bug); 141 the reader of the output closed it, as head does.";
+    "7 chains have not mixed or cannot be judged, or weighted draws are worth too little\n"
+    "(diagnose); 8 simulation failed (--strict, replay); 9 not allowed; 10 job failed (wait,\n"
+    "watch); 11 job cancelled (wait, watch); 12 service not running; 130 interrupted, all work\n"
+    "stored; 134 internal check failed (bug); 141 the reader of the output closed it.";
 
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher) {
   base::report_uncaught_exceptions();

@@ -222,7 +222,7 @@ std::string submitted_text(const rpc::Submitted& submitted, const std::string& n
   const auto add = [&](const std::string& command, const std::string& what) {
     text += fmt::format("  sleight {:<20}{}\n", command, what);
   };
-  add("watch " + id, is_group ? "show progress" : "show progress");
+  add("watch " + id, "show progress");
   add("wait " + id, is_group ? "wait until all jobs end" : "wait until the job ends");
   add("fetch " + id,
       is_group ? "download the archives" : "download the archive (before the end: --so-far)");

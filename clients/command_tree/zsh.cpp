@@ -121,8 +121,7 @@ std::string zsh_completion(const Command& program) {
       "# Loaded from $fpath, this file is the body of the function _{0}. Loaded by `source`, it "
       "calls compdef.\n"
       "if [[ $funcstack[1] == _{0} ]]; then\n"
-      "  _PROGRAM \"$@\"\n"
-      "else\n"
+      "  _PROGRAM \"$@\"\nelse\n"
       "  compdef _PROGRAM {0}\n"
       "fi\n",
       program.name);

@@ -174,11 +174,10 @@ void Ffmpeg::fail() {
   input_ = -1;
   if (id_ >= 0) wait();
   const std::vector<std::string> lines = last_lines(messages_.get());
-  throw base::Error(fmt::format("ffmpeg could not encode the video{}{}",
-                                lines.empty() ? " and printed no reason (is the disk full?)"
-                                              : ":\n"
-                                                "  ",
-                                fmt::join(lines, "\n  ")));
+  throw base::Error(
+      fmt::format("ffmpeg could not encode the video{}{}",
+                  lines.empty() ? " and printed no reason (is the disk full?)" : ":\n  ",
+                  fmt::join(lines, "\n  ")));
 }
 
 }  // namespace sleight::pictures
