@@ -336,7 +336,7 @@ const char* place_word(OddsFrom from) {
   return from == OddsFrom::islands ? "island" : "round";
 }
 
-/// ", where a throw leaves no body out"; empty where a throw is a draw from the prior.
+/// ", where a throw includes all bodies"; empty where a throw is a draw from the prior.
 std::string where_throws(const ArchiveOdds& odds) {
   return odds.natural_throw.empty() ? "" : ", where " + odds.natural_throw;
 }

@@ -61,7 +61,7 @@ struct ArchiveOdds {
   JudgedEstimate log_p_satisfied{};
   std::size_t without_trips = 0;  ///< ladders of the judged round that made no round trip
   double log_natural_throw = 0;
-  std::string natural_throw{};  ///< what a throw is, if no draw: "a throw leaves no body out"
+  std::string natural_throw{};  ///< what a throw is, if no draw: "a throw includes all bodies"
   std::optional<HowToKnow> how_to_know{};  ///< none where log P is known
   IslandNumber island_number = IslandNumber::unknown;
   /// Of each chain: those from here on count, which were sized; or those before, which were made in

@@ -254,10 +254,10 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   report.log_p_satisfied = together(log_p);
   if (!(report.effective_size >= k_effective_size_min)) {
     judged.diagnosis.reasons.push_back(fmt::format(
-        "the weighted draws of all chains are worth {} draws of equal weight, but at least {:.0f} "
-        "are needed; more steps_per_level or iterations_per_scan make weights more equal, and more "
+        "the effective size of the weighted draws of all chains is {}, but at least {:.0f} is "
+        "needed; more steps_per_level or iterations_per_scan make weights more equal, and more "
         "scans add draws",
-        std::isnan(report.effective_size) ? "an unknown number of"
+        std::isnan(report.effective_size) ? "unknown"
                                           : fmt::format("{:.1f}", report.effective_size),
         k_effective_size_min));
   }

@@ -343,12 +343,14 @@ void append_verdict(std::string& text, const Diagnosis& diagnosis) {
     text += fmt::format("\nNote: {}.\n", note);
   const bool weighted = diagnosis.weights.has_value();
   if (diagnosis.mixed()) {
-    text += weighted ? "\nThe weighted draws are worth enough draws of equal weight.\n"
+    text += weighted ? "\n"
+                       "The effective size of the weighted draws is large enough.\n"
                      : "\nNo check failed: there is no sign that the chains have not mixed.\n";
     return;
   }
   const bool of_tours = diagnosis.which == JudgedDraws::tours;
-  text += weighted   ? "\nThe weighted draws are worth too little:\n"
+  text += weighted   ? "\n"
+                       "The effective size of the weighted draws is too small:\n"
           : of_tours ? "\nCan't be judged:\n"
                      : "\nNot mixed:\n";
   const std::size_t shown = std::min(diagnosis.reasons.size(), k_reasons_shown);

@@ -159,12 +159,13 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
   const CombinedEstimate all = combined(chains);
   doubt_values(doubts, all, chains.size(), k_chains, "");
   if (!(effective_size >= effective_size_min)) {
-    doubts.push_back({.kind = DoubtOf::few_draws,
-                      .reason = fmt::format("the weighted draws are worth {:.1f} draws of equal "
-                                            "weight, but at least {:.0f} are needed",
-                                            effective_size, effective_size_min),
-                      .longer = effective_size_min / std::fmax(effective_size, 1),
-                      .at_least = true});
+    doubts.push_back(
+        {.kind = DoubtOf::few_draws,
+         .reason = fmt::format(
+             "the effective size of the weighted draws is {:.1f}, but at least {:.0f} is needed",
+             effective_size, effective_size_min),
+         .longer = effective_size_min / std::fmax(effective_size, 1),
+         .at_least = true});
   }
   if (all.ladders == 0) return doubts;
   // An error of the log is one over the square root of what its draws are worth.
@@ -174,8 +175,8 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
   }
   if (worth < k_renewals_in_all) {
     doubts.push_back({.kind = DoubtOf::few_draws,
-                      .reason = fmt::format("the draws behind this estimate are worth {:.1f} draws "
-                                            "of equal weight, but at least {:.0f} are needed",
+                      .reason = fmt::format("the effective size of the draws behind this estimate "
+                                            "is {:.1f}, but at least {:.0f} is needed",
                                             worth, k_renewals_in_all),
                       .longer = k_renewals_in_all / std::fmax(worth, 1),
                       .at_least = true});

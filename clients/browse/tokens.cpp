@@ -112,8 +112,9 @@ class Lexer {
     const char* end = text_.data() + at_;
     const auto [stop, failure] = std::from_chars(text_.data() + digits, end, token.number);
     if (failure != std::errc{} || stop != end || !std::isfinite(token.number)) {
-      return QueryError{.column = begin,
-                        .message = fmt::format("'{}' is outside the range of numbers", token.text)};
+      return QueryError{
+          .column = begin,
+          .message = fmt::format("the number '{}' is too large or too small", token.text)};
     }
     if (text_[begin] == '-') token.number = -token.number;
     return std::nullopt;

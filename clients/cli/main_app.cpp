@@ -34,8 +34,9 @@ void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
       ->check(CLI::Range(1, 4096))
       ->type_name("N");
   command->footer(
-      "To resume a run, repeat the command. This works after Ctrl-C, a time limit, kill -9 or a\n"
-      "power failure. The archive does not depend on the number of threads or on interruptions.\n\n"
+      "To resume a run after Ctrl-C, a time limit, kill -9 or a power failure, repeat the "
+      "command.\n"
+      "The archive does not depend on the number of threads or on interruptions.\n\n"
       "Examples:\n"
       "  sleight direct --word SLEIGHT -o s.h5\n"
       "  sleight direct --word HI -n 8 --found -o hi.h5\n"
@@ -54,7 +55,7 @@ struct RequestHelpArguments {
 };
 
 void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& action) {
-  CLI::App* check = app.add_subcommand("check", "Check a request and print it with every key");
+  CLI::App* check = app.add_subcommand("check", "Check a request and print it with all keys");
   check->add_option("request", arguments.path, "Direction request (TOML). -: standard input")
       ->required()
       ->type_name("REQUEST.toml");

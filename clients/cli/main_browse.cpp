@@ -143,8 +143,8 @@ void add_choice(CLI::App& command, cli::ExportChoice& choice) {
       ->type_name("QUERY");
   command
       .add_option("--representatives", choice.representatives,
-                  "One representative for each of N groups of similar animations. Groups come from "
-                  "--select, or from all animations")
+                  "One representative for each of N groups of similar animations. The groups "
+                  "divide the animations of --select, or all animations")
       ->check(CLI::Range(1, 1'000'000).description(""))
       ->type_name("N");
   command.add_flag("--all", choice.all,
@@ -158,27 +158,25 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
       ->required()
       ->type_name("ARCHIVE.h5");
   command
-      ->add_option(
-          "--format", options.format,
-          "glb: 3D model with motion (glTF 2.0, for Blender and others); csv: table; png: folder "
-          "of frames; svg: image of the whole motion; mp4: video (needs ffmpeg). Default: the "
-          "ending of OUT, else glb")
+      ->add_option("--format", options.format,
+                   "glb: 3D model with motion (glTF 2.0, for Blender and others); csv: table; png: "
+                   "folder of frames; svg: image of the whole motion; mp4: video (needs ffmpeg). "
+                   "Default: from the ending of OUT, otherwise glb")
       ->check(CLI::IsMember(cli::export_formats()))
       ->type_name("FORMAT");
   add_choice(*command, options.choice);
   command
-      ->add_option(
-          "-o,--output", options.output,
-          "File with the format's ending, or folder with a file per animation. Default for csv: "
-          "standard output")
+      ->add_option("-o,--output", options.output,
+                   "Output file with the ending of the format, or folder that gets a file per "
+                   "animation. Default for csv: standard output")
       ->type_name("OUT");
   command->add_flag("--together", options.together,
                     "Write all animations as clips of one .glb file");
   command
       ->add_option("--fps", options.fps,
                    "Frames per second (png, mp4; default: 24). For glb: place keyframes on whole "
-                   "frames only; default: as many as keep positions within 0.1 mm and rotations "
-                   "within 0.2 degrees")
+                   "frames only. Default for glb: enough keyframes for positions within 0.1 mm and "
+                   "rotations within 0.2 degrees")
       ->check(CLI::Range(cli::k_export_fps_min, cli::k_export_fps_max).description(""))
       ->type_name("N");
   command->add_option("--view", options.view, "Camera view (png, mp4)")

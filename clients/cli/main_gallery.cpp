@@ -75,9 +75,9 @@ void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const anal
       ->type_name("FOLDER");
   command->add_flag("--json", options.json, "Print link, port and process id as one line of JSON");
   command->footer(
-      "The gallery listens on this machine's loopback address only. Its link works in one\n"
-      "browser only, so other users of the machine cannot open the gallery. From another machine,\n"
-      "run `ssh -L PORT:127.0.0.1:PORT HOST` and open the same link.\n\n"
+      "The gallery listens on this machine's loopback address only. The gallery's link\n"
+      "works in one browser only, so other users of the machine cannot open the gallery. From\n"
+      "another machine, run `ssh -L PORT:127.0.0.1:PORT HOST` and open the same link.\n\n"
       "The page updates when an archive changes and when a running job commits new animations.\n"
       "Stars, tags and notes are stored in ~/.local/share/sleight/notes, or in a folder\n"
       "\"sleight-notes\" beside the archive if there is one; never in an archive.\n\n"

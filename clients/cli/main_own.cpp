@@ -107,7 +107,7 @@ void add_completion(CLI::App& app, OwnArguments& arguments, Action& action) {
       ->capture_default_str()
       ->type_name("PROGRAM");
   command->footer(
-      "Load the script in the shell's start-up file. In zsh, load it after compinit.\n\n"
+      "Load the script in the shell's start-up file. In zsh, load the script after compinit.\n\n"
       "Examples:\n"
       "  source <(sleight completion bash)\n"
       "  source <(sleight completion zsh)\n"

@@ -194,8 +194,8 @@ const char* const k_exit_codes =
     "Exit codes: 0 success (also at a time limit); 1 bug; 2 wrong usage;\n"
     "3 errors in the request; 4 output belongs to another request, other\n"
     "results or a running process; 5 system error (disk, files, memory); 6 invalid archive;\n"
-    "7 chains have not mixed or cannot be judged, or weighted draws are worth too little\n"
-    "(diagnose); 8 simulation failed (--strict, replay); 9 not allowed; 10 job failed (wait,\n"
+    "7 chains have not mixed or cannot be judged, or weighted draws have too small an effective\n"
+    "size (diagnose); 8 simulation failed (--strict, replay); 9 not allowed; 10 job failed (wait,\n"
     "watch); 11 job cancelled (wait, watch); 12 service not running; 130 interrupted, all work\n"
     "stored; 134 internal check failed (bug); 141 the reader of the output closed it.";
 
@@ -225,7 +225,7 @@ std::string usage_words(const CLI::App* app, const CLI::Error& error) {
                           near ? fmt::format("; did you mean '{}'?", *near) : "");
     }
   }
-  // Also of a number in the range that is no plain integer, as 1e3.
+  // CLI11 says this also if an integer is written as 1e3.
   constexpr std::string_view k_value = ": Value ";
   constexpr std::string_view k_range = " not in range ";
   const std::size_t value = words.find(k_value);

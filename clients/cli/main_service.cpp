@@ -166,8 +166,8 @@ void add_list(CLI::App& app, Action& action) {
   command->add_flag("--complete", options->complete, "Print lines for shell completion")->group("");
   command->add_flag("--json", options->json, k_json_help);
   command->footer(
-      "The column FOUND counts solutions of a search, IN PROPORTION those in the model's\n"
-      "proportions.\n\n"
+      "The column FOUND counts solutions of a search. The column IN PROPORTION counts solutions\n"
+      "in the model's proportions.\n\n"
       "Examples:\n"
       "  sleight list\n"
       "  sleight list --state running --state queued\n"
@@ -215,7 +215,9 @@ void add_looks(CLI::App& app, Action& action) {
   command = add_command(app, "logs", "Print the log of a job", action, cli::show_logs, logs);
   command->add_option("job", logs->job, "Job number (17)")->required()->type_name("JOB");
   command->add_flag("-f,--follow", logs->follow, "Keep printing new lines until the job ends");
-  command->add_option("--lines", logs->lines, "Number of lines to print, from the end")
+  command
+      ->add_option("--lines", logs->lines,
+                   "Number of lines to print, counted from the end of the log")
       ->check(CLI::Range(1U, k_lines_max).description(""))
       ->type_name("N")
       ->capture_default_str();
@@ -411,7 +413,8 @@ void add_server(CLI::App& app, Action& action) {
       "Example:\n"
       "  sleight server stop");
   add("drain", "Stop all running jobs cleanly and start no more", cli::drain_server,
-      "Use this before the machine shuts down. The next start of the service resumes the jobs.\n\n"
+      "Drain the service before the machine shuts down. The next start of the service resumes the "
+      "jobs.\n\n"
       "Example:\n"
       "  sleight server drain");
   add("status", "Show the state of the service", cli::show_server,

@@ -51,8 +51,8 @@ constexpr SettingOption k_options[] = {
     {"keep_days", "--keep-days", "N",
      "Days until a finished job is deleted, unless it is pinned. Default: 30"},
     {"keep_bytes", "--keep-bytes", "SIZE",
-     "Maximum disk space of finished jobs. Above this, the oldest unpinned jobs are deleted. "
-     "Default: 50GB"},
+     "Maximum disk space of finished jobs; if they exceed it, the oldest unpinned jobs are "
+     "deleted. Default: 50GB"},
     {"cache_mb", "--cache", "MB", "Simulation cache of each process of a job, in MB. Default: 256"},
 };
 
@@ -81,8 +81,8 @@ void build_daemon_app(CLI::App& app, std::vector<config::Given>& given) {
   app.name("sleightd");
   app.failure_message(usage_words);
   app.description(
-      "Sleight's service: accepts direction requests as jobs and runs them. To start it in the\n"
-      "background, run `sleight server start`.");
+      "Sleight's service: accepts direction requests as jobs and runs them. To start the service\n"
+      "in the background, run `sleight server start`.");
   app.set_version_flag("--version", version_text());
   add_setting_options(app, given);
   app.footer(

@@ -74,7 +74,7 @@ class DiagnoseTest(ProgramTest):
         found = json.loads(machine.stdout)
         self.assertEqual(found["mixed"], code == 0)
         self.assertEqual(found["mixed"], found["reasons"] == [])
-        heading = "worth too little:" if "weights" in found else "Not mixed:"
+        heading = "effective size of the weighted draws is too small:" if "weights" in found else "Not mixed:"
         self.assertEqual(heading in people.stdout, code == 7)
         return found
 
@@ -184,8 +184,8 @@ class BurntIn(DiagnoseTest):
         archive = self.archived(burnt_in("annealed_importance", 40))
         found = self.diagnosed(archive, 7)
         self.assertLess(found["weights"]["effective_size"], 100)
-        self.assertRegex(found["reasons"][0], r"^the weighted draws of all chains are worth [\d.]+ "
-                                              r"draws of equal weight, and it takes 100:")
+        self.assertRegex(found["reasons"][0], r"^the effective size of the weighted draws of all chains "
+                                              r"is [\d.]+, but at least 100 is needed;")
         # One weight that outweighs all others.
         archive = self.archived(burnt_in("annealed_importance", 1200), "b.h5")
         self.diagnosed(archive, 0)

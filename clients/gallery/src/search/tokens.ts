@@ -82,7 +82,7 @@ function numberOf(text: string, column: number): number {
   // Beyond what a double can hold, or so small that nothing is left of it.
   const isLost = number === 0 && /[1-9]/.test(text.replace(/[eE].*/, ""));
   if (!Number.isFinite(number) || isLost)
-    throw new QueryFault(column, `'${text}' is outside the range of numbers`);
+    throw new QueryFault(column, `the number '${text}' is too large or too small`);
   return number;
 }
 
