@@ -47,7 +47,7 @@ class BugReport(ProgramTest):
         # The log of events wants a thread too, and says before that it has none.
         lines = [line for line in result.stderr.splitlines()
                  if not line.startswith("sleight: warning: ")]
-        self.assertRegex(lines[0], "^sleight: unexpected: .")
+        self.assertRegex(lines[0], "^sleight: unexpected error: .")
         self.assertEqual(lines[1], "to repeat: " + " ".join(str(part) for part in command))
         self.assertTrue(lines[2].startswith(self.request_line(request)), lines)
 

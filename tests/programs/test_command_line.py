@@ -41,6 +41,7 @@ class Usage(ProgramTest):
             result = sleight(*wrong)
             self.assertEqual(result.returncode, 2, (wrong, result.stderr))
             self.assertEqual(result.stdout, "", wrong)
+        self.assertIn("'lst'; did you mean 'list'?", sleight("lst").stderr)
 
     def test_a_bad_request_is_code_3_with_every_error_placed(self):
         request = self.path("bad.toml")
