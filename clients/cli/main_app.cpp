@@ -37,8 +37,7 @@ void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
       "To resume a run after Ctrl-C, a time limit, kill -9 or a power failure, repeat the "
       "command.\n"
       "The archive does not depend on the number of threads or on interruptions.\n\n"
-      "Examples:\n"
-      "  sleight direct --word SLEIGHT -o s.h5\n"
+      "Examples:\n  sleight direct --word SLEIGHT -o s.h5\n"
       "  sleight direct --word HI -n 8 --found -o hi.h5\n"
       "  sleight direct --word HI --in-proportion -o hi.h5 --print-request\n"
       "  sleight direct requests/ball_2d.toml -o ball.h5\n"
@@ -61,8 +60,7 @@ void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& ac
       ->type_name("REQUEST.toml");
   add_sets_option(*check, arguments.sets);
   check->footer(
-      "Examples:\n"
-      "  sleight check requests/ball_2d.toml\n"
+      "Examples:\n  sleight check requests/ball_2d.toml\n"
       "  sleight check requests/ball_2d.toml --set sampler.chains=8 --set stop.scans=1000");
   check->callback([&] { action = [&] { return check_request(arguments.path, arguments.sets); }; });
 
@@ -109,8 +107,7 @@ void add_replay(CLI::App& app, ReplayArguments& arguments, Action& action) {
   command->footer(
       "Exit codes: 0 the simulation succeeds in this version; 8 the simulation fails, in the\n"
       "same way or in another; 3 the file is not a valid failure file.\n\n"
-      "Example:\n"
-      "  sleight replay hi.h5.run/failures/failure-0-3-1760.toml");
+      "Example:\n  sleight replay hi.h5.run/failures/failure-0-3-1760.toml");
   command->callback([&] { action = [&] { return replay(arguments.path, arguments.json); }; });
 }
 
@@ -134,8 +131,7 @@ void add_derive(CLI::App& archive, DeriveArguments& arguments, Action& action) {
       "Writes the archive that the run would write if it stopped now, even while the run\n"
       "continues. A copy of the run's folder works too, unless the run wrote to the folder during\n"
       "the copy.\n\n"
-      "Example:\n"
-      "  sleight archive derive ball.h5.run -o ball_so_far.h5");
+      "Example:\n  sleight archive derive ball.h5.run -o ball_so_far.h5");
   command->callback([&] { action = [&] { return derive(arguments); }; });
 }
 
@@ -162,8 +158,7 @@ CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action
       [&] { return cli::archive_verify(path, arguments.json); })
       ->footer(
           "Prints every error. Exits with 6 if there are errors.\n\n"
-          "Example:\n"
-          "  sleight archive verify ball.h5");
+          "Example:\n  sleight archive verify ball.h5");
   CLI::App* exported = add("export", "Export a table as CSV", false,
                            [&] { return cli::archive_export_csv(arguments.export_options); });
   exported->add_flag("--csv", arguments.csv, "Write comma-separated values, the only format so far")
@@ -183,8 +178,7 @@ CLI::App* add_archive(CLI::App& app, ArchiveArguments& arguments, Action& action
                    "CSV file to write. Default: standard output")
       ->type_name("FILE.csv");
   exported->footer(
-      "Examples:\n"
-      "  sleight archive export ball.h5 --csv > stats.csv\n"
+      "Examples:\n  sleight archive export ball.h5 --csv > stats.csv\n"
       "  sleight archive export ball.h5 --csv --table posterior -o normals.csv");
   return archive;
 }
@@ -207,9 +201,7 @@ void add_diagnose(CLI::App& app, DiagnoseArguments& arguments, Action& action) {
       "the second half of plain chains. A tempered ladder must also have made a round trip. If\n"
       "the chains have not mixed, prints the reasons and exits with 7. Success is no proof that\n"
       "the chains have mixed: chains that all miss the same mode agree with each other.\n\n"
-      "Examples:\n"
-      "  sleight diagnose ball.h5\n"
-      "  sleight diagnose ball.h5 --json | jq .reasons");
+      "Examples:\n  sleight diagnose ball.h5\n  sleight diagnose ball.h5 --json | jq .reasons");
   command->callback([&] {
     action = [&] {
       return cli::diagnose_archive(arguments.path, arguments.json, convergence_rules());
@@ -248,8 +240,7 @@ void add_plot(CLI::App& app, PlotArguments& arguments, Action& action) {
       ->allow_extra_args(false)
       ->type_name("NAME=VALUE");
   command->footer(
-      "Examples:\n"
-      "  sleight plot ball.h5\n"
+      "Examples:\n  sleight plot ball.h5\n"
       "  sleight plot ball.h5 --chain 0 --draws 1000 -o figure_2_4.svg\n"
       "  sleight plot ball.h5 --what paths -o figure_2_3.png\n"
       "  sleight plot hi.h5 --chain 0 -o hi_filled.svg\n"

@@ -97,8 +97,7 @@ void add_groups(CLI::App& app, cli::GroupsOptions& options, Action& action) {
       "collide in the same order; docs/BROWSING.md has the formula. Above 500 animations, the\n"
       "groups come from a sample of 200 (500 for more than 100 groups), and each remaining\n"
       "animation joins the group with the nearest representative.\n\n"
-      "Examples:\n"
-      "  sleight groups hi.h5 -k 12\n"
+      "Examples:\n  sleight groups hi.h5 -k 12\n"
       "  sleight groups die.h5 -k 6 -o die_groups.png\n"
       "  sleight groups a.h5 b.h5 --where 'log_prior -20..' --by hierarchy --json");
   command->callback([&] { action = [&] { return cli::group_animations(options); }; });
@@ -123,8 +122,7 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
       "looks: a small p means that the two sets look different. Archives keep distinct\n"
       "animations, not in the model's proportions; for means of the model, use the group\n"
       "/posterior.\n\n"
-      "Examples:\n"
-      "  sleight compare die.h5 die_more_sigma.h5\n"
+      "Examples:\n  sleight compare die.h5 die_more_sigma.h5\n"
       "  sleight compare hi.h5 hi_tempered.h5 -k 12 --json");
   command->callback([&] { action = [&] { return cli::compare_archives(options); }; });
 }
@@ -194,8 +192,7 @@ void add_export(CLI::App& app, cli::ExportAnimationsOptions& options, Action& ac
   command->add_flag("--force", options.force, "Overwrite files that sleight did not make");
   command->add_flag("--json", options.json, "Print the list of written files as JSON");
   command->footer(
-      "Examples:\n"
-      "  sleight export ball.h5 --ids c0.250 -o ball.glb\n"
+      "Examples:\n  sleight export ball.h5 --ids c0.250 -o ball.glb\n"
       "  sleight export die.h5 --select 'die 1 in z 60mm.. during 0.2s..' -o throws\n"
       "  sleight export die.h5 --representatives 12 --together -o kinds.glb\n"
       "  sleight export hi.h5 --ids find.0 -o hi.mp4\n"

@@ -90,9 +90,7 @@ void add_config(CLI::App& app, OwnArguments& arguments, Action& action) {
       "~/.config/sleight/config.toml); defaults.\n\n"
       "The file is TOML with the listed keys. For example, limits.jobs is the key jobs in section\n"
       "[limits].\n\n"
-      "Examples:\n"
-      "  sleight config\n"
-      "  sleight config --json | jq .settings.state.value");
+      "Examples:\n  sleight config\n  sleight config --json | jq .settings.state.value");
   command->callback([&] { action = [&] { return cli::print_config(arguments.json); }; });
 }
 
@@ -108,9 +106,7 @@ void add_completion(CLI::App& app, OwnArguments& arguments, Action& action) {
       ->type_name("PROGRAM");
   command->footer(
       "Load the script in the shell's start-up file. In zsh, load the script after compinit.\n\n"
-      "Examples:\n"
-      "  source <(sleight completion bash)\n"
-      "  source <(sleight completion zsh)\n"
+      "Examples:\n  source <(sleight completion bash)\n  source <(sleight completion zsh)\n"
       "  sleight completion fish | source\n"
       "  sleight completion bash sleight-batch > "
       "~/.local/share/bash-completion/completions/sleight-batch");

@@ -319,8 +319,7 @@ void build_batch_app(CLI::App& app, DirectArguments& arguments) {
       "number\nof ranks.");
   app.set_version_flag("--version", version_text());
   add_run_options(app, arguments);
-  app.footer(std::string("Examples:\n"
-                         "  sleight-batch requests/ball_2d.toml -o ball.h5\n"
+  app.footer(std::string("Examples:\n  sleight-batch requests/ball_2d.toml -o ball.h5\n"
                          "  mpirun -n 3 sleight-batch requests/ball_2d.toml -o ball.h5\n\n") +
              k_exit_codes);
 }

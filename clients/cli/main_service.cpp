@@ -129,8 +129,7 @@ void add_submit(CLI::App& app, Action& action) {
       "Prints the job's id. With --watch or --wait, Ctrl-C leaves the job running, and the\n"
       "exit codes are those of `sleight wait`. To start the service, run `sleight server "
       "start`.\n\n"
-      "Examples:\n"
-      "  sleight submit --word SLEIGHT\n"
+      "Examples:\n  sleight submit --word SLEIGHT\n"
       "  sleight submit requests/hi.toml --watch\n"
       "  sleight submit requests/ball_2d.toml --cores 4 --name throws --json | jq .id\n"
       "  sleight submit requests/hi.toml --set sampler.seed=1..20");
@@ -168,9 +167,7 @@ void add_list(CLI::App& app, Action& action) {
   command->footer(
       "The column FOUND counts solutions of a search. The column IN PROPORTION counts solutions\n"
       "in the model's proportions.\n\n"
-      "Examples:\n"
-      "  sleight list\n"
-      "  sleight list --state running --state queued\n"
+      "Examples:\n  sleight list\n  sleight list --state running --state queued\n"
       "  sleight list --group g5 --json | jq '.jobs[].digest'");
 }
 
@@ -198,10 +195,7 @@ void add_looks(CLI::App& app, Action& action) {
       "sessions are numbered from 1 without gaps. A restart of the service doesn't end the\n"
       "command. Ctrl-C leaves the jobs running.\n\n"
       "Exit codes: 0 all jobs are done; 10 a job failed; 11 a job was cancelled.\n\n"
-      "Examples:\n"
-      "  sleight watch 17\n"
-      "  sleight watch 17 --json --from 12\n"
-      "  sleight watch g5");
+      "Examples:\n  sleight watch 17\n  sleight watch 17 --json --from 12\n  sleight watch g5");
 
   const auto awaited = std::make_shared<cli::JobsOptions>();
   command = add_command(app, "wait", "Wait until jobs end", action, cli::wait, awaited);
@@ -240,14 +234,10 @@ void add_stops(CLI::App& app, Action& action) {
   };
   add("cancel", "Cancel jobs", rpc::ChangeKind::cancel,
       "A running job stops after its current scan and writes an archive of its results so far.\n\n"
-      "Examples:\n"
-      "  sleight cancel 17\n"
-      "  sleight cancel g5\n"
-      "  sleight cancel 17 19 23..30");
+      "Examples:\n  sleight cancel 17\n  sleight cancel g5\n  sleight cancel 17 19 23..30");
   add("hold", "Stop jobs until `sleight resume`", rpc::ChangeKind::hold,
       "No work is lost. After `sleight resume`, the archive is the same as without the stop.\n\n"
-      "Example:\n"
-      "  sleight hold 17");
+      "Example:\n  sleight hold 17");
   add("resume", "Resume held, failed or cancelled jobs", rpc::ChangeKind::resume,
       "Example:\n  sleight resume 17");
 }
@@ -274,9 +264,7 @@ void add_priority(CLI::App& app, Action& action) {
   command->footer(
       "Priorities order the jobs of one user. Between users, fair shares of the machine decide.\n"
       "A higher priority never stops a job that is already running.\n\n"
-      "Examples:\n"
-      "  sleight priority 17 --to 5\n"
-      "  sleight priority g5 --to -1");
+      "Examples:\n  sleight priority 17 --to 5\n  sleight priority g5 --to -1");
 }
 
 void add_extend(CLI::App& app, Action& action) {
@@ -308,9 +296,7 @@ void add_extend(CLI::App& app, Action& action) {
   command->footer(
       "Numbers are totals of the whole run, not additions. The archive is the same as if the\n"
       "request had contained the new number from the start.\n\n"
-      "Examples:\n"
-      "  sleight extend 17 --solutions 100\n"
-      "  sleight extend g5 --scans 40000");
+      "Examples:\n  sleight extend 17 --solutions 100\n  sleight extend g5 --scans 40000");
 }
 
 void add_fetch(CLI::App& app, Action& action) {
@@ -340,9 +326,7 @@ void add_fetch(CLI::App& app, Action& action) {
   command->footer(
       "A file appears only when it is complete and its digest is correct. To resume a download,\n"
       "repeat the command. Without --force, an existing file with other content is an error.\n\n"
-      "Examples:\n"
-      "  sleight fetch 17 -o hi.h5\n"
-      "  sleight fetch 17 --so-far -o hi_so_far.h5\n"
+      "Examples:\n  sleight fetch 17 -o hi.h5\n  sleight fetch 17 --so-far -o hi_so_far.h5\n"
       "  sleight fetch g5\n"
       "  sleight fetch 17 --failures && sleight replay job-17-failures/failure-0-3-1760.toml");
 }
@@ -357,9 +341,7 @@ void add_keeps(CLI::App& app, Action& action) {
   command->footer(
       "Deletes nothing if one of the jobs has not ended or is pinned. On a terminal, asks for\n"
       "confirmation.\n\n"
-      "Examples:\n"
-      "  sleight delete 17\n"
-      "  sleight delete g5 -y");
+      "Examples:\n  sleight delete 17\n  sleight delete g5 -y");
 
   struct PinOptions : cli::JobsOptions {
     bool off = false;
@@ -377,9 +359,7 @@ void add_keeps(CLI::App& app, Action& action) {
   command->footer(
       "The service deletes old finished jobs (settings keep_days and keep_bytes, see\n"
       "`sleight config`), but never pinned jobs.\n\n"
-      "Examples:\n"
-      "  sleight pin 17\n"
-      "  sleight pin 17 --off");
+      "Examples:\n  sleight pin 17\n  sleight pin 17 --off");
 }
 
 void add_server(CLI::App& app, Action& action) {
@@ -396,9 +376,7 @@ void add_server(CLI::App& app, Action& action) {
       "Returns when the service answers. The log is server.log in the state folder. All settings\n"
       "have defaults; `sleight config` lists them. If the service is already running, the command\n"
       "changes nothing.\n\n"
-      "Examples:\n"
-      "  sleight server start\n"
-      "  sleight server start --cores 8 --memory 24GB");
+      "Examples:\n  sleight server start\n  sleight server start --cores 8 --memory 24GB");
 
   const auto add = [&](const char* name, const char* help, auto run, const char* footer) {
     const auto json = std::make_shared<bool>(false);
@@ -410,13 +388,11 @@ void add_server(CLI::App& app, Action& action) {
   };
   add("stop", "Stop the service; jobs keep running", cli::stop_server,
       "The next `sleight server start` takes over the jobs.\n\n"
-      "Example:\n"
-      "  sleight server stop");
+      "Example:\n  sleight server stop");
   add("drain", "Stop all running jobs cleanly and start no more", cli::drain_server,
       "Drain the service before the machine shuts down. The next start of the service resumes the "
       "jobs.\n\n"
-      "Example:\n"
-      "  sleight server drain");
+      "Example:\n  sleight server drain");
   add("status", "Show the state of the service", cli::show_server,
       "Examples:\n  sleight server status\n  sleight server status --json | jq .pid");
 }

@@ -87,8 +87,7 @@ void build_daemon_app(CLI::App& app, std::vector<config::Given>& given) {
   add_setting_options(app, given);
   app.footer(
       "To list all settings and the source of each, run `sleight config`.\n\n"
-      "Examples:\n"
-      "  sleightd\n"
+      "Examples:\n  sleightd\n"
       "  sleightd --state /scratch/ada/sleight --cores 8 --memory 24GB\n"
       "  sleightd --listen 0.0.0.0:7423");
 }

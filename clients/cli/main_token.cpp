@@ -58,8 +58,7 @@ void add_create(CLI::App& token, Action& action) {
       "A token permits its user's actions within its scopes: read (list, status, watch, logs,\n"
       "fetch), submit, manage (cancel, hold, resume, extend, delete, pin, priority) and operate\n"
       "(drain and stop the service). The service stores only a hash of the token.\n\n"
-      "Examples:\n"
-      "  sleight token create --name laptop -o laptop.token\n"
+      "Examples:\n  sleight token create --name laptop -o laptop.token\n"
       "  sleight token create --name gallery --scope read --expires never\n"
       "  sleight token create --name render-farm --jobs 10 --cores 8");
 }

@@ -184,13 +184,7 @@ std::string bash_completion(const Command& program) {
       "{2}  esac\n"
       "}}\n\n"
       "# How to complete the value of an option, or a positional by its number.\n"
-      "_{1}_value() {{\n"
-      "  kind='' args=()\n"
-      "  case $1 in\n"
-      "{3}    *) ;;\n"
-      "  esac\n"
-      "}}\n"
-      "{4}",
+      "_{1}_value() {{\n  kind='' args=()\n  case $1 in\n{3}    *) ;;\n  esac\n}}\n{4}",
       program.name, function, has, values, walk);
 }
 

@@ -109,28 +109,19 @@ std::string help_of(const Argument& argument_) {
 std::string arguments(const Command& command) {
   std::string text;
   if (!command.positionals.empty()) {
-    text +=
-        ".Pp\n"
-        "The arguments are as follows:\n"
-        ".Bl -tag -width Ds\n";
+    text += ".Pp\nThe arguments are as follows:\n.Bl -tag -width Ds\n";
     for (const Argument& positional : command.positionals)
       text += ".It Ar " + argument(positional.type_name) + "\n" + help_of(positional);
     text += ".El\n";
   }
   if (!command.options.empty()) {
-    text +=
-        ".Pp\n"
-        "The options are as follows:\n"
-        ".Bl -tag -width Ds\n";
+    text += ".Pp\nThe options are as follows:\n.Bl -tag -width Ds\n";
     for (const Argument& option : command.options)
       text += ".It " + flags(option, ",") + "\n" + help_of(option);
     text += ".El\n";
   }
   if (!command.commands.empty()) {
-    text +=
-        ".Pp\n"
-        "The commands are as follows:\n"
-        ".Bl -tag -width Ds\n";
+    text += ".Pp\nThe commands are as follows:\n.Bl -tag -width Ds\n";
     for (const Command& below : command.commands)
       text += ".It Cm " + argument(below.name) + "\n" + wrapped(sentence(below.summary));
     text += ".El\n";

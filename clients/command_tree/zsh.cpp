@@ -120,10 +120,8 @@ std::string zsh_completion(const Command& program) {
   script += fmt::format(
       "# Loaded from $fpath, this file is the body of the function _{0}. Loaded by `source`, it "
       "calls compdef.\n"
-      "if [[ $funcstack[1] == _{0} ]]; then\n"
-      "  _PROGRAM \"$@\"\nelse\n"
-      "  compdef _PROGRAM {0}\n"
-      "fi\n",
+      "if [[ $funcstack[1] == _{0} ]]; then\n  _PROGRAM \"$@\"\nelse\n"
+      "  compdef _PROGRAM {0}\nfi\n",
       program.name);
   return replaced(script, "PROGRAM", identifier(program.name));
 }
