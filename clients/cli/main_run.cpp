@@ -192,8 +192,9 @@ void print_summary(const DirectArguments& arguments, const request::DirectionReq
 
 const char* const k_exit_codes =
     "Exit codes: 0 success (also at a time limit); 1 bug; 2 wrong usage;\n"
-    "3 errors in the request; 4 output belongs to another request, other\n"
-    "results or a running process; 5 system error (disk, files, memory); 6 invalid archive;\n"
+    "3 errors in the request; 4 output belongs to another request, another\n"
+    "results version or a running process; 5 system error (disk, files, memory); 6 invalid "
+    "archive;\n"
     "7 chains have not mixed or cannot be judged, or weighted draws have too small an effective\n"
     "size (diagnose); 8 simulation failed (--strict, replay); 9 not allowed; 10 job failed (wait,\n"
     "watch); 11 job cancelled (wait, watch); 12 service not running; 130 interrupted, all work\n"
