@@ -263,7 +263,8 @@ void add_priority(CLI::App& app, Action& action) {
       ->type_name("N");
   command->footer(
       "Priorities order the jobs of one user. Between users, fair shares of the machine decide.\n"
-      "A higher priority never stops a job that is already running.\n\n"
+      "A job with a higher priority replaces a running job of the same user once that job has had\n"
+      "its slice (10 s by default).\n\n"
       "Examples:\n  sleight priority 17 --to 5\n  sleight priority g5 --to -1");
 }
 
