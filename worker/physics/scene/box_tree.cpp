@@ -16,7 +16,7 @@ void join(Box& box, const Box& other) {
   }
 }
 
-/// Ten bits, two zeros before each.
+/// Spreads ten bits, inserting two zeros before each bit.
 std::uint32_t spread(std::uint32_t bits) {
   bits = (bits | bits << 16) & 0x030000FF;
   bits = (bits | bits << 8) & 0x0300F00F;
@@ -34,7 +34,7 @@ struct Item {
   std::uint32_t index;
 };
 
-/// Each box's place on the curve.
+/// Returns each box's Morton code.
 std::vector<Item> coded(std::span<const Box> boxes) {
   std::array<float, 3> low{};
   std::array<float, 3> high{};
@@ -46,7 +46,7 @@ std::vector<Item> coded(std::span<const Box> boxes) {
       high[axis] = std::max(high[axis], middle(box, axis));
     }
   }
-  // One scale for all axes, so that cells are cubes.
+  // All axes share one scale, so that cells are cubes.
   const float extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
   const float scale = extent > 0 ? static_cast<float>(k_digits) / extent : 0;
   std::vector<Item> items(boxes.size());
@@ -61,7 +61,7 @@ std::vector<Item> coded(std::span<const Box> boxes) {
   return items;
 }
 
-/// By code, equal ones by index: a radix sort, which keeps the order of equals.
+/// Sorts by code, then by index, with a stable radix sort.
 void sort(std::vector<Item>& items) {
   std::vector<Item> other(items.size());
   std::array<std::uint32_t, k_digits> places;
@@ -113,7 +113,7 @@ Box BoxTree::build(std::span<const std::uint32_t> codes, std::uint32_t begin, st
     nodes_[place].begin = begin;
     nodes_[place].end = end;
   } else {
-    // Cut where the highest bit that differs changes; equal places in the middle.
+    // Cut where the highest differing bit changes, or in the middle if all codes are equal.
     std::uint32_t cut = begin + (end - begin) / 2;
     if (const std::uint32_t differ = codes[begin] ^ codes[end - 1]; differ != 0) {
       const std::uint32_t bit = std::bit_floor(differ);

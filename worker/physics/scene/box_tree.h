@@ -1,15 +1,16 @@
-// Boxes that don't move, as a tree: which of them does a box overlap?
+// A bounding-volume tree over boxes that don't move, for overlap and distance queries.
 //
-// Idea. The boxes are sorted along a curve that fills space (Morton's order of their middles, ten
-// bits per axis; Karras 2012, section 3) and cut in two where the highest bit changes, down to
-// leaves of a few. Sorting takes three passes over the boxes, so a tree is built anew for less than
-// it would cost to mend. Nodes lie in one array in depth-first order, each with the place to go on
-// at if its box is missed, so a query needs no stack.
+// Idea. The boxes are sorted along Morton's space-filling curve by their centres, ten bits per axis
+// (Karras 2012, section 3). The sorted array is cut in two where the highest bit changes,
+// recursively, down to leaves of at most k_leaf boxes. Sorting takes three passes over the boxes,
+// so rebuilding a tree costs less than repairing it. The nodes form one array in depth-first order.
+// Each node stores the index at which a query continues if it misses the node's box, so queries
+// need no stack.
 //
 // Invariants
-//   1. Each box lies in one leaf; a node's box holds those of all leaves below it.
-//   2. The tree is a function of the boxes in their order.
-// Thread safety: const functions may run at once.
+//   1. Each box is in exactly one leaf; a node's box contains the boxes of all leaves below it.
+//   2. The tree depends only on the boxes and their order.
+// Thread safety: const functions may run concurrently.
 #pragma once
 
 #include <algorithm>
@@ -27,14 +28,14 @@ class BoxTree {
   /// REQUIRES: finite corners.
   explicit BoxTree(std::span<const Box> boxes);
 
-  /// Calls visit(index) for each overlapping box, in no particular order but always the same.
+  /// Calls visit(index) for each overlapping box, in an unspecified but reproducible order.
   template <class Visit>
   void for_each_overlap(const Box& box, Visit&& visit) const {
     for_each_that([&](const Box& other) { return meets(other, box); }, visit);
   }
 
-  /// The same for each box that is within a distance, or by rounding a little more: fewer than
-  /// overlap a box that is wider by it.
+  /// Calls visit(index) for each box within a distance, allowing for rounding. This finds fewer
+  /// boxes than an overlap query with a box widened by that distance.
   template <class Visit>
   void for_each_within(const Box& box, float distance_m, Visit&& visit) const {
     constexpr float k_rounding = 1 + 0x1p-18F;
@@ -48,12 +49,13 @@ class BoxTree {
 
   struct Node {
     Box box;
-    std::uint32_t skip = 0;   ///< where to go on without the nodes below
-    std::uint32_t begin = 0;  ///< a leaf's boxes; none in inner nodes
+    std::uint32_t skip = 0;   ///< next node if this node's box is missed
+    std::uint32_t begin = 0;  ///< boxes of a leaf; empty in inner nodes
     std::uint32_t end = 0;
   };
 
-  /// overlap(), all six comparisons at once: which of them fails first can't be foretold.
+  /// Equals overlap(), but makes all six comparisons without branches, because no branch predictor
+  /// could guess which comparison fails first.
   static bool meets(const Box& a, const Box& b) {
     unsigned apart = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {

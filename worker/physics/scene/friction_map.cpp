@@ -18,7 +18,7 @@ namespace {
 
 constexpr double k_friction_max = 1e6;
 
-/// A coordinate that changes at a changing rate.
+/// A coordinate as a function of time, with constant second derivative.
 struct Line {
   double place = 0;
   double rate = 0;
@@ -31,7 +31,7 @@ struct Range {
   double high = 0;
 };
 
-/// Where a coordinate goes until then.
+/// The range of a coordinate up to a time.
 Range range_of(const Line& line, double until_s) {
   const double last = line.at(until_s);
   Range range{std::min(line.place, last), std::max(line.place, last)};
@@ -43,7 +43,7 @@ Range range_of(const Line& line, double until_s) {
   return range;
 }
 
-/// Rounded outwards, by a float's last place and a little.
+/// Rounded outwards by one unit in the float's last place or slightly more.
 float below(double x) {
   return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
 }
@@ -58,13 +58,13 @@ bool holds(double low, double high, double x) {
   return low <= x && x < high;
 }
 
-/// When a coordinate that lies between two has left.
+/// Time at which a coordinate between two bounds leaves them.
 double leaves_s(const Line& line, double low, double high) {
   return std::min(first_fall_s(std::max(0.0, line.place - low), line.rate, line.bend),
                   first_fall_s(std::max(0.0, high - line.place), -line.rate, -line.bend));
 }
 
-/// Times in ascending order: of up to four sides, crossed twice each, and the end.
+/// Times in ascending order: two crossings for each of four sides, and the end.
 struct FewTimes {
   std::array<double, 9> s{};
   std::size_t count = 0;
@@ -77,7 +77,7 @@ struct FewTimes {
   }
 };
 
-/// Spans after which a coordinate has some value.
+/// Adds the times at which a coordinate equals a value.
 void add_crossings(const Line& line, double value, double until_s, FewTimes& times) {
   const auto add = [&](double s) {
     if (s > 0 && s < until_s) times.add(s);
@@ -89,16 +89,16 @@ void add_crossings(const Line& line, double value, double until_s, FewTimes& tim
   }
   const double discriminant = line.rate * line.rate - 2 * line.bend * excess;
   if (!(discriminant >= 0)) return;
-  // Without cancellation: the root of the larger magnitude first.
+  // The root of larger magnitude comes first, which avoids cancellation.
   const double sum = -(line.rate + std::copysign(std::sqrt(discriminant), line.rate));
   add(sum / line.bend);
   if (sum != 0) add(2 * excess / sum);
 }
 
-/// When two coordinates are first both within a rectangle, to which they didn't belong; until_s if
-/// they aren't before.
+/// Time at which a point first enters a rectangle in which it doesn't start; until_s if it doesn't
+/// enter earlier.
 double enters_s(const Line& u, const Line& v, const FrictionRectangle& rectangle, double until_s) {
-  // Between two crossings nothing changes, so the middle tells.
+  // The point crosses no side between two successive times, so testing the middle is enough.
   FewTimes times;
   add_crossings(u, rectangle.u_min_m, until_s, times);
   add_crossings(u, rectangle.u_max_m, until_s, times);

@@ -1,17 +1,17 @@
-// Friction that differs from place to place on a plane: rectangles, as the oil on a bowling lane.
+// Friction that varies across a plane, given by rectangles, such as the oil on a bowling lane.
 //
-// A rectangle holds the points with u_min <= u < u_max and v_min <= v < v_max, where u and v are
-// coordinates along two axes of the plane. Of rectangles that overlap the later one counts, as if
-// painted over the earlier; where there is none, the scene's table of contacts says what friction
-// is.
+// A rectangle contains the points with u_min <= u < u_max and v_min <= v < v_max, where u and v are
+// coordinates along two axes of the plane. Where rectangles overlap, the later one applies, as if
+// painted over the earlier one. Where there is no rectangle, the friction of the scene's contact
+// table applies.
 //
-// Idea. What slides or rolls on one plane moves along a parabola as long as friction stays. A
-// border is met where that parabola crosses the sides of a rectangle: quadratic equations. Which
-// rectangles come into question is asked of a tree of boxes. Where many lie side by side, the way
-// to the end of the present one is all that is looked at.
+// Idea. A body that slides or rolls on one plane moves along a parabola as long as its friction
+// stays constant. The parabola crosses the sides of a rectangle at roots of quadratic equations. A
+// tree of boxes finds the candidate rectangles, and only on the path up to the end of the current
+// rectangle.
 //
-// Invariant: between a path's point and border_s later the rectangle that counts is the same one,
-// but for rounding. Thread safety: const functions may run at once.
+// Invariant: the same rectangle applies from a path's start until border_s later, except for
+// rounding. Thread safety: const functions may run concurrently.
 #pragma once
 
 #include <cstddef>
@@ -31,18 +31,18 @@ struct FrictionRectangle {
   double u_max_m = 0;  ///< > u_min_m
   double v_min_m = 0;
   double v_max_m = 0;   ///< > v_min_m
-  double friction = 0;  ///< Coulomb's mu, 0 to 1e6, of whatever touches the plane there
+  double friction = 0;  ///< Coulomb's mu, 0 to 1e6, for any body touching the plane here
   bool operator==(const FrictionRectangle&) const = default;
 };
 
-/// Coordinates of a point: u.(point - origin) and v.(point - origin).
+/// The axes of a map. A point's coordinates are u.(point - origin) and v.(point - origin).
 struct MapFrame {
   Vec3 origin_m = Vec3::Zero();
-  Vec3 u = Vec3::UnitX();  ///< unit vectors, across each other and the plane's normal
+  Vec3 u = Vec3::UnitX();  ///< unit vectors, perpendicular to each other and the plane's normal
   Vec3 v = Vec3::UnitY();
 };
 
-/// A way that begins at a point, with constant acceleration.
+/// A path from a point with constant acceleration.
 struct MapPath {
   Vec3 place_m = Vec3::Zero();
   Vec3 velocity_mps = Vec3::Zero();
@@ -53,17 +53,17 @@ class FrictionMap {
  public:
   static constexpr std::size_t k_rectangles_max = 4096;
 
-  /// Fails with a sentence that says which rectangle or axis is wrong, and how.
+  /// Returns an error message that names the invalid rectangle or axis.
   static base::Result<FrictionMap, std::string> make(const MapFrame& frame,
                                                      std::vector<FrictionRectangle> rectangles);
 
-  /// Where no rectangle is: nothing.
+  /// Returns nothing where there is no rectangle.
   std::optional<double> friction_at(const Vec3& point_m) const;
-  /// After how long another rectangle counts, or none; `most_s` if none does before.
+  /// Time until another rectangle (or none) applies; `most_s` if the change happens later.
   double border_s(const MapPath& path, double most_s) const;
 
   const MapFrame& frame() const { return frame_; }
-  /// Whether they say the same of every point.
+  /// Whether both maps have equal frames and rectangles.
   bool same_as(const FrictionMap& other) const;
 
  private:

@@ -1,8 +1,8 @@
-// What a simulation starts from: bodies, static geometry, and how they meet.
+// What a simulation starts from: bodies, static geometry and contact laws.
 //
-// Units are SI; the world's frame is right-handed, and its axes are the user's choice (gravity says
-// where down is). A scene is a plain value that its author fills in; Simulation::start checks it
-// and answers with errors that name the body. Thread safety: a value.
+// Units are SI. The world's frame is right-handed; the user chooses its axes, and gravity defines
+// which way is down. A scene is a plain value that its author fills in. Simulation::start checks
+// the scene and returns errors that name the body. Thread safety: a value.
 #pragma once
 
 #include <array>
@@ -32,40 +32,41 @@ struct Sphere {
 };
 
 /// A ball, or convex parts in the body's frame: origin at the centre of mass, principal axes along
-/// x, y and z (mass_properties.h puts them there). Shared, so that bodies of one shape keep it
-/// once.
+/// x, y and z (see mass_properties.h). Parts are shared, so that bodies of the same shape store
+/// them once.
 using Shape = std::variant<Sphere, std::shared_ptr<const Compound>>;
 
-/// Where and how a body enters.
+/// Initial pose and velocity of a body.
 struct StartState {
   Pose pose;
   Twist twist;
 };
 
 struct BodyDescription {
-  std::string name;  ///< for errors; "body 7" if empty
+  std::string name;  ///< for error messages; "body 7" if empty
   Shape shape;
   Inertia inertia;
   MaterialId material{};
   Tick start_tick{};
   StartState start;
-  /// Another start for a body that would overlap something at its own: attempt 1, 2, ... up to
-  /// k_start_attempts_max. A function of the attempt alone. Without it, an overlap is an error.
+  /// Returns an alternative start if the body would overlap something at `start`, for attempt 1, 2,
+  /// ... up to k_start_attempts_max. The result must depend only on the attempt. Without this
+  /// function, an overlap is an error.
   std::function<StartState(std::uint32_t attempt)> start_again{};
-  /// It starts at rest on what it touches, as a pin on its spot or a stone in an arch: at tick 0,
-  /// without velocity, to within k_at_rest_gap_m of what is to carry it, in a scene in which bodies
-  /// rest. Contact forces must hold all that starts so and hangs together, else the scene is
-  /// refused. A blow or a moving supporter wakes it.
+  /// The body starts at rest on what it touches, as a bowling pin or a stone in an arch does.
+  /// REQUIRES: tick 0, no velocity, a gap of at most k_at_rest_gap_m to its supporters, and a scene
+  /// in which bodies rest. If contact forces can't hold all connected bodies that start at rest,
+  /// the scene is refused. An impact or a moving supporter wakes the body.
   bool rests = false;
 };
 
-/// All of space where dot(normal, x) < offset is solid.
+/// A plane; all points x with dot(normal, x) < offset are solid.
 struct StaticPlane {
   std::string name;
   HalfSpace outside;
   MaterialId material{};
-  /// Its friction from place to place, in the place of the table's; shared, so that scenes of one
-  /// plane keep it once.
+  /// Friction that varies with position and overrides the contact table's. Shared, so that scenes
+  /// with the same plane store the map once.
   std::shared_ptr<const FrictionMap> friction_map{};
 };
 
@@ -76,30 +77,32 @@ struct StaticConvex {
   MaterialId material{};
 };
 
-/// A surface of triangles that doesn't move. A closed one is solid on the side that its triangles'
-/// normals leave; an open one is a sheet of no thickness that is met from both sides.
+/// A triangle surface that doesn't move. A closed mesh is solid on the side that its triangle
+/// normals point away from. An open mesh is a sheet of zero thickness that bodies meet from both
+/// sides.
 struct StaticMesh {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  ///< in the world's frame
   MaterialId material{};
-  /// Bounding volumes allow for vertices that are moved by so much in each coordinate, between
-  /// simulations (StaticGeometry::refresh). Changes no result.
+  /// Margin of the bounding volumes: each vertex coordinate may move by this much between
+  /// simulations (StaticGeometry::refresh). The margin changes no result.
   double slack_m = 0;
 };
 
-/// How slow contacts end. All 0: they never do, as in a gas.
+/// When slow contacts end. If all values are 0, contacts never end, as in a gas.
 struct SlowContacts {
-  /// After an impact a pair separates at least this fast, if its energy allows it (restitution.h):
-  /// a body in contact with another bounces at about this speed, some micrometres high.
+  /// Minimum separation speed of a pair after an impact, if its energy allows (restitution.h). A
+  /// body in contact with another bounces at about this speed, a few micrometres high.
   double separation_speed_mps = 0;
-  /// A body rests when it was slower than this for `rest_time_s`, and touched only bodies of which
-  /// this is true as well, resting ones, and static geometry. 0: bodies don't rest.
+  /// A body comes to rest if it was slower than this for `rest_time_s` and touched only static
+  /// geometry, resting bodies, and bodies that were as slow. 0: bodies don't rest.
   double rest_speed_mps = 0;
   double rest_time_s = 0;
 };
 
-/// Speeds that suit bodies of size L, in units of v = sqrt(g L) and t = sqrt(L / g), the speed and
-/// time of a fall by L / 2: bounces part at 0.01 v or more; a body rests below 0.08 v for 0.1 t.
+/// Returns limits for bodies of size L, in terms of v = sqrt(g L) and t = sqrt(L / g), the speed
+/// and time of a fall by L / 2. Bodies separate at 0.01 v or more, and rest after 0.1 t below 0.08
+/// v.
 inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
   const double fall_mps = std::sqrt(gravity_mps2 * size_m);
   return {.separation_speed_mps = 0.01 * fall_mps,
@@ -107,16 +110,17 @@ inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
           .rest_time_s = 0.1 * std::sqrt(size_m / gravity_mps2)};
 }
 
-/// What suits heaps, walls and bumpy tables, where bodies tumble, rock and creep in many small
-/// bounces: these may be three times as fast, 7 micrometres high for a die of 16 mm. A heap has
-/// half as many events; a cube comes to rest aslant by up to 3e-3 rad in place of 1e-3.
+/// Returns limits for heaps, walls and bumpy tables, where bodies tumble, rock and creep in many
+/// small bounces. The separation speed is three times that of slow_contacts_of: bounces are 7
+/// micrometres high for a die of 16 mm. A heap then has half as many events, and a cube comes to
+/// rest tilted by up to 3e-3 rad instead of 1e-3.
 inline SlowContacts coarse_slow_contacts_of(double size_m, double gravity_mps2) {
   SlowContacts slow = slow_contacts_of(size_m, gravity_mps2);
   slow.separation_speed_mps *= 3;
   return slow;
 }
 
-/// Something that a user or a script does to a body: its velocities jump.
+/// A jump of a body's velocities that a user or a script causes.
 struct Control {
   Tick tick{};
   BodyId body{};
@@ -129,43 +133,44 @@ struct Scene {
   std::vector<StaticPlane> planes;
   std::vector<StaticConvex> convexes;
   std::vector<StaticMesh> meshes;
-  std::vector<StaticSurface> surfaces;  ///< met by boxes only (shapes.h)
+  std::vector<StaticSurface> surfaces;  ///< only boxes collide with these (shapes.h)
   ContactTable contacts;
   SlowContacts slow;
   Vec3 gravity_mps2 = Vec3::Zero();
-  /// Lengths after which space repeats, 0 for an axis that doesn't. Only without static geometry.
+  /// Period of space along each axis; 0 for an axis without one. REQUIRES: no static geometry.
   std::array<double, 3> period_m{};
-  std::vector<Control> controls;  ///< in any order; at one tick, in the order given
+  std::vector<Control> controls;  ///< in any order; controls of one tick apply in the order given
 };
 
 /// Why a scene can't be simulated, or why a simulation stopped. The message names the body.
 struct SceneError {
   enum class Kind : std::uint8_t {
-    // What is wrong with the scene.
+    // Errors in the scene.
     bad_number,     ///< NaN, infinite, or out of its range
     bad_mass,       ///< zero, negative, or moments that no mass distribution has
     bad_shape,      ///< size, degenerate geometry
     bad_reference,  ///< a material or a body that doesn't exist
-    no_balance,     ///< a body that is to start at rest isn't held
-    overlap,        ///< at a start, also after all attempts
-    // What the simulator could not do with a good scene: a bug, which the scene repeats.
-    search_gave_up,       ///< a search for a collision examined too many ticks
+    no_balance,     ///< contact forces can't hold a body that starts at rest
+    overlap,        ///< at the start, after all attempts
+    // Failures of the simulator with a valid scene. They are bugs; simulating the scene again
+    // reproduces them.
+    search_gave_up,       ///< a collision search examined too many ticks
     too_many_collisions,  ///< of one body, at one tick or in a millisecond
     impact_unresolved,    ///< no impulse was found
-    spins_too_long,       ///< a body that touches nothing turns too fast for its fixed steps
+    spins_too_long,       ///< a body without contacts rotates too fast for its fixed steps
     work_limit,           ///< more events than the caller allowed
-    incomplete_history,   ///< a replay lacks what it must go on from: simulate everything
+    incomplete_history,   ///< a replay lacks state that it needs: simulate everything
   };
   Kind kind{};
   std::string message;
 };
 
-/// The simulator's fault, and not the scene's.
+/// Whether the simulator failed although the scene is valid.
 inline bool is_failure(SceneError::Kind kind) {
   return kind > SceneError::Kind::overlap;
 }
 
-/// Why a body of this name can't start so; nothing if it can.
+/// Returns why a body can't start in this state. Empty: the state is valid.
 std::optional<SceneError> error_of_start(const StartState& start, const std::string& name);
 
 }  // namespace sleight::physics

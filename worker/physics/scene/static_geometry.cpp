@@ -18,8 +18,8 @@ bool inside(const ConvexPolyhedron& polyhedron, const Vec3& point_m) {
   });
 }
 
-/// How often a closed mesh goes around a point: by the solid angles of its triangles (van Oosterom
-/// and Strackee 1983, equation 8).
+/// Winding number of a closed mesh around a point, from the solid angles of its triangles (van
+/// Oosterom and Strackee 1983, equation 8).
 double turns_around(const TriangleMesh& mesh, const Vec3& point_m) {
   double angle = 0;
   for (const TriangleCorners& corners : mesh.triangles()) {
@@ -51,7 +51,7 @@ std::string name_of_static(std::string_view kind, const std::string& given, std:
   return given.empty() ? name + " " + std::to_string(index) : name + " '" + given + "'";
 }
 
-/// Upper bounds of how much there will be.
+/// Upper bounds of array sizes.
 struct StaticGeometry::Sizes {
   std::size_t features = 0;
   std::size_t sides = 0;
@@ -122,7 +122,7 @@ void StaticGeometry::assign(const Scene& scene) {
   piece_tree_ = BoxTree(piece_boxes_);
 }
 
-/// Over what can be met, or may be once vertices have moved.
+/// Builds the tree over features that can be met now or after vertices move within the slack.
 void StaticGeometry::plant_feature_tree() {
   in_feature_tree_.clear();
   tree_boxes_.clear();
@@ -167,7 +167,7 @@ StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertice
   for (const Vec3& v : vertices_m)
     size_m = std::max({size_m, std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
   const double border_m = k_rounding_ulps * size_m;
-  // Prisms above two faces that are flat to k_mesh_flat_sine part by no more than this.
+  // The prisms of two faces that are flat to k_mesh_flat_sine separate by at most this distance.
   return {.border_m = border_m, .flat_m = border_m + 4 * k_mesh_flat_sine * radius_m_max_};
 }
 
@@ -283,7 +283,8 @@ void StaticGeometry::add_features(const ConvexView& view, StaticOwner owner) {
   for (std::uint16_t v = 0; v < view.vertex_count; ++v) {
     const std::uint32_t first = side_count();
     for (std::uint16_t i = view.ring_first[v]; i < view.ring_first[v + 1]; ++i) {
-      // The direction as the edge has it, so that a point is on one side for both or for neither.
+      // Use the edge's own direction, so that a point is on one side of the border for both regions
+      // or for neither.
       const Edge& edge = view.edges[view.ring_edges[i]];
       const Vec3 direction = direction_of(edge);
       const double offset_m = math::dot(direction, vertices_m[v]);
@@ -323,7 +324,7 @@ CentreRange::CentreRange(const Box& box, double radius_m) : reach_m(radius_m + k
 }
 
 bool reaches(const HalfSpace& outside, const Box& box) {
-  // The corner that lies deepest, and more than its rounding deeper.
+  // Find the deepest corner and an error bound for its depth.
   double deepest_m = -outside.offset_m;
   double size_m = std::fabs(outside.offset_m);
   for (int i = 0; i < 3; ++i) {
@@ -342,7 +343,7 @@ void StaticGeometry::features_near(const Box& box, double radius_m,
   for (std::uint32_t i = 0; i < plane_count(); ++i) {
     if (reaches(planes_[i], box) && may_meet({i}, centre)) found.push_back({i});
   }
-  // Where the centre may be; to rounding, and by what counts as a touch, more.
+  // Range of the centre, widened for rounding and touches.
   Box centres;
   float size_m = 0;
   const auto radius = static_cast<float>(radius_m);

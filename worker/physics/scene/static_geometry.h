@@ -1,28 +1,31 @@
-// Static geometry as bodies meet it, and what of it lies near a box.
+// Static geometry as bodies meet it, and queries for its parts near a box.
 //
 // Idea. Spheres meet features: faces, edges and vertices, each with its region (sphere_search.h).
-// Bodies of convex parts meet convex pieces: half-spaces, polyhedra, triangles (convex_search.h).
-// Each plane is one of both, under the same index.
+// Bodies made of convex parts meet convex pieces: half-spaces, polyhedra and triangles
+// (convex_search.h). Each plane is both a feature and a piece, with the same index.
 //
-// A feature is touched where the centre's closest point lies on it. So a face's region is the prism
-// above it and not below; an edge's lies between its ends and beyond the sides of the faces at it;
-// a vertex's beyond the ends of all its edges. A closed mesh is met from outside: edges where it is
-// hollow or flat are left out, since a sphere touches the faces beside them first. An open mesh is
-// a sheet that is met from both sides: each triangle is two faces, back to back, and an edge that
-// is hollow from one side is met from the other, so only flat ones are left out. The same region
-// serves both: of the two wedges between the sides it is the one on the convex side.
+// A sphere touches the feature that contains the point closest to the sphere's centre. So a face's
+// region is the prism above the face. An edge's region is between its ends and outside the prisms
+// of its faces. A vertex's region is beyond the ends of all its edges. A closed mesh is met from
+// outside. Its concave and flat edges are left out, because a sphere touches the adjacent faces
+// first. An open mesh is a sheet that is met from both sides: each triangle counts as two faces,
+// back to back. An edge that is concave from one side of a sheet is met from the other side, so
+// only flat edges are left out. One region serves both sides of a sheet's edge: of the two wedges
+// between the adjacent prisms, the region is the wedge on the convex side.
 //
 // Invariants
-//   1. Planes come first, then features of convexes, then those of meshes: per mesh its faces (of a
-//      sheet each twice), then edges, then vertices, each in the mesh's order. What of these can't
-//      be met has a region that holds nothing: so a feature keeps its index when vertices move.
-//   2. Every point outside of the solids lies in the region of the feature that it is closest to.
-//      Neighbours share their borders bit for bit, faces and vertices reach over them by some
-//      rounding errors: else a sphere might slip through a crack that is one of these wide. Where
-//      two regions overlap, gaps and normals agree to rounding.
-//   3. Features are there only if some body is a sphere, convex pieces only if some body is not.
-// Building takes some 35 ns per feature and 130 ns per triangle as a piece; refresh some 20 ns for
-// each feature about the vertices that moved. Thread safety: const functions may run at once.
+//   1. Planes come first, then features of convexes, then features of meshes. Each mesh has its
+//      faces (a sheet has each face twice), then its edges, then its vertices, in the mesh's order.
+//      A feature that can't be met has an empty region, so indices stay the same when vertices
+//      move.
+//   2. Every point outside the solids is in the region of the feature closest to the point.
+//      Adjacent regions have bitwise equal borders; regions of faces and vertices extend over their
+//      borders by a few rounding errors, so that no sphere slips through a crack of that width.
+//      Where two regions overlap, their gaps and normals agree to rounding.
+//   3. Features exist only if some body is a sphere, convex pieces only if some body is not.
+// Building takes about 35 ns per feature and 130 ns per triangle stored as a piece. A refresh takes
+// about 20 ns per feature around the moved vertices. Thread safety: const functions may run
+// concurrently.
 #pragma once
 
 #include <array>
@@ -44,28 +47,27 @@
 
 namespace sleight::physics {
 
-/// Whether some of a box is not outside of a plane.
+/// Whether any point of the box is inside the solid below the plane.
 bool reaches(const HalfSpace& outside, const Box& box);
 
-/// As it is called in errors: "plane 'floor'", or "plane 0" without a name.
+/// Returns the name for error messages: "plane 'floor'", or "plane 0" without a name.
 std::string name_of_static(std::string_view kind, const std::string& given, std::size_t index);
 
-/// What a piece or feature belongs to.
 struct StaticOwner {
-  std::uint32_t name = 0;  ///< index of its name
+  std::uint32_t name = 0;  ///< index into names_
   MaterialId material{};
 };
 
-/// Where the centre of a sphere may be while the sphere stays in a box, and k_touch_m more on all
-/// sides, which covers rounding.
+/// Possible positions of a sphere's centre while the sphere stays in a box. Queries extend this
+/// range by k_touch_m on all sides to cover rounding.
 struct CentreRange {
   CentreRange(const Box& box, double radius_m);
   Vec3 middle_m;
   Vec3 half_m;
-  double reach_m;  ///< the radius, and what counts as a touch
-  double away_m;   ///< from the middle, of what is within reach of any corner
+  double reach_m;  ///< radius plus the touch distance
+  double away_m;   ///< distance from the middle that covers everything within reach of a corner
 
-  /// How far it goes along a direction from its middle.
+  /// Half the range's extent along a direction.
   double spread_m(const Vec3& direction) const {
     return (std::fabs(direction.x()) * half_m.x() + std::fabs(direction.y()) * half_m.y()) +
            std::fabs(direction.z()) * half_m.z();
@@ -76,13 +78,13 @@ class StaticGeometry {
  public:
   /// Shares the scene's polyhedra and meshes. REQUIRES: error_of(scene) has none.
   explicit StaticGeometry(const Scene& scene) { assign(scene); }
-  /// Equals a new one afterwards, and reuses its memory: several times faster where the system
-  /// hands out and takes back memory by pages.
+  /// Makes this object equal to a newly built one, but reuses its memory. This is several times
+  /// faster on systems that allocate and free memory page by page.
   void assign(const Scene& scene);
-  /// Vertices of a mesh, given by its place in the scene, have moved. Equals a new geometry
-  /// afterwards; reads the mesh's last move. REQUIRES: only spheres meet it.
+  /// Updates a mesh (by its index in the scene) after its last move of vertices. Afterwards this
+  /// object equals newly built geometry. REQUIRES: only spheres meet the geometry.
   void refresh(std::size_t mesh);
-  // Pieces point into arrays of this object, which stay where they are when it is moved.
+  // Pieces point into arrays of this object; moving the object keeps the arrays in place.
   StaticGeometry(StaticGeometry&&) noexcept = default;
   StaticGeometry& operator=(StaticGeometry&&) noexcept = default;
   StaticGeometry(const StaticGeometry&) = delete;
@@ -100,39 +102,42 @@ class StaticGeometry {
     return std::span(sides_).subspan(feature.regions_begin,
                                      feature.regions_end - feature.regions_begin);
   }
-  /// Whether nothing can meet a feature as its mesh is now.
+  /// Whether no sphere can meet the feature, given the current vertices of its mesh.
   bool is_absent(FeatureId index) const { return is_absent(features_[index]); }
   static bool is_absent(const SphereFeature& feature) {
     return feature.regions_end == k_nothing + 1;
   }
-  /// Of a feature itself, wherever its mesh's slack lets its vertices be. REQUIRES: not a plane.
+  /// Bounding box of a feature, including all vertex positions within its mesh's slack. REQUIRES:
+  /// the feature is not a plane.
   const Box& feature_box(FeatureId index) const { return feature_boxes_[index - plane_count_]; }
-  /// How often refresh has made boxes of features anew: each time that a vertex was outside of its
+  /// Number of times that refresh has rebuilt feature boxes, which it does when a vertex leaves its
   /// slack.
   std::uint64_t boxes_made() const { return boxes_made_; }
-  /// Those that the last refresh wrote anew; some may come twice.
+  /// Features that the last refresh rewrote; some may be listed twice.
   std::span<const FeatureId> refreshed() const { return refreshed_; }
-  /// What of a mesh, by its place in the scene, is otherwise once a vertex has moved, as long as
-  /// border_m stays; all is, if not.
+  /// The features and edges of a mesh that can change when one vertex moves, as long as border_m
+  /// stays the same. If border_m changes, the whole mesh changes.
   struct About {
-    std::vector<FeatureId> features;  ///< that hang on it
-    /// Faces that do not, beside some that do: theirs is otherwise only where an edge between has
-    /// become flat, or is flat no more.
+    std::vector<FeatureId> features;  ///< features that depend on the vertex
+    /// Faces that don't depend on the vertex but are adjacent to faces that do. An adjacent face's
+    /// region changes only if the edge between them becomes flat or stops being flat.
     std::vector<FeatureId> beside;
-    std::vector<std::uint32_t> edges;  ///< of the mesh: those that may
+    std::vector<std::uint32_t> edges;  ///< mesh edges that can change
   };
   About about(std::size_t mesh, std::uint32_t vertex) const;
-  /// How far a mesh's regions reach over their borders: by rounding, at its greatest coordinate.
+  /// Width by which a mesh's regions extend over their borders: the rounding error at the mesh's
+  /// greatest coordinate.
   double border_m(std::size_t mesh) const { return meshes_[mesh].margins.border_m; }
   const HalfSpace& plane(PieceId index) const { return planes_[index]; }
   /// REQUIRES: plane_count() <= index < piece_count().
   const MovingPiece& piece(PieceId index) const { return pieces_[index - plane_count_]; }
 
-  /// A plane's, or null. Of features and pieces alike, as planes come first in both.
+  /// Returns a plane's friction map, or null. Planes have the same index as feature and as piece.
   const FrictionMap* friction_map(StaticId index) const {
     return index < friction_maps_.size() ? friction_maps_[index].get() : nullptr;
   }
-  /// Friction where something touches a feature or a piece; `otherwise` is the table's.
+  /// Friction at the point where a body touches a feature or piece; `otherwise` is the contact
+  /// table's value.
   double friction_at(StaticId index, const Vec3& point_m, double otherwise) const {
     const FrictionMap* map = friction_map(index);
     return map == nullptr ? otherwise : map->friction_at(point_m).value_or(otherwise);
@@ -140,7 +145,6 @@ class StaticGeometry {
 
   MaterialId material_of_feature(FeatureId index) const { return feature_owners_[index].material; }
   MaterialId material_of_piece(PieceId index) const { return piece_owners_[index].material; }
-  /// For people.
   const std::string& name_of_feature(FeatureId index) const {
     return names_[feature_owners_[index].name];
   }
@@ -151,15 +155,16 @@ class StaticGeometry {
   /// Appends the indices of the features that a sphere of this radius may meet while its centre
   /// stays in a box, in ascending order.
   void features_near(const Box& box, double radius_m, std::vector<StaticId>& found) const;
-  /// The same of pieces that a box overlaps.
+  /// Appends the pieces that overlap a box, in ascending order.
   void pieces_near(const Box& box, std::vector<StaticId>& found) const;
 
-  /// Whether a sphere may meet a feature: its centre comes into the feature's region, and near
-  /// enough. Inline, since this is asked for each feature near each new box.
+  /// Whether a sphere may meet a feature: its centre can enter the feature's region and come close
+  /// enough. Inline for speed, since the simulator calls may_meet for each feature near each new
+  /// box.
   bool may_meet(FeatureId index, const CentreRange& centre) const {
     const SphereFeature& one = features_[index];
     const Vec3 from = centre.middle_m - one.point_m;
-    const double along_m = math::dot(one.direction, from);  // of a vertex 0
+    const double along_m = math::dot(one.direction, from);  // 0 for a vertex
     if (one.kind == FeatureKind::face) {
       if (along_m - centre.spread_m(one.direction) > centre.reach_m) return false;
     } else if (math::dot(from, from) - along_m * along_m > centre.away_m * centre.away_m) {
@@ -178,21 +183,22 @@ class StaticGeometry {
                                 : overlap(piece_boxes_[index - plane_count_], box);
   }
 
-  /// The name of the solid that holds a point: a plane's lower side, a polyhedron, a closed mesh.
-  /// Null if none does. A body that starts wholly inside of one touches no feature of its surface.
-  /// The answer is exact but for points within rounding of a surface. Not fast: some 60 ns per
-  /// triangle of each closed mesh in whose box it is.
+  /// Returns the name of the solid that contains a point: a plane's lower side, a polyhedron or a
+  /// closed mesh. Returns null if there is none. This query detects bodies that start wholly inside
+  /// a solid, which touch no feature of its surface. The answer is exact except within rounding of
+  /// a surface. The cost is about 60 ns per triangle of each closed mesh whose box contains the
+  /// point.
   const std::string* solid_at(const Vec3& point_m) const;
 
  private:
-  /// The first of all sides: a region of it alone holds nothing.
+  /// Index of the first side, which is never satisfied: a region with this single side is empty.
   static constexpr std::uint32_t k_nothing = 0;
 
   struct Sizes;
-  /// How far faces and vertices reach over their borders.
+  /// Widths by which regions of faces and vertices extend over their borders.
   struct Margins {
     double border_m = 0;
-    double flat_m = 0;  ///< over edges that count as flat, though they may not quite be
+    double flat_m = 0;  ///< over edges that count as flat but may not be quite flat
   };
   void clear();
   void reserve(const Sizes& sizes);
@@ -202,26 +208,26 @@ class StaticGeometry {
   void add_mesh(const StaticMesh& mesh);
   void add_features(const ConvexView& view, StaticOwner owner);
   void add_features(const StaticMesh& placed, StaticOwner owner);
-  /// Where a mesh's features and their regions are.
+  /// Where a mesh's features and regions are stored.
   struct MeshPlace {
     std::shared_ptr<const TriangleMesh> mesh;
-    std::size_t solid = 0;  ///< if it is closed
+    std::size_t solid = 0;  ///< index of the solid, if the mesh is closed
     bool closed = false;
     double slack_m = 0;
     Margins margins;
-    std::vector<Vec3> homes_m{};  ///< of the vertices, when boxes were made; none without slack
+    std::vector<Vec3> homes_m{};  ///< vertices when boxes were last built; empty without slack
     std::uint32_t first_face = 0, first_edge = 0, first_vertex = 0;
     std::uint32_t face_sides = 0, edge_sides = 0;
-    std::vector<std::uint32_t> vertex_sides{};  ///< of vertex v from [v] to [v + 1]
-    /// By triangle: how far it reaches over each of its borders.
+    std::vector<std::uint32_t> vertex_sides{};  ///< the sides of vertex v are [v] to [v + 1]
+    /// By triangle: the width by which its region extends over each of its borders.
     std::vector<std::array<double, 3>> face_margins_m{};
-    /// By edge: its own among the sides of its ends.
+    /// By edge: the indices of its two sides in the regions of its end vertices.
     std::vector<std::array<std::uint32_t, 2>> end_sides{};
-    bool keeps_side = false;  ///< no move within the slack turns it inside out
+    bool keeps_side = false;  ///< no move within the slack turns the mesh inside out
   };
   void lay_out(MeshPlace& place);
   void write_margins(MeshPlace& place, std::uint32_t triangle) const;
-  // Of some of the mesh's faces, edges and vertices, by their numbers there.
+  // These functions rewrite the given faces, edges or vertices (indices in the mesh).
   void write_faces(const MeshPlace& place, std::span<const std::uint32_t> triangles);
   void write_edges(const MeshPlace& place, std::span<const std::uint32_t> numbers);
   void write_vertices(const MeshPlace& place, std::span<const std::uint32_t> vertices);
@@ -234,43 +240,43 @@ class StaticGeometry {
                    StaticOwner owner);
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(sides_.size()); }
 
-  /// What is solid inside.
+  /// A static object with a solid interior.
   struct Solid {
     StaticOwner owner;
-    std::shared_ptr<const ConvexPolyhedron> polyhedron;  ///< or
+    std::shared_ptr<const ConvexPolyhedron> polyhedron;  ///< set unless `mesh` is
     std::shared_ptr<const TriangleMesh> mesh;
     Box box{};            ///< of the mesh
-    bool hollow = false;  ///< the mesh's normals point inwards: outside of it all is solid
+    bool hollow = false;  ///< the mesh's normals point inwards, so everything outside is solid
   };
 
   static bool is_solid_at(const Solid& solid, const Vec3& point_m);
 
   bool for_spheres_ = false;
   bool for_pieces_ = false;
-  double radius_m_max_ = 0;  ///< of the scene's spheres
+  double radius_m_max_ = 0;  ///< largest radius of the scene's spheres
   std::size_t plane_count_ = 0;
   std::vector<HalfSpace> planes_;
-  std::vector<std::shared_ptr<const FrictionMap>> friction_maps_;  ///< none if no plane has one
+  std::vector<std::shared_ptr<const FrictionMap>> friction_maps_;  ///< empty if no plane has a map
   std::vector<SphereFeature> features_;
   std::vector<RegionSide> sides_;
   std::vector<StaticOwner> feature_owners_;
-  std::vector<Box> feature_boxes_;        ///< from plane_count_ on
-  std::vector<TrianglePiece> triangles_;  ///< never grows beyond what was reserved
-  std::vector<ConvexView> views_;         ///< the same
+  std::vector<Box> feature_boxes_;        ///< starts at feature plane_count_
+  std::vector<TrianglePiece> triangles_;  ///< never reallocates beyond the reserved size
+  std::vector<ConvexView> views_;         ///< never reallocates either
   std::vector<MovingPiece> pieces_;
   std::vector<StaticOwner> piece_owners_;
-  std::vector<Box> piece_boxes_;  ///< from plane_count_ on
+  std::vector<Box> piece_boxes_;  ///< starts at piece plane_count_
   std::vector<MeshPlace> meshes_;
   BoxTree feature_tree_;
-  std::vector<FeatureId> in_feature_tree_;  ///< by place there: which feature
+  std::vector<FeatureId> in_feature_tree_;  ///< by index in feature_tree_: the feature
   BoxTree piece_tree_;
   std::vector<std::string> names_;
   std::vector<Solid> solids_;
   std::uint64_t boxes_made_ = 0;
   std::vector<FeatureId> refreshed_;
   std::vector<std::uint32_t> beside_;  ///< triangles, while refreshing
-  std::vector<std::uint32_t> every_;   ///< number there is of a mesh's faces, edges or vertices
-  // Room for building.
+  std::vector<std::uint32_t> every_;   ///< 0, 1, 2, ... for all faces, edges or vertices of a mesh
+  // Scratch memory for building.
   std::vector<Box> corner_boxes_;
   std::vector<Box> tree_boxes_;
 };

@@ -1,4 +1,4 @@
-// The features of a mesh, and what happens to them when vertices move.
+// The features of a mesh, and how they change when vertices move.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -12,7 +12,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Whether a sphere can touch an edge itself rather than the faces beside it.
+/// Whether a sphere can touch the edge itself rather than an adjacent face.
 bool is_met(const MeshEdge& edge, bool closed) {
   return closed ? edge.kind == EdgeKind::convex : edge.kind != EdgeKind::flat;
 }
@@ -29,8 +29,8 @@ void StaticGeometry::add_features(const StaticMesh& placed, StaticOwner owner) {
                   .closed = is_closed(mesh),
                   .slack_m = placed.slack_m,
                   .margins = margins_of(mesh.vertices_m())};
-  // Room for all: of a face three sides and itself, of an edge its ends and two faces, of a vertex
-  // one for each of its edges.
+  // Reserve the maximum number of sides: each face has three borders and its own plane, each edge
+  // two ends and two faces, each vertex one side per edge.
   const std::uint32_t faces = place.closed ? triangles : 2 * triangles;
   place.first_face = feature_count();
   place.first_edge = place.first_face + faces;
@@ -56,7 +56,7 @@ void StaticGeometry::add_features(const StaticMesh& placed, StaticOwner owner) {
   meshes_.push_back(std::move(place));
 }
 
-/// All that never changes.
+/// Writes the data that never changes.
 void StaticGeometry::lay_out(MeshPlace& place) {
   for (std::uint32_t f = place.first_face; f < place.first_edge; ++f) {
     const std::uint32_t side = place.face_sides + 4 * (f - place.first_face);
@@ -96,7 +96,7 @@ void StaticGeometry::refresh(std::size_t index) {
   const TriangleMesh& mesh = *place.mesh;
   const Margins margins = margins_of(mesh.vertices_m());
   if (margins.border_m != place.margins.border_m) {
-    // The size of the whole has changed, and every region by a rounding.
+    // The mesh's largest coordinate changed, so every region changes by a rounding error.
     place.margins = margins;
     write_all(place);
     refreshed_.resize(place.first_vertex + mesh.vertices_m().size() - place.first_face);
@@ -128,11 +128,11 @@ void StaticGeometry::refresh(std::size_t index) {
   plant_feature_tree();
 }
 
-/// What the mesh's last move has changed.
+/// Rewrites the features that the mesh's last move changed.
 void StaticGeometry::write_moved(MeshPlace& place) {
   const TriangleMesh& mesh = *place.mesh;
-  // How far a face reaches depends on how flat its edges are: those beside what has moved are
-  // written too.
+  // A face's margin depends on which of its edges are flat, so faces at edges that became flat or
+  // stopped being flat are rewritten too.
   beside_.clear();
   for (const std::uint32_t e : mesh.flat_changes()) {
     for (const std::uint32_t t : mesh.edges()[e].triangle) {
@@ -201,10 +201,10 @@ void StaticGeometry::write_margins(MeshPlace& place, std::uint32_t triangle) con
   }
 }
 
-// The loops below take the addresses of arrays once: compilers can't know that what they write is
-// none of these.
+// The loops below load array addresses once, because the compiler can't prove that the writes leave
+// these addresses unchanged.
 
-/// The regions above faces, and below them.
+/// Writes the regions of faces, on both sides for a sheet.
 void StaticGeometry::write_faces(const MeshPlace& place, std::span<const std::uint32_t> triangles) {
   const Vec3* const vertices_m = place.mesh->vertices_m().data();
   const TriangleCorners* const corners = place.mesh->triangles().data();
@@ -233,7 +233,8 @@ void StaticGeometry::write_faces(const MeshPlace& place, std::span<const std::ui
   }
 }
 
-/// Edges, and the sides that they are to their ends' regions.
+/// Writes the regions of edges, and the sides that edges contribute to the regions of their end
+/// vertices.
 void StaticGeometry::write_edges(const MeshPlace& place, std::span<const std::uint32_t> numbers) {
   const Vec3* const vertices_m = place.mesh->vertices_m().data();
   const MeshFace* const faces = place.mesh->faces().data();
@@ -251,7 +252,8 @@ void StaticGeometry::write_edges(const MeshPlace& place, std::span<const std::ui
     const Vec3 back = -direction;
     const double start = math::dot(direction, edge.start_m);
     const double end = math::dot(direction, vertices_m[edge.vertex[1]]);
-    // The direction as the edge has it, so that a point is on one side for both or for neither.
+    // Use the edge's own direction, so that a point is on one side of the border for both regions
+    // or for neither.
     HalfSpace& at_start = all_sides[end_sides[number][0]].space;
     HalfSpace& at_end = all_sides[end_sides[number][1]].space;
     at_start.normal = back;
@@ -284,8 +286,8 @@ void StaticGeometry::write_edges(const MeshPlace& place, std::span<const std::ui
   }
 }
 
-/// Vertices at which some edge is met. All edges at them bound their regions, and have written
-/// them.
+/// Writes vertices. A vertex's region is empty if no edge at the vertex is met. write_edges has
+/// already written the sides of the region, one per edge.
 void StaticGeometry::write_vertices(const MeshPlace& place,
                                     std::span<const std::uint32_t> vertices) {
   const TriangleMesh& mesh = *place.mesh;

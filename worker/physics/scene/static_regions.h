@@ -1,4 +1,4 @@
-// Boxes and half-spaces of which static geometry makes its features' bounds and regions.
+// Helpers that build the bounding boxes and region sides of static geometry.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -14,12 +14,12 @@
 
 namespace sleight::physics {
 
-/// A box of a point, rounded outwards, and wider by what counts as a touch.
+/// Box around a point, rounded outwards and widened to include touches.
 inline Box box_around(const Vec3& point_m) {
   Box box;
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
-    // A float of p lies within 2^-24 of it: more than that is added before rounding.
+    // Converting p to float changes it by at most 2^-24 |p|; the margin added here is larger.
     const double reach_m = 2 * k_touch_m + std::fabs(point_m[i]) * 0x1p-22;
     box.low_m[axis] = static_cast<float>(point_m[i] - reach_m);
     box.high_m[axis] = static_cast<float>(point_m[i] + reach_m);
@@ -36,7 +36,7 @@ inline Box joined(const Box& a, const Box& b) {
   return box;
 }
 
-/// Rounded outwards.
+/// Widens a box by a margin, rounding outwards.
 inline Box wider(const Box& box, double margin_m) {
   if (margin_m == 0) return box;
   constexpr float k_outwards = 1 + 0x1p-20F;
@@ -62,7 +62,7 @@ inline RegionSide open_side(const Vec3& normal, double offset_m) {
   return {.space = {normal, offset_m}, .strict = true};
 }
 
-/// Closed, and lowered by a margin.
+/// A closed side, lowered by a margin.
 inline RegionSide closed_side(const Vec3& normal, double offset_m, double margin_m) {
   return {.space = {normal, offset_m - margin_m}, .strict = false};
 }
@@ -72,7 +72,8 @@ inline bool is_closed(const TriangleMesh& mesh) {
                               [](const MeshEdge& edge) { return edge.kind == EdgeKind::boundary; });
 }
 
-/// Whether the normals of a closed mesh point inwards: then it is a hollow in a solid without end.
+/// Whether the normals of a closed mesh point inwards: the mesh is then a cavity in an infinite
+/// solid.
 inline bool is_hollow(const TriangleMesh& mesh) {
   double volume = 0;
   for (const TriangleCorners& corners : mesh.triangles()) {
@@ -83,11 +84,11 @@ inline bool is_hollow(const TriangleMesh& mesh) {
   return volume < 0;
 }
 
-/// Whether a closed mesh stays hollow, or solid, while no coordinate of a vertex is further than
-/// slack_m from where it is now.
+/// Whether a closed mesh stays hollow, or stays solid, while each vertex coordinate moves by at
+/// most slack_m.
 inline bool keeps_side(const TriangleMesh& mesh, double slack_m) {
-  // While one vertex moves, the volume changes by that way times the area of the triangles about
-  // it, at most: a third of this counts. No side grows by more than both of its ends move.
+  // When one vertex moves, the volume changes by at most a third of the distance times the area of
+  // the triangles at the vertex. No edge grows by more than the distances that its two ends move.
   const double way_m = std::sqrt(3) * slack_m;
   double volume = 0;
   double change = 0;

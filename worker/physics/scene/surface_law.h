@@ -1,4 +1,4 @@
-// Restitution and friction of each pair of materials.
+// Restitution and friction for each pair of materials.
 //
 // Thread safety: values.
 #pragma once
@@ -15,19 +15,19 @@ namespace sleight::physics {
 /// A material: an index into the table of contact laws.
 using MaterialId = base::Id<struct MaterialTag, std::uint8_t>;
 
-/// How two materials meet.
+/// Contact law of two materials.
 struct SurfaceLaw {
   double restitution = 1;       ///< 0 to 1
   double friction = 0;          ///< Coulomb's coefficient, >= 0
-  double rolling_friction = 0;  ///< deceleration of a rolling sphere over the normal one, >= 0
+  double rolling_friction = 0;  ///< rolling deceleration of a sphere / normal acceleration, >= 0
 };
 
-/// A law for each pair of materials, the same in either order.
+/// A law for each pair of materials, independent of their order.
 class ContactTable {
  public:
-  /// One material.
+  /// A table for one material.
   ContactTable() : ContactTable(1) {}
-  /// All pairs of so many materials follow one law at first.
+  /// A table in which all pairs of materials follow the same law.
   explicit ContactTable(std::size_t materials, const SurfaceLaw& law = {})
       : materials_(materials), laws_(materials * materials, law) {}
 
