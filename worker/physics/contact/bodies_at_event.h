@@ -1,8 +1,8 @@
-// Any table of bodies at an event, as contact_events.h asks for it.
+// The interface that contact_events.h requires of a table of bodies at an event.
 //
-// An engine wraps its table and the event into one object: an Event with the operations of
-// SpheresAtEvent, and those of AnyAtEvent if bodies may be no spheres. World::AtEvent has all
-// (world_at_event.h), Marbles::AtEvent those of spheres (marbles_contacts.cpp).
+// An engine wraps its table and the event in one object: an Event with the operations of
+// SpheresAtEvent and, if some bodies may not be spheres, those of AnyAtEvent. World::AtEvent has
+// all operations (world_at_event.h); Marbles::AtEvent has those for spheres (marbles_contacts.cpp).
 //
 // Thread safety: none.
 #pragma once
@@ -24,67 +24,68 @@
 
 namespace sleight::physics::contact {
 
-/// An event, and what is the same for all bodies.
+/// An event, and the data common to all bodies.
 struct Event {
   Tick tick{};
-  std::vector<BodyId>& changed;  ///< the bodies that have begun a segment at it
+  std::vector<BodyId>& changed;  ///< bodies that began a segment at the event
   Resting& resting;
   ContactScene scene;
   const ContactTable& contacts;
   bool may_stay = false;    ///< whether contact with static geometry can last
-  TickCount alone_for = 0;  ///< a body stays only if it has met no other one for so long
+  TickCount alone_for = 0;  ///< a body stays only if it has met no other body for this long
 };
 
-/// A table of bodies at an event. `b` is a body; all is asked for at the event's tick.
+/// A table of bodies at an event. All operations refer to body `b` at the event's tick.
 template <class T>
 concept SpheresAtEvent = std::derived_from<T, Event> &&
     requires(T& at, BodyId b, BodyId other, const Twist& twist, const Segment& segment,
              const TouchRecord& touch, std::span<const LastingContact> contacts, double gap_m) {
-  // What doesn't change about a body.
+  // Constant properties of a body.
   { at.body(b).reach_m } -> std::convertible_to<double>;
   { at.body(b).inertia } -> std::convertible_to<const Inertia&>;
   { at.body(b).sphere_mass } -> std::convertible_to<const SphereMass&>;
   { at.body(b).material } -> std::convertible_to<MaterialId>;
   { at.round_body(b) } -> std::convertible_to<RoundBody>;
 
-  // Its present motion, and what it stays on if its mode is such.
+  // The current motion, and the supports of a body that stays on static geometry.
   { at.mode(b) } -> std::same_as<MotionMode>;
   { at.place_m(b) } -> std::convertible_to<Vec3>;
   { at.twist(b) } -> std::same_as<Twist>;
   { at.supports(b) } -> std::same_as<Supports&>;
-  // Whether a sphere would stay where it is on these contacts: stands_on().
+  // Whether a sphere that stands still on these contacts would remain there (stands_on()).
   { at.stands(b, contacts) } -> std::same_as<bool>;
 
-  // Its next motion: as it would fly from here with a twist; begins that, or a segment. Then it
-  // is in `changed`, and its supports are empty.
+  // The next motion. flight_after() returns the free flight with a twist. Both begin functions add
+  // the body to `changed` and clear its supports.
   { at.flight_after(b, twist) } -> std::same_as<FreeFlight>;
   at.begin_after(b, twist);
   at.begin_segment(b, segment);
 
-  // One more collision of a body; a collision of two, with their gap; a body's part in one, for
-  // the decision about rest.
+  // Counts a collision of a body; records the gap of a colliding pair; records a body's touch for
+  // rest decisions.
   { at.count(b) } -> std::same_as<const CollisionCount&>;
   at.meets(b, other, gap_m);
   at.touches(b, touch, bool{});
 
-  // For whoever keeps a history: something other than its history may change b from now on;
-  // what happens to b depends on the other one's state; b's contact state changes, beyond what
-  // it touches.
+  // Notifications for engines that store a history:
+  //   - goes_live: b may change from now on for reasons that its history doesn't contain;
+  //   - reads: the result for b depends on the other body's state;
+  //   - learns: b's contact state changes by more than a touch.
   at.goes_live(b);
   at.reads(b, other);
   at.learns(b);
 };
 
-/// One in which bodies may be no spheres.
+/// A table in which some bodies may not be spheres.
 template <class T>
 concept AnyAtEvent = SpheresAtEvent<T> &&
     requires(T& at, BodyId b, StaticId met, std::uint32_t face, const Twist& twist) {
   { at.body(b).is_sphere } -> std::convertible_to<bool>;
   { at.body(b).has_round_parts } -> std::convertible_to<bool>;
   { at.rigid_body(b) } -> std::same_as<RigidImpactBody>;
-  // How it would stay on a face of static geometry with such a twist, if it would.
+  // How a body with this twist would stay on a face of static geometry. Empty: it doesn't stay.
   { at.lying(b, met, face, twist) } -> std::same_as<std::optional<PlaneStay>>;
-  // Notes corners that carry it beside those that touched (Resting::still_touches).
+  // Records corners that carry the body besides those that touched (Resting::still_touches).
   at.notes_corners(b);
 };
 
@@ -106,7 +107,8 @@ double fastest_point_mps(At& at, BodyId body, const Twist& twist) {
   return physics::fastest_point_mps(at.body(body).reach_m, twist);
 }
 
-/// Where others may rest on it: its pose, of a sphere without its turn.
+/// Returns the pose of a body on which others may rest. A sphere's orientation doesn't matter and
+/// is the identity.
 template <SpheresAtEvent At>
 Pose place_of_rest(At& at, BodyId body) {
   if constexpr (AnyAtEvent<At>) {
@@ -115,7 +117,6 @@ Pose place_of_rest(At& at, BodyId body) {
   return {at.place_m(body), Quat::Identity()};
 }
 
-/// A sphere's contact with static geometry.
 template <SpheresAtEvent At>
 LastingContact lasting_contact(At& at, BodyId body, FeatureId feature) {
   const StaticGeometry& statics = at.scene.statics;
@@ -127,14 +128,14 @@ LastingContact lasting_contact(At& at, BodyId body, FeatureId feature) {
           .rolling_friction = law.rolling_friction};
 }
 
-/// From when on a body that stays is slow enough for rest.
+/// First tick at which a body that stays is slow enough for rest.
 template <SpheresAtEvent At>
 Tick slow_from(At& at, BodyId body, const Segment& segment, Tick end) {
   return physics::slow_from(segment, at.body(body).reach_m, at.body(body).inertia, at.scene.slow,
                             end);
 }
 
-/// A body stands still from now on.
+/// Begins a segment in which a body stands still.
 template <SpheresAtEvent At>
 void begin_rest(At& at, BodyId body) {
   Segment segment{.flight = at.flight_after(body, {}), .mode = MotionMode::resting};

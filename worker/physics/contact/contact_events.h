@@ -1,13 +1,10 @@
-// What collisions, lasting contact and rest do to bodies: the rules of contact, over any table of
-// bodies.
+// The rules of contact: what collisions, lasting contact and rest do to bodies.
 //
-// Idea. Two engines have bodies in tables of their own (world.h, marbles.h). What happens to the
-// bodies at an event is the same, so it stands here once, as functions over either table
-// (bodies_at_event.h).
+// Idea. Two engines store bodies in different tables (world.h, marbles.h), but apply the same rules
+// at events. So the rules are written once, as functions over either table (bodies_at_event.h).
 //
-// Everything is a function of the table's state at the event, so both engines do the same, bit for
-// bit. Their tests compare what they do with physics and with kept hashes.
-// Thread safety: none.
+// The results depend only on the table's state at the event, so both engines produce the same bits.
+// The engines' tests compare the results with physics and with stored hashes. Thread safety: none.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +28,8 @@ namespace sleight::physics::contact {
 
 // ---- laws ---------------------------------------------------------------------------------------
 
-/// The law of an impact of two materials: plastic after too many at one tick.
+/// Returns the law of an impact. `plastic`: the body had too many collisions at one tick, so the
+/// law has no restitution.
 inline ContactLaw law_of_impact(double restitution, double friction, const SlowContacts& slow,
                                 bool plastic) {
   if (plastic) return {.restitution = 0, .friction = friction};
@@ -40,7 +38,7 @@ inline ContactLaw law_of_impact(double restitution, double friction, const SlowC
           .separation_speed_floor_mps = slow.separation_speed_mps};
 }
 
-/// How fast the two sides of a contact part, at arms from the bodies' centres.
+/// Separation speed of a contact, given the arms from both bodies' centres.
 inline double parting_mps(const Vec3& normal, const Vec3& arm_a_m, const Twist& a,
                           const Vec3& arm_b_m, const Twist& b) {
   const Vec3 of_a = a.velocity_mps + math::cross(a.angular_velocity_radps, arm_a_m);
@@ -48,14 +46,14 @@ inline double parting_mps(const Vec3& normal, const Vec3& arm_a_m, const Twist& 
   return math::dot(normal, of_b - of_a);
 }
 
-/// What a sphere that rolls leaves an edge or a resting body with.
+/// Speed with which a rolling sphere hops off an edge or a resting body.
 inline double hop_speed_mps(const SlowContacts& slow) {
   return k_hop_share * slow.separation_speed_mps;
 }
 
 // ---- impacts ------------------------------------------------------------------------------------
 
-/// Two bodies collide; what is fixed counts as static geometry.
+/// Resolves a collision of two bodies; a fixed body counts as static geometry.
 template <SpheresAtEvent At>
 ImpactOutput impact(At& at, BodyId a, BodyId b, const PieceContact& contact, const ContactLaw& law,
                     bool a_fixed, bool b_fixed) {
@@ -76,7 +74,7 @@ ImpactOutput impact(At& at, BodyId a, BodyId b, const PieceContact& contact, con
                         .law = law});
 }
 
-/// A body's twist after it collides with static geometry.
+/// Returns a body's twist after a collision with static geometry.
 template <SpheresAtEvent At>
 Twist impact_on_static(At& at, BodyId body, const Twist& before, const PieceContact& contact,
                        const ContactLaw& law) {
@@ -99,8 +97,8 @@ Twist impact_on_static(At& at, BodyId body, const Twist& before, const PieceCont
       .b;
 }
 
-/// As a body leaves what doesn't move: what is round and rolls hops, as it has no slip to pay its
-/// bounces from.
+/// Returns a body's twist as it leaves something that doesn't move. A rolling round body hops: it
+/// has no slip whose energy could keep its bounces going.
 template <SpheresAtEvent At>
 Twist leaving(At& at, BodyId body, const PieceContact& contact, const Twist& twist) {
   const double speed_mps = hop_speed_mps(at.scene.slow);
@@ -117,7 +115,7 @@ Twist leaving(At& at, BodyId body, const PieceContact& contact, const Twist& twi
 
 // ---- who wakes ----------------------------------------------------------------------------------
 
-/// A resting body wakes where it is, because of another one.
+/// Wakes a resting body in place because of another body.
 template <SpheresAtEvent At>
 void wake_in_place(At& at, BodyId body, BodyId because) {
   at.goes_live(body);
@@ -127,7 +125,7 @@ void wake_in_place(At& at, BodyId body, BodyId because) {
   at.resting.woke(body, at.tick, place_of_rest(at, body));
 }
 
-/// A body moves: what rested on it wakes.
+/// Wakes the bodies that rested on a body that now moves.
 template <SpheresAtEvent At>
 void wake_dependents(At& at, BodyId body) {
   for (const BodyId dependent : at.resting.wake(body)) {
@@ -140,7 +138,7 @@ void wake_dependents(At& at, BodyId body) {
   }
 }
 
-/// Whether a body that woke without a blow has left the place in which others rest on it.
+/// Whether a body that woke without an impact has left the place in which others rest on it.
 template <SpheresAtEvent At>
 bool has_left(At& at, BodyId body) {
   if (!at.resting.in_place(body)) return false;
@@ -148,10 +146,10 @@ bool has_left(At& at, BodyId body) {
                              fastest_point_mps(at, body, at.twist(body)));
 }
 
-/// What rested on those whose motion has changed, and that have left their places, wakes.
+/// Wakes the bodies that rested on changed bodies which have left their places.
 template <SpheresAtEvent At>
 void wake_on_those_that_left(At& at) {
-  // The list grows by the bodies that wake; these are still in their places.
+  // The loop appends woken bodies to the list; woken bodies are still in their places.
   for (std::size_t i = 0; i < at.changed.size(); ++i) {
     const BodyId body = at.changed[i];
     if (is_resting(at, body) || !has_left(at, body)) continue;
@@ -164,17 +162,17 @@ void wake_on_those_that_left(At& at) {
 
 // ---- lasting contact of spheres -----------------------------------------------------------------
 
-// A sphere loses its bounce on a face where that would be slower than separation_speed_mps, and
-// stays there if gravity presses it on: on a face, in a valley of two, in a corner of three. Over
-// an edge it hops while it is fast (contact_motion.h), and then goes round it piece by piece
-// (edge_motion.h). Vertices, and edges beside something else, it takes for faces as long as it
-// doesn't move by more than some micrometres: so it comes to rest between a face and an edge.
+// A sphere loses its bounce on a face if the bounce would be slower than separation_speed_mps. It
+// then stays there if gravity presses it on: on one face, in a valley of two, or in a corner of
+// three. At an edge, a fast sphere hops (contact_motion.h), and a slow sphere moves round the edge
+// piece by piece (edge_motion.h). A vertex, or an edge together with another feature, counts as a
+// face as long as the sphere moves by no more than a few micrometres. So a sphere can come to rest
+// between a face and an edge.
 //
-// Only a sphere that has met no other body for some bounces stays. One that leans on another body
-// goes on bouncing from both: if it stayed on the face, nothing would be left to part it from the
-// other body, and the two would collide without time passing.
+// A sphere stays only if it has met no other body for some bounces. A sphere that leans on another
+// body continues to bounce off both. If the sphere stayed on the face instead, nothing would
+// separate it from the other body, and the two would collide endlessly without time passing.
 
-/// Up to three features, and a sphere's contacts with them.
 struct FewContacts {
   std::array<FeatureId, 3> features{};
   std::array<LastingContact, 3> contacts;
@@ -191,7 +189,7 @@ struct FewContacts {
   }
 };
 
-/// Whether a sphere that meets something so slowly loses its bounce there, and may stay.
+/// Whether a sphere approaches static geometry so slowly that it loses its bounce and may stay.
 template <SpheresAtEvent At>
 bool is_caught(At& at, BodyId body, StaticId met, double approach_mps, double restitution,
                const Twist& twist) {
@@ -205,8 +203,8 @@ bool is_caught(At& at, BodyId body, StaticId met, double approach_mps, double re
          math::norm(twist.velocity_mps) < k_edge_speeds * slow_mps;
 }
 
-/// A sphere with such a twist goes on from what it touches: it stays on those that carry it, if any
-/// do, or flies with the other one.
+/// Begins a sphere's next segment at a contact. The sphere stays on the features that carry it at
+/// `twist`; if none does, it flies with the twist `otherwise`.
 template <SpheresAtEvent At>
 void begin_on_faces(At& at, BodyId body, const MayStayOn& on, const Twist& twist,
                     const Twist& otherwise) {
@@ -229,7 +227,7 @@ void begin_on_faces(At& at, BodyId body, const MayStayOn& on, const Twist& twist
     at.resting.stays(body, at.tick, slow_from(at, body, stay->segment, kept.end));
 }
 
-/// The same when it has just lost its bounce on `feature`.
+/// Calls begin_on_faces for a sphere that has just lost its bounce on `feature`.
 template <SpheresAtEvent At>
 void begin_caught(At& at, BodyId body, FeatureId feature, const Twist& twist) {
   FewContacts few;
@@ -245,12 +243,13 @@ void begin_caught(At& at, BodyId body, FeatureId feature, const Twist& twist) {
 
 // ---- lasting contact of other bodies ------------------------------------------------------------
 
-// What is no sphere stays on what is flat when what carries it bounces there by no more than slow
-// bounces do (plane_stay.h), under the same conditions: its own bounce would be slower than
-// separation_speed_mps, and it has met no other body for some bounces, nor two static pieces one
-// soon after the other: what leans on both would be pressed into one while it stays on the other.
+// A body that isn't a sphere stays on a flat surface if the points that carry it bounce there no
+// faster than slow bounces do (plane_stay.h). As for spheres, the body's own bounce must be slower
+// than separation_speed_mps, and it must have met no other body for some bounces. It also must not
+// have hit two static pieces shortly after each other, or staying on one piece would press it into
+// the other.
 
-/// A body begins to stay on what is flat, or goes on to.
+/// Begins a segment in which a body stays on a flat surface.
 template <AnyAtEvent At>
 void begin_lying(At& at, BodyId body, StaticId index, const PlaneStay& stay) {
   at.learns(body);
@@ -263,12 +262,12 @@ void begin_lying(At& at, BodyId body, StaticId index, const PlaneStay& stay) {
   kept.leaves = Stay::k_none;
   kept.half_way = Vec3::Zero();
   if (!at.resting.enabled()) return;
-  // What friction brakes comes to a stop by itself.
+  // A body that friction brakes stops by itself.
   const Tick slow = stay.brakes ? k_never : slow_from(at, body, stay.segment, stay.end);
   at.resting.stays(body, at.tick, slow);
 }
 
-/// How a body that collides with what is flat stays there, if it does.
+/// How a body that collides with a flat surface stays there. Empty: it doesn't stay.
 template <AnyAtEvent At>
 std::optional<PlaneStay> settling(At& at, BodyId body, StaticId index, const PieceContact& contact,
                                   double restitution, const Twist& twist) {
@@ -283,7 +282,7 @@ std::optional<PlaneStay> settling(At& at, BodyId body, StaticId index, const Pie
   return face ? at.lying(body, index, *face, twist) : std::nullopt;
 }
 
-/// Its mode event: it goes on otherwise, or is carried no more.
+/// Handles the mode event of a body on a flat surface: the body begins another stay or leaves.
 template <AnyAtEvent At>
 void change_lying(At& at, BodyId body) {
   const Twist twist = at.twist(body);
@@ -295,7 +294,7 @@ void change_lying(At& at, BodyId body) {
   }
   at.learns(body);
   at.resting.flies(body, at.tick);
-  // Not from rest at the touch, or the next bounces would come at every tick.
+  // Hop rather than fly from rest at the touch, or the body would bounce again at every tick.
   const Vec3 normal = flat_at(at.scene.statics, index, face).normal;
   RigidImpactBody leaver = at.rigid_body(body);
   leaver.twist = twist;
@@ -305,7 +304,7 @@ void change_lying(At& at, BodyId body) {
 
 // ---- mode events --------------------------------------------------------------------------------
 
-/// A body's contact with static geometry changes.
+/// Handles the mode event of a body: its contact with static geometry changes.
 template <SpheresAtEvent At>
 void change_mode(At& at, BodyId body) {
   at.changed.clear();
@@ -318,7 +317,8 @@ void change_mode(At& at, BodyId body) {
   }
   const bool rolled = at.mode(body) == MotionMode::rolling;
   const Twist twist = at.twist(body);
-  // Over the border of one: what lies there is met as anything else, at once if it goes on level.
+  // Drop the feature whose border the centre crossed. The sphere meets the feature beyond the
+  // border like any other, at once if the surface continues level.
   FewContacts few;
   for (const StaticId met : at.supports(body).all()) {
     const FeatureId feature{met};
@@ -330,21 +330,21 @@ void change_mode(At& at, BodyId body) {
 
 // ---- collisions ---------------------------------------------------------------------------------
 
-/// Whether a blow wakes a resting body: by itself, or as one of many that push it on and on, each
-/// of which it could take. As if all in the window were like this one.
+/// Whether an impact wakes a resting body: by itself, or as one of many weak impacts that together
+/// push the body. The second test assumes that all impacts in the window were like this one.
 template <SpheresAtEvent At>
 bool is_woken(At& at, BodyId body, const CollisionCount& collided, double jump_mps) {
   const double wake_mps = at.resting.wake_speed_mps();
   if (jump_mps > wake_mps) return true;
-  // Balls that jam collide hundreds of times in a window without being pushed far: of them each
-  // blow counts alone.
+  // For balls, only single impacts count, because jammed balls collide hundreds of times in a
+  // window without being pushed far.
   if (is_round(at, body)) return false;
   const double borne_mps =
       k_bears_gravities * math::norm(at.scene.gravity_mps2) * seconds(k_window);
   return collided.in_window * jump_mps > wake_mps + borne_mps;
 }
 
-/// Two bodies collide. Whether the impact could be resolved.
+/// Processes a collision of two bodies. Returns whether the impact was resolved.
 template <SpheresAtEvent At>
 bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const SurfaceLaw& surfaces) {
   at.changed.clear();
@@ -359,7 +359,7 @@ bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const Surf
   bool b_rests = is_resting(at, b);
   ImpactOutput after = impact(at, a, b, contact, law, a_rests, b_rests);
   if (a_rests || b_rests) {
-    // A blow that is hard enough wakes the resting one, which then takes part.
+    // A hard impact wakes the resting body, and is resolved again with both bodies free.
     const BodyId sleeper = a_rests ? a : b;
     const double jump_mps = math::norm(after.impulse_ns) / at.body(sleeper).inertia.mass_kg;
     if (is_woken(at, sleeper, a_rests ? of_a : of_b, jump_mps)) {
@@ -399,8 +399,8 @@ bool collide(At& at, BodyId a, BodyId b, const PieceContact& contact, const Surf
   return after.regime != ImpactRegime::unresolved;
 }
 
-/// A body collides with static geometry, by such a law of the impact (law_of_impact).
-/// `touched`: whether it is noted that the body touches it.
+/// Processes a collision with static geometry. `law`: see law_of_impact. `touched`: whether to
+/// record the touch.
 template <SpheresAtEvent At>
 void collide_static(At& at, BodyId body, StaticId index, const PieceContact& contact,
                     ContactLaw law, bool touched) {
@@ -440,8 +440,7 @@ void collide_static(At& at, BodyId body, StaticId index, const PieceContact& con
 
 // ---- rest ---------------------------------------------------------------------------------------
 
-/// What a decision about rest needs to know of a body; what carries it all the time is noted as
-/// touched.
+/// Returns a body's state for a rest decision. Records lasting contacts as touches.
 template <SpheresAtEvent At>
 RestDecision::Present present_of(At& at, BodyId body) {
   const bool stays = at.mode(body) == MotionMode::sliding || at.mode(body) == MotionMode::rolling;
@@ -475,7 +474,8 @@ RestDecision::Present present_of(At& at, BodyId body) {
   return present;
 }
 
-/// A body's rest event: it and those it leans on go to rest, if they may. How many did.
+/// Processes a body's rest event: puts the body and those that it leans on to rest if the rules
+/// allow. Returns the number of bodies that went to rest.
 template <SpheresAtEvent At>
 std::size_t rest(At& at, BodyId body) {
   at.changed.clear();
@@ -483,7 +483,7 @@ std::size_t rest(At& at, BodyId body) {
   while (const auto member = decision.asks()) {
     at.reads(body, *member);
     at.learns(*member);
-    // Its partners are asked about next, and it may come to rest on them.
+    // The decision continues with the member's partners, on which the member may come to rest.
     for (const TouchRecord& touch : at.resting.touches(*member)) {
       if (touch.partner == k_static_partner || at.tick - touch.tick > at.resting.rest_span())
         continue;

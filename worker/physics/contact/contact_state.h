@@ -1,5 +1,5 @@
-// A body's contact state beside its segment: the bodies that it touched, the features that it stays
-// on, how often it collides.
+// A body's contact state besides its segment: recent touches, supporting features, collision
+// counts.
 //
 // Thread safety: values.
 #pragma once
@@ -16,17 +16,17 @@
 
 namespace sleight::physics {
 
-/// What a body in contact stays on.
+/// The features that a body stays on, and related state.
 struct Supports {
   std::array<StaticId, 3> features{};
   std::uint32_t count = 0;
-  Tick end = k_never;                ///< of the segment's accelerations
-  FeatureId leaves = Stay::k_none;   ///< the one whose region the centre leaves then, if any
-  std::uint32_t face = 0;            ///< of a polyhedron that a body lies on
-  Tick met_body{-k_tick_max.value};  ///< when it last collided with another body
-  Vec3 half_way = Vec3::Zero();      ///< of a piece over an edge (lasting_contact.h)
-  // Of a body that is no sphere: what static piece it hit last, and when it last hit one soon after
-  // another.
+  Tick end = k_never;               ///< end of the segment's accelerations
+  FeatureId leaves = Stay::k_none;  ///< the feature whose region the centre leaves at `end`, if any
+  std::uint32_t face = 0;           ///< face of a polyhedron on which the body lies
+  Tick met_body{-k_tick_max.value};  ///< last collision with another body
+  Vec3 half_way = Vec3::Zero();      ///< for a piece over an edge (lasting_contact.h)
+  // For bodies that aren't spheres: the last static piece hit, and the last tick at which the body
+  // hit a piece soon after a different one.
   StaticId last_hit{UINT32_MAX};
   Tick hit{-k_tick_max.value};
   Tick hit_both{-k_tick_max.value};
@@ -39,14 +39,13 @@ struct Supports {
   bool holds(StaticId feature) const { return std::ranges::find(all(), feature) != all().end(); }
 };
 
-/// How often a body has collided at its last tick, and in a window of time.
+/// A body's collisions at its last tick and in a time window.
 struct CollisionCount {
   Tick tick{-1};
   Tick window{};
   std::uint32_t at_tick = 0;
   std::uint32_t in_window = 0;
 
-  /// One more.
   void add(Tick now) {
     at_tick = tick == now ? at_tick + 1 : 1;
     tick = now;
@@ -56,16 +55,16 @@ struct CollisionCount {
     }
     ++in_window;
   }
-  /// So many that the simulation can't go on.
+  /// Whether the count exceeds the limits, so that the simulation fails.
   bool is_too_much() const {
     return at_tick > k_events_at_a_tick_max || in_window > k_collisions_in_window_max;
   }
 };
-/// What such a body does, for people. `slow_contacts_end`: whether the scene says how these end.
+/// Describes the excess for an error message. `slow_contacts_end`: the scene sets SlowContacts.
 std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_end);
 
-/// All contact state but for two parts: the touches lie in a list of TouchRecord (rest_log.h), and
-/// the counts and times of collisions follow from the event itself (World::restore).
+/// Contact state without two parts: touches are in a list of TouchRecord (rest_log.h), and
+/// collision counts and times follow from the event itself (World::restore).
 struct ContactState {
   RestState rest;
   Supports supports;

@@ -15,10 +15,11 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// What is added to the diagonal, of its size: bodies whose contacts leave some turn free.
+/// Relative size of the term added to the diagonal, for bodies whose contacts leave a rotation
+/// free.
 constexpr double k_ridge = 1e-9;
 
-/// The nearest point of a contact's friction cone.
+/// Projects a force onto a contact's friction cone.
 Vec3 in_cone(const HoldingContact& contact, const Vec3& force) {
   const double along = dot(contact.normal, force);
   const Vec3 across = force - along * contact.normal;
@@ -30,11 +31,11 @@ Vec3 in_cone(const HoldingContact& contact, const Vec3& force) {
   return load * contact.normal + (mu * load / size) * across;
 }
 
-/// The three columns of A of a contact, for one of the two that it touches: force and torque.
+/// A contact's three columns of A for one of its two sides: force and torque.
 struct Columns {
   std::size_t row;
   double sign;
-  Vec3 lever;  ///< arm over reach
+  Vec3 lever;  ///< arm / reach
 };
 template <class Visit>
 void for_each_side(std::span<const HeldBody> bodies, const HoldingContact& contact,
@@ -90,7 +91,7 @@ void ForceBalance::factor(std::span<const HeldBody> bodies,
     greatest = std::max(greatest, lower_[i * size + i]);
   for (std::size_t i = 0; i < size; ++i)
     lower_[i * size + i] += k_ridge * greatest;
-  // Column by column, so that inner loops don't wait for their own sums.
+  // Work column by column, so that inner loops don't wait for their own sums.
   upper_.assign(size * size, 0);
   inverse_.assign(size, 0);
   for (std::size_t k = 0; k < size; ++k) {
@@ -160,7 +161,8 @@ double ForceBalance::worst_missing(std::span<const HeldBody> bodies,
       const double left = rows_[i] + weights_[i];
       sum += left * left;
     }
-    // Half of it: a body that only stands is pushed by its weight and by what carries that.
+    // The factor is 0.5 because a standing body has two equal forces: its weight and the push that
+    // carries it.
     missing_[b] = std::sqrt(sum) / (0.5 * pushed_[b]);
     worst = std::max(worst, missing_[b]);
   }
@@ -192,7 +194,7 @@ bool ForceBalance::holds(std::span<const HeldBody> bodies,
   factor(bodies, contacts);
   double earlier = worst_missing(bodies, contacts);
   for (int round = 1; round <= k_held_rounds_max; ++round) {
-    // On the plane: z - A^T (A A^T)^-1 (A z + w).
+    // Project z onto the plane: z - A^T (A A^T)^-1 (A z + w).
     apply(bodies, contacts, z_, rows_);
     for (std::size_t i = 0; i < size; ++i)
       rows_[i] += weights_[i];
@@ -214,7 +216,7 @@ bool ForceBalance::holds(std::span<const HeldBody> bodies,
     const double worst = worst_missing(bodies, contacts);
     if (worst <= k_balance_tolerance) return true;
     if (round % k_held_rounds_judged != 0) continue;
-    // Whether what is left would stay too much if it fell twice as fast as it does.
+    // Give up if the imbalance would stay too large even at twice the current rate of decrease.
     const double fall = worst / earlier;
     double later = worst;
     for (int i = 0; i < 2 * (k_held_rounds_max - round) / k_held_rounds_judged; ++i) {

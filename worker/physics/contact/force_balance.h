@@ -1,21 +1,23 @@
-// Can contact forces hold several bodies at once, each force in its friction cone?
+// Tests whether contact forces can hold several bodies at once, each force in its friction cone.
 //
-// Idea. Forces f at m contacts hold n bodies if A f = -w: three forces and three torques for each
-// body, and w their weights. The f with A f = -w are a plane; those in their cones are a convex
-// set. Douglas and Rachford's splitting (J. Douglas, H. Rachford, Transactions of the American
-// Mathematical Society 82, 1956; P.-L. Lions, B. Mercier, SIAM Journal on Numerical Analysis 16,
-// 1979) finds a point of both, if there is one, from projections on each:
-//   z += C(2 P(z) - z) - P(z),
-// P the projection on the plane, C that on the cones, which is a closed form for each contact: the
-// cones are round, not pyramids. P takes A A^T, which is factored once. A point of the cones that
-// leaves less than a small part of each body's forces is an answer.
+// Idea. Forces f at m contacts hold n bodies if A f = -w, where A f are three forces and three
+// torques per body, and w the weights. The f with A f = -w form an affine plane; the f inside their
+// cones form a convex set. Douglas and Rachford's splitting (J. Douglas, H. Rachford, Transactions
+// of the American Mathematical Society 82, 1956; P.-L. Lions, B. Mercier, SIAM Journal on Numerical
+// Analysis 16, 1979) finds a point of both sets, if there is one, by iterating
+//   z += C(2 P(z) - z) - P(z).
+// P is the projection onto the plane, which needs A A^T, factored once. C is the projection onto
+// the cones, in closed form for each contact, because the cones are round, not pyramids. The search
+// accepts a point of the cones whose imbalance is below a small fraction of the forces on each
+// body.
 //
-// Where no forces do, the distance of both sets stays, and the search ends soon, as its progress is
-// judged. At the very limit of balance it says that nothing holds.
+// If no forces hold the bodies, the distance between the two sets stays positive, and the search
+// stops early because it monitors its progress. At the very limit of balance, holds()
+// returns false.
 //
-// Everything is done in a fixed order, so the answer is the same wherever it is asked. Cost: 0.05
-// ms for a few bodies, milliseconds for k_held_together_max, a second for hundreds. Thread safety:
-// none.
+// All operations have a fixed order, so every call with the same input returns the same answer.
+// Cost: 0.05 ms for a few bodies, milliseconds for k_held_together_max, a second for hundreds.
+// Thread safety: none.
 #pragma once
 
 #include <cstddef>
@@ -29,28 +31,28 @@ namespace sleight::physics {
 
 struct HeldBody {
   Vec3 weight_n = Vec3::Zero();
-  double reach_m = 0;  ///< > 0; turns torques into forces
+  double reach_m = 0;  ///< > 0; converts torques to forces
 };
 struct HoldingContact {
   static constexpr std::uint32_t k_fixed = UINT32_MAX;
-  std::uint32_t body = 0;           ///< of the bodies
-  std::uint32_t partner = k_fixed;  ///< another one, or what doesn't move
+  std::uint32_t body = 0;           ///< index in the bodies
+  std::uint32_t partner = k_fixed;  ///< index of another body, or k_fixed
   double friction = 0;
   Vec3 normal = Vec3::UnitZ();        ///< unit, from the partner to the body
   Vec3 arm_m = Vec3::Zero();          ///< from the body's centre
-  Vec3 partner_arm_m = Vec3::Zero();  ///< from the partner's, if it is a body
+  Vec3 partner_arm_m = Vec3::Zero();  ///< from the partner's centre, if it is a body
 };
 
 class ForceBalance {
  public:
-  /// So that holds() doesn't allocate for up to so many.
+  /// Reserves memory, so that holds() doesn't allocate for up to this many bodies and contacts.
   void reserve(std::size_t bodies, std::size_t contacts);
-  /// Whether contact forces hold all.
+  /// Whether contact forces hold all bodies.
   bool holds(std::span<const HeldBody> bodies, std::span<const HoldingContact> contacts);
 
-  /// After holds(): how much was left of a body's balance, in parts of the forces on it.
+  /// After holds(): a body's imbalance as a fraction of the forces on it.
   double missing(std::size_t body) const { return missing_[body]; }
-  /// The force on the contact's body, if they hold.
+  /// After holds() returned true: the force on the contact's body.
   Vec3 force_n(std::size_t contact) const { return unit_n_ * in_cones_[contact]; }
 
  private:
@@ -61,8 +63,8 @@ class ForceBalance {
   void solve(std::vector<double>& rows) const;
   double worst_missing(std::span<const HeldBody> bodies, std::span<const HoldingContact> contacts);
 
-  double unit_n_ = 0;  ///< the greatest weight, which is the unit of all below
-  // Cholesky's factor L of A A^T: by rows below the diagonal, by columns there, and 1 over that.
+  double unit_n_ = 0;  ///< greatest weight; the unit of all forces below
+  // Cholesky's factor L of A A^T: by rows below the diagonal, by columns, and inverse diagonal.
   std::vector<double> lower_;
   std::vector<double> upper_;
   std::vector<double> inverse_;
@@ -71,7 +73,7 @@ class ForceBalance {
   std::vector<Vec3> z_;
   std::vector<Vec3> on_plane_;
   std::vector<Vec3> in_cones_;
-  std::vector<double> pushed_;  ///< by body: the sum of its weight and of the forces on it
+  std::vector<double> pushed_;  ///< by body: sum of the magnitudes of its weight and contact forces
   std::vector<double> missing_;
 };
 

@@ -29,7 +29,7 @@ Tick meets_border(const FrictionMap& map, const MapPath& path, Tick from, Tick e
 
 namespace {
 
-/// When the centre leaves the region of a feature, by the segment's parabola.
+/// Tick at which the centre leaves a feature's region on the segment's parabola.
 Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) {
   double leaves_s = std::numeric_limits<double>::infinity();
   for (const RegionSide& side : sides) {
@@ -42,11 +42,11 @@ Tick leaves_region(const FreeFlight& flight, std::span<const RegionSide> sides) 
   return tick_after(flight.begin, leaves_s);
 }
 
-/// When a sphere that goes straight on from an edge or a vertex has left that.
+/// Tick at which a sphere that moves straight on from an edge or a vertex has left it.
 Tick leaves_edge(const FreeFlight& flight, const SphereFeature& feature, double radius_m,
                  const SlowContacts& slow, const Vec3& gravity_mps2) {
   const double way_m = std::sqrt(2 * k_rise_bounces * bounce_m(slow, gravity_mps2) * radius_m);
-  // Along an edge it stays on it.
+  // Motion along an edge doesn't leave the edge.
   const auto across = [&](const Vec3& v) {
     return feature.kind == FeatureKind::edge
                ? math::norm(v - math::dot(feature.direction, v) * feature.direction)
@@ -58,14 +58,14 @@ Tick leaves_edge(const FreeFlight& flight, const SphereFeature& feature, double 
   return rate > 0 ? tick_after(flight.begin, 2 * way_m / rate) : k_never;
 }
 
-/// Some of up to three contacts, as bits, and how a sphere moves that stays on them.
+/// A subset of up to three contacts, as bits, and a sphere's motion while it stays on them.
 struct Carried {
   std::uint32_t subset = 0;
   ContactMotion motion{};
 };
 
-/// The most contacts that all carry a sphere, while it does not press on the others; nothing if
-/// none does.
+/// Returns the largest set of contacts that all carry a sphere while it doesn't press on the
+/// others.
 std::optional<Carried> carried_by(const RoundBody& round, std::span<const LastingContact> contacts,
                                   const Twist& twist, const Vec3& gravity_mps2) {
   for (std::size_t count = contacts.size(); count > 0; --count) {
@@ -92,7 +92,7 @@ std::optional<Carried> carried_by(const RoundBody& round, std::span<const Lastin
   return std::nullopt;
 }
 
-/// A piece over an edge, if that is what is next.
+/// Returns a piece over an edge, if that is the next motion.
 std::optional<Stay> stay_on_edge(const RoundBody& round, const MayStayOn& on, const FreeFlight& now,
                                  const ContactScene& scene) {
   const FeatureId index = on.features.front();
@@ -139,8 +139,7 @@ Tick slow_from(const Segment& segment, double radius_m, const Inertia& inertia,
   };
   const double limit_mps = slow_contacts.rest_speed_mps;
   if (fastest_mps(flight.begin) < limit_mps) return flight.begin;
-  // The speed is convex in time. Where one of its two parts is least, or at the end, it may be
-  // slow.
+  // The speed is convex in time. Test the minimum of each of its two parts, and the end.
   Tick slow = k_never;
   const auto offer = [&](const Vec3& start, const Vec3& rate) {
     const double square = math::dot(rate, rate);
@@ -184,7 +183,7 @@ std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const F
     if ((stay.subset >> i & 1U) == 0) continue;
     const SphereFeature& feature = scene.statics.feature(on.features[i]);
     if (const FrictionMap* map = scene.statics.friction_map({on.features[i]})) {
-      // The centre is over the contact.
+      // The centre is directly above the contact, so it has the same map coordinates.
       const Tick border = meets_border(*map,
                                        {.place_m = flight.position_m,
                                         .velocity_mps = flight.velocity_mps,
@@ -196,7 +195,7 @@ std::optional<Stay> stay_on(const RoundBody& round, const MayStayOn& on, const F
       }
     }
     if (feature.kind != FeatureKind::face) {
-      // Straight on from an edge, it leaves that.
+      // The sphere leaves an edge or vertex when it moves straight on.
       const Tick rises =
           leaves_edge(flight, feature, round.radius_m, scene.slow, scene.gravity_mps2);
       if (rises < stay.end) {

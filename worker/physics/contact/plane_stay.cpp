@@ -13,9 +13,9 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Whether what the plane takes out of a body's motion is no more than bounces are: towards it or
-/// away from it at the supports, and of what lies on a line also its slip along that and its turn
-/// about the normal.
+/// Whether the plane removes no more of a body's motion than a slow bounce has. For each support
+/// this tests the normal velocity. For a body that touches along a line it also tests the slip
+/// along that line and the turn about the normal.
 bool settles(const BodyOnPlane& body, const FreeFlight& now, const PlaneMotion& motion,
              double bounce_mps) {
   const Vec3 off_mps = now.velocity_mps - motion.start.velocity_mps;
@@ -48,7 +48,7 @@ Flat flat_at(const StaticGeometry& statics, StaticId met, std::uint32_t face) {
 std::optional<std::uint32_t> face_met(const StaticGeometry& statics, StaticId met,
                                       const Vec3& normal) {
   if (met < statics.plane_count()) return 0;
-  constexpr double k_same_cosine = 1 - 1e-9;  // but for rounding
+  constexpr double k_same_cosine = 1 - 1e-9;  // tolerance for rounding
   const ConvexView& view = *statics.piece({met}).view;
   for (std::uint32_t face = 0; face < view.face_count; ++face) {
     if (math::dot(view.faces[face].normal, normal) > k_same_cosine) return face;
@@ -83,7 +83,7 @@ std::optional<PlaneStay> stay_on_plane(const BodyOnPlane& body, const FreeFlight
   if (!is_zero(motion.angular_acceleration_radps2))
     stay.end = std::min(stay.end, now.begin + k_turning_contact_span);
   if (motion.stands) return stay;
-  // Points of what rolls come and go, but all of its line moves as the centre does.
+  // A rolling body's contact points change, but its whole line of contact moves with the centre.
   const bool turns = motion.mode == MotionMode::sliding;
   const Vec3 turn_radps = turns ? flight.angular_velocity_radps : Vec3(Vec3::Zero());
   const Vec3 turn_radps2 = turns ? motion.angular_acceleration_radps2 : Vec3(Vec3::Zero());

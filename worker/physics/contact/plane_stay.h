@@ -1,9 +1,10 @@
-// Bodies that are no spheres and stay on a plane that doesn't move: when they begin to, and until
-// when. How they move there: response/plane_motion.h. contact_events.h says who asks.
+// Bodies that aren't spheres and stay on a fixed plane: when they begin to, and until when.
+// response/plane_motion.h computes their motion, and contact_events.h has the rules.
 //
-// Idea. What bounces on a plane by micrometres, with all that carries it near the plane, stays on
-// it in the pose that it has: it is turned no more towards the plane and hangs above it by a
-// bounce's height at most, as what rests does. Its motion is projected on what the plane allows.
+// Idea. If a body bounces on a plane by micrometres and all points that carry it are near the
+// plane, the body stays in its current pose. It isn't turned towards the plane, and hovers above
+// the plane by at most the height of a bounce, as resting bodies do. Its motion is projected onto
+// the motions that the plane allows.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -19,37 +20,37 @@
 
 namespace sleight::physics {
 
-/// A point of a body that is so near to a plane may carry it: what such a bounce rises to.
+/// Distance from a plane within which a point of a body may carry it: the height of a bounce at
+/// k_settling_bounces times the slowest speed.
 inline double near_plane_m(const SlowContacts& slow, const Vec3& gravity_mps2) {
   return k_settling_bounces * k_settling_bounces * bounce_m(slow, gravity_mps2);
 }
 
-/// How a body stays on a plane.
 struct PlaneStay {
   Segment segment;
-  Tick end = k_never;  ///< then all this is to be asked for again
+  Tick end = k_never;  ///< the stay must be recomputed then
   bool stands = false;
-  bool brakes = false;     ///< it slides, and is going to stand or to roll
-  std::uint32_t face = 0;  ///< of a static polyhedron, for who asked
+  bool brakes = false;     ///< the body slides, and will stand or roll at `end`
+  std::uint32_t face = 0;  ///< face of a static polyhedron, set by the caller
 };
 
-/// What a body may stay on: a plane, or the face of a polyhedron.
+/// A plane, or the face of a polyhedron.
 struct Flat {
   Vec3 normal = Vec3::UnitZ();  ///< unit, outward
   double offset_m = 0;
-  std::span<const Side> sides;       ///< of a face
-  const FrictionMap* map = nullptr;  ///< of a plane that has one
+  std::span<const Side> sides;       ///< borders, if a face
+  const FrictionMap* map = nullptr;  ///< friction map of a plane, if any
 };
-/// REQUIRES: a plane or a static polyhedron or triangle; of a plane any face.
+/// REQUIRES: `met` is a plane, a static polyhedron or a triangle. For a plane, `face` is ignored.
 Flat flat_at(const StaticGeometry& statics, StaticId met, std::uint32_t face);
-/// Which face of these has a normal; of a plane 0.
+/// Returns the face that has this normal; 0 for a plane.
 std::optional<std::uint32_t> face_met(const StaticGeometry& statics, StaticId met,
                                       const Vec3& normal);
-/// Whether a point lies over it.
+/// Whether a point is above or below the face, inside its borders.
 bool is_over(const Flat& flat, const Vec3& place_m);
 
-/// A body that touches what is flat, from a tick on; nothing if it doesn't stay there. `now`: its
-/// flight from then on, if it were free. REQUIRES: the body's supports are over the flat.
+/// Returns how a body that touches a flat surface stays on it, if it does. `now`: the body's free
+/// flight from this tick. REQUIRES: the body's supports are over the surface.
 std::optional<PlaneStay> stay_on_plane(const BodyOnPlane& body, const FreeFlight& now,
                                        const Flat& flat, const SlowContacts& slow,
                                        const Vec3& gravity_mps2);

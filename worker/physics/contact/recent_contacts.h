@@ -1,4 +1,4 @@
-// The last partners that each body collided with, and the gaps then: for the refractory time
+// For each body, its last collision partners and the gaps at collision, for the refractory time
 // (tolerances.h).
 //
 // Thread safety: none.
@@ -18,36 +18,35 @@
 
 namespace sleight::physics {
 
-/// Until when a pair collides only at a smaller gap.
+/// Time span in which a pair collides only at a smaller gap.
 struct Refractory {
-  Tick until{};  ///< in the past: no longer
+  Tick until{};  ///< in the past: no restriction
   double touch_m = k_touch_m;
 };
 
-/// One look at a pair that may be refractory: examine(touch) judges the tick.
+/// Examines a pair that may be refractory; examine(touch_m) tests one tick.
 template <class Examine>
 Examined examined_at(Tick tick, const Refractory& refractory, const Examine& examine) {
   if (tick >= refractory.until) return examine(k_touch_m);
   const Examined examined = examine(refractory.touch_m);
   if (examined.collides || examined.next <= refractory.until) return examined;
-  return {.collides = false, .next = refractory.until};  // from then on, any touch counts again
+  return {.collides = false, .next = refractory.until};  // after that, any touch counts again
 }
 
 class RecentContacts {
  public:
-  /// Bodies have no contacts. With 0 bodies there is no refractory time.
+  /// Clears all contacts. With 0 bodies there is no refractory time.
   void reset(std::size_t bodies) { of_body_.assign(bodies, {}); }
   bool enabled() const { return !of_body_.empty(); }
 
-  /// More than a body has neighbours that press on it within a microsecond.
+  /// More partners than can press on a body within a microsecond.
   static constexpr std::size_t k_partners = 16;
-  /// A collision with a partner.
   struct Entry {
     BodyId partner{UINT32_MAX};
     Tick tick{-1};
     double gap_m = 0;
   };
-  /// Appends all that is known of a body, for a simulation that goes on from here; how much.
+  /// Appends a body's entries, for a simulation that resumes from here. Returns their number.
   std::size_t remember(BodyId body, std::vector<Entry>& entries) const {
     if (!enabled()) return 0;
     const std::size_t before = entries.size();
@@ -61,7 +60,7 @@ class RecentContacts {
     std::ranges::copy(entries, of_body_[body].entries.begin());
   }
 
-  /// A collision of a body with a partner. Whether both are noted is the caller's choice.
+  /// Records a collision for one body; the caller decides whether to record it for the partner too.
   void note(BodyId body, BodyId partner, Tick tick, double gap_m) {
     if (!enabled()) return;
     Ring& ring = of_body_[body];
@@ -80,7 +79,7 @@ class RecentContacts {
     if (!enabled()) return {};
     for (const Entry& entry : of_body_[body].entries) {
       if (entry.partner != partner) continue;
-      // Half of the way to k_sink_m, but not by less than distances are good for.
+      // Half of the distance left to k_sink_m, but not below the accuracy of distances.
       const double left_m = std::max(entry.gap_m + k_sink_m, k_sink_step_m_min);
       return {.until = entry.tick + k_refractory, .touch_m = entry.gap_m - 0.5 * left_m};
     }

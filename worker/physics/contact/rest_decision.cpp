@@ -22,7 +22,7 @@ void RestDecision::reset(std::size_t bodies) {
 
 // ---- who is asked about -------------------------------------------------------------------------
 
-// A body that all candidates together don't carry is carried by no subset of them.
+// If all candidates together don't carry a body, then no subset of them does.
 
 void RestDecision::begin(RestLogs& logs, BodyId body, Tick now) {
   ++round_;
@@ -36,7 +36,7 @@ void RestDecision::begin(RestLogs& logs, BodyId body, Tick now) {
 }
 
 std::optional<BodyId> RestDecision::asks() {
-  // The body itself comes first, since mostly that settles it.
+  // Start with the body itself, which usually settles the decision.
   if (notes_[body_].round != round_) return body_;
   for (; asked_of_ < set_.size(); ++asked_of_, touch_ = 0) {
     const auto touches = log_of(set_[asked_of_]).touches();
@@ -77,7 +77,7 @@ RestDecision::Outcome RestDecision::decide() {
   if (!find_set()) {
     ask_later();
     for (const BodyId bearer : overloaded_) {
-      // It rests again only with what it couldn't bear.
+      // The bearer rests again only together with the body that it couldn't bear.
       log_of(bearer).rests = false;
       log_of(bearer).must_bear = body_;
     }
@@ -89,7 +89,7 @@ RestDecision::Outcome RestDecision::decide() {
 
 bool RestDecision::find_set() {
   if (!notes_[body_].candidate) return false;
-  // Nearly always the first time.
+  // Nearly always one pass is enough.
   do {
     if (!settle_set()) return false;
   } while (!is_held() && overloaded_.empty());
@@ -99,8 +99,8 @@ bool RestDecision::find_set() {
 void RestDecision::ask_later() {
   RestLog& log = log_of(body_);
   const Note& note = notes_[body_];
-  // What slides is asked again when it slides otherwise (stays); what leans on others that can't
-  // hold it moves with them for a while.
+  // A sliding body is tested again when its sliding changes (stays). A body that leans on others
+  // that can't hold it moves with them for a while.
   const bool unheld = note.unheld || !overloaded_.empty();
   const bool later = unheld || note.slides;
   log.due = now_ + std::max<TickCount>(1, later ? 4 * logs_->rest_span : logs_->rest_span / 2);
@@ -163,7 +163,8 @@ Contacts RestDecision::supporting(BodyId body) const {
   const auto pushes_up = [&](const TouchRecord& touch) {
     return weightless || math::dot(touch.normal, own.weight_n) < 0;
   };
-  // Without a weight that could be balanced, jammed, or having stayed, on all that may carry it.
+  // Without weight, or if jammed, staying or long in place: use all contacts that may carry the
+  // body.
   if (weightless || log.is_jammed() || has_stayed(log) || note.holds) {
     Contacts all = 0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -173,8 +174,9 @@ Contacts RestDecision::supporting(BodyId body) const {
     }
     return all;
   }
-  // On those that push it up, if they suffice, so that what lies on it doesn't hold it; else with
-  // the others. Firmly, or for long enough to have toppled otherwise.
+  // First try only the contacts that push up, so that a body lying on top doesn't count as holding;
+  // then try all. Require firm balance unless the body has been slow for long enough to have
+  // toppled otherwise.
   const bool firmly = !own.round && (now_ - log.slow_since) / k_patience < logs_->rest_span;
   std::array<TouchRecord, k_touch_records_max> chosen;
   std::array<std::size_t, k_touch_records_max> places;
@@ -202,7 +204,7 @@ Contacts RestDecision::supporting(BodyId body) const {
 // ---- the set ------------------------------------------------------------------------------------
 
 bool RestDecision::settle_set() {
-  // A body that leaned on one that has turned out not to be carried is checked again.
+  // Check the members again that lean on a body which turned out not to be carried.
   const auto leans_on_others = [&](BodyId member) {
     const RestLog& log = log_of(member);
     const auto contacts = log.touches();
@@ -224,7 +226,7 @@ bool RestDecision::settle_set() {
 }
 
 bool RestDecision::is_held() {
-  // What leans on static geometry alone is in balance already.
+  // Bodies that lean only on static geometry are already in balance.
   const bool alone = std::ranges::all_of(set_, [&](BodyId member) {
     const RestLog& log = log_of(member);
     return !log.has_place && std::ranges::all_of(log.touches(), [&](const TouchRecord& touch) {
@@ -259,7 +261,7 @@ bool RestDecision::is_held() {
 }
 
 bool RestDecision::find_structure() {
-  // A decision may look at several, as its set loses members.
+  // A decision may examine several structures, as its set loses members.
   ++structures_;
   structure_.clear();
   const auto add = [&](BodyId member) {
@@ -276,7 +278,7 @@ bool RestDecision::find_structure() {
     for (const TouchRecord& touch : log.rests ? log.holding() : log.touches()) {
       if (touch.partner != k_static_partner && logs[touch.partner].rests) add(touch.partner);
     }
-    // Nothing rests on what has been moving.
+    // Nothing rests on a body that has been moving.
     const bool bears = log.rests || log.has_place;
     for (BodyId other{}; bears && other < logs.size(); ++other) {
       if (logs[other].rests_on(member)) add(other);

@@ -1,5 +1,5 @@
-// What is known of bodies for decisions about rest: what each touched, since when it is slow, and
-// what it rests on. resting.h says when it changes, rest_decision.h what follows from it.
+// The data for rest decisions: what each body touched, since when it has been slow, and what it
+// rests on. resting.h changes the data; rest_decision.h evaluates them.
 //
 // Thread safety: values.
 #pragma once
@@ -18,24 +18,23 @@
 
 namespace sleight::physics {
 
-/// All that is known of a body but for its touches, which lie elsewhere, since most bodies touched
-/// little.
+/// A body's data except its touches, which are stored separately, since most bodies have few.
 struct RestState {
   Tick slow_since = k_never;
-  Tick counted_since{};  ///< slow_collisions are counted from here
-  Tick due = k_never;    ///< when the body asks next whether it may rest
+  Tick counted_since{};  ///< start of the count slow_collisions
+  Tick due = k_never;    ///< next rest event
   std::uint32_t slow_collisions = 0;
-  std::uint32_t count = 0;  ///< touches of late
+  std::uint32_t count = 0;  ///< recent touches
   std::uint32_t supporter_count = 0;
-  std::array<BodyId, k_touch_records_max> supporters{};  ///< of a resting body
+  std::array<BodyId, k_touch_records_max> supporters{};  ///< bodies that a resting body rests on
   std::uint32_t held_count = 0;                          ///< touches that may hold a resting body
   bool rests = false;
-  bool rests_anyhow = false;            ///< whatever balances it
-  BodyId must_bear = k_static_partner;  ///< another body, while that touches it
-  bool has_place = false;               ///< some may have rested on it since it was there
-  bool in_place = false;                ///< awake, and others may still rest on it
+  bool rests_anyhow = false;            ///< regardless of balance
+  BodyId must_bear = k_static_partner;  ///< a body that this one must bear while they touch
+  bool has_place = false;               ///< others may have rested on it at `place`
+  bool in_place = false;                ///< awake, but others may still rest on it
   Pose place{};
-  Tick stays_since = k_never;  ///< slow, and about there all the time; as decisions found it
+  Tick stays_since = k_never;  ///< slow and near stays_at_m since then, as decisions found
   Vec3 stays_at_m = Vec3::Zero();
   Vec3 rests_at_m = Vec3::Zero();  ///< a resting body's centre
   std::size_t first_touch = 0;     ///< in a list of touches: `count`, then `held_count`
@@ -44,7 +43,7 @@ struct RestState {
     const auto end = supporters.begin() + supporter_count;
     return std::find(supporters.begin(), end, other) != end;
   }
-  /// Whether it rests, on that other one among others.
+  /// Whether the body rests, and the other body is among its supporters.
   bool rests_on(BodyId other) const { return rests && leans_on(other); }
   std::size_t touch_count() const { return count + held_count; }
 };
@@ -55,26 +54,27 @@ struct RestLog : RestState {
 
   std::span<const TouchRecord> touches() const { return {records.data(), count}; }
   std::span<const TouchRecord> holding() const { return {held.data(), held_count}; }
-  /// Adds a touch, in the place of one at the same place of the same partner, or of the oldest.
+  /// Adds a touch. It replaces an earlier touch of the same partner at the same place, or the
+  /// oldest if the list is full.
   void record(const TouchRecord& touch);
-  /// Forgets touches that are older than a span.
+  /// Removes touches that are older than a span.
   void forget_before(Tick now, TickCount span);
-  /// It is no longer slow, nor at rest.
+  /// Marks the body as neither slow nor at rest.
   void disturb();
   bool is_jammed() const { return slow_collisions >= k_slow_collisions; }
 };
 
-/// What doesn't change about a body.
+/// A body's constants.
 struct RestingBody {
   Vec3 weight_n = Vec3::Zero();
-  double reach_m = 0;  ///< of its points from the centre, at most
-  bool round = false;  ///< a sphere: it may stand where others would topple
+  double reach_m = 0;  ///< maximum distance of its points from the centre
+  bool round = false;  ///< a sphere: may stand where other bodies would topple
 };
 
-/// All bodies, and the scene's rule.
+/// The data of all bodies, and the scene's rule.
 struct RestLogs {
   SlowContacts rule;
-  TickCount rest_span = 0;  ///< how long what a body touched counts
+  TickCount rest_span = 0;  ///< how long a touch counts
   std::vector<RestingBody> bodies;
   std::vector<RestLog> logs;
 };

@@ -14,7 +14,7 @@ void Resting::reset(std::span<const RestingBody> bodies, const SlowContacts& rul
   jam_span_ = std::min(jam_span, rest_span());
   const std::size_t count = enabled() ? bodies.size() : 0;
   logs_.bodies.assign(bodies.begin(), bodies.end());
-  // Not assign: most of a log are places for touches, which needn't be empty.
+  // Don't use assign: it would clear the arrays of touches, which make up most of a log.
   logs_.logs.resize(count);
   for (RestLog& log : logs_.logs)
     static_cast<RestState&>(log) = {};
@@ -43,7 +43,7 @@ void Resting::touched(BodyId body, const TouchRecord& touch, bool slowly) {
     log.slow_collisions = 0;
     return;
   }
-  if (log.slow_since > touch.tick) {  // not slow yet
+  if (log.slow_since > touch.tick) {  // wasn't slow before
     log.slow_since = touch.tick;
     log.due = touch.tick + rest_span();
   }
@@ -104,7 +104,8 @@ std::span<const BodyId> Resting::wake(BodyId body) {
 void Resting::woke(BodyId body, Tick now, const Pose& pose) {
   RestLog& log = log_of(body);
   log.in_place = true;
-  // Places don't creep: the first one counts, as long as those that rested on it may still do so.
+  // Store only the first place, as long as others may still rest on the body, so that places don't
+  // creep.
   if (!log.has_place) log.place = pose;
   log.has_place = true;
   log.slow_since = now;

@@ -1,19 +1,19 @@
-// When do bodies come to rest, what holds them, and what wakes them?
+// Decides when bodies come to rest, what holds them, and what wakes them.
 //
-// Idea. Slow bodies in contact bounce by micrometres for ever (restitution.h keeps the rate of
-// these impacts bounded). Those that have been slow for rest_time_s and stand go to rest together
-// (rest_decision.h). Everything is read from recorded contacts (rest_log.h), so a decision is a
-// function of the events so far.
+// Idea. Slow bodies in contact bounce by micrometres for ever; restitution.h limits the rate of
+// these impacts. Bodies that have been slow for rest_time_s and stand go to rest together
+// (rest_decision.h). Decisions use only recorded contacts (rest_log.h), so they depend only on the
+// events so far.
 //
-// A resting body is an obstacle. The bodies that pushed in its balance are its supporters. It wakes
-// when a collision, or a user, would give it a speed above wake_speed_mps(); below, it takes the
-// blow as static geometry does. It also wakes when a supporter moves. A supporter moves if it wakes
-// from a blow, or if its own supporter moved and it then is fast or leaves its place. So a blow
-// does not wake a whole heap: a body that may have lost its support is looked at, and the bodies on
-// it sleep on unless it leaves its place.
+// A resting body is an obstacle. Its supporters are the bodies whose pushes balanced it. A resting
+// body wakes when a collision or a user would give it a speed above wake_speed_mps(); weaker
+// impacts act on it as on static geometry. It also wakes when a supporter moves. A supporter moves
+// if an impact wakes it, or if its own supporter moved and it then becomes fast or leaves its
+// place. So an impact doesn't wake a whole heap: a body that may have lost its support is tested,
+// and the bodies on it sleep on unless it leaves its place.
 //
 // Invariants
-//   1. A body rests only by a decision, which is made at its own rest event.
+//   1. Bodies go to rest only by a decision, which is made at the rest event of one of them.
 //   2. Nothing is allocated after reset().
 // Thread safety: none.
 #pragma once
@@ -28,72 +28,73 @@ namespace sleight::physics {
 
 class Resting {
  public:
-  /// So many slow collisions as make a body jammed must come within a span.
+  /// `jam_span`: a body is jammed after k_slow_collisions slow collisions within this span.
   void reset(std::span<const RestingBody> bodies, const SlowContacts& rule, TickCount jam_span);
   bool enabled() const { return logs_.rule.rest_speed_mps > 0; }
-  /// How long what a body touched counts.
+  /// How long a touch counts.
   TickCount rest_span() const { return logs_.rest_span; }
   double wake_speed_mps() const;
-  /// Whether a collision of a body is a slow one, by its fastest point's speed before and after,
-  /// and by how fast the contact parts. One that parts faster than slow bounces do is not slow: the
-  /// body would freeze in the air.
+  /// Whether a collision is slow, given the speeds of the body's fastest point before and after it
+  /// and the separation speed of the contact. A separation faster than slow bounces is not slow, or
+  /// the body could freeze in the air.
   bool is_slow(double before_mps, double after_mps, double parting_mps) const;
 
-  // A body's motion changes.
-  /// It collides.
+  // Changes of a body's motion.
+  /// The body collides.
   void touched(BodyId body, const TouchRecord& record, bool slowly);
-  /// It begins a segment in which it stays in contact; it is slow from a tick of that on, or not
-  /// (k_never).
+  /// The body begins a segment in which it stays in contact. `slow_from`: first slow tick of the
+  /// segment, or k_never.
   void stays(BodyId body, Tick now, Tick slow_from);
-  /// It leaves that contact without a blow.
+  /// The body leaves a lasting contact without an impact.
   void flies(BodyId body, Tick now);
-  /// It changes for another reason.
+  /// The body's motion changes for another reason.
   void disturbed(BodyId body);
 
-  // Going to rest. REQUIRES, of these: enabled().
-  /// When the body asks next whether it may rest; k_never if it isn't slow.
+  // Going to rest. All of these functions REQUIRE enabled().
+  /// Tick of the body's next rest event; k_never if it isn't slow.
   Tick due(BodyId body) const { return log_of(body).due; }
-  /// What it touched in the last rest_time_s, and perhaps longer ago.
+  /// Touches in the last rest_time_s, and possibly earlier ones.
   std::span<const TouchRecord> touches(BodyId body) const { return log_of(body).touches(); }
   void forget_old_touches(BodyId body, Tick now) { log_of(body).forget_before(now, rest_span()); }
-  /// A contact that lasts, for the decision that is about to be made.
+  /// Records a lasting contact for the coming decision.
   void still_touches(BodyId body, const TouchRecord& touch) { log_of(body).record(touch); }
   /// Begins the decision at a body's rest event.
   RestDecision& decide(BodyId body, Tick now) {
     decision_.begin(logs_, body, now);
     return decision_;
   }
-  /// A body has begun to rest at a place, as decided.
+  /// Stores the place where a body rests, after a decision.
   void rests_at(BodyId body, const Vec3& centre_m) { log_of(body).rests_at_m = centre_m; }
-  /// A body begins at rest, on some others; what may hold it. REQUIRES: at most k_touch_records_max
-  /// of either.
+  /// Puts a body to rest at its start. `touches` may hold the body. REQUIRES: at most
+  /// k_touch_records_max touches and supporters each.
   void lies(BodyId body, const Vec3& centre_m, std::span<const TouchRecord> touches,
             std::span<const BodyId> supporters);
 
   // Waking.
-  /// The bodies that a resting one leans on; none of one that is awake.
+  /// The bodies that a resting body leans on; empty if awake.
   std::span<const BodyId> supporters(BodyId body) const;
-  /// A body moves: the bodies that rest on it, in ascending order. They are no longer resting.
-  /// Those that rest on them still do, until they leave their place. Valid until the next call.
+  /// Marks the bodies that rest on a moving body as awake and returns them in ascending order.
+  /// Bodies resting on the returned ones keep resting until those leave their place. Valid until
+  /// the next call.
   std::span<const BodyId> wake(BodyId body);
-  /// A body woke without a blow, where it rested.
+  /// A body woke without an impact in the pose in which it rested.
   void woke(BodyId body, Tick now, const Pose& pose);
   /// Whether others may still rest on a body that woke.
   bool in_place(BodyId body) const { return enabled() && log_of(body).in_place; }
-  /// Whether such a body, in another pose and at a speed by now, has left its place.
+  /// Whether such a body has left its place, given its current pose and speed.
   bool has_left(BodyId body, const Pose& pose, double speed_mps) const;
-  /// It is in no place any more.
+  /// Marks the body as having no place.
   void leave(BodyId body) { log_of(body).in_place = log_of(body).has_place = false; }
 
   // Histories.
-  /// All that is known of a body, for a simulation that resumes from here; appends its touches.
+  /// Returns a body's state, for a simulation that resumes from here; appends its touches.
   RestState state_of(BodyId body, std::vector<TouchRecord>& touches) const;
   void restore(BodyId body, const RestState& state, std::span<const TouchRecord> touches);
 
  private:
   RestLog& log_of(BodyId body) { return logs_.logs[body]; }
   const RestLog& log_of(BodyId body) const { return logs_.logs[body]; }
-  /// A body in its place is looked at again anyway: others may rest on it.
+  /// A body in its place gets another rest event even if not slow, because others may rest on it.
   Tick due_if_not_slow(const RestLog& log, Tick now) const {
     return log.in_place ? now + rest_span() : k_never;
   }

@@ -11,11 +11,10 @@
 
 namespace sleight::physics {
 
-/// A collision of a body with a surface.
 struct SurfaceTouch {
   Tick tick{};
   BodyId body{};
-  std::uint32_t surface = 0;  ///< its place in the scene
+  std::uint32_t surface = 0;  ///< index in the scene
   math::Vec3 point_m = math::Vec3::Zero();
 };
 

@@ -1,4 +1,4 @@
-// What a body remembers of an impact, for decisions about rest.
+// A body's record of an impact, for rest decisions.
 //
 // Thread safety: values.
 #pragma once
@@ -11,14 +11,14 @@
 
 namespace sleight::physics {
 
-/// A body's partner is static geometry.
+/// The partner of a touch with static geometry.
 inline constexpr BodyId k_static_partner{UINT32_MAX};
 
-/// One impact as a body felt it.
+/// One impact, as seen by one of its bodies.
 struct TouchRecord {
   Tick tick{};
   BodyId partner = k_static_partner;
-  StaticId feature{};  ///< of static geometry: which
+  StaticId feature{};  ///< static feature, if the partner is static geometry
   double friction = 0;
   Vec3 normal = Vec3::Zero();  ///< from the partner to the body
   Vec3 arm_m = Vec3::Zero();   ///< from the body's centre to the contact

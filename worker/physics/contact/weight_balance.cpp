@@ -11,7 +11,7 @@
 namespace sleight::physics {
 namespace {
 
-/// A push: force, and torque over the reach.
+/// A push: force, and torque / reach.
 struct Wrench {
   Vec3 force;
   Vec3 torque;
@@ -21,8 +21,8 @@ double product(const Wrench& a, const Wrench& b) {
   return math::dot(a.force, b.force) + math::dot(a.torque, b.torque);
 }
 
-/// Pushes that contacts may give, and how much of each was needed last: weights that differ by
-/// little are carried by similar ones.
+/// The possible pushes of contacts, and the share of each in the last balance. Similar weights have
+/// similar shares, so the last shares are the starting point.
 class Balance {
  public:
   Balance(std::span<const TouchRecord> contacts, double reach_m) : reach_m_(reach_m) {
@@ -39,7 +39,7 @@ class Balance {
     }
   }
 
-  /// The contacts that push in the last balance.
+  /// Returns the contacts that push in the last balance.
   Contacts pushing() const {
     Contacts contacts = 0;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -48,7 +48,7 @@ class Balance {
     return contacts;
   }
 
-  /// Non-negative least squares by coordinate descent. `direction` of the weight is a unit.
+  /// Non-negative least squares by coordinate descent. `direction`: unit vector of the weight.
   bool carries(const Vec3& direction, const Vec3& weight_at_m) {
     constexpr double k_enough = k_balance_tolerance * k_balance_tolerance;
     Wrench rest{direction, math::cross(weight_at_m, direction) / reach_m_};
@@ -78,10 +78,10 @@ class Balance {
   }
 
  private:
-  /// The edges of a friction pyramid.
+  /// Edges of a friction pyramid.
   static constexpr std::size_t k_edges = 4;
 
-  /// Whether what is left would stay too much if it fell twice as fast as it does.
+  /// Whether the imbalance would stay too large even at twice the current rate of decrease.
   static bool is_hopeless(double left, double fall, int sweeps_left) {
     for (int i = 0; i < 2 * sweeps_left / k_balance_sweeps_judged; ++i) {
       if (left < k_balance_tolerance * k_balance_tolerance) return false;
@@ -124,7 +124,7 @@ Contacts carrying(std::span<const TouchRecord> contacts, const Vec3& weight_n, d
   if (!firmly && falls_over(contacts, down, reach_m)) return 0;
   Balance balance(contacts, reach_m);
   if (!firmly) return balance.carries(down, Vec3::Zero()) ? balance.pushing() : 0;
-  // What carries the weight at the corners of a square carries it inside as well.
+  // Contacts that carry the weight at the corners of a square also carry it inside the square.
   const Vec3 first = any_tangent(down);
   const Vec3 second = math::cross(down, first);
   Contacts pushing = 0;
