@@ -1,7 +1,6 @@
-// An engine (engine.h) behind a simulation (simulation.h), whatever its broad phase and queue.
+// An engine (engine.h) as a simulation (simulation.h) uses it, for any broad phase and event queue.
 //
-// The product has one. Tests compare it with others (tests/engines).
-// Thread safety: none.
+// The product has one engine; tests compare it with others (tests/engines). Thread safety: none.
 #pragma once
 
 #include <memory>
@@ -16,7 +15,7 @@ namespace sleight::physics {
 class Replaying;
 class World;
 
-/// Where another engine stopped: everything up to and at `now` has happened.
+/// State of an engine that another one takes over: everything up to and at `now` has happened.
 struct Takeover {
   Tick now{};
   Counts counts{};
@@ -27,17 +26,17 @@ class AnyEngine {
  public:
   virtual ~AnyEngine() = default;
 
-  /// Processes every event up to and at `end`. Nothing if all went well; after an error the engine
-  /// stays where it is.
+  /// Processes all events up to and at `end`. Returns nothing on success; after an error the engine
+  /// keeps its state.
   virtual std::optional<SceneError> run_until(Tick end) = 0;
   virtual Tick now() const = 0;
   virtual const Counts& counts() const = 0;
-  /// What another one takes over.
+  /// Returns the state for an engine that takes over.
   virtual Takeover state() const = 0;
 };
 
-/// Makes an engine that borrows the world and what is replayed in it. It begins before everything
-/// in one without bodies, or takes over.
+/// Creates an engine that borrows the world and the replay. Without `from`, the engine begins
+/// before all events in a world where no body has started.
 using EngineMaker = std::unique_ptr<AnyEngine> (*)(World& world, Replaying& replaying,
                                                    EngineOptions options,
                                                    const std::optional<Takeover>& from);

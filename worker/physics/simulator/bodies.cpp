@@ -13,7 +13,7 @@ namespace {
 double wrapped(double x, double period) {
   if (period == 0 || (x > 0 && x < 0.99 * period)) return x;
   const double inside = x - std::floor(x / period) * period;
-  return inside < period ? inside : 0;  // rounding can give the period itself
+  return inside < period ? inside : 0;  // rounding can return the period itself
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ Bodies::Bodies(const Scene& scene) : scene_(scene) {
       if (body.inertia.symmetry != InertiaSymmetry::general)
         constants.axis = axis_of_revolution(compound).value_or(Vec3::Zero());
     }
-    // What a track of a general body needs is allocated now rather than when the body starts.
+    // Allocate the track of a general body now rather than at its start.
     if (constants.inertia.symmetry == InertiaSymmetry::general) {
       turning_[constants_.size()].track.restart({}, constants.inertia);
     }

@@ -1,9 +1,9 @@
-// The bodies of a running simulation: what they are, and how each moves now.
+// The bodies of a running simulation: their properties and their current motion.
 //
 // Invariants
-//   1. What is asked at a tick is a function of the body's segment and of what it stays on, never
-//      of when it was asked before: what is kept is kept for speed.
-//   2. A segment says what its body's Flight says, at the latest when it is asked for.
+//   1. A query at a tick depends only on the body's segment and supports, never on earlier queries;
+//      caches change speed only.
+//   2. A body's segment agrees with its Flight, at the latest when segment() returns it.
 // Thread safety: none.
 #pragma once
 
@@ -30,33 +30,33 @@
 
 namespace sleight::physics {
 
-/// What predictions of spheres read, in one cache line.
+/// The data that predictions of spheres read, in one cache line.
 struct alignas(64) Flight {
   Vec3 position_m = Vec3::Zero();
   Vec3 velocity_mps = Vec3::Zero();
   Tick begin{};
-  double radius_m = 0;  ///< of a sphere in flight; 0 for whatever has no closed form
+  double radius_m = 0;  ///< radius of a sphere in free flight; 0: no closed form
 };
 static_assert(sizeof(Flight) == 64);
 
-/// What doesn't change; what spheres need comes first, in one cache line.
+/// A body's constants. Those needed for spheres come first, in one cache line.
 struct alignas(64) BodyConstants {
-  SphereMass sphere_mass{};  ///< of a sphere
-  double reach_m = 0;        ///< radius of a sphere about the centre that holds the body
+  SphereMass sphere_mass{};  ///< spheres only
+  double reach_m = 0;        ///< radius of a sphere about the centre that contains the body
   MaterialId material{};
   bool is_sphere = true;
   bool has_round_parts = false;  ///< balls and rings (round_piece.h)
-  std::uint32_t first_part = 0;  ///< its convex parts in the table of all; a sphere has one point
+  std::uint32_t first_part = 0;  ///< its convex parts in parts(); a sphere has one point
   std::uint32_t part_count = 1;
-  /// One view for several parts (hull_of), in the table of these. k_no_hull: none.
+  /// Index in hulls_ of one view for several parts (hull_of); k_no_hull: none.
   std::uint32_t hull = k_no_hull;
   static constexpr std::uint32_t k_no_hull = UINT32_MAX;
-  Vec3 axis = Vec3::Zero();  ///< of a body of revolution, in its frame; else 0
+  Vec3 axis = Vec3::Zero();  ///< axis of a body of revolution, in its frame; otherwise 0
   Inertia inertia;
   RigidMass rigid_mass{};
 };
 
-/// The way of a body's centre (OnParabola in motion_bounds.h).
+/// Path of a body's centre (OnParabola in motion_bounds.h).
 struct Path {
   Tick begin{};
   Vec3 position_m = Vec3::Zero();
@@ -71,22 +71,22 @@ class Bodies {
   Bodies(const Bodies&) = delete;
   Bodies& operator=(const Bodies&) = delete;
 
-  // What they are.
+  // Properties.
   const Scene& scene() const { return scene_; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(flights_.size()); }
   bool periodic() const { return periodic_; }
   bool only_spheres() const { return only_spheres_; }
   const BodyConstants& constants(BodyId body) const { return constants_[body]; }
   bool is_sphere(BodyId body) const { return constants_[body].is_sphere; }
-  /// Views of the convex parts of all, at a body's first_part and after.
+  /// Views of all bodies' convex parts; a body's parts begin at its first_part.
   std::span<const ConvexView> parts() const { return parts_; }
-  /// For people.
+  /// For error messages.
   std::string name(BodyId body) const;
 
-  // How they move now.
+  // Current motion.
   bool started(BodyId body) const { return started_[body] != 0; }
   MotionMode mode(BodyId body) const { return segments_[body].mode; }
-  /// Valid until the body's next one.
+  /// Valid until the body's next segment.
   const Segment& segment(BodyId body) const {
     if (lags_) [[unlikely]]
       catch_up(body);
@@ -95,9 +95,9 @@ class Bodies {
   const Flight& flight(BodyId body) const { return flights_[body]; }
   std::span<const Flight> flights() const { return flights_; }
   bool is_resting(BodyId body) const { return mode(body) == MotionMode::resting; }
-  /// Of a sphere: whether its segment turns.
+  /// Whether a sphere's segment rotates.
   bool turns(BodyId body) const { return turns_[body] != 0; }
-  /// Of the segment, without a look at the rest of it where that is a sphere in flight.
+  /// Path of the segment; doesn't read the segment of a sphere in flight.
   Path path(BodyId body) const {
     const Flight& flight = flights_[body];
     return {.begin = flight.begin,
@@ -106,31 +106,29 @@ class Bodies {
             .acceleration_mps2 = flight.radius_m > 0 ? scene_.gravity_mps2
                                                      : segments_[body].flight.acceleration_mps2};
   }
-  /// Radius of a sphere about the centre that holds the body.
   double reach_m(BodyId body) const {
     const double radius_m = flights_[body].radius_m;
     return radius_m > 0 ? radius_m : constants_[body].reach_m;
   }
-  /// Of any of its points about the centre, at most. REQUIRES: not a sphere.
+  /// Upper bound for the speed of the body's points about its centre. REQUIRES: not a sphere.
   double turning_speed_mps(BodyId body) const {
     return turning_speed_mps_max(turning_[body].bounds, constants_[body].reach_m);
   }
-  /// Until when its free rotation can be computed. REQUIRES: its inertia is general.
+  /// Last tick for which its free rotation can be computed. REQUIRES: its inertia is general.
   Tick rotation_horizon(BodyId body) const { return turning_[body].track.horizon(); }
 
-  // What they stay on.
-  /// Whether some may stay on static geometry.
+  // Supports.
+  /// Whether any body may stay on static geometry.
   bool may_stay() const { return !supports_.empty(); }
   /// REQUIRES: may_stay().
   const Supports& supports(BodyId body) const { return supports_[body]; }
-  /// Whether the body slides or rolls on static geometry.
   bool stays_on_faces(BodyId body) const { return in_contact(segments_[body]); }
 
-  // Segments that may begin.
+  // Candidates for new segments.
   Segment segment_of_start(const StartState& start, Tick tick) const;
   Segment segment_after(BodyId body, Tick tick, const Vec3& position_m, const Twist& twist);
 
-  // Where they are at a tick.
+  // Positions and motion at a tick.
   MovingPoint centre_at(BodyId body, Tick tick) const {
     const FreeFlight& flight = segment(body).flight;
     return {.position_m = physics::position_at(flight, tick),
@@ -145,18 +143,18 @@ class Bodies {
   }
   const MovingPiece& moving_at(BodyId body, Tick tick);
   MovingPiece part_at(BodyId body, std::uint32_t part, Tick tick);
-  /// All parts in one view, if there is one for them.
+  /// All parts in one view, if the body has one.
   std::optional<MovingPiece> hull_at(BodyId body, Tick tick);
   RigidImpactBody rigid_body(BodyId body, Tick tick);
-  /// As contact_motion asks for a sphere.
+  /// A sphere as contact_motion.h takes it.
   RoundBody round_body(BodyId body) const {
     return physics::round_body(constants_[body].reach_m, constants_[body].inertia, scene_.slow);
   }
-  /// Of all that have started.
+  /// Of all bodies that have started.
   double kinetic_energy_j(Tick tick);
 
   // Periodic worlds.
-  /// What to add to a vector to have its shortest image; whole periods.
+  /// The shift, in whole periods, that turns a vector into its shortest image.
   Vec3 to_nearest_image(const Vec3& between_m) const {
     Vec3 shift_m = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
@@ -166,13 +164,13 @@ class Bodies {
     }
     return shift_m;
   }
-  /// From a's centre to that of b's nearest image.
+  /// Vector from a's centre to the centre of b's nearest image.
   Vec3 between_at(BodyId a, BodyId b, Tick tick) const {
     const Vec3 between_m = position_at(b, tick) - position_at(a, tick);
     return periodic_ ? Vec3(between_m + to_nearest_image(between_m)) : between_m;
   }
 
-  // Hints to read soon what predictions need of a body, and what its collision does.
+  // Prefetch hints: data for a body's predictions, and data for its next collision.
   void fetch_flight(BodyId body) const { __builtin_prefetch(&flights_[body]); }
   void fetch(BodyId body) const {
     __builtin_prefetch(&flights_[body], 1);
@@ -183,7 +181,7 @@ class Bodies {
   }
 
  private:
-  // What changes them is the world's affair: others must be told (World::begin_segment).
+  // Only World changes bodies, because it also notifies others (World::begin_segment).
   friend class World;
   void let_stay() { supports_.resize(size()); }
   Supports& supports_of(BodyId body) { return supports_[body]; }
@@ -192,14 +190,14 @@ class Bodies {
     supports_[body].count = 0;
     supports_[body].end = k_never;
   }
-  /// Puts a body somewhere.
+  /// Puts a body at the start of a segment.
   void place(BodyId body, const Segment& segment);
-  /// A body has begun that; it stays on nothing.
+  /// Begins a segment, without supports.
   void begin(BodyId body, const Segment& segment);
-  /// A body that was placed has started.
+  /// Marks a placed body as started.
   void has_started(BodyId body) { started_[body] = 1; }
-  /// As begin, of a sphere that flies on without turning, and of which all others do: its segment
-  /// is written when someone asks for it. The same bits from less memory.
+  /// Like begin, for a sphere that flies on without turning. The segment is written only when
+  /// segment() is called, which saves memory traffic and changes no bits.
   void fly_on(BodyId body, Tick tick, const Vec3& position_m, const Vec3& velocity_mps) {
     lags_ = true;
     Flight& flight = flights_[body];
@@ -208,21 +206,21 @@ class Bodies {
     flight.begin = tick;
   }
 
-  /// What bodies that are not spheres need beside their segment.
+  /// State for bodies that aren't spheres, besides their segments.
   struct Turning {
     RotationTrack track;
     RotationBounds bounds;
-    Tick placed_at{-1};  ///< of the rest
+    Tick placed_at{-1};  ///< tick of `orientation` and `placed`
     Quat orientation = Quat::Identity();
     MovingPiece placed;  ///< without a view
   };
 
-  /// Of bodies of several round parts, as the table is made: those of one shape share its hull.
+  /// Hulls by shape, while the table is built: bodies with the same shape share a hull.
   using HullOfShape = std::vector<std::pair<const Compound*, std::uint32_t>>;
   std::uint32_t hull_index(const Compound& compound, HullOfShape& known);
-  /// A place within the periods.
+  /// Wraps a point into the periods.
   Vec3 wrapped_m(const Vec3& place_m) const;
-  /// A segment becomes what its flight is.
+  /// Updates a segment from its flight.
   void catch_up(BodyId body) const;
 
   Scene scene_;
@@ -236,10 +234,10 @@ class Bodies {
   std::vector<ConvexView> parts_;
   std::vector<ConvexView> hulls_;  ///< of bodies that have one
   std::vector<std::unique_ptr<const RoundPiece>> made_hulls_;
-  std::vector<std::uint8_t> turns_;  ///< the fast way past a segment, which then needs no look
+  std::vector<std::uint8_t> turns_;  ///< copy of a segment property that is faster to read
   bool periodic_ = false;
   bool only_spheres_ = true;
-  bool lags_ = false;  ///< segments are older than flights, perhaps
+  bool lags_ = false;  ///< segments may be older than flights
 };
 
 }  // namespace sleight::physics

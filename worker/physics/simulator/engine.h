@@ -1,26 +1,25 @@
-// The event loop, over any broad phase and any event queue.
+// The event loop, for any broad phase and any event queue.
 //
 // Asynchronous (thesis, Algorithms 3.2 and 3.3): each body has its own temporal bounding volume, a
-// box that holds it for a span of its own. When the span ends, it gets another one, for somewhat
-// more or less than the time since it got the last, as that overlapped few others or many; when its
-// motion changes, it keeps the box if that still holds it for long enough. Pairs of overlapping
-// boxes are watched. Every event touches one or two bodies.
+// box that contains the body for a time span. When the span ends, the body gets a new box. Its span
+// is somewhat longer than that of the last box if that box overlapped few others, and shorter if it
+// overlapped many. When the motion changes, the body keeps its box if the box still contains it for
+// long enough. Pairs of overlapping boxes are watched. Every event affects one or two bodies.
 //
-// Synchronous (Algorithm 3.4): after every event every body's box is made anew, to hold until the
-// next event, and all extents are sorted again.
+// Synchronous (Algorithm 3.4): after every event, all bodies get new boxes that last until the next
+// event, and all extents are sorted again.
 //
 // All pairs: no boxes; the reference.
 //
 // Invariants
-//   1. A body's box holds it, and k_touch_m around it, from now to the box's expiry.
-//   2. A pair whose boxes overlap has an edge, and the edge's prediction is not later than the next
-//      collision of the pair. A body's key in the queue is the least of its own predictions, of
-//      pairs and of static geometry, and of its box's expiry; it may be that of a prediction which
-//      is void by now (pair_graph.h), and then is made anew when it comes up. So the least key of
-//      the queue that is not void is the next event of the simulation.
-//   3. Nothing is allocated in the loop once lists have grown to their size.
-// Hence which boxes are made, and when, has no influence on what happens.
-// Thread safety: none.
+//   1. A body's box contains the body and k_touch_m around it, from now to the box's expiry.
+//   2. A pair whose boxes overlap has an edge, and the edge's prediction is not later than the
+//      pair's next collision. A body's key in the queue is the minimum over its own predictions
+//      (for pairs and static geometry) and its box's expiry. If the key's prediction is void by
+//      then (pair_graph.h), the key is recomputed when it comes up. So the least non-void key in
+//      the queue is the simulation's next event.
+//   3. Nothing is allocated in the loop once lists have reached their size.
+// Hence the choice and timing of boxes don't affect the results. Thread safety: none.
 #pragma once
 
 #include <array>
@@ -41,7 +40,7 @@ namespace sleight::physics {
 template <BroadPhase Boxes, EventQueue Queue>
 class Engine final : public AnyEngine {
  public:
-  /// As EngineMaker says.
+  /// See EngineMaker.
   Engine(World& world, Replaying& replaying, EngineOptions options,
          const std::optional<Takeover>& from);
 
@@ -53,13 +52,13 @@ class Engine final : public AnyEngine {
  private:
   static constexpr BodyId k_nobody{UINT32_MAX};
 
-  /// The queue has a slot for each body, numbered as bodies are, and after these one for each kind
-  /// of event that no body owns.
+  /// The queue has a slot for each body, with the body's number, followed by one slot for each kind
+  /// of event that belongs to no body.
   enum class OwnSlot : std::uint32_t {
-    control,    ///< the next control of the scene
-    sample,     ///< the next look from outside
-    new_boxes,  ///< of all bodies, in the synchronous algorithm
-    replayed,   ///< the next event of the simulation that is replayed
+    control,    ///< next control of the scene
+    sample,     ///< next sampling event
+    new_boxes,  ///< new boxes of all bodies, in the synchronous algorithm
+    replayed,   ///< next event of the replayed simulation
     count,
   };
   static Slot slot_of(BodyId body) { return {body}; }
@@ -74,19 +73,19 @@ class Engine final : public AnyEngine {
     StaticId index{};
     std::uint32_t search = k_no_search;
   };
-  /// Takes the broad phase's report on one body. Pairs that begin are predicted many at a time, by
-  /// finish, unless all of the body's are going to be.
+  /// Receives the broad phase's reports on one body. finish() predicts new pairs in batches, unless
+  /// the caller is going to predict all of the body's pairs.
   struct Sink {
     Engine& engine;
     BodyId body;
     bool predict;
-    std::size_t begun = 0;  ///< not predicted yet; the last ones in the body's list
+    std::size_t begun = 0;  ///< pairs not predicted yet, at the end of the body's list
     void begin(BodyId other) {
       engine.begin_pair(body, other, false);
       ++begun;
     }
     void end(BodyId other) {
-      finish();  // another edge takes the place of this one
+      finish();  // removing an edge moves another edge to its place
       engine.end_pair(body, other);
     }
     void finish() {
@@ -145,7 +144,7 @@ class Engine final : public AnyEngine {
   void renew_all_boxes(Tick end);
   bool watch_statics(BodyId body, const Box& box);
   TickCount least_span(BodyId body) const;
-  /// Static geometry near a body; without a look at its list where there can't be any.
+  /// Static geometry near a body; skips the list if there is no static geometry.
   std::span<StaticEdge> statics_of(BodyId body) {
     return world_.statics().any() ? std::span<StaticEdge>(statics_[body]) : std::span<StaticEdge>{};
   }
@@ -163,18 +162,18 @@ class Engine final : public AnyEngine {
   PairGraph graph_;
   std::vector<std::vector<StaticEdge>> statics_;
   std::vector<Bound> bounds_;
-  std::vector<std::vector<StaticId>> candidates_;  ///< static features in a wider box
-  std::vector<Box> static_boxes_;                  ///< that one
+  std::vector<std::vector<StaticId>> candidates_;  ///< static features in static_boxes_
+  std::vector<Box> static_boxes_;                  ///< boxes wider than the body's
   Tick boxes_until_ = k_never;                     ///< of the synchronous algorithm
   std::vector<Box> all_boxes_;                     ///< scratch of the synchronous algorithm
   std::vector<StaticId> near_;                     ///< scratch
-  std::vector<std::uint32_t> changes_;             ///< of each body's motion
+  std::vector<std::uint32_t> changes_;             ///< by body: number of changes of its motion
   std::vector<std::uint8_t> is_watched_;
-  std::vector<std::uint32_t> controls_;  ///< indices in the order of their events
+  std::vector<std::uint32_t> controls_;  ///< indices of controls in the order of their events
   std::size_t next_control_ = 0;
-  std::uint32_t present_ = 0;  ///< bodies that have started
+  std::uint32_t present_ = 0;  ///< number of bodies that have started
   bool reads_ahead_ = false;
-  std::array<BodyId, 2> next_bodies_{k_nobody, k_nobody};  ///< of the next event, probably
+  std::array<BodyId, 2> next_bodies_{k_nobody, k_nobody};  ///< probable bodies of the next event
   Tick now_{};
   Counts counts_;
   std::optional<SceneError> failure_;

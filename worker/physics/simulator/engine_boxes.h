@@ -1,4 +1,4 @@
-// How long bounding volumes last, and what is near them: bodies of the templates in engine.h.
+// How long bounding volumes last, and what is near them: implementation of templates in engine.h.
 #pragma once
 
 #include <algorithm>
@@ -9,34 +9,36 @@
 
 namespace sleight::physics {
 
-// All of these change speed only.
+// All constants below affect speed only.
 
-/// A new box lasts at least as long as its body takes for this share of its radius: shorter ones
-/// expire often and keep no more pairs apart.
+/// Minimum duration of a new box: the time in which its body moves by this share of its radius.
+/// Shorter boxes expire often and separate no more pairs.
 inline constexpr double k_least_box_radii = 0.2;
-/// It lasts at most as long as its body takes for so many radii. A longer box would be on another
-/// level of the grid than most, which every move had to search as well.
+/// Maximum duration of a box: the time in which its body moves by this many radii. A longer box
+/// would be on a higher level of the grid than most, which every move would then have to search
+/// too.
 inline constexpr double k_most_box_radii = 2.5;
-/// The same for a body with many static features near it: the fewer a box holds, the fewer are
-/// asked for at each change of motion.
+/// Maximum duration for a body with many static features near it: a smaller box contains fewer
+/// features, which must be predicted at each change of motion.
 inline constexpr double k_most_box_radii_among_many = 0.7;
 inline constexpr std::size_t k_many_statics = 12;
-/// A box is wider than its body's path by this share of the body's radius on each side, so that it
-/// holds the body for a while after a collision as well.
+/// Padding of a box on each side of its body's path, as a share of the body's radius, so that it
+/// usually contains the body for a while after a collision.
 inline constexpr double k_box_pad_radii = 0.2;
-/// After a change of motion the box is kept if it holds the body for the time in which that moves
-/// by this share of its radius.
+/// After a change of motion, a body keeps its box if the box contains it for the time in which it
+/// moves by this share of its radius.
 inline constexpr double k_keep_box_radii = 0.05;
-/// A new box lasts longer than the last one did if that overlapped less others than this, shorter
-/// if more, in proportion and within these factors: neighbours must be predicted, and boxes made.
+/// Target number of boxes that a box overlaps. A new box lasts longer than the last one if that box
+/// overlapped fewer, shorter if more, in proportion and within the two factors below. This balances
+/// the costs of predictions and of new boxes.
 inline constexpr double k_neighbours_wanted = 6;
 inline constexpr double k_span_factor_min = 0.5;
 inline constexpr double k_span_factor_max = 1.3;
-/// Boxes in which static features are looked for are larger by this share of the body's radius, so
-/// that most new boxes lie within the last such box.
+/// Margin of the boxes used to search static features, as a share of the body's radius, so that
+/// most new boxes are within the last such box.
 inline constexpr double k_static_margin_radii = 0.7;
-/// A box of the synchronous algorithm lasts at most as long as the fastest body takes for its
-/// radius.
+/// Maximum duration of a box in the synchronous algorithm: the time in which the fastest body moves
+/// by this share of its radius.
 inline constexpr double k_synchronous_step_radii = 1;
 
 inline bool holds(const Box& outer, const Box& inner) {
@@ -56,11 +58,11 @@ inline Box wider(const Box& box, float margin_m) {
   return wide;
 }
 
-/// Within what time, to be counted from a tick, a body may move by a number of its radii.
+/// Time in which a body may move by a number of its radii, from a tick.
 inline TickCount span_of_travel(const Bodies& bodies, BodyId body, Tick tick, double radii) {
   const Path flight = bodies.path(body);
   const double way_m = radii * bodies.reach_m(body);
-  // Sums of components in place of norms: this sets speed only.
+  // Use sums of components instead of norms; this affects speed only.
   const Vec3& pull = flight.acceleration_mps2;
   const Vec3 velocity_mps = flight.velocity_mps + seconds(tick - flight.begin) * pull;
   const double speed_mps =
@@ -71,10 +73,10 @@ inline TickCount span_of_travel(const Bodies& bodies, BodyId body, Tick tick, do
   return rate > 0 ? ticks_after(2 * way_m / rate) : k_tick_max.value;
 }
 
-/// A span, or as much of it as a body may have one box for, which is its path's with a pad all
-/// around. In a periodic world two bodies whose boxes overlap must be nearer to one another than to
-/// other images, which Bodies::to_nearest_image counts on: their centres are apart by at most the
-/// sum of both boxes' edges less both radii, and that is kept below half a period.
+/// Limits the span of a body's box, which is the box of its path plus padding. In a periodic world,
+/// two bodies whose boxes overlap must be nearer to each other than to other images, which
+/// Bodies::to_nearest_image requires. Their centres are apart by at most the sum of both boxes'
+/// edges minus both radii, and the limit keeps this sum below half a period.
 inline TickCount limited_span(const Bodies& bodies, BodyId body, Tick tick, TickCount span,
                               double pad_radii) {
   TickCount limited = std::min(span, k_tick_max - tick);
@@ -84,14 +86,14 @@ inline TickCount limited_span(const Bodies& bodies, BodyId body, Tick tick, Tick
     const double period = bodies.scene().period_m[static_cast<std::size_t>(i)];
     const double speed_mps = std::fabs(flight.velocity_mps[i]);
     if (period == 0 || speed_mps == 0) continue;
-    // Of half a period each of the two has a half, less a hundredth of the period for roundings.
+    // Each of the two bodies gets a quarter of the period, minus a hundredth of it for rounding.
     const double way_m = 0.24 * period - (1 + 2 * pad_radii) * bodies.reach_m(body);
     limited = std::min(limited, ticks_before(way_m / speed_mps));
   }
   return std::max<TickCount>(1, limited);
 }
 
-/// The edge of most boxes.
+/// Typical edge length of boxes.
 inline double typical_box_m(const Bodies& bodies) {
   double sum_m = 0;
   for (BodyId body{}; body < bodies.size(); ++body)
@@ -99,7 +101,7 @@ inline double typical_box_m(const Bodies& bodies) {
   return bodies.size() == 0 ? 1 : 1.3 * sum_m / static_cast<double>(bodies.size());
 }
 
-/// A body began a segment at this tick: it keeps its box if that holds it long enough.
+/// A body began a segment at this tick. It keeps its box if the box contains it for long enough.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::motion_changed(BodyId body) {
   if (options_.algorithm == Algorithm::asynchronous) {
@@ -116,7 +118,8 @@ void Engine<Boxes, Queue>::motion_changed(BodyId body) {
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::renew_box(BodyId body, bool predict_new) {
-  // The thesis doubles the time since the last box; here it changes by what that overlapped.
+  // The thesis doubles the time since the last box; here the factor depends on the number of boxes
+  // that the last box overlapped.
   Bound& bound = bounds_[body];
   const auto neighbours = static_cast<double>(graph_.others_of(body).size());
   const double factor =
@@ -139,7 +142,7 @@ void Engine<Boxes, Queue>::renew_box(BodyId body, bool predict_new) {
   if (predict_new) fetch_next_neighbours();
   watch_statics(body, box);
   if (!predict_new) return;
-  // Some were looked at for as long as the last box held.
+  // Static searches that stopped at the last box's expiry continue here.
   for (StaticEdge& edge : statics_of(body)) {
     if (edge.prediction.certain || edge.prediction.tick > now_ + 1) continue;
     ++counts_.predictions;
@@ -149,8 +152,8 @@ void Engine<Boxes, Queue>::renew_box(BodyId body, bool predict_new) {
   refresh_key(body);
 }
 
-/// Makes the body's list that of the static features that it may meet in a box, by way of those in
-/// a wider one. Whether the list changed.
+/// Updates the body's list of static features that it may meet in a box, using the candidates in a
+/// wider box. Returns whether the list changed.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::watch_statics(BodyId body, const Box& box) {
   if (!world_.statics().any() || world_.statics().count(body) == 0) return false;
@@ -168,7 +171,7 @@ bool Engine<Boxes, Queue>::watch_statics(BodyId body, const Box& box) {
   world_.statics().in(body, box, candidates_[body], near_);
   std::vector<StaticEdge>& list = statics_[body];
   if (std::ranges::equal(list, near_, {}, &StaticEdge::index)) return false;
-  // What was watched before keeps its prediction; both lists ascend.
+  // Features watched before keep their predictions; both lists are ascending.
   const std::size_t before = list.size();
   std::size_t old = 0;
   for (const StaticId index : near_) {
@@ -195,7 +198,7 @@ template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   boxes_until_ = k_never;
   if (failure_ || present_ == 0) return;
-  // Boxes last until the next event, but not too long: there may be no pair near for a while.
+  // Boxes last until the next event, with a limit, because no pair may be near for a while.
   TickCount step = k_tick_max.value;
   for (BodyId body{}; body < bodies_.size(); ++body) {
     if (bodies_.started(body))
@@ -216,14 +219,13 @@ void Engine<Boxes, Queue>::renew_all_boxes(Tick end) {
   }
   PairsSink sink{*this};
   boxes_.move_all(all_boxes_, sink);
-  // The event that came next may have been void; no box holds for longer than until it.
+  // The next event may have been void; boxes still last only until its tick.
   if (queue_.least().key.tick > next && next < end) {
     queue_.set(slot_of(OwnSlot::new_boxes),
                {.tick = next, .kind = EventKind::update, .lower = k_nobody, .higher = k_nobody});
   }
 }
 
-/// Time that a body takes at least for a small part of its radius.
 template <BroadPhase Boxes, EventQueue Queue>
 TickCount Engine<Boxes, Queue>::least_span(BodyId body) const {
   return span_of_travel(bodies_, body, now_, k_least_box_radii);

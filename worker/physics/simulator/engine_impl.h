@@ -1,5 +1,5 @@
-// Bodies of the templates in engine.h. The product's engine is compiled in simulation.cpp, those of
-// tests in tests/engines; nothing else includes this.
+// Implementation of the templates in engine.h. Only simulation.cpp (the product's engine) and
+// tests/engines include this header.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,17 +13,18 @@
 
 namespace sleight::physics {
 
-/// Room in each list of neighbours at first: at most 12 equal spheres touch one, and boxes reach
-/// somewhat further. More would spread the lists over memory.
+/// Initial capacity of each list of neighbours: at most 12 equal spheres touch one, and boxes
+/// extend somewhat further. More would spread the lists over memory.
 inline constexpr std::size_t k_list_room = 16;
-/// Neighbours of all bodies on average before anything is allocated.
+/// Average number of neighbours per body for which memory is reserved.
 inline constexpr std::size_t k_list_average = 48;
-/// The same for the static geometry near a body, whose lists are twice as long for a moment.
+/// Initial capacity for the static geometry near a body; these lists are twice as long for a
+/// moment.
 inline constexpr std::size_t k_static_room = 96;
-/// And for what is near enough to be looked at again with each box.
+/// Initial capacity for the static candidates that are tested with each new box.
 inline constexpr std::size_t k_candidate_room = 256;
-/// From so many bodies on, the next event is read ahead; what fewer need is in the second cache,
-/// and a gas of 1,000 spheres would be 5% slower.
+/// Minimum number of bodies for reading the next event ahead. Fewer bodies fit in the second-level
+/// cache, and reading ahead would slow a gas of 1,000 spheres by 5%.
 inline constexpr std::uint32_t k_read_ahead_bodies = 4000;
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -63,7 +64,7 @@ Engine<Boxes, Queue>::Engine(World& world, Replaying& replaying, EngineOptions o
   reads_ahead_ = count >= k_read_ahead_bodies;
   if (options_.algorithm == Algorithm::synchronous) all_boxes_.resize(count);
 
-  // Bodies that have started are taken over; the others wait for their start.
+  // Bodies that have started are taken over; the others get start events.
   predictions_.forget_searches(options_.algorithm != Algorithm::all_pairs);
   for (BodyId body{}; body < count; ++body) {
     if (bodies_.started(body)) {
@@ -94,7 +95,7 @@ Engine<Boxes, Queue>::Engine(World& world, Replaying& replaying, EngineOptions o
   }
 }
 
-/// Finds what is near a body that has just been placed. Nothing is predicted yet.
+/// Finds what is near a newly placed body, without predictions.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::watch(BodyId body) {
   bounds_[body].made = now_ - 1;
@@ -119,7 +120,7 @@ void Engine<Boxes, Queue>::watch(BodyId body) {
   is_watched_[body] = 1;
 }
 
-/// Takes that back.
+/// Undoes watch().
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::unwatch(BodyId body) {
   if (options_.algorithm == Algorithm::all_pairs) {
@@ -135,14 +136,14 @@ void Engine<Boxes, Queue>::unwatch(BodyId body) {
 template <BroadPhase Boxes, EventQueue Queue>
 std::optional<SceneError> Engine<Boxes, Queue>::run_until(Tick end) {
   if (end < now_) return failure_;
-  // The boxes of the last call hold until its end only.
+  // Boxes from the last call are valid only until its end.
   if (options_.algorithm == Algorithm::synchronous) renew_all_boxes(end);
   take_over_live();
   while (!failure_ && !queue_.empty()) {
     const QueuedEvent event = queue_.least();
     if (event.key.tick > end) break;
-    // An event before the present would mean that a bound was wrong and a collision came to light
-    // too late.
+    // An event before the present would mean that a bound was wrong and a collision was found too
+    // late.
     CHECK_GE(event.key.tick.value, now_.value);
     now_ = event.key.tick;
     if (reads_ahead_) fetch_next();
@@ -167,7 +168,7 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
   }
   switch (event.kind) {
     case EventKind::update:
-      if (event.body() == k_nobody) return;  // the synchronous algorithm wants new boxes
+      if (event.body() == k_nobody) return;  // new boxes for the synchronous algorithm
       if (event.higher == k_nobody) {
         ++counts_.updates;
         renew_box(event.body(), true);
@@ -211,8 +212,8 @@ void Engine<Boxes, Queue>::process(const QueuedEvent& queued) {
   CHECK(false);
 }
 
-/// Whether a pair's partner has changed since a body predicted this, or the pair is not watched
-/// now.
+/// Whether a pair's partner has changed its motion since the body made this prediction, or the pair
+/// is no longer watched.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::is_void(BodyId body, const EventKey& event) {
   if (event.is_with_static()) return false;
@@ -225,14 +226,14 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
   const BodyDescription& description = bodies_.scene().bodies[body];
   StartState state = description.start;
   for (std::uint32_t attempt = 1;; ++attempt) {
-    // Put the body there, to find what it would touch.
+    // Place the body, to find out what it would touch.
     world_.place(body, description.rests ? world_.segment_at_rest(body)
                                          : bodies_.segment_of_start(state, event.tick));
     watch(body);
     const std::string obstacle = obstacle_of(body);
     if (obstacle.empty()) break;
 
-    // It is taken away again and gets another place, if it has any.
+    // Remove the body and try another place, if it has any.
     unwatch(body);
     if (!description.start_again || attempt > k_start_attempts_max) {
       fail(
@@ -262,10 +263,10 @@ void Engine<Boxes, Queue>::start(BodyId body, const EventKey& event) {
   motion_changed(body);
 }
 
-/// What a body overlaps, by name; empty if nothing.
+/// Returns the name of what a body overlaps; empty if nothing.
 template <BroadPhase Boxes, EventQueue Queue>
 std::string Engine<Boxes, Queue>::obstacle_of(BodyId body) {
-  // What starts at rest has been looked at with all that does (World::lay_down).
+  // World::lay_down has already checked the bodies that start at rest against each other.
   const std::vector<BodyDescription>& bodies = bodies_.scene().bodies;
   const bool rests = bodies[body].rests;
   BodyId lowest = k_nobody;
@@ -281,7 +282,7 @@ std::string Engine<Boxes, Queue>::obstacle_of(BodyId body) {
     if (world_.statics().touching(body, edge.index, now_))
       return world_.statics().name(body, edge.index);
   }
-  // Deep inside of a solid a body may touch nothing of its surface.
+  // A body deep inside a solid may touch nothing of its surface.
   return world_.statics().solid_at(bodies_.position_at(body, now_));
 }
 
@@ -298,10 +299,10 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
   bodies_changed();
 }
 
-/// The bodies that began a segment at this event get new bounds and predictions.
+/// Gives new bounds and predictions to the bodies that began a segment at this event.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::bodies_changed() {
-  // All numbers of changes first: a prediction is void if they change after it was made.
+  // Update all change numbers first: a prediction is void if they change after it was made.
   for (const BodyId body : world_.changed())
     ++changes_[body];
   for (const BodyId body : world_.changed()) {
@@ -364,7 +365,7 @@ void Engine<Boxes, Queue>::control(const EventKey& event) {
   world_.apply(control, event);
   world_.keep(event);
   bodies_changed();
-  schedule_replay();  // its events in the history are passed over
+  schedule_replay();  // skips the history's events of this body
 }
 
 template <BroadPhase Boxes, EventQueue Queue>
@@ -390,11 +391,11 @@ void Engine<Boxes, Queue>::sample() {
 
 // ---- reading ahead ------------------------------------------------------------------------------
 
-// In a simulation of many bodies most of an event's data are not in the near caches, and the event
-// waits for list after list, box after box. The event after it is mostly known, so its data are
-// read while this one is processed: first those of its bodies with their lists, then, when these
-// are here, those of their neighbours. (The neighbours' boxes are left out: with them the gases are
-// slower, since too much is read for nothing.)
+// In a simulation of many bodies, most of an event's data are not in the caches, and processing
+// waits for one list or box after another. The following event is usually known, so its data are
+// prefetched while this event is processed: first the data and lists of its bodies, then the data
+// of their neighbours. The neighbours' boxes are left out, because prefetching them slows gases
+// down.
 
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::fetch_next() {
@@ -436,7 +437,8 @@ void Engine<Boxes, Queue>::end_pair(BodyId a, BodyId b) {
   predictions_.end_search(search);
 }
 
-/// Predicts a pair; the prediction goes to the body's copy of the edge, and the other copy is void.
+/// Predicts a pair. The prediction goes to this body's copy of the edge; the other copy becomes
+/// void.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict(BodyId body, const PairEdge& edge) {
   *edge.other_changes = changes_[edge.other];
@@ -463,7 +465,7 @@ void Engine<Boxes, Queue>::predict(BodyId body, const PairEdge& edge) {
   graph_.find(edge.other, body)->detail->search = search;
 }
 
-/// Predicts all pairs of a body whose motion has changed, and puts its key.
+/// Predicts all pairs of a body whose motion has changed, and updates its key.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_all(BodyId body) {
   predict_last(body, graph_.edges_of(body).count);
@@ -471,7 +473,7 @@ void Engine<Boxes, Queue>::predict_all(BodyId body) {
   refresh_key(body);
 }
 
-/// Predicts the last so many pairs of a body's list.
+/// Predicts the last `count` pairs of a body's list.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_last(BodyId body, std::size_t count) {
   const PairEdges all = graph_.edges_of(body);
@@ -494,7 +496,7 @@ void Engine<Boxes, Queue>::predict_last(BodyId body, std::size_t count) {
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_statics(BodyId body) {
   if (world_.replayed().has(body)) return;
-  // What comes after the first change of the body's motion needn't be known.
+  // Predictions beyond the first change of the body's motion aren't needed.
   Tick until = std::min(bounds_[body].expiry, world_.mode_end(body));
   for (StaticEdge& edge : statics_of(body)) {
     ++counts_.predictions;
@@ -515,7 +517,7 @@ void Engine<Boxes, Queue>::refresh_key(BodyId body) {
                        .feature = prediction.feature};
     if (key < best) best = key;
   };
-  // Find the least tick without a branch on each, then compare whole keys at that tick.
+  // Find the least tick without branches, then compare whole keys at that tick.
   const PairEdges edges = graph_.edges_of(body);
   const auto is_void = [&](std::size_t i) {
     return edges.other_changes[i] != changes_[edges.others[i]];
@@ -528,7 +530,7 @@ void Engine<Boxes, Queue>::refresh_key(BodyId body) {
     offer(edges[i].prediction(), std::min(body, edges.others[i]), std::max(body, edges.others[i]));
   }
   if (world_.replayed().has(body)) {
-    queue_.set(slot_of(body), best);  // what else it does is in the history
+    queue_.set(slot_of(body), best);  // the history has its other events
     return;
   }
   for (const StaticEdge& edge : statics_of(body)) {

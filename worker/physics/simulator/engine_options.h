@@ -1,4 +1,4 @@
-// What an engine is asked to do, and what it counts.
+// Options of an engine, and its counts.
 //
 // Thread safety: values.
 #pragma once
@@ -10,11 +10,11 @@
 
 namespace sleight::physics {
 
-/// Which bodies an event touches. The results are the same, bit for bit.
+/// How many bodies an event affects. Results are the same, bit for bit.
 enum class Algorithm : std::uint8_t {
-  asynchronous,  ///< thesis, Algorithms 3.2 and 3.3: those that it concerns
-  synchronous,   ///< Algorithm 3.4: all, as a baseline to compare with
-  all_pairs      ///< no bounding volumes, every pair is predicted: the reference
+  asynchronous,  ///< thesis, Algorithms 3.2 and 3.3: only the bodies involved
+  synchronous,   ///< Algorithm 3.4: all bodies, as a baseline for comparison
+  all_pairs      ///< no bounding volumes, predictions for every pair: the reference
 };
 
 struct EngineOptions {
@@ -23,24 +23,25 @@ struct EngineOptions {
   std::function<void(Tick)> on_sample{};
 };
 
-/// What an engine did.
+/// Counts of an engine's operations.
 struct Counts {
   std::uint64_t updates = 0;     ///< bounding volumes that expired
-  std::uint64_t examined = 0;    ///< predictions that had to be looked at again
-  std::uint64_t collisions = 0;  ///< of two bodies
+  std::uint64_t examined = 0;    ///< searches for a collision that were resumed
+  std::uint64_t collisions = 0;  ///< between two bodies
   std::uint64_t static_collisions = 0;
   std::uint64_t controls = 0;
   std::uint64_t starts = 0;
   std::uint64_t start_draws = 0;  ///< places drawn again because of an overlap
-  std::uint64_t modes = 0;        ///< changes of a lasting contact: a slide ends, a face's border
+  std::uint64_t modes = 0;        ///< changes of lasting contacts, such as the end of a slide
   std::uint64_t rest_decisions = 0;
   std::uint64_t rests = 0;  ///< bodies that went to rest
   std::uint64_t samples = 0;
   std::uint64_t predictions = 0;
-  std::uint64_t replayed = 0;  ///< events that were taken from a history
-  std::uint64_t voids = 0;     ///< events that came up after a partner's change had made them void
+  std::uint64_t replayed = 0;  ///< events taken from a history
+  std::uint64_t voids =
+      0;  ///< events that were void when they came up, because a partner had changed
 
-  /// What was done since an earlier state of the same counts.
+  /// Returns the difference to an earlier state of the same counts.
   Counts operator-(const Counts& earlier) const;
 
   std::uint64_t events() const {

@@ -1,34 +1,36 @@
-// Replaying the history of another simulation: bodies of the templates in engine.h.
+// Replays the history of another simulation: implementation of templates in engine.h.
 //
-// A replayed body has a box and pairs as any other. Its pairs with others that are replayed are
-// not predicted, nor is static geometry, and it asks for no decisions: what comes of these is in
-// the history. The queue's slot OwnSlot::replayed holds the history's next event.
+// A replayed body has a box and pairs like any other body. Its pairs with other replayed bodies,
+// its collisions with static geometry and its rest decisions are not predicted, because the history
+// contains them. The queue's slot OwnSlot::replayed holds the history's next event.
 #pragma once
 
 #include "worker/physics/simulator/engine.h"
 
 namespace sleight::physics {
 
-/// A body has started; whether it is replayed from now on.
+/// A body has started. Returns whether it is replayed from now on.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::starts_as_before(BodyId body, const EventKey& event) {
   const bool same = replaying_.starts(body, event);
   if (same) {
-    // Its place was free of static geometry for the next tick, which is all that the list says.
+    // The body's place is free of static geometry at the next tick, and its list holds no more than
+    // that.
     for (StaticEdge& edge : statics_[body])
       predictions_.end_search(edge.search);
     if (options_.algorithm != Algorithm::all_pairs) {
       statics_[body].clear();
       replaying_.comes_into(body, boxes_.box({body}));
     } else if (replaying_.statics_differ()) {
-      world_.replayed().make_live(body);  // without boxes its coming near would go unnoticed
+      world_.replayed().make_live(
+          body);  // without boxes, nothing would detect that the body comes near
     }
   }
   schedule_replay();
   return same;
 }
 
-/// The history's next event; whether it was replayed.
+/// Processes the history's next event. Returns whether it was replayed.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::replay() {
   const bool played = replaying_.play();
@@ -44,7 +46,7 @@ template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::schedule_replay() {
   if (replaying_.active()) replaying_.end_if_over();
   const EventKey next = replaying_.active() ? replaying_.next() : k_no_event;
-  // Controls that both have come by themselves, in the order that the scene gives.
+  // Controls that both scenes have come from the scene's own control slot, in the scene's order.
   const bool comes_by_itself =
       next.kind == EventKind::control && next.feature < replaying_.same_controls();
   if (next == k_no_event || comes_by_itself) {
@@ -54,7 +56,7 @@ void Engine<Boxes, Queue>::schedule_replay() {
   }
 }
 
-/// Bodies that have gone live are simulated from now on.
+/// Simulates the bodies that have gone live from now on.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::take_over_live() {
   for (const BodyId body : replaying_.make_supporters_live()) {
@@ -63,8 +65,8 @@ void Engine<Boxes, Queue>::take_over_live() {
     predict_all(body);
   }
   world_.replayed().forget_gone_live();
-  // Boxes were made to last until the event that came next, which is withdrawn if it was a void
-  // prediction of theirs.
+  // Boxes last until the event that came next; that event is withdrawn if it was a void prediction
+  // of these bodies.
   if (options_.algorithm == Algorithm::synchronous && boxes_until_ != k_never &&
       (queue_.empty() || queue_.least().key.tick > boxes_until_)) {
     queue_.set(

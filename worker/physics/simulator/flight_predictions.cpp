@@ -1,5 +1,5 @@
-// Predictions of spheres in flight, which gases do most, from as little memory as there is: with
-// many bodies, reading them takes longer than computing.
+// Predictions of spheres in flight, the main work in gases. They read as little memory as possible,
+// because with many bodies reading takes longer than computing.
 #include <algorithm>
 #include <array>
 
@@ -30,13 +30,13 @@ Prediction Predictions::predict_free_spheres_at(BodyId a, BodyId b, const Vec3& 
   return {.tick = tick, .certain = true};
 }
 
-/// `k_fresh`: the body's flight begins at `now`, so that all is judged there and the body itself is
-/// where its flight says.
+/// `k_fresh`: the body's flight begins at `now`, so all pairs are evaluated there and the body's
+/// position needs no computation.
 template <bool k_fresh>
 bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
                                       std::span<const std::uint32_t> changes, Tick now) const {
-  // Judge some pairs without a branch, then compute those that collide: which ones, the processor
-  // can't guess.
+  // First test some pairs without branches, then compute the colliding ones, because the processor
+  // can't predict which pairs collide.
   constexpr std::size_t k_batch = 32;
   std::array<double, k_batch> towards;
   std::array<double, k_batch> excess;
@@ -63,8 +63,8 @@ bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
       const Lanes place = Lanes::of(other.position_m);
       const Lanes velocity = Lanes::of(other.velocity_mps);
 
-      // The image of the second one that is nearest to the first, now. By a period and no
-      // more, nor near to where rounding decides: that needs no branch.
+      // Shift to the image of the second body nearest to the first one now. The usual shift of one
+      // period or none, not near a rounding decision, needs no branch.
       const LaneMask own_is_first = LaneMask::all(body < batch.others[i]);
       const Lanes place_now = place + Lanes::all(seconds(now - other.begin)) * velocity;
       const Lanes apart = choose(own_is_first, place_now, own_place_now) -
@@ -77,7 +77,7 @@ bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
         shift = Lanes::of(bodies_.to_nearest_image({apart.xy[0], apart.xy[1], apart.z[0]}));
       }
 
-      // The motion of one against the other from the later one's begin on; both fall alike.
+      // Relative motion from the later begin on; both spheres fall alike.
       const Tick begin = k_fresh ? now : std::max(own.begin, other.begin);
       const double s = k_fresh ? 0 : seconds(begin - own.begin);
       const double t = seconds(begin - other.begin);

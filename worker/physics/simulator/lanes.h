@@ -1,5 +1,5 @@
-// Three numbers in vector registers: two of them are computed at once, without a branch in a
-// choice. Each result has the bits of the same operations on doubles.
+// Three numbers in vector registers. Operations compute two at once, and choices need no branch.
+// Each result has the same bits as operations on doubles.
 //
 // Thread safety: values.
 #pragma once
@@ -11,12 +11,12 @@
 namespace sleight::physics {
 
 struct Lanes {
-  // Compilers take these for what the processor has, pairs of doubles on plain x86-64.
+  // Compilers map these to the processor's registers: pairs of doubles on plain x86-64.
   using Two = double __attribute__((vector_size(16)));
   using Mask = std::int64_t __attribute__((vector_size(16)));
 
   Two xy{};
-  Two z{};  ///< the second one is not used; 0 where it would be read as a number
+  Two z{};  ///< the second element is unused; 0 where it would be read
 
   static Lanes all(double x) { return {Two{x, x}, Two{x, x}}; }
   template <class Vector>
@@ -44,7 +44,7 @@ inline double dot(const Lanes& a, const Lanes& b) {
   return (xy[0] + xy[1]) + a.z[0] * b.z[0];
 }
 
-/// What comparisons give: all bits of an axis or none.
+/// Result of a comparison: all bits of an axis, or none.
 struct LaneMask {
   Lanes::Mask xy;
   Lanes::Mask z;
@@ -64,7 +64,7 @@ struct LaneMask {
 inline LaneMask operator>(const Lanes& a, const Lanes& b) {
   return {a.xy > b.xy, a.z > b.z};
 }
-/// a where the mask is set, else 0.
+/// Returns a where the mask is set, otherwise 0.
 inline Lanes where(const LaneMask& mask, const Lanes& a) {
   return {reinterpret_cast<Lanes::Two>(mask.xy & reinterpret_cast<Lanes::Mask>(a.xy)),
           reinterpret_cast<Lanes::Two>(mask.z & reinterpret_cast<Lanes::Mask>(a.z))};

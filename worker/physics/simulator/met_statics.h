@@ -1,8 +1,8 @@
-// Static geometry as the bodies of a simulation meet it: features by spheres, pieces by others, and
-// after these surfaces.
+// Static geometry as the bodies of a simulation meet it: spheres meet features, other bodies meet
+// pieces. Surfaces are numbered after the pieces.
 //
-// What a StaticId means is the body's affair, so all is asked for a body.
-// Thread safety: none: surfaces keep what they were asked.
+// A StaticId's meaning depends on the body, so all queries take a body. Thread safety: none,
+// because surfaces cache queries.
 #pragma once
 
 #include <cstdint>
@@ -19,47 +19,46 @@ namespace sleight::physics {
 
 /// A spline surface of the scene.
 struct MetSurface {
-  std::string name;  ///< for people
+  std::string name;  ///< for error messages
   SplineSurface surface;
-  std::vector<BoxLattice> lattices;  ///< of all bodies' parts, in their order
-  std::vector<NearPoints> near;      ///< the same
+  std::vector<BoxLattice> lattices;  ///< one per part in Bodies::parts()
+  std::vector<NearPoints> near;      ///< one per part too
 };
 
 class MetStatics {
  public:
-  /// Borrows the bodies; it is that of their scene.
+  /// Borrows the bodies, and takes the static geometry of their scene.
   explicit MetStatics(Bodies& bodies);
 
   const StaticGeometry& geometry() const { return geometry_; }
-  /// Whether there is any.
   bool any() const { return any_; }
 
-  // What a body may meet.
+  // Candidates for contact.
   std::uint32_t count(BodyId body) const;
   void near(BodyId body, const Box& box, std::vector<StaticId>& found) const;
-  /// Of some of these, in their order, what it may meet in a box.
+  /// Appends those of `some` that the body may meet in a box, in the same order.
   void in(BodyId body, const Box& box, std::span<const StaticId> some,
           std::vector<StaticId>& found) const;
-  /// For people.
+  /// For error messages.
   const std::string& name(BodyId body, StaticId met) const;
   bool is_surface(BodyId body, StaticId met) const {
     return !bodies_.is_sphere(body) && met >= geometry_.piece_count();
   }
-  // REQUIRES, of these: is_surface().
+  // These functions REQUIRE is_surface().
   MetSurface& surface(StaticId met) const { return surfaces_[surface_number(met)]; }
   std::uint32_t surface_number(StaticId met) const { return met - geometry_.piece_count(); }
   const BoxLattice& lattice_on(StaticId met, BodyId body, std::uint32_t part) const {
     return surface(met).lattices[bodies_.constants(body).first_part + part];
   }
 
-  /// How a body bounces off it, at a contact.
+  /// Contact law of a body and static geometry at a contact point.
   SurfaceLaw law(BodyId body, StaticId met, const Vec3& point_m) const;
-  /// Of a part of a body that is no sphere.
+  /// Contact of one part of a body that isn't a sphere.
   PieceContact contact_of_part(StaticId met, BodyId body, std::uint32_t part, Tick tick) const;
   /// Whether the two touch or overlap at a tick.
   bool touching(BodyId body, StaticId met, Tick tick) const;
-  /// The solid that holds a place, by name; empty if none. A body deep inside of one may touch
-  /// nothing of it.
+  /// Returns the name of the solid that contains a point; empty if none. This finds bodies deep
+  /// inside a solid, which may touch nothing of its surface.
   std::string solid_at(const Vec3& place_m) const;
 
  private:

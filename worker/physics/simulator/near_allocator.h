@@ -1,9 +1,8 @@
-// Arrays that an event touches here and there: on whole cache lines, and big ones on huge pages.
+// Arrays with random access by events: aligned to cache lines, and large arrays on huge pages.
 //
-// A simulation of many bodies reads some tens of cache lines an event from all over its arrays. On
-// pages of 4 KiB each of them would cost a walk through the page tables as well; so big arrays ask
-// the kernel for huge ones, where it has them and doesn't give them by itself.
-// Thread safety: values.
+// A simulation of many bodies reads some tens of cache lines per event from all over its arrays. On
+// pages of 4 KiB, each read would also cost a page-table walk. So large arrays request huge pages
+// where the kernel has them but doesn't use them by default. Thread safety: values.
 #pragma once
 
 #include <cstddef>

@@ -1,21 +1,22 @@
-// Which pairs of bodies are watched, and when each may collide next.
+// The graph of watched pairs, and when each may collide next.
 //
-// Each body has a flat list of edges, one for each body whose bounding volume overlaps its own. All
-// lists are stretches of a few arrays, close together so that few pages of memory hold those that a
-// simulation reads; one that is full moves into a stretch of twice the room. Ids, ticks, numbers of
-// changes and the rest lie in arrays of their own: a search for an id reads one cache line, the two
-// copies of an edge needn't know one another's place, and of spheres in flight nothing but the
-// first three is there: four lines for sixteen neighbours. A pair's prediction is in the copy of
-// the body that made it, the one that changed its motion last. The other copy may hold an older
-// prediction, which stays there: it carries the partner's number of changes at that time, and is
-// void if the partner has changed since.
+// Each body has a flat list of edges, one for each body whose bounding volume overlaps its own.
+// Lists are ranges of a few shared arrays, so that the lists in use occupy few pages of memory. A
+// full list moves to a range of twice the capacity. Ids, ticks, change numbers and details are in
+// separate arrays. So searching an id reads one cache line, and the two copies of an edge don't
+// store each other's position. For spheres in flight only the first three arrays exist: four cache
+// lines for sixteen neighbours.
+//
+// A pair's prediction is in the copy of the body that made it, the one whose motion changed last.
+// The other copy may still hold an older prediction. Each copy stores the partner's change number
+// at the time of the prediction, and is void if the partner has changed since.
 //
 // Invariants
-//   1. What stands at the same place of the arrays is of the same edge.
-//   2. One of a pair's copies holds the prediction for the two bodies' present segments.
-//   3. The order within a list says nothing; no result may depend on it.
-//   4. Rooms are a power of two times the first one. A stretch that its list has left is in the
-//      chain of those with its room, so that the next list which needs as much takes it.
+//   1. The same index in all arrays belongs to the same edge.
+//   2. One of a pair's two copies holds the prediction for the bodies' current segments.
+//   3. The order within a list has no meaning, and no result may depend on it.
+//   4. Capacities are first_room_ times a power of two. A range that its list has left is in the
+//      chain of free ranges of its capacity, from which the next list takes it.
 // Thread safety: none.
 #pragma once
 
@@ -38,29 +39,29 @@
 
 namespace sleight::physics {
 
-/// What is predicted of a pair.
+/// A pair's prediction.
 struct Prediction {
   Tick tick = k_never;        ///< nothing happens before
-  std::uint32_t feature = 0;  ///< which of the pair's convex pieces meet, if they do
-  bool certain = false;       ///< the collision is at `tick`; else the pair must be examined then
+  std::uint32_t feature = 0;  ///< which pair of convex pieces collides, if any
+  bool certain = false;       ///< collision at `tick`; otherwise the pair must be examined then
 };
 
-/// Never a number of changes: a copy that has no prediction.
+/// Marks a copy without prediction; never equal to a change number.
 inline constexpr std::uint32_t k_void = UINT32_MAX;
 
-/// What an edge has beside its tick, unless all pairs are of spheres in flight.
+/// An edge's data besides its tick; absent if all bodies are spheres in flight.
 struct EdgeDetail {
   std::uint32_t feature = 0;
   std::uint32_t search = k_no_search;  ///< the same in both copies
   bool certain = false;
 };
 
-/// A body's copy of an edge, where it lies.
+/// Pointers to a body's copy of an edge.
 struct PairEdge {
   BodyId other{};
   Tick* tick = nullptr;
-  std::uint32_t* other_changes = nullptr;  ///< the other body's, when this was predicted
-  EdgeDetail* detail = nullptr;            ///< may be null: feature 0, certain if ever
+  std::uint32_t* other_changes = nullptr;  ///< the other body's change number at the prediction
+  EdgeDetail* detail = nullptr;            ///< may be null: feature 0, certain unless never
 
   void predict(const Prediction& prediction) const {
     *tick = prediction.tick;
@@ -74,7 +75,7 @@ struct PairEdge {
   }
 };
 
-/// A body's list, or some of it; valid until the next change.
+/// All or part of a body's list; valid until the next change of the graph.
 struct PairEdges {
   std::size_t count = 0;
   const BodyId* others = nullptr;
@@ -100,16 +101,15 @@ struct PairEdges {
 class PairGraph {
  public:
   struct Room {
-    std::size_t list = 16;     ///< edges of each list before it moves, rounded up to whole lines
-    std::size_t average = 16;  ///< edges per body before anything is allocated
-    bool details = true;       ///< else all pairs are of spheres in flight, whose ticks are certain
+    std::size_t list = 16;     ///< initial capacity of each list, rounded up to whole cache lines
+    std::size_t average = 16;  ///< edges per body for which memory is reserved
+    bool details = true;       ///< false: only spheres in flight, whose ticks are certain
   };
 
   void reset(std::size_t bodies, const Room& room) {
     first_room_ = static_cast<std::uint32_t>((room.list + k_scan - 1) / k_scan * k_scan);
     left_.fill(k_none);
-    // Lists that move leave their stretches behind, which are at most as much as all that is in
-    // use.
+    // Lists that move leave ranges behind, in total at most as large as all ranges in use.
     const std::size_t edges = bodies * std::max<std::size_t>(first_room_, 2 * room.average);
     others_.reserve(edges);
     ticks_.reserve(edges);
@@ -130,13 +130,13 @@ class PairGraph {
     return {others_.data() + list.begin, list.count};
   }
 
-  /// Adds a pair, last in both lists. Nothing is predicted of it yet.
+  /// Adds a pair at the end of both lists, without prediction.
   void add(BodyId a, BodyId b) {
     append(b, a);
     append(a, b);
   }
 
-  /// A hint that a body's list is used soon: its first sixteen edges.
+  /// Prefetches the first sixteen edges of a body's list.
   void fetch(BodyId body) const {
     const std::uint32_t begin = lists_[body].begin;
     __builtin_prefetch(others_.data() + begin);
@@ -145,7 +145,7 @@ class PairGraph {
     __builtin_prefetch(ticks_.data() + begin + 8, 1);
   }
 
-  /// a's copy of the pair's edge, if there is one.
+  /// Returns a's copy of the pair's edge, if there is one.
   std::optional<PairEdge> find(BodyId a, BodyId b) {
     const List& list = lists_[a];
     const std::uint32_t place = place_of(list, b);
@@ -153,8 +153,8 @@ class PairGraph {
     return all()[std::size_t{list.begin} + place];
   }
 
-  /// Removes a pair and returns its search; the last edges of the two lists take the places.
-  /// REQUIRES: it is there.
+  /// Removes a pair and returns its search. The last edges of the two lists move to the free
+  /// places. REQUIRES: the graph contains the pair.
   std::uint32_t remove(BodyId a, BodyId b) {
     take_out(lists_[b], a);
     return take_out(lists_[a], b);
@@ -164,9 +164,9 @@ class PairGraph {
   static constexpr std::uint32_t k_none = UINT32_MAX;
   static constexpr std::uint32_t k_scan = 16;
   struct List {
-    std::uint32_t begin = 0;  ///< in all arrays
+    std::uint32_t begin = 0;  ///< index in all arrays
     std::uint32_t count = 0;
-    std::uint32_t doublings = 0;  ///< of the first room
+    std::uint32_t doublings = 0;  ///< capacity = first_room_ << doublings
   };
 
   PairEdges all() {
@@ -184,11 +184,11 @@ class PairGraph {
     }
     const std::size_t at = std::size_t{list.begin} + list.count++;
     others_[at] = other;
-    other_changes_[at] = k_void;  // whatever its tick says
+    other_changes_[at] = k_void;  // void, whatever its tick
     if (has_details_) details_[at] = {};
   }
 
-  /// A stretch that no list has, with as many doublings of the first room.
+  /// Returns a free range with this number of doublings of the initial capacity.
   std::uint32_t stretch(std::uint32_t doublings) {
     std::uint32_t& left = left_[doublings];
     if (left != k_none) {
@@ -221,8 +221,8 @@ class PairGraph {
     ++list.doublings;
   }
 
-  /// Where in a list another body is; at least its count if it isn't there. Many ids at a time: the
-  /// processor can't guess where a search of one at a time ends.
+  /// Index of another body in a list; at least list.count if it isn't there. Compares many ids at a
+  /// time, because the processor can't predict where a sequential search ends.
   std::uint32_t place_of(const List& list, BodyId other) const {
     const BodyId* ids = others_.data() + list.begin;
     std::uint32_t from = 0;
@@ -230,12 +230,12 @@ class PairGraph {
       const std::uint32_t bits = equal_bits(ids + from, other);
       if (bits != 0) return from + static_cast<std::uint32_t>(std::countr_zero(bits));
     }
-    // Stretches are whole multiples of k_scan: beyond the count are ids of the past.
+    // Ranges are multiples of k_scan long, so there are old ids beyond the count.
     if (from == list.count) return list.count;
     const std::uint32_t bits = equal_bits(ids + from, other);
     return from + static_cast<std::uint32_t>(std::countr_zero(bits));
   }
-  /// Which of k_scan ids are this one.
+  /// Bits of the ids, of k_scan, that equal `wanted`.
   static std::uint32_t equal_bits(const BodyId* ids, std::uint32_t wanted) {
     std::uint32_t bits = 0;
 #if defined(__SSE2__)
@@ -267,11 +267,11 @@ class PairGraph {
   std::uint32_t first_room_ = 1;
   std::vector<List> lists_;
   NearVector<BodyId> others_;
-  NearVector<Tick> ticks_;  ///< of predictions
+  NearVector<Tick> ticks_;  ///< ticks of predictions
   NearVector<std::uint32_t> other_changes_;
   NearVector<EdgeDetail> details_;
   bool has_details_ = true;
-  std::array<std::uint32_t, 32> left_{};  ///< by doublings: the first stretch that a list has left
+  std::array<std::uint32_t, 32> left_{};  ///< by doublings: first free range of the chain
 };
 
 }  // namespace sleight::physics

@@ -1,4 +1,3 @@
-// When bodies meet.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,14 +7,14 @@
 namespace sleight::physics {
 namespace {
 
-/// A search goes on for so many looks before it waits for the time at which the next one is due:
-/// most pairs change their motion before. Speed only.
+/// Number of looks before a search waits until its next tick; most pairs change their motion before
+/// then. Affects speed only.
 constexpr int k_looks_ahead = 32;
 
-/// In place of a feature: the search exceeded its limit.
+/// Replaces a feature: the search exceeded its limit.
 constexpr std::uint32_t k_gave_up = UINT32_MAX;
 
-/// A few looks of a search without a state, from a tick on.
+/// Makes a few looks of a stateless search from a tick on.
 template <class Examine>
 Prediction looked_ahead(Tick tick, Tick until, const Examine& examine) {
   for (int look = 0; look < k_looks_ahead; ++look) {
@@ -28,8 +27,8 @@ Prediction looked_ahead(Tick tick, Tick until, const Examine& examine) {
   return {.tick = tick, .certain = false};
 }
 
-/// Goes on with the searches of a pair's parts up to `now`. examine(i, tick, search) looks at the
-/// i-th pair of parts. The first collision counts, of the parts with the least number.
+/// Continues the searches of a pair's parts up to `now`. examine(i, tick, search) tests the i-th
+/// pair of parts. Returns the first collision, with the lowest part number if tied.
 template <class Examine>
 Prediction advanced(std::span<PieceSearch> searches, Tick now, const Examine& examine) {
   Prediction first;
@@ -67,7 +66,7 @@ Predictions::Predictions(Bodies& bodies, const MetStatics& statics, bool contact
 
 void Predictions::forget_searches(bool use_places) {
   searches_.clear();
-  // Only what may rest is slow enough for long enough; positions mustn't wrap.
+  // Only resting scenes have bodies that are slow for long enough; positions must not wrap.
   const bool useful = use_places && !bodies_.only_spheres() &&
                       bodies_.scene().slow.rest_speed_mps > 0 && !bodies_.periodic();
   places_.reset(useful ? bodies_.size() : 0, ticks_after(0.5 * bodies_.scene().slow.rest_time_s));
@@ -102,7 +101,7 @@ Prediction Predictions::predict(BodyId a, BodyId b, Tick now, std::uint32_t& sea
   if (bodies_.is_resting(a) && bodies_.is_resting(b)) return {};
   const std::size_t pairs =
       std::size_t{bodies_.constants(a).part_count} * std::size_t{bodies_.constants(b).part_count};
-  // Nothing to look for while both stay near places in which they are clear of each other.
+  // Skip the search while both bodies stay near places in which they are clear of each other.
   const PlacesOfPair places = places_.enabled() ? places_.of(a, b, now) : 0;
   if (places != 0 && search != k_no_search) {
     bool all_clear = true;
@@ -117,7 +116,7 @@ Prediction Predictions::predict(BodyId a, BodyId b, Tick now, std::uint32_t& sea
       return {.tick = until};
     }
   }
-  // First stage: the spheres that hold them.
+  // First stage: the bounding spheres.
   TickCount span = 0;
   if (both_free) {
     const MovingPoint first = bodies_.centre_at(a, begin);
@@ -136,7 +135,7 @@ Prediction Predictions::predict(BodyId a, BodyId b, Tick now, std::uint32_t& sea
 Prediction Predictions::look(BodyId a, BodyId b, Tick now, std::uint32_t search) {
   if (bodies_.is_sphere(a) && bodies_.is_sphere(b)) return predict_spheres(a, b, now);
   const std::uint32_t of_b = bodies_.constants(b).part_count;
-  // Most looks come after it.
+  // Most looks come after the refractory time.
   Refractory refractory = recent_.of(a, b);
   bool asked = false;
   const bool several = searches_.of(search).size() > 1;
@@ -194,7 +193,7 @@ Refractory Predictions::refractory_of_parts(BodyId a, BodyId b) {
   const Refractory refractory = recent_.of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
-  // As for spheres, at the closest points of any two parts; mostly nothing of them is fast.
+  // As for spheres, at the closest points of any two parts. Usually no point is fast.
   const MovingPiece& first = bodies_.moving_at(a, begin);
   const MovingPiece& second = bodies_.moving_at(b, begin);
   const double turning_mps =
@@ -216,7 +215,7 @@ Refractory Predictions::refractory_of_spheres(BodyId a, BodyId b) const {
   const Refractory refractory = recent_.of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
-  // In so short a time they don't change their speed by themselves.
+  // In so short a time, free motion doesn't change their speeds.
   const Vec3 between_m = bodies_.between_at(a, b, begin);
   const Vec3 relative_mps =
       velocity_at(bodies_.segment(b).flight, begin) - velocity_at(bodies_.segment(a).flight, begin);
@@ -272,8 +271,8 @@ PieceContact Predictions::contact_at(BodyId a, BodyId b, const EventKey& event) 
 // ---- images -------------------------------------------------------------------------------------
 
 Prediction Predictions::predict_any_image(BodyId a, BodyId b, Tick now) const {
-  // Images one period away from the nearest are all that can be met before the two have moved by
-  // half a period against one another.
+  // Before the two have moved by half a period relative to each other, they can only meet images at
+  // most one period away from the nearest.
   const Vec3 between_m = bodies_.position_at(b, now) - bodies_.position_at(a, now);
   const Vec3 nearest_m = bodies_.to_nearest_image(between_m);
   const Vec3 relative_mps =
@@ -346,7 +345,7 @@ Prediction Predictions::look_static(BodyId body, StaticId met, Tick now, std::ui
     if (prediction.feature == k_gave_up) gives_up(body, now);
     return prediction;
   }
-  // What it stays on it doesn't meet before its mode event.
+  // A sphere can't meet its own supports before its mode event.
   if (bodies_.stays_on_faces(body) && bodies_.supports(body).holds(met)) return {};
   const SphereFeature& feature = statics_.geometry().feature({met});
   const double radius_m = bodies_.constants(body).reach_m;

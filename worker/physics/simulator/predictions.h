@@ -1,11 +1,10 @@
-// When bodies meet one another, and static geometry.
+// Predicts when bodies meet each other and static geometry.
 //
 // Invariants
-//   1. Every prediction is a function of the segments of the bodies involved, and of the contacts
-//      that a pair has just had: it does not depend on the caller or on the time of the call.
-//   2. What a search found is the contact of the event that it led to, bit for bit as it would be
-//      computed there.
-// Knows nothing of queues and bounding volumes. Thread safety: none.
+//   1. Every prediction depends only on the segments of the bodies involved and on a pair's recent
+//      contacts, not on the caller or the time of the call.
+//   2. The contact that a search found equals, bit for bit, the one computed at the event.
+// Predictions don't use queues or bounding volumes. Thread safety: none.
 #pragma once
 
 #include <cstdint>
@@ -25,42 +24,44 @@ namespace sleight::physics {
 
 class Predictions {
  public:
-  /// Borrows both. `contacts_matter`: pairs that have just met collide only at smaller gaps.
+  /// Borrows both arguments. `contacts_matter`: pairs that have just met collide only at smaller
+  /// gaps.
   Predictions(Bodies& bodies, const MetStatics& statics, bool contacts_matter);
   Predictions(const Predictions&) = delete;
   Predictions& operator=(const Predictions&) = delete;
 
-  // Two bodies. `search` keeps what a search of convex pieces has done so far; it is taken when
-  // first needed and released by end_search.
-  /// When the pair collides next, as its two segments say. REQUIRES: a < b; nothing happens to the
-  /// pair between the later begin of their segments and `now`.
+  // Two bodies. `search` identifies the state of a search between convex pieces; it is allocated
+  // when first needed and released by end_search.
+  /// When the pair collides next, given the two segments. REQUIRES: a < b; the pair has no event
+  /// between the later begin of the segments and `now`.
   Prediction predict(BodyId a, BodyId b, Tick now, std::uint32_t& search);
-  /// Goes on with a prediction that was not certain. REQUIRES: its tick is `now`.
+  /// Continues a prediction that was not certain. REQUIRES: its tick is `now`.
   Prediction look(BodyId a, BodyId b, Tick now, std::uint32_t search);
   void end_search(std::uint32_t& search) { searches_.release(search); }
-  /// As predict, for the periodic image that collides first: for the algorithm without boxes.
+  /// Like predict, for the periodic image that collides first; used by the algorithm without boxes.
   /// REQUIRES: the world is periodic.
   Prediction predict_any_image(BodyId a, BodyId b, Tick now) const;
   /// Whether the two touch or overlap at a tick.
   bool touching(BodyId a, BodyId b, Tick tick);
 
   // Spheres in flight (flight_predictions.cpp).
-  /// Whether both are spheres in flight, in a scene without slow contacts: a closed form.
+  /// Whether both are spheres in flight in a scene without slow contacts, for which there is a
+  /// closed form.
   bool free_spheres(BodyId a, BodyId b) const {
     return bodies_.flight(a).radius_m > 0 && bodies_.flight(b).radius_m > 0 && !recent_.enabled();
   }
-  /// Whether predict_flight is for this body.
+  /// Whether predict_flight accepts this body.
   bool in_free_flight(BodyId body) const {
     return bodies_.flight(body).radius_m > 0 && !recent_.enabled();
   }
-  /// The closed form. In a periodic world it is for the image that is nearest at `now`.
+  /// Closed form for two spheres. In a periodic world it applies to the image nearest at `now`.
   /// REQUIRES: free_spheres(a, b); a < b.
   Prediction predict_free_spheres(BodyId a, BodyId b, Tick now) const;
-  /// The same for the image of b at a shift.
+  /// Closed form for b's image at a given shift.
   Prediction predict_free_spheres_at(BodyId a, BodyId b, const Vec3& shift_m) const;
-  /// predict_free_spheres for some edges of a body; `changes` are of all bodies. False if some of
-  /// the others are not in free flight: those edges are predicted as not colliding, and the caller
-  /// must do them again. REQUIRES: in_free_flight(body).
+  /// Equals predict_free_spheres for some edges of a body; `changes` has all bodies' change
+  /// numbers. Returns false if some partners are not in free flight: their edges are predicted as
+  /// not colliding, and the caller must predict them again. REQUIRES: in_free_flight(body).
   bool predict_flight(BodyId body, const PairEdges& edges, std::span<const std::uint32_t> changes,
                       Tick now) const;
 
@@ -72,26 +73,26 @@ class Predictions {
   PieceContact contact_at(BodyId a, BodyId b, const EventKey& event);
   PieceContact static_contact_at(BodyId body, StaticId met, const EventKey& event);
 
-  // What happened to bodies.
-  /// A body is elsewhere, or moves otherwise.
+  // Notifications about bodies.
+  /// A body has moved to another place, or changed its motion.
   void moved() {
     found_.tick = Tick{-1};
     hull_look_.tick = Tick{-1};
   }
-  /// It has begun a segment.
+  /// A body has begun a segment.
   void began(BodyId body) {
     if (places_.enabled()) note_place(body);
   }
-  /// Two have collided.
+  /// Two bodies have collided.
   void have_collided(BodyId a, BodyId b, Tick tick, double gap_m) {
     recent_.note(a, b, tick, gap_m);
   }
   bool contacts_matter() const { return recent_.enabled(); }
-  /// Ends all searches. From now on they may, or may not, leave out pairs that stay near places in
-  /// which they are clear of each other (near_places.h).
+  /// Ends all searches. `use_places`: later searches may skip pairs that stay near places in which
+  /// they are clear of each other (near_places.h).
   void forget_searches(bool use_places);
 
-  /// The body whose search gave up first, and when; none if none did.
+  /// The body whose search failed first, and when; empty if none failed.
   struct GaveUp {
     BodyId body;
     Tick tick{};
@@ -99,13 +100,14 @@ class Predictions {
   const std::optional<GaveUp>& gave_up() const { return gave_up_; }
 
  private:
-  /// A body may keep its place.
+  /// Registers a body's segment with places_.
   void note_place(BodyId body);
-  /// Whether the hulls of two bodies of several parts are apart; `examined` is then the look's
-  /// result for each pair of parts.
+  /// Whether the hulls of two bodies with several parts are apart. If so, `examined` is the result
+  /// for each pair of parts.
   bool hulls_apart(BodyId a, BodyId b, Tick tick, double touch_m, SeparationCache& cache,
                    Examined& examined);
-  /// Until when two bodies don't collide again, unless they come faster or closer (tolerances.h).
+  /// Refractory time of two bodies: they don't collide again unless they come faster or closer
+  /// (tolerances.h).
   Refractory refractory_of_parts(BodyId a, BodyId b);
   Refractory refractory_of_spheres(BodyId a, BodyId b) const;
   Prediction predict_spheres(BodyId a, BodyId b, Tick from) const;
@@ -115,8 +117,8 @@ class Predictions {
   void gives_up(BodyId body, Tick tick) {
     if (!gave_up_) gave_up_ = GaveUp{body, tick};
   }
-  /// What the search found that came to the event, if that was the last one to find a collision.
-  /// `other`: a body, or static geometry with its mark.
+  /// Returns the contact that the search found for this event, if that search was the last to find
+  /// a collision. `other`: a body, or static geometry marked with k_static.
   const PieceContact* found_contact(BodyId body, std::uint32_t other, const EventKey& event) const {
     const bool same = found_.tick == event.tick && found_.body == body && found_.other == other &&
                       found_.feature == event.feature;
@@ -128,7 +130,7 @@ class Predictions {
   PieceSearches searches_;
   RecentContacts recent_;
   NearPlaces places_;
-  /// The last look at two hulls: each pair of parts asks for it.
+  /// Result of the last look at two hulls; each pair of parts uses it.
   struct HullLook {
     Tick tick{-1};
     BodyId a{};
@@ -138,19 +140,19 @@ class Predictions {
     Examined examined;
   };
   HullLook hull_look_;
-  /// How two parts collide that a search found to do so: the collision mostly comes next. Void
-  /// once a body begins a segment.
+  /// Contact of the last collision that a search of two parts found; it is usually the next event.
+  /// Void once a body begins a segment.
   struct Found {
     Tick tick{-1};
     BodyId body{};
-    std::uint32_t other = 0;  ///< a body, or static geometry, marked with k_static
+    std::uint32_t other = 0;  ///< a body, or static geometry marked with k_static
     std::uint32_t feature = 0;
     PieceContact contact;
   };
   Found found_;
   std::optional<GaveUp> gave_up_;
-  /// What predict_flight needs of the axes: beyond `half_m` the nearest image is another; it is at
-  /// one period if the distance is within `sure_m` of `middle_m`.
+  /// Axis data for predict_flight: beyond `half_m` another image is nearest. That image is one
+  /// period away if the distance is within `sure_m` of `middle_m`.
   struct Images {
     Lanes period_m{};
     Lanes half_m = Lanes::all(std::numeric_limits<double>::infinity());

@@ -26,8 +26,8 @@ Replaying::Replaying(World& world, std::shared_ptr<const History> history) : wor
   find_quiet_until();
 }
 
-/// When a body's segment is the first to come near a place where static geometry differs, or a body
-/// may start elsewhere because of that.
+/// Finds the begin of the first segment that comes near changed static geometry, or at which a body
+/// may start elsewhere because of the change.
 void Replaying::find_quiet_until() {
   Replay& replay = *replay_;
   const ChangedPlaces& places = replay.changes.places;
@@ -52,7 +52,7 @@ void Replaying::find_quiet_until() {
       if (latest[body] != nullptr) look(body, event.key.tick);
       latest[body] = &event.segments[segment++];
       if (event.key.kind != EventKind::start) continue;
-      // It drew its place again, or would have to now.
+      // The body drew its place again, or would have to now.
       const Vec3& place_m = latest[body]->flight.position_m;
       if (place_m != bodies().scene().bodies[body].start.pose.position_m ||
           !world_.statics().solid_at(place_m).empty())
@@ -141,7 +141,7 @@ bool Replaying::play() {
 }
 
 std::span<const BodyId> Replaying::make_supporters_live() {
-  // The list grows.
+  // The list grows in the loop.
   ReplayedBodies& replayed = world_.replayed();
   for (std::size_t i = 0; i < replayed.gone_live().size(); ++i) {
     const BodyId body = replayed.gone_live()[i];

@@ -14,10 +14,10 @@ namespace {
 
 using Kind = SceneError::Kind;
 
-/// A scene that has more, or less, is refused.
+/// Scenes beyond these limits are refused.
 constexpr double k_speed_mps_max = 1e6;
 constexpr double k_spin_radps_max = 1e6;
-/// A tick of this adds 1e-5 m/s: contacts that last are still told from blows.
+/// One tick of this adds 1e-5 m/s, so lasting contacts can still be distinguished from impacts.
 constexpr double k_gravity_mps2_max = 1e4;
 constexpr double k_mass_kg_min = 1e-12;
 constexpr double k_mass_kg_max = 1e12;
@@ -34,7 +34,7 @@ std::optional<SceneError> error(Kind kind, std::string message) {
   return SceneError{kind, std::move(message)};
 }
 
-/// A sphere's radius, or that of the sphere about a compound's centre that holds it.
+/// Radius of a sphere, or of the sphere about a compound's centre that contains it.
 double radius_m_of(const Shape& shape) {
   const auto* sphere = std::get_if<Sphere>(&shape);
   return sphere != nullptr ? sphere->radius_m
@@ -66,7 +66,7 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
   return std::nullopt;
 }
 
-/// Mass, and moments as the declared symmetry wants them.
+/// Checks the mass, and the moments against the declared symmetry.
 std::optional<SceneError> error_of_mass(const Inertia& inertia, const std::string& name) {
   if (!(inertia.mass_kg >= k_mass_kg_min && inertia.mass_kg <= k_mass_kg_max)) {
     return error(Kind::bad_mass, fmt::format("{}: mass is {} kg, expected {} to {} kg", name,
@@ -98,8 +98,8 @@ std::optional<SceneError> error_of_mass(const Inertia& inertia, const std::strin
   return std::nullopt;
 }
 
-/// Whether any mass distribution of the body's shape has such moments. REQUIRES: no error_of_shape
-/// and no error_of_mass.
+/// Checks that some mass distribution of the body's shape has these moments. REQUIRES: no
+/// error_of_shape and no error_of_mass.
 std::optional<SceneError> error_of_moments(const BodyDescription& body, const std::string& name) {
   const Inertia& inertia = body.inertia;
   const Vec3& moments = inertia.principal_kgm2;
@@ -247,14 +247,14 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
   return std::nullopt;
 }
 
-/// A surface and what meets it.
+/// Checks surfaces and the bodies that may meet them.
 std::optional<SceneError> error_of_surfaces(const Scene& scene) {
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     const StaticSurface& surface = scene.surfaces[i];
     const std::string name = name_of_static("surface", surface.name, i);
     if (!surface.controls)
       return error(Kind::bad_shape, fmt::format("{}: the surface has no control points", name));
-    // Comparisons with NaN are false; a table as wide as a scene has numbers for all its points.
+    // Comparisons with NaN are false. A table as wide as a scene has numbers for all its points.
     if (!(surface.spacing_m >= k_surface_spacing_m_min &&
           surface.spacing_m <= k_coordinate_m_max)) {
       return error(Kind::bad_number,

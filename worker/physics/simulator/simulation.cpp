@@ -36,7 +36,7 @@ class Simulation::Impl {
   std::optional<SceneError> run_until(Tick end) {
     if (engine) return engine->run_until(end);
     if (end < now) return {};
-    // As long as nothing differs there is nothing to simulate, but samples to be seen.
+    // While nothing differs there is nothing to simulate, except sampling events.
     std::optional<Takeover> from;
     if (replaying.active() && options.sample_every == 0 && replaying.quiet_until() > now) {
       skipped = true;
@@ -51,10 +51,10 @@ class Simulation::Impl {
   SimulationOptions options;
   World world;
   Replaying replaying;
-  std::unique_ptr<AnyEngine> engine{};  ///< once it is needed
+  std::unique_ptr<AnyEngine> engine{};  ///< created when needed
   bool skipped = false;
   bool failed = false;
-  Tick now{};  ///< without an engine
+  Tick now{};  ///< used without an engine
 };
 
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -16,17 +16,17 @@
 //   Pose pose = simulation.pose({0}, simulation.now());
 //   for (const auto& [segment, cause] : simulation.recording().segments({0})) ...
 //
-// Idea. Between two events a body's motion is a closed function of time (segment.h). The simulator
-// predicts events, processes the least (event.h says in which order), and begins new segments for
-// the bodies that it concerns. Nothing is stepped.
+// Idea. Between two events, a body's motion is a closed function of time (segment.h). The simulator
+// predicts events, processes the earliest (event.h defines the order), and begins new segments for
+// the bodies involved. There are no time steps.
 //
 // Invariants
-//   1. The recording is a function of the scene alone: algorithm and engine change how long it
-//      takes, and not a bit of it.
+//   1. The recording depends only on the scene. Algorithm and engine change the computing time, not
+//      a bit of the recording.
 //   2. A collision is the first tick at which a pair touches (gap <= k_touch_m) and approaches
-//      (rate < -k_approach_mps); tolerances.h has the sizes.
-//   3. A scene whose ticks are all shifted gives the same recording, shifted.
-// Thread safety: simulations are independent; one is used by one thread.
+//      (rate < -k_approach_mps); see tolerances.h.
+//   3. If all ticks of a scene are shifted, the recording is shifted, but otherwise the same.
+// Thread safety: simulations are independent; each is used by one thread at a time.
 #pragma once
 
 #include <memory>
@@ -45,12 +45,12 @@ namespace sleight::physics {
 
 struct SimulationOptions {
   Algorithm algorithm = Algorithm::asynchronous;
-  EngineMaker make_engine = nullptr;   ///< null: the product's
-  bool record = true;                  ///< keep the segments; the last of each body is always kept
+  EngineMaker make_engine = nullptr;  ///< null: the product's
+  bool record = true;  ///< store the segments; the last one per body is always stored
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
-  bool keep_history = false;  ///< keep what history() gives, from which recording() is made
-  /// Of memory for that. If it takes more there will be no history, and a recording only if that is
-  /// wanted.
+  bool keep_history = false;  ///< store the data for history(), from which recording() is derived
+  /// Memory limit for the history. Beyond it there is no history; there is still a recording if
+  /// `record` is set.
   std::size_t history_bytes_max = std::size_t{1} << 30U;
   TickCount sample_every = 0;  ///< sampling events from tick 0 on; 0: none
   std::function<void(Tick)> on_sample{};
@@ -58,18 +58,18 @@ struct SimulationOptions {
 
 class Simulation {
  public:
-  /// Checks the scene, copies it, and puts the bodies that start at tick 0 in their places. Shapes
-  /// and meshes are shared with the scene, not copied.
+  /// Checks the scene, copies it, and places the bodies that start at tick 0. Shapes and meshes are
+  /// shared with the scene, not copied.
   ///
-  /// `history` is that of an earlier simulation. With it only the differences are simulated:
-  /// bodies with other shapes, masses, materials or starts; bodies that come near static geometry
-  /// that differs; and bodies that one of these touches or asks about for a decision about rest.
-  /// The rest is replayed. All results below but counts() are the same, bit for bit, as without it.
-  /// A history with other laws (gravity, surfaces, slow contacts, periods) or another number of
-  /// bodies is of no use, nor is null. Compounds are the same if they are the same object. A body
+  /// `history` comes from an earlier simulation. With it, only differences are simulated: bodies
+  /// with other shapes, masses, materials or starts; bodies that come near changed static geometry;
+  /// and bodies that one of these touches or reads in a rest decision. All other bodies are
+  /// replayed. All results except counts() are the same, bit for bit, as without a history.
+  ///
+  /// The history is ignored if it has other laws (gravity, surfaces, slow contacts, periods) or
+  /// another number of bodies. Compounds count as the same only if they are the same object. A body
   /// that takes no part starts at k_tick_max. REQUIRES: a body with the same start as in the
-  /// history has the same start_again; the history's meshes and polyhedra have not been changed
-  /// since.
+  /// history has the same start_again; the history's meshes and polyhedra are unchanged.
   static base::Result<Simulation, SceneError> start(
       const Scene& scene, const SimulationOptions& options,
       std::shared_ptr<const History> history = nullptr);
@@ -77,35 +77,36 @@ class Simulation {
   Simulation& operator=(Simulation&&) noexcept;
   ~Simulation();
 
-  /// Processes all events up to and at `end`, and makes it the present; does nothing if that is
-  /// earlier than now(). Nothing if all went well.
+  /// Processes all events up to and at `end`, which becomes now(). Does nothing if `end` is earlier
+  /// than now(). Returns nothing on success.
   std::optional<SceneError> run_until(Tick end);
 
-  /// Continues with another algorithm or engine, and other sampling events, which come at multiples
-  /// of their interval. `record`, `segments_reserved`, `keep_history` and `history_bytes_max` have
-  /// no effect: recording goes on as before. A simulation that has failed stays so.
+  /// Continues with another algorithm, engine and sampling interval; sampling events come at
+  /// multiples of the interval. `record`, `segments_reserved`, `keep_history` and
+  /// `history_bytes_max` have no effect: recording continues as before. A failed simulation stays
+  /// failed.
   void go_on_with(const SimulationOptions& options);
 
   Tick now() const;
-  /// REQUIRES, here and below: the scene has the body.
+  /// Here and below, REQUIRES: the scene has the body.
   bool started(BodyId body) const;
-  /// REQUIRES: the body has started, and its present segment began at or before the tick, which is
+  /// REQUIRES: the body has started; its current segment began at or before the tick; the tick is
   /// not beyond now().
   Pose pose(BodyId body, Tick tick) const;
   Twist twist(BodyId body, Tick tick) const;
-  /// At present. REQUIRES: the body has started.
+  /// Current mode. REQUIRES: the body has started.
   MotionMode mode(BodyId body) const;
-  /// Of all bodies that have started.
+  /// Sum over all bodies that have started.
   double kinetic_energy_j() const;
   const Counts& counts() const;
-  /// Collisions with the scene's surfaces up to now(), in order; also replayed ones.
+  /// Collisions with the scene's surfaces up to now(), in order, including replayed ones.
   std::span<const SurfaceTouch> surface_touches() const;
-  /// Up to now(). Empty if not recorded. Of one that keeps its history it is made, or completed,
-  /// here.
+  /// Recording up to now(); empty if not recorded. If the simulation stores a history, this call
+  /// creates or completes the recording.
   const Recording& recording() const;
-  /// All that happened up to now(), for replays by other simulations. Null without `keep_history`,
-  /// if it takes too much memory, or after an error. Up to the first difference its chunks are
-  /// shared with the history that this simulation replays.
+  /// Everything up to now(), for replays by other simulations. Null without `keep_history`, above
+  /// the memory limit, or after an error. Chunks up to the first difference are shared with the
+  /// replayed history.
   std::shared_ptr<const History> history() const;
 
  private:
@@ -114,8 +115,8 @@ class Simulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Why the scene can't be simulated; nothing if it can. Starts that overlap are found later, by
-/// Simulation::start and run_until.
+/// Returns why the scene can't be simulated; nothing if it can. Simulation::start and run_until
+/// detect overlapping starts later.
 std::optional<SceneError> error_of(const Scene& scene);
 
 }  // namespace sleight::physics

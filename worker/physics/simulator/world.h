@@ -1,18 +1,19 @@
-// A running simulation's bodies, static geometry, and what events do to them: collisions, lasting
-// contact, rest. Knows nothing of queues and bounding volumes.
+// A running simulation's bodies and static geometry, and the effects of events on them: collisions,
+// lasting contact, rest. World doesn't use queues or bounding volumes.
 //
-// Who does what:
-//   Bodies       how each moves now
-//   MetStatics   what of static geometry a body may meet
+// Parts:
+//   Bodies       how each body moves now
+//   MetStatics   which static geometry a body may meet
 //   Predictions  when bodies meet
-//   Recorder     what is kept of all this
-//   World        what happens when they meet
+//   Recorder     what is stored
+//   World        what happens when bodies meet
 //
 // Invariants
-//   1. Whenever a body's motion changes the recorder is told, and what predictions have found is
-//      void; where all are spheres nothing is found in advance (collide_plain).
-//   2. A body that is replayed (replay.h) is made live before anything but its history changes it,
-//      or reads what it knows.
+//   1. Whenever a body's motion changes, the recorder is notified, and contacts found by
+//      predictions become void. If all bodies are spheres, predictions find no contacts in advance
+//      (collide_plain).
+//   2. Before anything outside its history changes a replayed body (replay.h) or reads its state,
+//      the body is made live.
 // Thread safety: none.
 #pragma once
 
@@ -41,7 +42,7 @@ namespace sleight::physics {
 
 class World {
  public:
-  /// Borrows nothing: the scene is copied.
+  /// Copies the scene and borrows nothing.
   World(const Scene& scene, bool record, std::size_t segments_reserved);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -54,48 +55,50 @@ class World {
   const Resting& resting() const { return resting_; }
   ReplayedBodies& replayed() { return replayed_; }
   std::span<const SurfaceTouch> surface_touches() const { return surface_touches_; }
-  /// What went wrong in a prediction or a collision; empty if nothing did.
+  /// Returns what failed in a prediction or a collision; empty if nothing did.
   const std::optional<SceneError>& failure();
   bool has_failed() const { return failure_ || predictions_.gave_up(); }
 
   // Bodies that start.
-  /// Puts a body somewhere without a trace in the recording, to see whether it has room there.
+  /// Puts a body somewhere without recording it, to test whether there is room.
   void place(BodyId body, const Segment& segment);
   void begin_segment(BodyId body, const Segment& segment, const EventKey& cause);
-  // Those that start at rest (world_at_rest.cpp).
-  /// Finds what carries them; why they can't, if they can't. REQUIRES: nothing has happened yet.
+  // Bodies that start at rest (world_at_rest.cpp).
+  /// Finds what carries them. Returns an error if they can't rest. REQUIRES: nothing has happened
+  /// yet.
   std::optional<SceneError> lay_down();
   Segment segment_at_rest(BodyId body) const;
-  /// Such a body has begun its segment. REQUIRES: lay_down().
+  /// Puts such a body to rest after its segment has begun. REQUIRES: lay_down().
   void begin_at_rest(BodyId body);
 
-  // What happens; changed() then lists the bodies that began a segment, ascending.
-  // REQUIRES: predicted for the event's tick.
+  // Events. Afterwards changed() lists the bodies that began a segment, ascending. REQUIRES: the
+  // event was predicted for its tick.
   void collide(BodyId a, BodyId b, const EventKey& event);
   void collide_static(BodyId body, StaticId met, const EventKey& event);
   void apply(const Control& control, const EventKey& event);
-  /// The body's rest event: it and those it leans on go to rest, if they may. How many did.
+  /// Processes the body's rest event: puts the body and those it leans on to rest if the rules
+  /// allow. Returns the number of bodies that went to rest.
   std::size_t rest(BodyId body, const EventKey& event);
-  /// The body's mode event: its contact with static geometry changes. REQUIRES: it stays on faces.
+  /// Processes the body's mode event: its contact with static geometry changes. REQUIRES: it stays
+  /// on faces.
   void change_mode(BodyId body, const EventKey& event);
-  /// All of that, as a history has it. REQUIRES: its participants are replayed.
+  /// Replays an event of a history. REQUIRES: its participants are replayed.
   void happens_again(const HistoryEvent& event);
-  /// The same without moving the bodies; when many have passed, each is where its last segment
-  /// says.
+  /// Replays an event without moving the bodies. After many such events, is_by_now puts each body
+  /// into its last segment.
   void passes(const HistoryEvent& event);
   void is_by_now(BodyId body, const Segment& segment);
   std::span<const BodyId> changed() const { return changed_; }
   void nothing_changed() { changed_.clear(); }
 
-  /// Whether all bodies are spheres that fly between collisions for ever: neither rest, which the
-  /// scene must permit by a rest speed, nor stay on anything, for which it must by a separation
-  /// speed.
+  /// Whether all bodies are spheres that only fly and collide: the scene has no rest speed, so they
+  /// never rest, and no separation speed, so they never stay on anything.
   bool only_flies() const {
     return bodies_.only_spheres() && !resting_.enabled() && !predictions_.contacts_matter();
   }
 
-  // When the body's own events are due; k_never if it has none.
-  /// The law of its contact changes, or its free rotation can't be computed any further.
+  // Ticks of a body's own events; k_never if there are none.
+  /// When the law of its contact changes, or its free rotation can't be computed any further.
   Tick mode_end(BodyId body) const {
     if (!has_modes_) return k_never;
     if (bodies_.is_sphere(body) || bodies_.stays_on_faces(body))
@@ -107,28 +110,27 @@ class World {
   Tick rest_due(BodyId body) const { return resting_.enabled() ? resting_.due(body) : k_never; }
 
   // Histories.
-  /// An event is over.
+  /// Stores an event in the history when it is over.
   void keep(const EventKey& event) {
     if (recorder_.keeps_history()) append_to_history(event);
   }
-  /// All that happened up to now; null if it isn't kept, is too much, or something went wrong.
+  /// Everything up to now. Null if not stored, above the memory limit, or after a failure.
   std::shared_ptr<const History> history(Tick now);
 
-  /// A hint to read soon what a body's collision does.
+  /// Prefetches data of a body's collision.
   void fetch(BodyId body) const {
     bodies_.fetch(body);
     __builtin_prefetch(&collided_[body], 1);
   }
 
  private:
-  /// As contact_events.h asks for bodies (world_at_event.h).
+  /// The table of bodies that contact_events.h uses (world_at_event.h).
   class AtEvent;
 
   // Collisions (world_collisions.cpp).
-  /// collide for two spheres in flight that don't turn, in a world of plain spheres: the same
-  /// bits from less memory.
+  /// Equals collide for two spheres in flight that don't turn, in a world of plain spheres, with
+  /// the same bits but less memory traffic.
   void collide_plain(BodyId a, BodyId b, const EventKey& event);
-  /// Counts a collision of a body.
   const CollisionCount& count_at(BodyId body, Tick tick) {
     collided_[body].add(tick);
     if (collided_[body].is_too_much()) [[unlikely]]
@@ -138,13 +140,13 @@ class World {
   void note_too_much(BodyId body, Tick tick);
   void note_failure(SceneError::Kind kind, const std::string& what, BodyId body, Tick tick);
   std::string message_of(const std::string& what, BodyId body, Tick tick) const;
-  /// A body has touched a surface, at an arm from its centre.
+  /// Records that a body touched a surface, at an arm from its centre.
   void note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m, const Vec3& arm_m);
 
   // Rest (world_rest.cpp).
-  /// Corners that carry as well as those that a body touched with, for the decision about rest.
+  /// Records corners near those that touched, which carry the body too, for the rest decision.
   void note_near_corners(BodyId body, Tick tick);
-  /// Calls found(touch) for all corners that touch the same face as a touch was at, or are so near.
+  /// Calls found(touch) for all corners within near_m of the face that `touch` was on.
   void corners_like(BodyId body, const TouchRecord& touch, Tick tick, double near_m,
                     const std::function<void(const TouchRecord&)>& found);
 
@@ -161,18 +163,19 @@ class World {
   struct PlaneSupports {
     std::array<PlaneSupport, k_plane_supports_max> all;
     std::size_t count = 0;
-    double lowest_m = 0;  ///< of any, above what is flat; at most 0
+    double lowest_m = 0;  ///< lowest corner above the flat surface; at most 0
   };
   PlaneSupports supports_on(BodyId body, StaticId met, const Flat& flat, Tick tick);
-  /// How a body with such a twist stays on what it touches, if it does.
+  /// How a body with this twist stays on what it touches, if it does.
   std::optional<PlaneStay> stay_of(BodyId body, StaticId met, std::uint32_t face,
                                    const Twist& twist, Tick tick);
-  /// What carries a body that stays on a plane, for the decision about rest.
+  /// Records what carries a body that stays on a plane, for the rest decision.
   void note_plane_supports(BodyId body, Tick tick);
 
   // Histories (world_history.cpp).
   void append_to_history(const EventKey& event);
-  /// What an event's participants know after it. REQUIRES: their segments have begun.
+  /// Restores the contact state of an event's participants after it. REQUIRES: their segments have
+  /// begun.
   void restore(const HistoryEvent& event);
   void restore_surface(const HistoryEvent& event);
 
@@ -184,7 +187,7 @@ class World {
   Recorder recorder_;
   ReplayedBodies replayed_;
   Resting resting_;
-  TickCount alone_for_ = 0;               ///< a sphere stays only if it has met no body for so long
+  TickCount alone_for_ = 0;  ///< a sphere stays only if it has met no body for this long
   std::vector<CollisionCount> collided_;  ///< by body
   std::vector<BodyId> changed_;
   std::vector<SurfaceTouch> surface_touches_;
@@ -192,10 +195,10 @@ class World {
     std::vector<TouchRecord> touches;
     std::vector<BodyId> supporters;
   };
-  std::vector<AtRest> at_rest_;  ///< by body, as they start; empty if none starts at rest
+  std::vector<AtRest> at_rest_;  ///< by body, at its start; empty if no body starts at rest
   std::optional<SceneError> failure_;
-  bool has_modes_ = false;  ///< bodies that may have mode events
-  /// Of spheres that only fly, of one material without friction; else empty.
+  bool has_modes_ = false;  ///< some bodies may have mode events
+  /// Nonempty only if all bodies are spheres that only fly, of one material without friction.
   std::vector<double> plain_inverse_masses_per_kg_;
 };
 

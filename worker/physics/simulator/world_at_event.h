@@ -1,4 +1,4 @@
-// The world's bodies at an event, as contact_events.h asks for them.
+// The world's bodies at an event, as contact_events.h uses them.
 //
 // Internal to the sources of World. Thread safety: none.
 #pragma once
@@ -10,7 +10,6 @@ namespace sleight::physics {
 
 class World::AtEvent : public contact::Event {
  public:
-  /// Borrows both.
   AtEvent(World& world, const EventKey& event)
       : Event{.tick = event.tick,
               .changed = world.changed_,

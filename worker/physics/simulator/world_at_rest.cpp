@@ -1,10 +1,9 @@
-// Bodies that start at rest: what they touch, and whether contact forces hold them there.
+// Bodies that start at rest: what they touch, and whether contact forces hold them.
 //
-// Idea. All of them are put in their places first. What touches is found with the tolerance
-// k_at_rest_gap_m, without a simulation: corners near faces and where edges of such faces cross, or
-// else the closest points. Bodies that hang together by such contacts make a structure; one system
-// of contact forces must hold it (force_balance.h). Who is carried by whom follows from these
-// forces.
+// Idea. All such bodies are placed first. Contacts are found with the tolerance k_at_rest_gap_m,
+// without a simulation: corners near faces, crossings of the edges of such faces, or else the
+// closest points. Bodies connected by such contacts form a structure, which one system of contact
+// forces must hold (force_balance.h). These forces determine which body supports which.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,18 +24,18 @@ namespace {
 using math::dot;
 using math::norm;
 
-/// For an error's words: with so much friction only what would topple or fall isn't held.
+/// For error messages: with this much friction, only bodies that topple or fall aren't held.
 constexpr double k_rough = 1e3;
-/// Partners that an error names.
+/// Maximum partners that an error message names.
 constexpr std::size_t k_named = 4;
 
 }  // namespace
 
-/// Two bodies that touch, or a body and static geometry.
+/// A contact between two bodies, or a body and static geometry.
 struct World::RestTouch {
-  BodyId body;  ///< of the record
+  BodyId body;  ///< body of the record
   TouchRecord record;
-  StaticId static_index{};  ///< for people
+  StaticId static_index{};  ///< for error messages
 };
 
 void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
@@ -60,14 +59,14 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
     }
     if (found.size() == before) found.push_back({body, touch, static_index});
   };
-  // Where two faces lie on each other askew, corners alone are too few.
+  // Where two faces overlap askew, corners alone are too few contacts.
   const auto add_crossings = [&](const MovingPiece& own, const MovingPiece& other,
                                  TouchRecord touch, StaticId static_index) {
     const Vec3 normal = touch.normal;
     for_each_crossing(own, other, normal, dot(normal, centre_m + touch.arm_m), 2 * k_at_rest_gap_m,
                       [&](const Vec3& at_m) {
                         touch.arm_m = at_m - centre_m;
-                        // Triangles of a mesh share their edges.
+                        // Triangles of a mesh share edges.
                         const bool known = std::ranges::any_of(found, [&](const RestTouch& one) {
                           return one.body == body && one.record.partner == touch.partner &&
                                  norm(one.record.arm_m - touch.arm_m) <= 2 * k_at_rest_gap_m;
@@ -138,7 +137,7 @@ void World::find_rest_touches(BodyId body, std::vector<RestTouch>& found,
   }
 }
 
-/// Why a structure doesn't hold, of the body that misses most of its balance.
+/// Returns why a structure doesn't hold, for its least balanced body.
 SceneError World::error_of_rest(BodyId body, double missing, bool holds_if_rough,
                                 const std::vector<RestTouch>& touches) const {
   std::vector<std::string> partners;
@@ -188,7 +187,7 @@ std::optional<SceneError> World::lay_down() {
     if (error) return error;
   }
 
-  // Bodies that hang together, each by the least of its structure.
+  // Find connected bodies; the lowest body of each structure is its root.
   std::vector<BodyId> root(bodies_.size());
   for (BodyId body{}; body < bodies_.size(); ++body)
     root[body] = body;
@@ -260,7 +259,7 @@ std::optional<SceneError> World::lay_down_structure(std::span<const BodyId> memb
     return error_of_rest(members[worst], missing, balance.holds(held, contacts), touches);
   }
 
-  // Greatest forces first: a body keeps some of its contacts.
+  // Process the greatest forces first, because a body stores only some of its contacts.
   std::vector<std::size_t> order(contacts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t c) { return -norm(balance.force_n(c)); });

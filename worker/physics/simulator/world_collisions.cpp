@@ -1,4 +1,3 @@
-// What collisions and controls do to bodies.
 #include <algorithm>
 
 #include "worker/physics/contact/contact_events.h"

@@ -1,4 +1,4 @@
-// What a world keeps for histories, and takes from them.
+// What a world stores in histories and restores from them.
 #include <algorithm>
 #include <utility>
 
@@ -28,7 +28,7 @@ std::shared_ptr<const History> World::history(Tick now) {
       .scene = scene(), .chunks = *std::move(chunks), .end = std::min(now, k_tick_max - 1)});
 }
 
-/// Where a body touched a surface, at the beginning of the segment that it began then.
+/// Restores where a body touched a surface, from the begin of the segment that followed.
 void World::restore_surface(const HistoryEvent& event) {
   const EventKey& key = event.key;
   const StaticId met = key.met();
@@ -45,7 +45,6 @@ void World::restore_surface(const HistoryEvent& event) {
   }
 }
 
-/// What participants know after an event. REQUIRES: their segments have begun.
 void World::restore(const HistoryEvent& event) {
   const EventKey& key = event.key;
   if (key.kind == EventKind::collision) {

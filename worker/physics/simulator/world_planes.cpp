@@ -1,4 +1,4 @@
-// Bodies that are no spheres and stay on planes and on faces of static polyhedra.
+// Bodies that aren't spheres and stay on planes and on faces of static polyhedra.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -25,7 +25,7 @@ World::PlaneSupports World::supports_on(BodyId body, StaticId met, const Flat& f
   std::size_t near = 0;
   for_each_near([&](const Vec3& /*corner_m*/, double /*height_m*/) { ++near; });
   PlaneSupports supports;
-  // Of too many, as of a prism of a hundred sides, some all around.
+  // If there are too many supports, as on a prism with a hundred sides, select some all around.
   const std::size_t every = near / supports.all.size() + 1;
   std::size_t nth = 0;
   for_each_near([&](const Vec3& corner_m, double height_m) {
@@ -41,7 +41,7 @@ std::optional<PlaneStay> World::stay_of(BodyId body, StaticId met, std::uint32_t
                                         const Twist& twist, Tick tick) {
   const Flat flat = flat_at(statics_.geometry(), met, face);
   const PlaneSupports supports = supports_on(body, met, flat, tick);
-  // What has sunk, as cones do by rounding, is let go and caught again where it touches.
+  // A body that has sunk, as cones do by rounding, is released and caught again where it touches.
   if (supports.count < 2 || supports.lowest_m < -k_sunk_m) return std::nullopt;
   const BodyConstants& constants = bodies_.constants(body);
   const Segment now = bodies_.segment_after(body, tick, bodies_.position_at(body, tick), twist);

@@ -1,4 +1,4 @@
-// Bodies that go to rest, and which lasting contacts carry them beside those that they touched;
+// Bodies that go to rest, and the lasting contacts that carry them besides recorded touches;
 // spheres whose contact changes.
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@
 namespace sleight::physics {
 namespace {
 
-/// Calls found(corner, normal) for the corners of a piece that are near a face of another one, or
-/// near a round one; the normal points out of that. `direction`: from the piece towards the other.
+/// Calls found(corner, normal) for the corners of a piece near a face of another piece, or near a
+/// round piece. The normal points out of the other piece. `direction`: from the piece to the other.
 template <class Found>
 void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& direction,
                   double near_m, const Found& found) {
@@ -29,7 +29,8 @@ void corners_near(const MovingPiece& of, const MovingPiece& near, const Vec3& di
     const Vec3 local_m = transposed_product(near.pose.rotation, corner_m - near.pose.position_m);
     const Vec3 towards = transposed_product(near.pose.rotation, direction);
     double above_m = -std::numeric_limits<double>::infinity();
-    // Of the faces that it is near to, the one that is most across: flush sides are others.
+    // Among the near faces, choose the one most opposed to `direction`; flush sides are less
+    // opposed.
     std::size_t face = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < near.view->face_count && above_m <= near_m; ++k) {
@@ -60,7 +61,7 @@ void World::change_mode(BodyId body, const EventKey& event) {
 
 void World::note_near_corners(BodyId body, Tick tick) {
   resting_.forget_old_touches(body, tick);
-  // A copy, as the list changes on the way.
+  // Copy the list, because the loop changes it.
   std::array<TouchRecord, k_touch_records_max> copy;
   const auto end = std::ranges::copy(resting_.touches(body), copy.begin()).out;
   for (auto touch = copy.begin(); touch != end; ++touch) {
