@@ -1,11 +1,11 @@
-// The boxes of all balls, and which of them a box overlaps.
+// The boxes of all balls, and overlap queries.
 //
-// Idea. Whenever a ball's motion changes it is asked which boxes its own overlaps, of all: among
-// some ten balls a look at each is cheaper than any structure. Numbers lie side by side by axis, so
-// that four boxes are compared at once.
+// Idea. Whenever a ball's motion changes, its box is compared with all others: among some ten balls
+// this is cheaper than any search structure. Coordinates are stored side by side by axis, so that
+// four boxes are compared at once.
 //
-// Invariant: boxes beyond the last ball overlap none.
-// Thread safety: const functions may run at once.
+// Invariant: boxes beyond the last ball overlap none. Thread safety: const functions may run
+// concurrently.
 #pragma once
 
 #ifdef __SSE2__
@@ -25,7 +25,7 @@ namespace sleight::physics {
 
 class BallBoxes {
  public:
-  /// Boxes that overlap none.
+  /// Resets to boxes that overlap none.
   void assign(std::size_t count) {
     constexpr float k_infinity = std::numeric_limits<float>::infinity();
     Group nowhere;
@@ -51,8 +51,8 @@ class BallBoxes {
     }
     return box;
   }
-  /// Calls visit(ball) for each whose box a box overlaps, in ascending order. `visit` changes no
-  /// box.
+  /// Calls visit(ball) for each ball whose box overlaps a given box, in ascending order. REQUIRES:
+  /// `visit` changes no box.
   template <class Visit>
   void for_each_overlapping(const TouchBox& box, const Visit& visit) const {
     std::uint32_t first = 0;
@@ -64,12 +64,12 @@ class BallBoxes {
   }
 
  private:
-  /// By axis, of four balls.
+  /// Coordinates of four balls' boxes, by axis.
   struct alignas(16) Group {
     std::array<std::array<float, 4>, 3> low_m;
     std::array<std::array<float, 4>, 3> high_m;
   };
-  /// One bit for each of a group.
+  /// Returns one bit for each ball of a group.
   static std::uint32_t overlapped(const Group& group, const TouchBox& box) {
 #ifdef __SSE2__
     const auto along = [&](std::size_t axis) {

@@ -1,13 +1,13 @@
-// Three coordinates and one number more, four at a time: for bounds.
+// Vectors of four numbers (three coordinates and one more), for bounds.
 //
-// Idea. What is asked of one axis of a path is asked of all three, so it is computed side by side;
-// whatever has no branch that way costs half as much or less.
+// Idea. A path's bounds require the same operations along all three axes, so they run side by side.
+// Code without branches then costs half as much or less.
 //
 // Invariants
-//   1. Every operation rounds each number as the same operation on a double does: results are the
-//      same bits with and without registers for it.
-//   2. dot and sum add in another order than math::dot. So what decides a collision is never
-//      computed with them, only bounds, which allow for rounding.
+//   1. Every operation rounds each number as the same operation on a double does, so results have
+//      the same bits with and without vector registers.
+//   2. dot and sum add in another order than math::dot. So they compute only bounds, which allow
+//      for rounding, and never decide a collision.
 // Thread safety: values.
 #pragma once
 
@@ -69,11 +69,11 @@ inline Four fabs(const Four& a) {
   const __m128d sign = _mm_set1_pd(-0.0);
   return {_mm_andnot_pd(sign, a.xy), _mm_andnot_pd(sign, a.zw)};
 }
-/// Whether one has a sign; some NaNs do.
+/// Whether any number has its sign bit set, which includes some NaNs.
 inline bool is_any_negative(const Four& a) {
   return (_mm_movemask_pd(a.xy) | _mm_movemask_pd(a.zw)) != 0;
 }
-/// yes where a < b, else no.
+/// Selects `yes` where a < b, otherwise `no`.
 inline Four choose_if_less(const Four& a, const Four& b, const Four& yes, const Four& no) {
   const auto choose = [](__m128d less, __m128d if_so, __m128d if_not) {
     return _mm_or_pd(_mm_and_pd(less, if_so), _mm_andnot_pd(less, if_not));
@@ -81,11 +81,11 @@ inline Four choose_if_less(const Four& a, const Four& b, const Four& yes, const 
   return {choose(_mm_cmplt_pd(a.xy, b.xy), yes.xy, no.xy),
           choose(_mm_cmplt_pd(a.zw, b.zw), yes.zw, no.zw)};
 }
-/// Towards 0. REQUIRES: less than 2^31.
+/// Rounds towards 0. REQUIRES: numbers below 2^31.
 inline Four whole_part(const Four& a) {
   return {_mm_cvtepi32_pd(_mm_cvttpd_epi32(a.xy)), _mm_cvtepi32_pd(_mm_cvttpd_epi32(a.zw))};
 }
-/// (x + z) + (y + w).
+/// Adds in the order (x + z) + (y + w).
 inline double sum(const Four& a) {
   const __m128d pairs = _mm_add_pd(a.xy, a.zw);
   return _mm_cvtsd_f64(_mm_add_sd(pairs, _mm_unpackhi_pd(pairs, pairs)));
@@ -94,7 +94,7 @@ inline double least(const Four& a) {
   const __m128d pairs = _mm_min_pd(a.xy, a.zw);
   return _mm_cvtsd_f64(_mm_min_sd(pairs, _mm_unpackhi_pd(pairs, pairs)));
 }
-/// The nearest floats.
+/// Rounds to the nearest floats.
 inline std::array<float, 4> floats_of(const Four& a) {
   std::array<float, 4> result;
   _mm_storeu_ps(result.data(), _mm_movelh_ps(_mm_cvtpd_ps(a.xy), _mm_cvtpd_ps(a.zw)));

@@ -1,8 +1,8 @@
-// The history of one marble, from which a simulation of nearly the same scene replays it
-// (marbles.h, "What stays the same").
+// The history of one marble, which a simulation of nearly the same scene can replay (marbles.h,
+// "What stays the same").
 //
-// Ids are those of the simulation that kept the history, and must mean the same balls in the other
-// one.
+// Ids come from the simulation that stored the history, and must mean the same balls in the
+// replaying one.
 #pragma once
 
 #include <array>
@@ -20,18 +20,18 @@
 
 namespace sleight::physics {
 
-/// A ball of Marbles at present.
+/// The current state of a ball in Marbles.
 struct Marble {
   static constexpr FeatureId k_none{UINT32_MAX};
   Segment segment;
-  Supports supports;  ///< what it stays on, in contact
+  Supports supports;  ///< features it stays on, in contact
   enum class Stance : std::uint8_t { unknown, stands, moves };
-  Stance stance = Stance::unknown;  ///< on its supports, where it was when it was last asked for
+  Stance stance = Stance::unknown;  ///< on its supports, when last computed
   Tick stance_tick{};
-  // What it does next.
+  // The ball's next event.
   Tick static_tick = k_never;
   FeatureId static_feature = k_none;
-  FeatureId last_feature = k_none;  ///< that it collided with
+  FeatureId last_feature = k_none;  ///< last feature that it collided with
   Tick pair_tick = k_never;
   CollisionCount collided;
   bool started = false;
@@ -40,21 +40,21 @@ struct Marble {
 };
 
 struct MarbleHistory {
-  /// A part of its way: the ball is in the box from here to where the next part begins.
+  /// A part of the ball's path: the ball stays in the box until the next part begins.
   struct Part {
     Tick begin;
-    FeatureId last_feature = Marble::k_none;  ///< of static geometry that it collided with
+    FeatureId last_feature = Marble::k_none;  ///< last static feature that the ball collided with
     MotionMode mode = MotionMode::free;
-    bool is_alone = false;  ///< left alone in its confinement, which the box is
+    bool is_alone = false;  ///< left alone in its confinement, which is the box
     TouchBox box;
   };
-  /// How it moves there; of one that is left alone, how it did when it was.
+  /// Motion in a part. For a ball that is left alone: the motion when that began.
   struct Flight {
     Tick begin;
     Vec3 position_m = Vec3::Zero();
     Vec3 velocity_mps = Vec3::Zero();
     Vec3 acceleration_mps2 = Vec3::Zero();
-    Vec3 angular_velocity_radps = Vec3::Zero();  ///< as it begins
+    Vec3 angular_velocity_radps = Vec3::Zero();  ///< at `begin`
     FreeFlight flight() const {
       return {.begin = begin,
               .position_m = position_m,
@@ -62,18 +62,18 @@ struct MarbleHistory {
               .acceleration_mps2 = acceleration_mps2};
     }
   };
-  /// All that goes on from an event.
+  /// The state from which a simulation can resume after an event.
   struct Checkpoint {
     Tick tick;
-    std::size_t parts = 0;     ///< that began up to here
-    std::size_t meetings = 0;  ///< the same
-    std::uint64_t work = 0;    ///< of events up to here that count as its own
+    std::size_t parts = 0;     ///< number of parts that began up to here
+    std::size_t meetings = 0;  ///< number of meetings up to here
+    std::uint64_t work = 0;    ///< work of its own events up to here
     Marble marble;
     RestState rest;
-    std::size_t first_met = 0;  ///< in `met`
+    std::size_t first_met = 0;  ///< index in `met`
     std::size_t met_count = 0;
   };
-  /// An event at which another ball had a say.
+  /// An event that involved another ball.
   struct Meeting {
     Tick tick;
     BodyId partner{};
@@ -82,15 +82,15 @@ struct MarbleHistory {
   std::vector<Part> parts{};
   std::vector<Flight> flights{};  ///< by part
   std::vector<Checkpoint>
-      checkpoints{};                ///< its start, after meetings, after some events without one
-  std::vector<Meeting> meetings{};  ///< in the order of time
+      checkpoints{};                ///< at its start, after meetings, and now and then between
+  std::vector<Meeting> meetings{};  ///< in order of time
   Checkpoint last{};                ///< after its last event
-  // What checkpoints know of contacts.
+  // Contact data of checkpoints.
   std::vector<TouchRecord> touches{};
   std::vector<RecentContacts::Entry> met{};
-  std::uint64_t work = 0;  ///< of the events that count as its own
-  Tick until{};            ///< known so far
-  bool stays = false;      ///< and for good: at rest or left alone, until it is met
+  std::uint64_t work = 0;  ///< work of its own events
+  Tick until{};            ///< end of the known history
+  bool stays = false;      ///< after `until` the ball stays at rest or left alone, unless met
 
   void clear() {
     parts.clear();
@@ -102,10 +102,10 @@ struct MarbleHistory {
     work = 0;
     stays = false;
   }
-  /// Whether it was left alone at a tick.
+  /// Whether the ball was left alone at a tick.
   bool is_alone_at(Tick tick) const;
-  /// The last checkpoint before a tick: null if there is none, or if meetings lie in between of
-  /// which nothing more is known; then `is_gap`.
+  /// Returns the last checkpoint before a tick, or null. Sets `is_gap` if meetings between the
+  /// checkpoint and the tick have no checkpoint any more.
   const Checkpoint* checkpoint_before(Tick tick, bool& is_gap) const;
   std::size_t bytes() const {
     return sizeof(*this) + parts.capacity() * sizeof(Part) + flights.capacity() * sizeof(Flight) +

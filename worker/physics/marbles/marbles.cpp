@@ -1,4 +1,4 @@
-// The event loop of marbles.
+// The event loop of Marbles.
 #include "worker/physics/marbles/marbles.h"
 
 #include <fmt/format.h>
@@ -131,7 +131,7 @@ void Marbles::process(const EventKey& event) {
         balls_[ball].resumes = true;
         to_resume_.push_back(ball);
       } else {
-        // The partner that it was to meet may have gone live by now, for another reason.
+        // The replayed partner may have gone live meanwhile for another reason.
         if (meets_replayed(ball)) goes_live(partners_[ball]);
         predict_pairs(ball);
         refresh_key(ball);
@@ -152,7 +152,7 @@ void Marbles::start_ball(BodyId ball, const EventKey& event) {
                                      .acceleration_mps2 = scene_->gravity_mps2,
                                      .orientation = math::normalized(state.pose.orientation),
                                      .angular_velocity_radps = state.twist.angular_velocity_radps}};
-  // Those that are left alone where it starts must be where they are by now.
+  // Balls that are left alone near the start must catch up first.
   const TouchBox here = path_box_of(ball, event.tick, event.tick);
   if (!replays_.empty()) comes_near_replayed(ball, here, event.tick, false);
   boxes_.for_each_overlapping(here, [&](BodyId other) {
@@ -177,7 +177,7 @@ void Marbles::start_ball(BodyId ball, const EventKey& event) {
   }
 }
 
-/// What a ball that starts overlaps, by name; empty if nothing.
+/// Returns the name of what a starting ball overlaps; empty if nothing.
 std::string Marbles::obstacle_of(BodyId ball) {
   const Vec3 place_m = place_at(ball, now_);
   for (BodyId other{}; other < balls_.size(); ++other) {
@@ -190,7 +190,7 @@ std::string Marbles::obstacle_of(BodyId ball) {
                            .velocity_mps = balls_[ball].segment.flight.velocity_mps,
                            .acceleration_mps2 = scene_->gravity_mps2};
   FeatureId lowest = k_nothing;
-  // Touch boxes are wider than the rounding of a place.
+  // Touch boxes are wider than the rounding of a position.
   const std::array<float, 4> rounded_m = floats_of(Four::of(place_m));
   const TouchBox here{.low_m = rounded_m, .high_m = rounded_m};
   const auto ask = [&](FeatureId index) {
@@ -205,15 +205,15 @@ std::string Marbles::obstacle_of(BodyId ball) {
   std::ranges::for_each(cell.faces, ask);
   std::ranges::for_each(cell.corners, ask);
   if (lowest != k_nothing) return statics_->name_of_feature(lowest);
-  // Deep inside of a solid a ball may touch nothing of its surface.
+  // A ball deep inside a solid may touch nothing of its surface.
   const std::string* solid = statics_->solid_at(place_m);
   return solid != nullptr ? *solid : "";
 }
 
-/// The balls that began a segment at this event get new predictions.
+/// Computes new predictions for the balls that began a segment at this event.
 void Marbles::balls_changed() {
   const bool one = changed_.size() == 1;
-  // Said here, so that the loop over all of them is a tight one.
+  // Local copies keep the inner loop tight.
   const auto count = size();
   const BodyId* const partners = partners_.data();
   if (one && suspend(changed_.front())) return;
@@ -233,10 +233,10 @@ void Marbles::balls_changed() {
   }
 }
 
-/// A ball's motion has changed: leaves it alone if it may be. False if it goes on.
+/// Leaves a ball alone after a change of its motion, if possible. Returns false if it continues.
 bool Marbles::suspend(BodyId ball) {
   if (!confinement_ || catches_up_ || is_resting(ball)) return false;
-  // Decisions about rest still look at both.
+  // Rest decisions may still read both balls.
   if (resting_.enabled() && now_ - balls_[ball].supports.met_body <= resting_.rest_span())
     return false;
   const FreeFlight& flight = balls_[ball].segment.flight;
@@ -251,7 +251,7 @@ bool Marbles::suspend(BodyId ball) {
     is_alone = !balls_[other].suspended && !path_meets(other, now_, next_of(other), confined, 0);
   });
   if (!is_alone) return false;
-  // The way of a replayed one is known, so when that comes near is, too.
+  // A replayed ball's path is known, and so is the time when it comes near.
   const Tick disturbed = replayed_comes_near(confined);
   if (disturbed <= now_) return false;
   boxes_.set(ball, confined);
@@ -274,11 +274,10 @@ bool Marbles::suspend(BodyId ball) {
   return true;
 }
 
-/// Those that something has come near to catch up with the present: all their events before one
-/// that is taking place.
+/// Lets the balls in to_resume_ catch up: processes all events before the present one.
 void Marbles::resume(const EventKey& present) {
   const Tick now = now_;
-  // A ball that starts while others catch up makes further balls catch up with its start.
+  // A ball that starts during catching up makes further balls catch up with its start.
   const bool outer = catches_up_;
   const Tick outer_present = present_;
   present_ = now;
@@ -318,7 +317,7 @@ void Marbles::refresh_key(BodyId index) {
            .higher = k_static | ball.static_feature});
   const BodyId partner = partners_[index];
   if (partner != k_none && replayed_[partner] != nullptr) {
-    // Before they meet, that one must be here.
+    // The replayed partner must go live before the two meet.
     offer({.tick = ball.pair_tick, .kind = EventKind::update, .lower = index});
   } else if (partner != k_none) {
     offer({.tick = ball.pair_tick,

@@ -1,46 +1,47 @@
-// Equal balls on static geometry, for callers that want to know where balls end up and nothing
-// else.
+// Simulates equal balls on static geometry, for callers that need only the balls' final positions.
 //
-// Idea. The simulator (simulation.h) without the parts that such scenes don't need: no bounding
-// volumes that expire, no list of watched pairs, no queue, no recording, no orientations.
-// A ball's next collision with static geometry is found to its end, once, when its motion begins:
-// then its path up to there has a box, and only balls whose boxes overlap are asked when they meet.
-// The next event of all is the least of one number per ball. That makes it three times as fast as a
-// Simulation of balls that spell (docs/SIMULATOR, "Equal balls by themselves").
+// Idea. Marbles omits parts of the simulator (simulation.h) that such scenes don't need: expiring
+// bounding volumes, lists of watched pairs, a queue, a recording and orientations. When a ball's
+// motion begins, its next collision with static geometry is fully determined at once. The path up
+// to that collision has a box, and only pairs of balls with overlapping boxes are predicted. The
+// next event is the minimum of one key per ball. For balls that spell, Marbles is three times as
+// fast as a Simulation (docs/SIMULATOR, "Equal balls by themselves").
 //
 // Invariants
-//   1. Everything that happens is what happens in a Simulation of the same scene, bit for bit: the
-//      same rules (collision_rule.h, contact_events.h, the responses) are asked at the same ticks
-//      in the same order (event.h). tests compare them.
-//   2. A ball's box holds it from now to its own next event. The boxes of two balls that are not
-//      at rest overlap, or the two don't meet before the next event of one of them.
-//   3. A ball that is left alone is in its confinement, which no other ball's path comes near. It
-//      catches up with the present when one does: until then nothing else has touched it.
-//   4. What is replayed is not simulated, and makes no difference ("What stays the same", below).
+//   1. All results equal those of a Simulation of the same scene, bit for bit: both apply the same
+//      rules (collision_rule.h, contact_events.h, the responses) at the same ticks in the same
+//      order (event.h). Tests compare them.
+//   2. A ball's box contains the ball from now to its next event. If the boxes of two balls that
+//      are not at rest don't overlap, the two don't meet before the next event of one of them.
+//   3. A ball that is left alone stays in its confinement, and no other ball's path comes near it.
+//      When another ball comes near, the first ball catches up with the present; nothing else has
+//      touched it until then.
+//   4. Replayed balls aren't simulated, which changes no result ("What stays the same", below).
 //
-// What stays the same. A simulation that records keeps a history of each ball: the boxes that it
-// was in and its flights there, its meetings, and checkpoints, from which all goes on
-// (marble_history.h). A simulation of a scene that differs in some balls, or in static geometry
-// here and there, can be given these histories. A ball that has one is replayed, which costs
-// nothing, until the first of these:
-//   - it meets static geometry that has changed, or in its history met some that has changed since;
-//   - it was left alone in its history and would not be now, or in another confinement;
-//   - its history has a meeting with a ball that isn't replayed now, or has just had one with a
-//   ball
-//     that has gone live since: decisions about rest will ask about that ball;
-//   - a ball that it rests on, or that rests on it, isn't replayed any more;
-//   - a ball that isn't replayed meets it (it is an obstacle that moves in a known way), or comes
-//     near the confinement in which it is alone;
-//   - its history ends, and the ball doesn't stay where it is.
-// Then it goes live from its last checkpoint. Between that and the present it was alone with static
-// geometry, so catching up changes nothing for others. A history has a bounded number of
-// checkpoints. If one is missing, after any error, or when a good part of the permitted work is
-// used up, the replay is void (is_replay_void()), and only a simulation of everything gives the
-// result.
+// What stays the same. A simulation that records stores a history of each ball (marble_history.h):
+// boxes and flights, meetings, and checkpoints from which the ball can resume. Another simulation
+// can use these histories if its scene differs only in some balls or some static geometry. A ball
+// with a history is replayed, at no cost, until the first of these events:
+//   - The ball meets changed static geometry, or its history contains a collision with static
+//     geometry that has changed.
+//   - The ball was left alone in its history, and would not be now, or not in the same confinement.
+//   - Its history contains a meeting with a ball that isn't replayed now.
+//   - Its history contains a recent meeting with a ball that has gone live since, so that rest
+//     decisions will read that ball.
+//   - A ball that it rests on, or that rests on it, is no longer replayed.
+//   - A ball that isn't replayed meets it (as an obstacle with known motion), or comes near the
+//     confinement in which it is alone.
+//   - Its history ends, and the ball doesn't stay where it is.
 //
-// Nothing is allocated after start once lists have grown, but for histories. Cost: some 6,000
-// instructions per event among ten balls, below 1 microsecond; of n balls some 10 n more. Thread
-// safety: none.
+// Then the ball goes live from its last checkpoint. Between the checkpoint and the present it met
+// only static geometry, so catching up changes nothing for other balls. A history has a bounded
+// number of checkpoints. The replay becomes void (is_replay_void()) if a checkpoint is missing,
+// after any error, or when a large part of the permitted work is used up. Then only a simulation
+// without histories gives the result.
+//
+// After the start, nothing but histories is allocated once lists have grown. Cost: some 6,000
+// instructions per event among ten balls, below 1 microsecond, plus about 10 n instructions for n
+// balls. Thread safety: none.
 #pragma once
 
 #include <array>
@@ -69,32 +70,32 @@
 
 namespace sleight::physics {
 
-/// Asked when a ball begins a motion with its centre at a place. A box that the ball, and k_touch_m
-/// around it, can't leave unless another ball touches it; nothing if there is none, or if what the
-/// ball does is of interest. The ball is then left alone until another one comes near that box.
+/// Called when a ball begins a motion. Returns a box that the ball, and k_touch_m around it, can't
+/// leave unless another ball touches it. Returns nothing if there is no such box or if the ball's
+/// motion is of interest. A ball with a box is left alone until another ball comes near the box.
 using MarbleConfinement =
     std::function<std::optional<Box>(BodyId marble, const Vec3& centre_m, const Twist& twist)>;
 
-/// Whether a scene is for marbles: balls of one size, mass and material whose slow contacts end,
-/// that don't draw their starts again; no controls, no periods.
+/// Whether Marbles can simulate a scene: balls of one size, mass and material, slow contacts that
+/// end, no alternative starts, no controls, no periods.
 bool are_marbles(const Scene& scene);
 
-/// By ball; null where nothing is known, or the ball itself is another one.
+/// Histories by ball; null if unknown or if the ball itself differs.
 using MarbleHistories = std::vector<std::shared_ptr<const MarbleHistory>>;
 
-/// Where static geometry may be otherwise than in another simulation.
+/// A place where static geometry may differ from another simulation's.
 struct MarbleChange {
-  std::span<const FeatureId> features;  ///< which
-  TouchBox box;  ///< a ball overlaps it if it meets one of them, as that was or is
+  std::span<const FeatureId> features;  ///< features that differ
+  TouchBox box;  ///< a ball that meets one of them, in its old or new state, overlaps this box
 };
 
-/// What is known before a simulation begins, and what shall be known afterwards. REQUIRES:
-/// histories are of one simulation; what is the same of its scene are static geometry but for
-/// changes, the laws, the balls and the starts of those with a history.
+/// Input from an earlier simulation. REQUIRES: all histories come from one simulation. Its scene
+/// has the same laws, the same static geometry except for `changes`, and the same balls and starts
+/// for all balls with a history.
 struct MarbleReplay {
-  const MarbleHistories* histories = nullptr;  ///< of all balls, of a simulation that is over
+  const MarbleHistories* histories = nullptr;  ///< by ball, from a finished simulation
   std::span<const MarbleChange> changes{};     ///< of static geometry
-  bool confinement_differs = false;            ///< it may say something else of a place and a twist
+  bool confinement_differs = false;            ///< the confinement function may differ
   bool records = false;
 };
 
@@ -110,43 +111,44 @@ class Marbles {
     std::uint64_t resumptions = 0;
 
     std::uint64_t events() const { return static_collisions + collisions + modes + rest_decisions; }
-    /// In events: a decision about rest may take as long as some.
+    /// Work in units of events; a rest decision may take as long as several events.
     std::uint64_t work() const { return events() + (k_rest_work - 1) * rest_decisions; }
   };
 
-  /// Begins before everything. Borrows the scene, and what is near, until the next start.
-  /// `end`: no one asks for anything later. `work_max`: more than that is an error, as balls that
-  /// are wedged collide some million times in a second. REQUIRES: are_marbles(scene);
-  /// error_of(scene) has none; `near` is of this scene's static geometry and radius.
+  /// Begins before all events. Borrows `scene` and `near` until the next start. `end`: the last
+  /// tick that run_until() may reach. `work_max`: above this, the simulation fails, because wedged
+  /// balls collide about a million times per second. REQUIRES: are_marbles(scene); error_of(scene)
+  /// returns nothing; `near` is for this scene's static geometry and radius.
   void start(const Scene& scene, const NearFeatures& near, Tick end,
              MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX,
              const MarbleReplay& replay = {});
-  /// Processes all events up to and at a tick. Nothing if all went well; the engine stays where it
-  /// is after an error, which means nothing if is_replay_void(). REQUIRES: not beyond the end.
+  /// Processes all events up to and at a tick. Returns nothing on success. After an error the state
+  /// stays as it is; the error means nothing if is_replay_void(). REQUIRES: `tick` is not beyond
+  /// the end.
   std::optional<SceneError> run_until(Tick tick);
 
   Tick now() const { return now_; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(balls_.size()); }
-  // REQUIRES, of the rest: the ball has started.
+  // All functions below REQUIRE that the ball has started.
   bool started(BodyId marble) const { return balls_[marble].started; }
   bool is_suspended(BodyId marble) const { return balls_[marble].suspended; }
-  /// At present; of a ball that is suspended, when it was.
+  /// Current mode; for a suspended ball, the mode at suspension.
   MotionMode mode(BodyId marble) const { return balls_[marble].segment.mode; }
-  /// The present motion; of a ball that is suspended, the one that it began when it was.
+  /// Current segment; for a suspended ball, the segment that it began at suspension.
   const Segment& segment(BodyId marble) const { return balls_[marble].segment; }
-  /// At now(). REQUIRES: not suspended.
+  /// At now(). REQUIRES: the ball isn't suspended.
   Vec3 position_m(BodyId marble) const { return position_at(balls_[marble].segment.flight, now_); }
   Twist twist(BodyId marble) const { return twist_at(marble, now_); }
   const Counts& counts() const { return counts_; }
 
-  /// The history that a ball is replayed by at present, null if by none: then nothing of the above
-  /// may be asked for.
+  /// Returns the history that replays a ball now, or null. If not null, the functions above must
+  /// not be called for the ball.
   const MarbleHistory* replayed(BodyId marble) const { return replayed_[marble].get(); }
-  /// Simulates a ball from the present on.
+  /// Simulates a ball from now on.
   void stop_replay(BodyId marble);
-  /// Whether what happened isn't known to be what would happen without histories.
+  /// Whether the results might differ from those without histories.
   bool is_replay_void() const;
-  /// What has happened so far: of all balls. REQUIRES: it records; the replay isn't void.
+  /// Histories up to now, by ball. REQUIRES: recording is on; the replay isn't void.
   MarbleHistories histories() const;
 
  private:
@@ -158,7 +160,7 @@ class Marbles {
     return partners_[ball] != k_none && replayed_[partners_[ball]] != nullptr;
   }
   bool is_resting(BodyId ball) const { return balls_[ball].segment.mode == MotionMode::resting; }
-  /// Up to when a ball's present motion goes on, other balls apart; of one at rest, the present.
+  /// End of a ball's current motion, ignoring other balls; for a ball at rest, now.
   Tick next_of(BodyId ball) const {
     const Marble& own = balls_[ball];
     return is_resting(ball) ? now_ : std::min({own.static_tick, own.supports.end, end_});
@@ -168,7 +170,7 @@ class Marbles {
     return position_at(balls_[ball].segment.flight, tick);
   }
   void begin_segment(BodyId ball, const Segment& segment);
-  void segment_begun(BodyId ball);  ///< after its segment was written
+  void segment_begun(BodyId ball);  ///< call after writing the segment
   std::string name(BodyId ball) const;
 
   // Events (marbles.cpp).
@@ -189,14 +191,14 @@ class Marbles {
   void change_mode(BodyId ball, Tick tick);
   std::size_t rest(BodyId ball, Tick tick);
 
-  // Keeping histories (marbles_histories.cpp).
+  // Storing histories (marbles_histories.cpp).
   void begin_history(BodyId ball);
   void keep_part(BodyId ball, const TouchBox& box);
   void keep_meeting(BodyId a, BodyId b);
   void keep_checkpoints(BodyId of);
   MarbleHistory::Checkpoint checkpoint_in(MarbleHistory& history, BodyId ball, Tick tick) const;
 
-  // What is replayed (marbles_replays.cpp).
+  // Replays (marbles_replays.cpp).
   void begin_replay(const MarbleReplay& replay);
   void goes_live(BodyId ball);
   void hasten_partners(BodyId ball, Tick now);
@@ -212,7 +214,7 @@ class Marbles {
   bool stays_alone(BodyId ball, const MarbleHistory::Part& part,
                    const MarbleHistory::Flight& way) const;
   Tick first_changed(BodyId ball, const MarbleReplay& replay, Tick until);
-  /// The tick of what takes place, also while some catch up with it.
+  /// The tick of the current event, also while some balls catch up with it.
   Tick present() const { return catches_up_ ? present_ : now_; }
 
   // When balls meet something (marbles_predictions.cpp).
@@ -250,7 +252,7 @@ class Marbles {
   Tick end_{};
   Tick now_{};
   std::uint64_t work_max_ = UINT64_MAX;
-  // Of all balls.
+  // Common properties of all balls.
   double radius_m_ = 0;
   MaterialId material_{};
   Inertia inertia_;
@@ -261,29 +263,30 @@ class Marbles {
 
   std::vector<Marble> balls_;
   std::vector<Surroundings> surroundings_;
-  BallBoxes boxes_;             ///< of paths, or of confinements
-  std::vector<EventKey> keys_;  ///< of each ball's next event
-  /// By ball: its next partner, if it meets one at pair_tick; a replayed ball's is its history's.
+  BallBoxes boxes_;             ///< of paths or confinements
+  std::vector<EventKey> keys_;  ///< next event by ball
+  /// By ball: the partner that it meets next, at pair_tick. A replayed ball's partners are in its
+  /// history.
   std::vector<BodyId> partners_;
   Resting resting_;
   RecentContacts recent_;
   std::vector<BodyId> changed_;
   std::vector<BodyId> to_resume_;
   bool catches_up_ = false;
-  Tick present_{};  ///< that they catch up with
-  // MarbleHistories.
+  Tick present_{};  ///< tick that balls catch up with
+  // Histories.
   bool records_ = false;
-  std::vector<MarbleHistory> kept_;               ///< of those that are simulated, if it records
-  std::vector<BodyId> met_;                       ///< at the present event
+  std::vector<MarbleHistory> kept_;               ///< of simulated balls, if recording
+  std::vector<BodyId> met_;                       ///< balls of the current event to checkpoint
   MarbleHistories replayed_;                      ///< null: simulated
-  std::vector<BodyId> replays_;                   ///< those that aren't null, ascending
+  std::vector<BodyId> replays_;                   ///< balls that are replayed, ascending
   std::vector<std::uint8_t> is_changed_feature_;  ///< by feature
-  std::vector<std::size_t> part_now_;             ///< of each replayed ball's history
-  std::vector<std::uint64_t> own_work_;  ///< by ball: of events of which it is the lower one
+  std::vector<std::size_t> part_now_;             ///< by replayed ball: current part of its history
+  std::vector<std::uint64_t> own_work_;  ///< by ball: work of events in which it is the lower ball
   std::vector<Tick> last_event_;         ///< by ball
   std::vector<std::uint32_t> since_checkpoint_;    ///< by ball: events since its last checkpoint
-  std::vector<std::pair<BodyId, Tick>> hastened_;  ///< scratch: balls going live, by when
-  std::uint64_t replayed_work_ = 0;  ///< of events before the checkpoints that some went on from
+  std::vector<std::pair<BodyId, Tick>> hastened_;  ///< scratch: balls that must go live, with ticks
+  std::uint64_t replayed_work_ = 0;  ///< work before the checkpoints from which balls have resumed
   bool has_replayed_ = false;
   bool lacks_checkpoint_ = false;
   Counts counts_;

@@ -1,5 +1,4 @@
-// What collisions, lasting contacts and rest do to marbles: the rules of contact_events.h over
-// their table.
+// Applies the rules of contact_events.h to marbles: collisions, lasting contacts and rest.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -66,7 +65,7 @@ class Marbles::AtEvent : public contact::Event {
               .alone_for = marbles.alone_for_},
         marbles_(marbles) {}
 
-  /// All are one.
+  /// All balls have the same properties.
   struct Ball {
     double reach_m;
     const Inertia& inertia;
@@ -82,7 +81,7 @@ class Marbles::AtEvent : public contact::Event {
   const RoundBody& round_body(BodyId /*ball*/) const { return marbles_.round_; }
 
   MotionMode mode(BodyId ball) const { return marbles_.balls_[ball].segment.mode; }
-  /// Kept, as an event asks several times where its ball is.
+  /// Cached, since an event uses its ball's position several times.
   const Vec3& place_m(BodyId ball) {
     if (ball != placed_) {
       placed_ = ball;
@@ -92,8 +91,8 @@ class Marbles::AtEvent : public contact::Event {
   }
   Twist twist(BodyId ball) const { return marbles_.twist_at(ball, tick); }
   Supports& supports(BodyId ball) { return marbles_.balls_[ball].supports; }
-  /// How it would move from rest depends on normals and friction, and those of faces stay as they
-  /// are.
+  /// Cached: the motion from rest depends only on normals and friction, and these are constant on
+  /// faces without friction maps.
   bool stands(BodyId ball, std::span<const LastingContact> on) {
     Marble& own = marbles_.balls_[ball];
     const bool same =
@@ -119,7 +118,7 @@ class Marbles::AtEvent : public contact::Event {
   }
   void begin_after(BodyId ball, const Twist& twist) {
     Segment& segment = marbles_.balls_[ball].segment;
-    // Its orientation stays.
+    // The orientation stays.
     segment.flight.position_m = place_m(ball);
     segment.flight.begin = tick;
     segment.flight.velocity_mps = twist.velocity_mps;
@@ -152,7 +151,7 @@ class Marbles::AtEvent : public contact::Event {
  private:
   Marbles& marbles_;
   BodyId placed_ = k_none;
-  Vec3 place_m_;  ///< of that one
+  Vec3 place_m_;  ///< position of placed_
 };
 
 // ---- what happens -------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-// How a simulation keeps the history of each ball.
+// Stores the history of each ball.
 #include <algorithm>
 #include <utility>
 
@@ -9,13 +9,13 @@
 namespace sleight::physics {
 namespace {
 
-/// Checkpoints of a ball, start included. Balls that lean on each other meet thousands of times,
-/// and a simulation rarely goes on from there. Speed only, as the next two.
+/// Maximum checkpoints per ball, including the start. Balls that lean on each other meet thousands
+/// of times, and simulations rarely resume there. Affects speed only, like the next two constants.
 constexpr std::size_t k_checkpoints_max = 48;
 
-/// A ball that meets no other has a checkpoint after so many events, since going on repeats all
-/// events since the last checkpoint; more checkpoints cost more than they save. Of such checkpoints
-/// it has at most k_lone_checkpoints_max, which leaves room for those after meetings.
+/// A ball that meets no other ball gets a checkpoint after this many events, because resuming
+/// repeats all events since the last checkpoint. More checkpoints cost more than they save. The
+/// maximum k_lone_checkpoints_max leaves room for checkpoints after meetings.
 constexpr std::uint32_t k_checkpoint_every = 16;
 constexpr std::size_t k_lone_checkpoints_max = 24;
 
@@ -31,7 +31,8 @@ void Marbles::keep_part(BodyId ball, const TouchBox& box) {
   auto& parts = kept_[ball].parts;
   auto& flights = kept_[ball].flights;
   const Marble& own = balls_[ball];
-  // What was to come has not, or is kept anew. Of several collisions at a tick each counts.
+  // Remove parts that lie in the future or are rewritten now. Several collisions at one tick each
+  // have a part.
   while (!parts.empty() &&
          (parts.back().begin > now_ ||
           (parts.back().begin == now_ && parts.back().last_feature == own.last_feature))) {
@@ -59,7 +60,8 @@ void Marbles::keep_meeting(BodyId a, BodyId b) {
   }
 }
 
-/// What goes on from here, of which a part lies in the history's lists.
+/// Creates a checkpoint of a ball's current state; some of the data are appended to the history's
+/// lists.
 MarbleHistory::Checkpoint Marbles::checkpoint_in(MarbleHistory& history, BodyId ball,
                                                  Tick tick) const {
   MarbleHistory::Checkpoint checkpoint{.tick = tick,
@@ -73,7 +75,8 @@ MarbleHistory::Checkpoint Marbles::checkpoint_in(MarbleHistory& history, BodyId 
   return checkpoint;
 }
 
-/// Of those that met at the event that has just been processed, and of its ball once in a while.
+/// Adds checkpoints for the balls that met at this event, and now and then for the event's own
+/// ball.
 void Marbles::keep_checkpoints(BodyId of) {
   if (records_ && ++since_checkpoint_[of] >= k_checkpoint_every &&
       kept_[of].checkpoints.size() < k_lone_checkpoints_max &&
@@ -97,7 +100,7 @@ MarbleHistories Marbles::histories() const {
   MarbleHistories histories(balls_.size());
   for (BodyId ball{}; ball < balls_.size(); ++ball) {
     if (const auto& replayed = replayed_[ball]) {
-      // Beyond the present it is another simulation's.
+      // Beyond the present, the history is another simulation's.
       if (replayed->stays && replayed->last.tick <= now_) histories[ball] = replayed;
       continue;
     }

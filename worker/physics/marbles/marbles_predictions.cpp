@@ -1,4 +1,3 @@
-// When balls meet something.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,29 +8,30 @@
 namespace sleight::physics {
 namespace {
 
-/// A path's box is looked at in halves of halves, so many times, before it is taken to come near
-/// another one. Speed only.
+/// Number of times that a path's box is halved before the path is assumed to come near another box.
+/// Affects speed only.
 constexpr int k_halvings = 5;
 
 using detail::k_root_shrink;
 
-/// Paths that are longer mostly leave the cell in which they begin: 16 ms. Speed only.
+/// Paths longer than this (16 ms) usually leave the cell in which they begin. Affects speed only.
 constexpr TickCount k_short = TickCount{1} << 24;
 
-/// A ball has settled if it goes less than such a part of its radius: then it stays in its
-/// surroundings for some such motions. Speed only.
+/// A ball that moves by less than this share of its radius has settled: it stays in its
+/// surroundings for several such motions. Affects speed only.
 constexpr double k_short_radii = 0.25 * k_settled_radii;
 
-/// A search that is one tick early, as rounding makes some, finds the collision at the next one; so
-/// many are judged before it is worth asking for how long it can't collide. Speed only.
+/// Number of ticks tested before the search computes how long no collision is possible. Rounding
+/// makes some searches one tick early, and these find the collision at the next tick. Affects speed
+/// only.
 constexpr std::uint64_t k_early_ticks = 2;
 
-/// A corner's region is asked where it is touched; after so many ticks that were too early for a
-/// touch, at each. Speed only.
+/// Number of ticks that are too early for a touch before a corner's region is tested at each tick
+/// and not only at touches. Affects speed only.
 constexpr std::uint64_t k_steps_without_region = 6;
 
-/// For how long an edge or a vertex can't be collided with, by touch and approach as examine judges
-/// them: 0 if both hold.
+/// Time for which no collision with an edge or a vertex is possible, by touch and approach as
+/// examine tests them; 0 if both hold.
 double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre, double radius_m,
                           double size_m) {
   Vec3 away_m = centre.position_m - corner.point_m;
@@ -46,20 +46,20 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
   const double c_v = math::dot(away_m, velocity_mps);
   const auto [gap_m, rate_mps] = gap_at_distance(distance_m, c_v, radius_m);
   if (collides(gap_m, rate_mps)) return 0;
-  // The distance is at least that from a plane through the line or point, at right angles to the
-  // way there. It doesn't shrink as long as c.v stays positive (sphere_search.h).
+  // The distance is at least that from a plane through the line or point, perpendicular to the
+  // connecting vector. The distance doesn't shrink while c.v is positive (sphere_search.h).
   const double c_a = math::dot(away_m, pull_mps2);
   double not_before_s = 0;
   if (!approaches(rate_mps)) {
     const double v_a = math::dot(velocity_mps, pull_mps2);
     const double c_v_rate = math::dot(velocity_mps, velocity_mps) + c_a;
     const double left = c_v + k_approach_at * k_approach_mps * radius_m;
-    // left + c_v_rate h + 3/2 v.a h^2 falls to 0.
+    // Find where left + c_v_rate h + 3/2 v.a h^2 falls to 0.
     if (left > 0) {
       not_before_s = first_fall_s(left, c_v_rate, 3 * v_a);
       if (not_before_s == k_forever_s) return k_forever_s;
     }
-    // Nor is it an approach before the pull has made it one: a rate falls no faster than that.
+    // The rate also falls no faster than the pull, which bounds the begin of an approach.
     const double pull = math::norm(pull_mps2);
     if (pull == 0) return k_forever_s;
     not_before_s = std::max(not_before_s, (rate_mps + k_approach_mps) / pull);
@@ -75,9 +75,9 @@ MovingPoint centre_at(const FreeFlight& flight, Tick tick) {
           .acceleration_mps2 = flight.acceleration_mps2};
 }
 
-/// Of a ball whose centre stays within an extent.
+/// Box of a ball whose centre stays within an extent.
 TouchBox ball_box(const PathExtent& extent, double radius_m) {
-  // A float lies within 2^-24 of its number.
+  // Converting to float changes a number by at most 2^-24 of it.
   const Four pad_m = Four::axes(radius_m + k_place_pad_m);
   const Four low_m = extent.low_m - pad_m;
   const Four high_m = extent.high_m + pad_m;
@@ -86,7 +86,7 @@ TouchBox ball_box(const PathExtent& extent, double radius_m) {
           .high_m = floats_of(high_m + rounding * fabs(high_m))};
 }
 
-/// Of a ball on its way from one tick to another.
+/// Box of a ball's path between two ticks.
 [[gnu::always_inline]] inline TouchBox box_of_way(const FreeFlight& flight, Tick from, Tick to,
                                                   double radius_m) {
   const Four velocity_mps = Four::of(flight.velocity_mps);
@@ -105,8 +105,8 @@ TouchBox ball_box(const PathExtent& extent, double radius_m) {
   return ball_box(extent, radius_m);
 }
 
-/// Whether two balls certainly don't touch for a while: their distance is at least that from a
-/// plane at right angles to the way between them.
+/// Whether two balls certainly don't touch for a time span: their distance is at least that from a
+/// plane perpendicular to their connecting vector.
 bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double span_s) {
   const Vec3 between_m = b.position_m - a.position_m;
   const double square = math::dot(between_m, between_m);
@@ -122,7 +122,7 @@ bool stay_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, doub
 
 // ---- static geometry ----------------------------------------------------------------------------
 
-/// A part of a path on which what is near stays the same.
+/// A part of a path during which the set of nearby features is constant.
 struct Marbles::Window {
   Tick start{};
   Tick stop{};
@@ -130,7 +130,7 @@ struct Marbles::Window {
   PathExtent extent{Four::zero(), Four::zero()};  ///< of the centre from `begins` to measured_to
   Tick begins{};
   Tick measured_to{-1};
-  TouchBox box{};  ///< of the centre, and some more, from `begins` to boxed_to
+  TouchBox box{};  ///< of the centre with padding, from `begins` to boxed_to
   Tick boxed_to{-1};
   void begin(const FreeFlight& flight) {
     begins = start;
@@ -147,7 +147,7 @@ struct Marbles::Window {
     stop = tick;
     path.span_s = seconds(stop - start);
   }
-  /// Whether it is worth a look if it ends where it is near its start.
+  /// Whether the window is short enough to test if it stays near its start.
   bool is_short() const { return stop - start <= k_short; }
   bool is_within(const NearFeatures::Cell& cell) {
     measure();
@@ -159,23 +159,23 @@ struct Marbles::Window {
     measured_to = stop;
     extent = extent_of(path.place_m, path.velocity_mps, path.pull_mps2, path.span_s);
   }
-  /// At most, along all axes together. REQUIRES: it is measured.
+  /// Upper bound of the path's length along all axes together. REQUIRES: measure() was called.
   double goes_m() const { return sum(extent.high_m - extent.low_m); }
-  /// Where it may meet what. REQUIRES: margins are known.
+  /// Computes the box for tests against touch boxes. REQUIRES: the path's margins are set.
   void make_box() {
     if (boxed_to == stop) return;
     boxed_to = stop;
     measure();
     path.goes(goes_m());
-    // A float lies within 2^-24 of its number.
+    // Converting to float changes a number by at most 2^-24 of it.
     const Four pad_m = Four::axes(k_place_pad_m + 0x1p-22 * path.size_m);
     box.low_m = floats_of(extent.low_m - pad_m);
     box.high_m = floats_of(extent.high_m + pad_m);
   }
 };
 
-/// When a ball whose motion has changed now meets static geometry, and the box of its path up to
-/// its next event.
+/// Predicts a ball's next collision with static geometry after its motion has changed, and sets the
+/// box of its path up to its next event.
 void Marbles::predict_static(BodyId index) {
   Marble& ball = balls_[index];
   ball.static_tick = k_never;
@@ -186,8 +186,9 @@ void Marbles::predict_static(BodyId index) {
     if (records_) keep_part(index, boxes_.of(index));
     return;
   }
-  // What it stays on it doesn't meet before its mode event. What it has just left is often what it
-  // meets next, and then the rest is too far away: so that is asked first.
+  // Skip the ball's supports, which it can't meet before its mode event. Test the feature of the
+  // last collision first: it is often the next one too, and the other features are then too far
+  // away.
   std::array<FeatureId, 4> done{k_nothing, k_nothing, k_nothing, k_nothing};
   if (in_contact(ball.segment)) {
     for (std::uint32_t i = 0; i < ball.supports.count; ++i)
@@ -206,7 +207,7 @@ void Marbles::predict_static(BodyId index) {
     best_tick = tick;
     best = feature;
   };
-  // In line always: with calls a prediction takes 2% more instructions.
+  // always_inline: function calls would add 2% to a prediction's instructions.
   const auto ask_face = [&](FeatureId index_of_face) __attribute__((always_inline)) {
     const SphereFeature& face = statics_->feature(index_of_face);
     const double after_s = face_not_before_s(window.path, face);
@@ -223,8 +224,8 @@ void Marbles::predict_static(BodyId index) {
       met(index_of_corner, meets_corner(flight, corner, window, after_s));
   };
   const TouchBox* const touch_boxes = near_->touch_boxes().data();
-  // The processor can't foretell which are near, so no branch depends on it: the near ones are
-  // collected first and tested afterwards.
+  // The processor can't predict which features are near, so no branch depends on it: near features
+  // are collected first and tested afterwards.
   std::array<std::uint32_t, 64> near;
   const auto ask_each = [&](std::span<const FeatureId> features, const auto& ask)
       __attribute__((always_inline)) {
@@ -245,7 +246,7 @@ void Marbles::predict_static(BodyId index) {
     }
   };
   for (window.start = now_; window.start <= until; window.start = window.stop + 1) {
-    // As far as what is near the start is all that is near.
+    // Extend the window as far as the features near its start are the only ones.
     window.begin(flight);
     const bool is_settled = surroundings.holds(window.path.place_m);
     const NearFeatures::Cell cell =
@@ -266,12 +267,12 @@ void Marbles::predict_static(BodyId index) {
       if (stay_s < window.path.span_s)
         window.ends(std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s))));
       if (best_tick > window.stop) {
-        // It is asked again where it is near then.
+        // The feature is tested again in the window in which it is near.
         best_tick = k_never;
         best = k_nothing;
       }
       if (!window.is_short()) {
-        // For longer than it was asked for.
+        // The window is longer than the one that was tested.
         window.path.sets_margins(near_->coordinates_m(), radius_m_);
         done[3] = k_nothing;
       }
@@ -279,7 +280,7 @@ void Marbles::predict_static(BodyId index) {
     window.make_box();
     if (!near_->everywhere().empty()) ask_each(near_->everywhere(), ask_face);
     ask_each(cell.faces, ask_face);
-    // The path is mostly shorter by now.
+    // The path is usually shorter now.
     window.make_box();
     ask_each(cell.corners, ask_corner);
     window.measure();
@@ -298,7 +299,8 @@ void Marbles::predict_static(BodyId index) {
   if (records_) keep_part(index, boxes_.of(index));
 }
 
-/// A search takes some ticks; so many mean that a bound is wrong.
+/// Fails the simulation: a search takes some ticks, so reaching the limit means that a bound is
+/// wrong.
 Tick Marbles::gives_up(Tick tick) {
   fail(SceneError::Kind::search_gave_up,
        fmt::format("a collision search examined more than {} ticks, up to tick {} ({:.9g} s)",
@@ -306,7 +308,8 @@ Tick Marbles::gives_up(Tick tick) {
   return k_never;
 }
 
-/// `after_s`: from when on it may touch its plane.
+/// First tick at which the ball collides with a face. `after_s`: earliest time of a touch with its
+/// plane.
 Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, const Window& window,
                          double after_s) {
   const std::span<const RegionSide> sides = statics_->sides(face);
@@ -318,7 +321,8 @@ Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, co
         collides(gap_to_face(face, now.position_m - face.point_m, now.velocity_mps, radius_m_));
     if (hits && is_inside(sides, now.position_m)) return tick;
     if (hits) {
-      // It goes below the plane outside of its region, and may come into that, deep as it is.
+      // The ball goes below the plane outside the face's region, and may enter the region at that
+      // depth.
       const double outside_s = k_root_shrink * outside_for_s(sides, now);
       if (!(outside_s <= seconds(window.stop - tick))) return k_never;
       tick = tick + std::max<TickCount>(1, ticks_after(outside_s));
@@ -329,7 +333,8 @@ Tick Marbles::meets_face(const FreeFlight& flight, const SphereFeature& face, co
   return k_never;
 }
 
-/// The same of the edge's line, or the vertex.
+/// First tick at which the ball collides with an edge or a vertex. `after_s`: earliest time of a
+/// touch.
 Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner,
                            const Window& window, double after_s) {
   const PathPart& path = window.path;
@@ -344,7 +349,7 @@ Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner
     if (hits || judged >= k_early_ticks) {
       if (judged == 0 && stays_outside(sides, path, after_s, path.span_s + k_seconds_per_tick))
         return k_never;
-      // Which side it is outside of is asked where it touches, or comes closer slowly.
+      // Test the region's sides only where the ball touches or comes closer slowly.
       double failing_s = hits ? 0 : corner_fails_for_s(corner, now, radius_m_, path.size_m);
       if (hits || judged >= k_steps_without_region)
         failing_s = std::max(failing_s, k_root_shrink * outside_for_s(sides, now));
@@ -356,8 +361,8 @@ Tick Marbles::meets_corner(const FreeFlight& flight, const SphereFeature& corner
   return k_never;
 }
 
-/// When a ball first meets one of some features, from a tick on and up to another one, as
-/// predict_static finds it; k_never if it doesn't.
+/// First tick between two ticks at which a ball meets one of the changed features, computed as in
+/// predict_static; k_never if none.
 Tick Marbles::first_met(const FreeFlight& flight, Tick from, Tick until,
                         const MarbleChange& change) {
   Window window;
@@ -392,7 +397,8 @@ TouchBox Marbles::way_box_of(const FreeFlight& flight, Tick from, Tick to) const
 
 bool Marbles::way_meets(const FreeFlight& flight, Tick from, Tick to, const TouchBox& box,
                         int depth) const {
-  // Both boxes hold balls: their centres are further in, and touch at two radii.
+  // Both boxes contain whole balls, whose centres are further inside and two radii apart when they
+  // touch.
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   if (apart_m2(box_of_way(flight, from, to, radius_m_), box, radius_m_) > reach_m * reach_m)
     return false;
@@ -402,8 +408,8 @@ bool Marbles::way_meets(const FreeFlight& flight, Tick from, Tick to, const Touc
          way_meets(flight, middle, to, box, depth + 1);
 }
 
-/// When a ball whose motion has changed meets another one, if first; wakes the attention of those
-/// that are left alone.
+/// Predicts a ball's next collision with another ball after its motion has changed. Balls that are
+/// left alone near its path are made to catch up.
 void Marbles::predict_pairs(BodyId index) {
   balls_[index].pair_tick = k_never;
   partners_[index] = k_none;
@@ -417,7 +423,7 @@ void Marbles::predict_pairs(BodyId index) {
   }
 }
 
-/// A ball's path comes near another one's, or near its confinement.
+/// Processes a ball whose path comes near another ball or its confinement.
 void Marbles::comes_near(BodyId index, const TouchBox& own, BodyId other) {
   if (balls_[other].suspended) {
     if (balls_[other].resumes || !path_meets(index, now_, next_of(index), boxes_.of(other), 0))
@@ -427,11 +433,11 @@ void Marbles::comes_near(BodyId index, const TouchBox& own, BodyId other) {
     return;
   }
   if (is_resting(index) && is_resting(other)) return;
-  // Boxes overlap in their corners, where no ball is.
+  // Boxes may overlap only in their corners, where no ball is.
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   if (apart_m2(own, boxes_.of(other), radius_m_) > reach_m * reach_m) return;
   const Tick tick = predict_pair(std::min(index, other), std::max(index, other));
-  // On a tie the key with the lower ids counts; others come in ascending order.
+  // On a tie the key with the lower ids counts; the loop visits balls in ascending order.
   if (tick >= balls_[index].pair_tick) return;
   balls_[index].pair_tick = tick;
   partners_[index] = other;
@@ -440,7 +446,7 @@ void Marbles::comes_near(BodyId index, const TouchBox& own, BodyId other) {
 Refractory Marbles::refractory_of(BodyId a, BodyId b, Tick begin) const {
   const Refractory refractory = recent_.of(a, b);
   if (refractory.until <= begin) return refractory;
-  // In so short a time they don't change their speed by themselves.
+  // In so short a time, free motion doesn't change their speeds.
   const FreeFlight& first = balls_[a].segment.flight;
   const FreeFlight& second = balls_[b].segment.flight;
   const Vec3 between_m = position_at(second, begin) - position_at(first, begin);
@@ -468,7 +474,7 @@ Tick Marbles::predict_pair(BodyId a, BodyId b) const {
   return first_touch(first, second, from, until, refractory);
 }
 
-/// When two balls collide, from a tick on and up to another one; k_never if they don't.
+/// First tick between two ticks at which two balls collide; k_never if none.
 Tick Marbles::first_touch(const FreeFlight& first, const FreeFlight& second, Tick from, Tick until,
                           const Refractory& refractory) const {
   const double radii_m = radius_m_ + radius_m_;

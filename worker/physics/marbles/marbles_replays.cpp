@@ -1,4 +1,4 @@
-// How histories of another simulation are replayed.
+// Replays histories of another simulation.
 #include <algorithm>
 #include <utility>
 
@@ -8,14 +8,14 @@
 namespace sleight::physics {
 namespace {
 
-/// The work of what is replayed was counted in another simulation, in which others disturbed balls
-/// that were left alone. So one that comes within this factor of the work that it may take is void,
-/// and everything is simulated instead.
+/// Safety factor for the work limit. The work of replayed balls was counted in another simulation,
+/// in which other balls disturbed those left alone. So if the total work times this factor exceeds
+/// the limit, the replay is void and everything is simulated.
 constexpr std::uint64_t k_work_margin = 2;
 
 }  // namespace
 
-/// Whether a ball that was left alone would be in the same confinement.
+/// Whether a ball that was left alone would get the same confinement now.
 bool Marbles::stays_alone(BodyId ball, const MarbleHistory::Part& part,
                           const MarbleHistory::Flight& way) const {
   const auto box = confinement_(
@@ -26,9 +26,9 @@ bool Marbles::stays_alone(BodyId ball, const MarbleHistory::Part& part,
   return confined.low_m == part.box.low_m && confined.high_m == part.box.high_m;
 }
 
-/// When a ball first meets, in its history, something of static geometry that is otherwise than it
-/// was, or was met by it and isn't now, or would be left alone otherwise; k_never if not up to a
-/// tick.
+/// First tick, up to `until`, at which a ball's history is affected by changes: it meets a changed
+/// feature, met one that has changed, or would be left alone differently. Returns k_never if there
+/// is none.
 Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until) {
   const MarbleHistory& history = *replayed_[ball];
   const auto is_changed = [&](FeatureId feature) {
@@ -40,7 +40,7 @@ Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until)
     if (part.begin > until) break;
     if (is_changed(part.last_feature)) return part.begin;
     if (part.is_alone) {
-      // Whatever is met in a confinement, it isn't left.
+      // Whatever the ball meets inside a confinement, it doesn't leave it.
       if (replay.confinement_differs && !stays_alone(ball, part, history.flights[i]))
         return part.begin;
       continue;
@@ -48,7 +48,7 @@ Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until)
     Tick first = k_never;
     for (const MarbleChange& change : replay.changes) {
       if (!overlaps(change.box, part.box)) continue;
-      // What it stays on it has met before. Whether it may start there is asked when it does.
+      // The ball has met its supports before. Whether it may start here is tested when it starts.
       const TouchBox start = way_box_of(history.flights[i].flight(), part.begin, part.begin);
       if (i == 0 && overlaps(change.box, start)) return part.begin;
       if (part.mode == MotionMode::resting) continue;
@@ -119,7 +119,7 @@ bool Marbles::is_replay_void() const {
 void Marbles::stop_replay(BodyId marble) {
   if (replayed_[marble] == nullptr) return;
   goes_live(marble);
-  // All that happens up to the present has happened.
+  // All events up to the present have happened.
   resume({.tick = now_, .kind = EventKind::sample, .lower = UINT32_MAX});
 }
 
@@ -132,7 +132,7 @@ void Marbles::goes_live_by(BodyId ball, Tick tick) {
   }
 }
 
-/// Makes all of them that were found since the list was so long go live.
+/// Makes the balls live that were added since the list had length `from`.
 void Marbles::hasten(std::size_t from) {
   while (hastened_.size() > from) {
     const auto [ball, tick] = hastened_.back();
@@ -141,7 +141,7 @@ void Marbles::hasten(std::size_t from) {
   }
 }
 
-/// From the present on a ball is simulated. It is then among those that catch up.
+/// Simulates a ball from the present on. The ball first catches up.
 void Marbles::goes_live(BodyId ball) {
   const std::shared_ptr<const MarbleHistory> history = std::move(replayed_[ball]);
   replayed_[ball] = nullptr;
@@ -167,8 +167,9 @@ void Marbles::goes_live(BodyId ball) {
   hasten(from);
 }
 
-/// What a ball did to others in its history it may not do now: neither meet them, nor be what the
-/// one that it has just met rests on, or asks about rest with.
+/// Collects the balls that must go live because a ball that they interacted with in their history
+/// does. These are balls that later meet it, have just met it and may read it in rest decisions, or
+/// rest on it.
 void Marbles::hasten_partners(BodyId ball, Tick now) {
   for (const BodyId other : replays_) {
     const MarbleHistory& theirs = *replayed_[other];
@@ -190,15 +191,15 @@ void Marbles::hasten_partners(BodyId ball, Tick now) {
   }
 }
 
-/// A ball has the state of a checkpoint, and waits to catch up.
+/// Gives a ball the state of a checkpoint, and lets it wait to catch up.
 void Marbles::go_on_from(BodyId ball, const MarbleHistory& history,
                          const MarbleHistory::Checkpoint& checkpoint, Tick now) {
-  // What it rests on must be there to wake it.
+  // The balls that it rests on must be live to wake it.
   for (const BodyId other : replays_) {
     if (checkpoint.rest.rests_on(other)) hastened_.emplace_back(other, now);
   }
   balls_[ball] = checkpoint.marble;
-  balls_[ball].suspended = balls_[ball].resumes = true;  // waits to catch up
+  balls_[ball].suspended = balls_[ball].resumes = true;
   resting_.restore(ball, checkpoint.rest, history.touches);
   recent_.restore(ball, std::span(history.met).subspan(checkpoint.first_met, checkpoint.met_count));
   surroundings_[ball] = {};
@@ -210,7 +211,7 @@ void Marbles::go_on_from(BodyId ball, const MarbleHistory& history,
   to_resume_.push_back(ball);
 }
 
-/// What is kept of a ball begins with its history up to a checkpoint.
+/// Starts a ball's own history with a copy of the replayed history up to a checkpoint.
 void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
                          const MarbleHistory::Checkpoint& checkpoint) {
   MarbleHistory& own = kept_[ball];
@@ -220,7 +221,7 @@ void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
   own.parts.assign(history.parts.begin(), history.parts.begin() + parts);
   own.flights.assign(history.flights.begin(), history.flights.begin() + parts);
   std::ranges::copy_if(history.checkpoints, std::back_inserter(own.checkpoints), is_before);
-  // Lists grow with checkpoints, so what later ones know lies behind.
+  // Lists grow with checkpoints, so data of later checkpoints are behind these.
   const std::size_t touches = checkpoint.rest.first_touch + checkpoint.rest.touch_count();
   const std::size_t met = checkpoint.first_met + checkpoint.met_count;
   own.touches.assign(history.touches.begin(),
@@ -232,7 +233,8 @@ void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
 
 // ---- those that are simulated, and those that are replayed --------------------------------------
 
-/// A ball is in a box from now to a tick, or, if that is its path, where that takes it.
+/// Finds replayed balls that a ball may meet before a tick. The ball stays in the box, or follows
+/// its path there if `is_path`.
 void Marbles::comes_near_replayed(BodyId index, const TouchBox& box, Tick to, bool is_path) {
   const Tick from = present();
   if (to < from) return;
@@ -268,15 +270,15 @@ void Marbles::comes_near_replayed(BodyId index, const TouchBox& box, Tick to, bo
   hasten(found);
 }
 
-/// Whether another one starts where a ball is then, or as good as there.
+/// Whether another ball's history starts where this ball is then, or almost there.
 bool Marbles::starts_at(BodyId ball, const MarbleHistory::Flight& way) const {
   const double reach_m = 2 * (radius_m_ + k_place_pad_m);
   return apart_m2(path_box_of(ball, way.begin, way.begin),
                   way_box_of(way.flight(), way.begin, way.begin), radius_m_) <= reach_m * reach_m;
 }
 
-/// When a ball meets one that moves in a known way, both from a tick on and up to another one; not
-/// too late.
+/// First tick between two ticks at which a ball meets one with known motion; may be early but is
+/// never late.
 Tick Marbles::meets_way(BodyId ball, const MarbleHistory::Flight& way, MotionMode mode, Tick from,
                         Tick until) const {
   const Segment& segment = balls_[ball].segment;
@@ -288,7 +290,7 @@ Tick Marbles::meets_way(BodyId ball, const MarbleHistory::Flight& way, MotionMod
   return first_touch(segment.flight, way.flight(), from, until, {});
 }
 
-/// The last part of a replayed ball's way that began before the present.
+/// Advances to the last part of a replayed ball's path that began before the present.
 void Marbles::find_part_now(BodyId ball) {
   const auto& parts = replayed_[ball]->parts;
   std::size_t& part = part_now_[ball];
@@ -296,8 +298,7 @@ void Marbles::find_part_now(BodyId ball) {
     ++part;
 }
 
-/// When a ball that is replayed first comes near a box, as far as its history goes; k_never if
-/// never.
+/// First tick at which a replayed ball comes near a box, in its known history; k_never if none.
 Tick Marbles::replayed_comes_near(const TouchBox& box) {
   Tick first = k_never;
   for (const BodyId other : replays_) {

@@ -10,13 +10,13 @@ namespace sleight::physics {
 namespace {
 
 constexpr float k_infinity = std::numeric_limits<float>::infinity();
-/// Cells and the margins about them, as parts of a ball's radius: smaller cells have shorter lists,
-/// wider margins let a path stay longer. Speed only.
+/// Sizes of cells and their margins, as shares of a ball's radius: smaller cells have shorter
+/// lists; wider margins let a path stay longer. Affect speed only.
 constexpr double k_cell_radii = 0.7;
 constexpr double k_margin_radii = 0.2;
-/// What outgrows its home gets one that is so much larger than need be on each side.
+/// Extra growth of a home on each side when its touch box leaves it.
 constexpr double k_growth_radii = 0.15;
-/// More cells than this are made larger.
+/// Maximum number of cells; above it, cells are made larger.
 constexpr double k_cells_max = 1 << 16;
 
 constexpr TouchBox k_everywhere{.low_m = {-k_infinity, -k_infinity, -k_infinity, 0},
@@ -35,7 +35,7 @@ TouchBox NearFeatures::touch_box_of_plane(FeatureId index) const {
   const double reach_m = radius_m_ + 2 * k_touch_m;
   TouchBox box = k_everywhere;
   for (std::size_t i = 0; i < 3; ++i) {
-    // Centres may be anywhere below, too: a plane has no sides.
+    // A plane has no sides, so centres may be anywhere below.
     const double slope = plane.direction[static_cast<int>(i)];
     const double place_m = plane.point_m[static_cast<int>(i)];
     if (slope == 1) box.high_m[i] = padded_above(place_m + reach_m, k_touch_box_pad_m);
@@ -44,7 +44,7 @@ TouchBox NearFeatures::touch_box_of_plane(FeatureId index) const {
   return box;
 }
 
-/// Where features themselves are, which seldom changes: boxes have slack.
+/// Measures the features' own boxes, which rarely change, because they have slack.
 void NearFeatures::measure_features() {
   boxes_made_ = statics_.boxes_made();
   for (FeatureId f{statics_.plane_count()}; f < statics_.feature_count(); ++f)
@@ -59,14 +59,14 @@ NearFeatures::Range NearFeatures::cells_of(const TouchBox& box) const {
       return static_cast<std::uint32_t>(
           std::clamp(std::floor((x - origin_m_[i]) / cell_m_), 0.0, counts_[i] - 1.0));
     };
-    // Some more than the margin: which cell a centre is in is a matter of rounding.
+    // Use slightly more than the margin, because rounding decides which cell contains a centre.
     range.from[i] = place(double{box.low_m[i]} - 1.01 * margin_m_);
     range.to[i] = place(double{box.high_m[i]} + 1.01 * margin_m_) + 1;
   }
   return range;
 }
 
-/// Calls visit(list) for the cells of a range that are not in another one.
+/// Calls visit(list) for the cells of a range that are not in `without`.
 template <class Visit>
 void NearFeatures::for_each_cell(const Range& range, const Range& without,
                                  const Visit& visit) const {
@@ -79,7 +79,7 @@ void NearFeatures::for_each_cell(const Range& range, const Range& without,
   }
 }
 
-/// Makes a feature's home larger, so that it holds its touch box.
+/// Enlarges a feature's home to contain its touch box.
 void NearFeatures::enlarge_home(FeatureId feature) {
   const TouchBox& box = touch_boxes_[feature];
   TouchBox& home = homes_[feature];
@@ -94,7 +94,7 @@ void NearFeatures::enlarge_home(FeatureId feature) {
   coordinates_m_ = std::max(coordinates_m_, size_m);
 }
 
-/// The same, and puts it in the lists that it wasn't in before.
+/// Enlarges a feature's home and adds the feature to the additional lists.
 void NearFeatures::grow_home(FeatureId feature) {
   const Range before = cells_of(homes_[feature]);
   enlarge_home(feature);
@@ -145,7 +145,7 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
     last_cell_[i] = counts_[i] - 1.0;
   strides_ = {1, 1.0 * counts_[0], 1.0 * counts_[0] * counts_[1], 0};
   lists_.resize(std::size_t{counts_[0]} * counts_[1] * counts_[2]);
-  // How long lists will be, then the lists.
+  // First compute the lengths of lists, then fill them.
   std::vector<std::uint32_t> lengths(2 * lists_.size());
   const auto is_corner = [&](FeatureId f) {
     return statics_.feature(f).kind == FeatureKind::face ? 0U : 1U;
@@ -158,7 +158,7 @@ NearFeatures::NearFeatures(const StaticGeometry& statics, double radius_m)
   }
   for (std::size_t list = 0; list < lists_.size(); ++list) {
     lists_[list].faces.reserve(lengths[2 * list]);
-    // Flat edges that become convex come in later.
+    // Flat edges that become convex are added later.
     lists_[list].corners.reserve(lengths[2 * list + 1] + (lengths[2 * list + 1] + 1) / 2);
   }
   for (FeatureId f{statics_.plane_count()}; f < count; ++f) {

@@ -1,19 +1,19 @@
-// What static geometry a ball of one size may touch next, as a table.
+// A table of the static geometry that a ball of a given size may touch.
 //
-// Idea. Each feature has a touch box: it holds every centre from which a ball touches the feature
-// in its region. Space is cut into cells, each with the list of the features whose touch boxes come
-// near it. A path that stays near a cell can touch only what is in the cell's list, and of that,
-// what has a touch box that the path's box overlaps: four numbers at a time.
+// Idea. Each feature has a touch box, which contains every centre from which a ball touches the
+// feature in its region. Space is divided into cells, each with a list of the features whose touch
+// boxes come near the cell. A path that stays near a cell can touch only features in the cell's
+// list whose touch boxes overlap the path's box, and that test compares four numbers at a time.
 //
-// Vertices that move change touch boxes, which are made anew, and not lists: these are made for
-// homes, which hold touch boxes and some slack. A home only grows, when a touch box outgrows it; so
+// Moving vertices change touch boxes, which are recomputed, but rarely lists. Lists depend on
+// homes, which are touch boxes with some slack. A home only grows, when its touch box leaves it. So
 // after a few moves of all vertices hardly any list changes.
 //
 // Invariants
-//   1. A ball whose centre is outside of a feature's touch box does not collide with it, rounding
-//      included.
-//   2. A list ascends, and holds every feature whose home overlaps the cell's reach.
-// Thread safety: const functions may run at once.
+//   1. A ball whose centre is outside a feature's touch box doesn't collide with the feature,
+//      rounding included.
+//   2. Lists are ascending, and contain every feature whose home overlaps the cell's reach.
+// Thread safety: const functions may run concurrently.
 #pragma once
 
 #include <array>
@@ -32,27 +32,28 @@ namespace sleight::physics {
 
 class NearFeatures {
  public:
-  /// Of balls of a radius. Borrows the geometry.
+  /// Builds the table for balls of one radius. Borrows the geometry.
   NearFeatures(const StaticGeometry& statics, double radius_m);
-  /// The geometry has been refreshed.
+  /// Updates the table after the geometry's refresh().
   void refresh();
 
   double radius_m() const { return radius_m_; }
   const StaticGeometry& statics() const { return statics_; }
 
   struct Cell {
-    Four low_m;   ///< of its reach: the cell, and some margin on each side
-    Four high_m;  ///< as good as infinite where no cell is beyond
+    Four low_m;   ///< lower corner of its reach: the cell and a margin on each side
+    Four high_m;  ///< upper corner; both are practically infinite at the outermost cells
     std::span<const FeatureId> faces;
     std::span<const FeatureId> corners;  ///< edges and vertices
   };
-  /// Inline, since it is asked for each part of each path. REQUIRES: the fourth number is 0.
+  /// Returns the cell that contains a centre. Inline for speed, since it is called for each part of
+  /// each path. REQUIRES: the fourth number is 0.
   Cell cell_at(const Four& centre_m) const;
-  /// Faces that belong to all cells: planes.
+  /// Planes, which belong to all cells.
   std::span<const FeatureId> everywhere() const { return everywhere_; }
   /// By feature.
   std::span<const TouchBox> touch_boxes() const { return touch_boxes_; }
-  /// No less than the sum of |coordinates| of any feature's point.
+  /// Upper bound for the sum of |coordinates| of any feature's point.
   double coordinates_m() const { return coordinates_m_; }
 
  private:
@@ -61,7 +62,7 @@ class NearFeatures {
   float reach_m() const { return static_cast<float>(radius_m_ + 2 * k_touch_m); }
   void enlarge_home(FeatureId feature);
   void grow_home(FeatureId feature);
-  /// Cells from the first up to, and without, the last of each axis.
+  /// Cell numbers by axis, from `from` up to but excluding `to`.
   struct Range {
     std::array<std::uint32_t, 3> from{};
     std::array<std::uint32_t, 3> to{};
@@ -80,15 +81,15 @@ class NearFeatures {
   double radius_m_;
   std::vector<TouchBox> touch_boxes_;
   std::vector<FeatureExtent> extents_;
-  std::uint64_t boxes_made_ = 0;     ///< the geometry's count when extents were
-  std::vector<TouchBox> homes_;      ///< for which lists were made
+  std::uint64_t boxes_made_ = 0;     ///< geometry's boxes_made() at the last measure_features()
+  std::vector<TouchBox> homes_;      ///< lists are based on these
   std::vector<FeatureId> outgrown_;  ///< while refreshing
   std::vector<FeatureId> everywhere_;
   // Cells, x fastest.
   std::array<double, 4> origin_m_{};
   std::array<std::uint32_t, 3> counts_{1, 1, 1};
-  std::array<double, 4> last_cell_{};  ///< of each axis: its number
-  std::array<double, 4> strides_{};    ///< from a list to that of the next cell along each axis
+  std::array<double, 4> last_cell_{};  ///< by axis: number of the last cell
+  std::array<double, 4> strides_{};    ///< by axis: index step between the lists of adjacent cells
   double coordinates_m_ = 0;
   double cell_m_ = 1;
   double cells_per_m_ = 1;
@@ -101,7 +102,7 @@ class NearFeatures {
 };
 
 inline NearFeatures::Cell NearFeatures::cell_at(const Four& centre_m) const {
-  // Farther than any path, and its square is a number still.
+  // Farther than any path, and small enough that the square is finite.
   const Four far = Four::all(1e30);
   const Four half = Four::all(0.5);
   const Four origin_m = Four::of(origin_m_);
@@ -110,7 +111,7 @@ inline NearFeatures::Cell NearFeatures::cell_at(const Four& centre_m) const {
   const Four number = whole_part(max(min(place, last), Four::zero()));
   const Four low_m = origin_m + (number * Four::all(cell_m_) - Four::all(margin_m_));
   const Four high_m = low_m + Four::all(cell_m_ + 2 * margin_m_);
-  // Numbers are whole, and so is their sum: exact.
+  // All terms are whole numbers, so their sum is exact.
   const List& lists = lists_[static_cast<std::size_t>(dot(number, Four::of(strides_)))];
   return {.low_m = choose_if_less(number, half, Four::zero() - far, low_m),
           .high_m = choose_if_less(last - half, number, far, high_m),

@@ -1,24 +1,24 @@
-// A part of a ball's path, and when on it the ball may first collide with something, at the
-// earliest.
+// Bounds for a part of a ball's path: the earliest time at which the ball may collide with a
+// feature.
 //
-// Idea. A path meets few of the features near it, and those not at once. The coefficients of three
-// parabolas along a feature's own directions bound the first tick at which it may be met, for a
-// tenth of the cost of judging one tick. This header has the bounds; the caller judges ticks from
-// there on (marbles_predictions.cpp).
+// Idea. A path meets few of the features near it, and usually late. The coefficients of three
+// parabolas along a feature's own directions bound the first possible collision, for a tenth of the
+// cost of testing one tick. This header computes the bounds; the caller tests ticks from there on
+// (marbles_predictions.cpp).
 //
-//   face    n.(p - q) is a parabola; that of a centre which falls is lowest at an end.
-//   corner  with c the way from an edge's line, or a vertex, to the centre at first, its plane at
-//           right angles gives |c(h)| >= c.c(h) / |c|, a parabola again; c.c itself is a polynomial
-//           in time whose first three terms are a parabola, and the others bounded.
-//   region  of a half-space the parabola's greatest value between two times.
+//   face    n.(p - q) is a parabola. For a falling centre it is lowest at an end.
+//   corner  Let c be the vector from an edge's line, or a vertex, to the centre at first. The
+//           plane perpendicular to c gives |c(h)| >= c.c(h) / |c|, a parabola again. c.c itself is
+//           a polynomial in time: its first three terms are a parabola, and the others bounded.
+//   region  For a half-space, the parabola's maximum between two times.
 //
 // Invariants
-//   1. Up to what is returned the ball does not collide with the feature: by touch, approach or
-//      region, as examine (sphere_search.h) computes them, rounding included. A shorter path may
-//      keep a longer one's margins.
-//   2. Every margin is larger than what rounding does to the bound by a factor of 4 at least. With
-//      N the sum of all sizes that are added up on the way (size_m, and size_m times the speed for
-//      c.v), a bound here takes fewer than 16 roundings, each of 2^-53 N.
+//   1. Before the returned time the ball doesn't collide with the feature, by touch, approach or
+//      region as examine (sphere_search.h) computes them, rounding included. A shorter path may use
+//      a longer path's margins.
+//   2. Every margin is at least 4 times the bound's rounding error. With N the sum of all sizes
+//      added on the way (size_m, and size_m times the speed for c.v), a bound has fewer than 16
+//      roundings, each of 2^-53 N.
 // Thread safety: pure functions.
 #pragma once
 
@@ -35,10 +35,10 @@ namespace sleight::physics {
 
 namespace detail {
 
-/// More than roundings take from a root's time.
+/// Covers the rounding of a root's time.
 inline constexpr double k_root_shrink = 1 - 0x1p-40;
 
-/// Rounding of sums of products, by their size.
+/// Relative rounding of sums of products.
 inline constexpr double k_sum_ulps = 0x1p-46;
 
 inline Four parabolas(const Four& place, const Four& speed, const Four& pull, double s) {
@@ -47,23 +47,23 @@ inline Four parabolas(const Four& place, const Four& speed, const Four& pull, do
 
 }  // namespace detail
 
-/// A centre's parabola from a moment on, for a while, and what margins go with it.
+/// A centre's parabola for a time span, with the margins for its bounds.
 struct PathPart {
   Four place_m;
   Four velocity_mps;
   Four pull_mps2;
   double span_s = 0;
-  double size_m = 0;    ///< no less than sum of |coordinates|, along it, and of what is near
-  double travel_m = 0;  ///< no less than it goes, along all axes together
-  double touch_m = 0;   ///< of a ball's centre and a face that may touch
-  double near_m = 0;    ///< the same, before it has gone where it goes
+  double size_m = 0;    ///< upper bound of the sum of |coordinates| along the path and nearby
+  double travel_m = 0;  ///< upper bound of the path's length along all axes together
+  double touch_m = 0;   ///< distance between a centre and a face at which they may touch
+  double near_m = 0;    ///< the same plus the path's travel, for tests at its start
   double near_m2 = 0;
-  double floor_mps = 0;      ///< a gap's rate above this is no approach
-  double floor_m2ps = 0;     ///< the same of c.v (corners)
-  double side_margin_m = 0;  ///< of region sides
+  double floor_mps = 0;      ///< above this rate, a gap doesn't shrink
+  double floor_m2ps = 0;     ///< the same for c.v (corners)
+  double side_margin_m = 0;  ///< margin of region sides
 
-  /// For this path or the part of it that ends sooner. REQUIRES: the rest is set. `around_m`: sum
-  /// of |coordinates| of what is near.
+  /// Sets margins for this path and for any part that ends sooner. REQUIRES: the fields above are
+  /// set. `around_m`: sum of |coordinates| of nearby features.
   void sets_margins(double around_m, double radius_m) {
     const double for_s = span_s;
     const double pull_mps = sum(fabs(pull_mps2)) * for_s;
@@ -73,21 +73,21 @@ struct PathPart {
     touch_m = radius_m + (k_touch_m + k_rounding_ulps * size_m);
     const double rounding_mps = detail::k_sum_ulps * (speed_mps + pull_mps);
     floor_mps = rounding_mps - k_approach_mps;
-    // It approaches at c.v < -|c| k_approach, and what it touches is half of its radius away at
-    // least.
+    // The centre approaches if c.v < -|c| k_approach, and its distance from what it touches is at
+    // least half its radius.
     floor_m2ps = rounding_mps * size_m - 0.5 * k_approach_at * k_approach_mps * radius_m;
     side_margin_m = k_clear_margin_m + k_rounding_ulps * size_m;
     near_m = near_m2 = k_forever_s;
   }
-  /// It ends so far from where it starts at most, along all axes together: sooner than the margins
-  /// say, mostly.
+  /// Sets near_m for a path of at most this length along all axes together. This is usually tighter
+  /// than travel_m.
   void goes(double way_m) {
     near_m = touch_m + way_m;
     near_m2 = near_m * near_m;
   }
 };
 
-/// Of the centre between two times of its flight, without any margin.
+/// Bounding box of the centre between two times of its flight, without margins.
 struct PathExtent {
   Four low_m;
   Four high_m;
@@ -95,7 +95,7 @@ struct PathExtent {
 inline PathExtent extent_between(const Four& first_m, const Four& last_m, const Four& velocity_mps,
                                  const Four& pull_mps2, const Four& last_mps) {
   PathExtent extent{min(first_m, last_m), max(first_m, last_m)};
-  // Where the velocity's sign changes, the apex lies between. There the pull is not 0.
+  // Where the velocity changes its sign, the apex is in between, and the pull is not 0.
   const Four turns = velocity_mps * last_mps;
   if (!is_any_negative(turns)) return extent;
   const Four apex =
@@ -109,8 +109,8 @@ inline PathExtent extent_of(const Four& place_m, const Four& velocity_mps, const
                         velocity_mps, pull_mps2, velocity_mps + pull_mps2 * Four::all(span_s));
 }
 
-/// Less than the time that a place stays between two walls in each coordinate. REQUIRES: it is
-/// between them, and they are finite.
+/// Lower bound for the time in which a point stays between two walls on each axis. REQUIRES: the
+/// point is between the walls, and they are finite.
 inline double stays_s(const Four& place, const Four& speed, const Four& pull, const Four& low,
                       const Four& high) {
   constexpr double k_less = 1 - 0x1p-30;
@@ -122,24 +122,24 @@ inline double stays_s(const Four& place, const Four& speed, const Four& pull, co
   const Four a = choose_if_less(speed, zero, zero - pull, pull);
   const Four v = fabs(speed);
   const Four twice = a + a;
-  // Slowing down, it meets the wall ahead before its apex, or else the one behind.
+  // A decelerating point meets the wall ahead before its apex, or otherwise the wall behind.
   const Four square = v * v;
   const Four at_ahead = square + twice * ahead;
   const Four root = sqrt(choose_if_less(at_ahead, zero, square - twice * behind, at_ahead));
-  // A place at a wall, at rest, stays for no time, not for 0 / 0.
+  // Avoid 0 / 0: a point at rest at a wall stays for no time.
   const Four sum_of_speeds = max(v + root, Four::all(1e-300));
   return k_less * least(choose_if_less(at_ahead, zero, sum_of_speeds, ahead + ahead) /
                         choose_if_less(at_ahead, zero, zero - a, sum_of_speeds));
 }
 
-/// A gap that is at least such a parabola in time: when it first is below 0 while it shrinks, at
-/// the earliest. `not_before_s`: until then it doesn't shrink.
+/// Earliest time at which a gap is below 0 and shrinking, if the gap is at least this parabola in
+/// time. `not_before_s`: the gap doesn't shrink before this time.
 inline double falls_after_s(double excess_m, double rate_mps, double pull_mps2,
                             double not_before_s) {
   if (excess_m > 0) return std::max(not_before_s, first_fall_s(excess_m, rate_mps, pull_mps2));
   const double discriminant = rate_mps * rate_mps - 2 * pull_mps2 * excess_m;
   if (pull_mps2 < 0 && rate_mps > 0 && discriminant > 0) {
-    // It rises at once, and falls back.
+    // The gap first grows, then falls back.
     const double root = std::sqrt(discriminant);
     if (-2 * excess_m <= not_before_s * (rate_mps + root))
       return std::max(not_before_s, (rate_mps + root) / -pull_mps2);
@@ -147,30 +147,31 @@ inline double falls_after_s(double excess_m, double rate_mps, double pull_mps2,
   return not_before_s;
 }
 
-/// When a centre on a path may first touch a face's plane and approach it; infinite if it doesn't.
+/// Earliest time at which a centre may touch a face's plane and approach it; infinite if it
+/// doesn't.
 inline double face_not_before_s(const PathPart& path, const SphereFeature& face) {
   const Four normal = Four::of(face.direction);
   const double above_m = dot(normal, path.place_m - Four::of(face.point_m));
   if (above_m > path.near_m) return k_forever_s;
   const double rate_mps = dot(normal, path.velocity_mps);
   const double pull_mps2 = dot(normal, path.pull_mps2);
-  // It never approaches.
+  // The centre never approaches.
   const double last_rate_mps = rate_mps + pull_mps2 * path.span_s;
   if (rate_mps > path.floor_mps && last_rate_mps > path.floor_mps) return k_forever_s;
-  // It never touches: where it is lowest, at the end, unless it turns before. Some rounding more
-  // counts as a touch.
+  // The centre never touches the plane: without a turn in between the gap is lowest at an end, and
+  // it is positive at both ends. touch_m includes a rounding margin.
   const double excess_m = above_m - path.touch_m;
   if (excess_m > 0 && (pull_mps2 <= 0 || last_rate_mps <= 0) &&
       excess_m + 0.5 * (rate_mps + last_rate_mps) * path.span_s > 0)
     return k_forever_s;
   const double not_before_s =
-      rate_mps > 0 && pull_mps2 < 0 ? rate_mps / -pull_mps2 : 0;  // until then it goes away
+      rate_mps > 0 && pull_mps2 < 0 ? rate_mps / -pull_mps2 : 0;  // moves away until then
   return detail::k_root_shrink * falls_after_s(excess_m, rate_mps, pull_mps2, not_before_s);
 }
 
-/// The way from an edge's line, or a vertex, to a centre: at right angles to the edge.
+/// The vector from an edge's line, or a vertex, to a centre, perpendicular to the edge.
 struct CornerWay {
-  Four along;  ///< the edge's direction; of a vertex 0
+  Four along;  ///< the edge's direction; 0 for a vertex
   Four c;
   double c_c;
 };
@@ -181,23 +182,24 @@ inline CornerWay corner_way(const PathPart& path, const SphereFeature& corner) {
   return {.along = along, .c = c, .c_c = dot(c, c)};
 }
 
-/// c takes the rounding of coordinates; c.c, along the way, that of the square of its own size of
-/// up to the travel and twice its length, and the distance that over the diameter.
+/// Touch distance plus rounding errors. c has the error of coordinates. c.c, along the path, has
+/// the error of its own size, which is at most 2 (travel_m^2 + c_c). The distance has that error
+/// divided by the diameter.
 inline double corner_reach_m(const PathPart& path, const CornerWay& way, double radius_m) {
   const double square = path.travel_m * path.travel_m + way.c_c;
   return (radius_m + k_touch_m) + detail::k_sum_ulps * (path.size_m + 2 * square / radius_m);
 }
 
-/// When a centre on a path may first touch an edge's line or a vertex and approach it; infinite if
-/// it doesn't.
+/// Earliest time at which a centre may touch an edge's line or a vertex and approach it; infinite
+/// if it doesn't.
 inline double corner_not_before_s(const PathPart& path, const CornerWay& way, double radius_m) {
   const double span_s = path.span_s;
   const double reach_m = corner_reach_m(path, way, radius_m);
   const double square = reach_m * reach_m;
   const double first_c_v = dot(way.c, path.velocity_mps);
   const double first_c_a = dot(way.c, path.pull_mps2);
-  // It never touches: by the plane at right angles to the way there, where it is lowest, at an end;
-  // or at least, if it turns before.
+  // The centre never touches the corner, by the bound from the plane perpendicular to c. The bound
+  // is lowest at an end, or is estimated if the centre turns before.
   if (way.c_c > square) {
     const double last_c_v = first_c_v + first_c_a * span_s;
     const double change =
@@ -218,12 +220,12 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
     const double c_v = first_c_v + (c_v_rate + (1.5 * v_a + half) * s) * s;
     const double rate = c_v_rate + 3 * (v_a + half) * s;
     const double bend = v_a + 2 * half;
-    // It doesn't approach as long as c.v stays positive; the last term of that only raises it.
+    // The centre doesn't approach while c.v is positive; c.v's last term only raises it.
     const double left = c_v - path.floor_m2ps;
     const double not_before_s = left > 0 ? first_fall_s(left, rate, 3 * bend) : 0;
     if (!(detail::k_root_shrink * (s + not_before_s) <= span_s)) return k_forever_s;
-    // Half of c.c's excess, h later: excess + c.v h + rate h^2 / 2 + bend h^3 / 2 + a.a h^4 / 8, of
-    // which the last two terms are no less than bend h^2 / 2 times what is left of the time.
+    // Half of c.c's excess after a further time h: excess + c.v h + rate h^2 / 2 + bend h^3 / 2 +
+    // a.a h^4 / 8. The last two terms are at least bend h^2 / 2 times the remaining time.
     const double least_rate = rate + std::min(0.0, bend) * (span_s - s);
     const double fails_s = falls_after_s(0.5 * (c_c - square), c_v, least_rate, not_before_s);
     const double then_s = detail::k_root_shrink * (s + fails_s);
@@ -236,8 +238,7 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
   return s;
 }
 
-/// Whether a centre on a path is outside of a region from one time to another one, by one of the
-/// region's sides.
+/// Whether one side of a region keeps a centre outside the region between two times of its path.
 inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& path, double from_s,
                           double to_s) {
   const Four first_m = detail::parabolas(path.place_m, path.velocity_mps, path.pull_mps2, from_s);
@@ -250,7 +251,7 @@ inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& pat
     const double rate_mps = dot(normal, path.velocity_mps) + pull_mps2 * from_s;
     const double last_rate_mps = rate_mps + pull_mps2 * for_s;
     if (inside_m + 0.5 * (rate_mps + last_rate_mps) * for_s >= 0) continue;
-    // It may be inside between, if it rises, turns and falls.
+    // The centre may be inside in between, if it rises, turns and falls.
     if (rate_mps > 0 && last_rate_mps < 0 && inside_m - 0.5 * rate_mps * rate_mps / pull_mps2 >= 0)
       continue;
     return true;
@@ -258,7 +259,7 @@ inline bool stays_outside(std::span<const RegionSide> sides, const PathPart& pat
   return false;
 }
 
-/// How far apart the centres of two balls are at least, squared, that stay in two boxes.
+/// Lower bound for the squared distance between the centres of two balls that stay in two boxes.
 inline double apart_m2(const TouchBox& a, const TouchBox& b, double radius_m) {
   const Four gaps_m =
       max(Four::of(a.low_m) - Four::of(b.high_m), Four::of(b.low_m) - Four::of(a.high_m)) +

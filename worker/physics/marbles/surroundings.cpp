@@ -6,16 +6,16 @@ namespace sleight::physics {
 void Surroundings::settle(const NearFeatures& near, const NearFeatures::Cell& cell,
                           const Four& centre_m) {
   const double half_m = k_settled_radii * near.radius_m();
-  // The fourth number of places is 0: its walls stand aside.
+  // The fourth number of a position is 0, so a wall at 1 never matters.
   const Four half = Four::of(std::array<double, 4>{half_m, half_m, half_m, 1});
   low_m_ = max(cell.low_m, centre_m - half);
   high_m_ = min(cell.high_m, centre_m + half);
-  // Floats lie within 2^-24 of their numbers.
+  // Converting to float changes a number by at most 2^-24 of it.
   const double pad_m = k_place_pad_m + 0x1p-20 * (sum(fabs(centre_m)) + near.radius_m());
   const Four axes = Four::axes(1);
   const TouchBox centres{.low_m = floats_of(axes * (low_m_ - Four::all(pad_m))),
                          .high_m = floats_of(axes * (high_m_ + Four::all(pad_m)))};
-  // Where all of the ball is.
+  // Box of the whole ball.
   Box balls;
   const auto reach_m = static_cast<float>(near.radius_m() + pad_m);
   for (std::size_t i = 0; i < 3; ++i) {

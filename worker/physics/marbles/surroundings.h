@@ -1,14 +1,13 @@
-// What a ball that hardly moves may touch.
+// The features that a ball may touch while it hardly moves.
 //
-// Idea. Most motions are much shorter than a ball is wide: bounces that die out, pieces of rolling.
-// So what a ball may touch from anywhere in a small box is looked up once and asked until it leaves
-// that box. As it is asked often, it may cost something to leave out what only comes near: unlike a
-// cell of the table (near_features.h), it leaves out features into whose region the ball can't
-// come.
+// Idea. Most motions are much shorter than a ball is wide, such as dying bounces and pieces of
+// rolling. So the features that a ball may touch from anywhere in a small box are computed once and
+// used until the ball leaves the box. Because the list is used often, computing it may cost more:
+// unlike a cell of the table (near_features.h), it omits features whose regions the ball can't
+// enter.
 //
-// Invariant: of the features in the cells' lists, the ball collides with none but those here while
-// its centre is in the box, rounding included.
-// Thread safety: const functions may run at once.
+// Invariant: while the ball's centre is in the box, it collides with no features of the cell's
+// lists except those here, rounding included. Thread safety: const functions may run concurrently.
 #pragma once
 
 #include <array>
@@ -24,7 +23,8 @@ class Surroundings {
   bool holds(const Four& centre_m) const {
     return !is_any_negative(centre_m - low_m_) && !is_any_negative(high_m_ - centre_m);
   }
-  /// As of a cell whose reach is the box. REQUIRES: it holds some centre.
+  /// Returns the features as a cell whose reach is the box. REQUIRES: holds() is true for some
+  /// centre.
   NearFeatures::Cell cell() const {
     const std::span<const FeatureId> all(features_);
     return {.low_m = low_m_,
@@ -32,13 +32,13 @@ class Surroundings {
             .faces = all.first(face_count_),
             .corners = all.subspan(face_count_, corner_count_)};
   }
-  /// Those of a centre in a cell, or none if there are too many. The geometry must not change
-  /// until the next time.
+  /// Computes the box and features for a centre in a cell; the box is empty if there are too many
+  /// features. REQUIRES: the geometry doesn't change until the next call.
   void settle(const NearFeatures& near, const NearFeatures::Cell& cell, const Four& centre_m);
 
  private:
   static constexpr std::size_t k_most = 24;
-  // At first it holds nothing.
+  // The initial box is empty.
   Four low_m_ = Four::all(1);
   Four high_m_ = Four::all(-1);
   std::uint32_t face_count_ = 0;
@@ -46,7 +46,7 @@ class Surroundings {
   std::array<FeatureId, k_most> features_{};
 };
 
-/// Half of the box's sides, as a part of the radius. Speed only.
+/// Half the box's edge, as a share of the radius. Affects speed only.
 inline constexpr double k_settled_radii = 0.25;
 
 }  // namespace sleight::physics

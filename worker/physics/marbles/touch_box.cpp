@@ -7,7 +7,7 @@
 namespace sleight::physics {
 namespace {
 
-// Compilers take these for what the processor has. x, y, z; the fourth one is not used.
+// Compilers map these to the processor's registers. Elements are x, y, z; the fourth is unused.
 using Floats = float __attribute__((vector_size(16)));
 using Bits = std::int32_t __attribute__((vector_size(16)));
 using Two = double __attribute__((vector_size(16)));
@@ -41,7 +41,7 @@ Floats roots(Floats a) {
 #endif
 }
 
-/// As floats: touch boxes are wider than their rounding by far.
+/// Converts to floats; touch boxes are padded by much more than the rounding.
 Floats floats_of(Two xy, Two z) {
 #ifdef __SSE2__
   return _mm_movelh_ps(_mm_cvtpd_ps(xy), _mm_cvtpd_ps(z));
@@ -73,7 +73,8 @@ Floats zxy(Floats a) {
   return __builtin_shufflevector(a, a, 2, 0, 1, 3);
 }
 
-/// How far what is at right angles to a unit vector goes along each axis, of which that has a part.
+/// Maximum component along each axis of unit vectors perpendicular to a unit vector with these
+/// components.
 Floats across(Floats parts) {
   return roots(greatest(1 - parts * parts, Floats{}));
 }
@@ -83,21 +84,21 @@ struct Corners {
   Floats high;
 };
 
-/// Of unit vectors from a feature to a centre in its region: the extent along each axis.
+/// Extent along each axis of the unit vectors from a feature to a centre in its region.
 struct Spread {
   Floats low;
   Floats high;
 };
 
-/// From an edge: all at right angles to it, between its two faces if it has two.
+/// For an edge: unit vectors perpendicular to it, between its two faces if it has two.
 [[gnu::always_inline]] inline Spread spread_of_edge(const SphereFeature& edge,
                                                     std::span<const RegionSide> sides) {
   const Floats along = direction_of(edge.direction);
   const Floats furthest = across(along);
   const Spread around{.low = -furthest, .high = furthest};
   if (sides.size() != 4) return around;
-  // The region ends at rays at right angles to the sides' normals, on the side of the other one:
-  // unless the two are so much alike that which side that is can't be said.
+  // The region ends at rays perpendicular to the sides' normals, each on the other normal's side.
+  // If the normals are too much alike, that side is unclear, and the full circle is used.
   const Floats first = direction_of(sides[2].space.normal);
   const Floats second = direction_of(sides[3].space.normal);
   const Floats along_yzx = yzx(along);
@@ -110,16 +111,16 @@ struct Spread {
   if (std::fabs(side_a) < k_unclear || std::fabs(side_b) < k_unclear) return around;
   const Floats border_a = floats_from(bits_of(ray_a) ^ (bits_of(all(side_a)) & k_sign));
   const Floats border_b = floats_from(bits_of(ray_b) ^ (bits_of(all(side_b)) & k_sign));
-  // The way along an axis that is at right angles to the edge lies in the region, or the border
-  // goes furthest.
+  // Along each axis, the extreme is the direction of that axis projected off the edge, if the
+  // region contains it, or otherwise a border ray.
   const Floats nearly = all(1e-5F);
   return {.low = greatest(first, second) > nearly ? least(border_a, border_b) : around.low,
           .high = least(first, second) < -nearly ? greatest(border_a, border_b) : around.high};
 }
 
-/// From a vertex: at an obtuse angle to each of its edges.
+/// For a vertex: unit vectors at an obtuse angle to each of its edges.
 [[gnu::always_inline]] inline Spread spread_of_vertex(std::span<const RegionSide> sides) {
-  // The greatest double is the greatest float.
+  // Rounding to float preserves the order, so the maximum can be taken in doubles.
   Two most_xy{}, most_z{}, smallest_xy{}, smallest_z{};
   for (const RegionSide& side : sides) {
     const Two xy = xy_of(side.space.normal);
@@ -167,7 +168,7 @@ void put(const Corners& corners, TouchBox& box) {
   put(corners.high, box.high_m);
 }
 
-/// Whether one box has no part outside of another one.
+/// Whether the inner box is completely inside the outer box.
 bool is_in(const Corners& inner, const TouchBox& outer) {
   const Bits beyond =
       (inner.low < floats_from(outer.low_m)) | (inner.high > floats_from(outer.high_m));

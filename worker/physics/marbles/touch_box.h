@@ -1,11 +1,11 @@
-// Touch boxes: where a ball's centre may be when the ball touches a feature.
+// Touch boxes: bounds for a ball's centre when the ball touches a feature.
 //
-// Idea. A feature is touched from within its region, so the way from the feature to the centre has
-// a known spread of directions: of a face its normal alone, of an edge what is at right angles to
-// it between its two faces, of a vertex what makes an obtuse angle with each of its edges. The
-// feature's box, enlarged by a ball's radius times that spread, holds every such centre. Vertices
-// that move change thousands of these boxes, so they are computed in vector registers, all axes at
-// once; each number has the bits of the same operations on floats one by one.
+// Idea. A ball touches a feature only from within the feature's region, so the direction from the
+// feature to the centre is limited. For a face it is the normal. For an edge it is perpendicular to
+// the edge, between its two faces. For a vertex it makes an obtuse angle with each of its edges.
+// The feature's box, enlarged by the ball's radius times these directions, contains every such
+// centre. Moving vertices change thousands of touch boxes, so vector registers compute all axes at
+// once; each number has the same bits as the scalar float operations.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -28,7 +28,7 @@
 
 namespace sleight::physics {
 
-/// A box in whole registers; the fourth numbers are 0.
+/// A box in whole vector registers; the fourth numbers are 0.
 struct alignas(32) TouchBox {
   std::array<float, 4> low_m{};
   std::array<float, 4> high_m{};
@@ -43,7 +43,7 @@ inline TouchBox touch_box_of(const Box& box) {
   return result;
 }
 
-/// So that a box holds a place, and some margin about it.
+/// Enlarges a box to contain a point and a margin around it.
 inline void enlarge(TouchBox& box, const Vec3& place_m, float margin_m) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto at_m = static_cast<float>(place_m[static_cast<Eigen::Index>(axis)]);
@@ -52,21 +52,20 @@ inline void enlarge(TouchBox& box, const Vec3& place_m, float margin_m) {
   }
 }
 
-/// Holds no centre: of features that can't be met.
+/// An empty box, for features that can't be met.
 inline constexpr TouchBox k_unmeetable{
     .low_m = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
               std::numeric_limits<float>::infinity(), 0},
     .high_m = {-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
                -std::numeric_limits<float>::infinity(), 0}};
 
-/// A touch box is larger by this on each side: far more than the rounding in the verdict of a
-/// collision.
+/// Padding of touch boxes on each side, far above the rounding in the verdict of a collision.
 inline constexpr double k_touch_box_pad_m = 1e-6;
 
-/// Far more than rounding, and than what counts as a touch, does to a place.
+/// Padding of positions, far above their rounding and the touch distance.
 inline constexpr double k_place_pad_m = 2e-6;
 
-/// Whether two boxes overlap. Inline, since it is asked of all that is near a path.
+/// Whether two boxes overlap. Inline for speed, since it is called for everything near a path.
 inline bool overlaps(const TouchBox& a, const TouchBox& b) {
 #ifdef __SSE2__
   const __m128 from_a = _mm_cmple_ps(_mm_load_ps(a.low_m.data()), _mm_load_ps(b.high_m.data()));
@@ -80,30 +79,30 @@ inline bool overlaps(const TouchBox& a, const TouchBox& b) {
 #endif
 }
 
-/// The part of a touch box that hangs on a feature's own box alone; the fourth numbers are 0.
+/// The part of a touch box that depends only on the feature's own box; the fourth numbers are 0.
 struct alignas(16) FeatureExtent {
   std::array<float, 4> low_m{};
   std::array<float, 4> high_m{};
   std::array<float, 4> pad_m{};
 };
 
-/// `reach_m`: the radius, and what counts as a touch.
+/// `reach_m`: the radius plus the touch distance.
 FeatureExtent extent_of(const Box& own, float reach_m);
 
-/// REQUIRES: the feature can be met, and is no plane without sides; its extent was made for the
+/// REQUIRES: the feature can be met and isn't a plane without sides; `extent` was computed with the
 /// same reach.
 TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
                       const FeatureExtent& extent, float reach_m);
 
-/// All by feature.
+/// Arrays indexed by feature.
 struct TouchBoxes {
   std::span<const FeatureExtent> extents;
   std::span<const TouchBox> homes;
   std::span<TouchBox> boxes;
 };
 
-/// Writes the touch boxes of some features, k_unmeetable for those that can't be met, and appends
-/// to `outgrown` those that their homes don't hold. REQUIRES: no planes.
+/// Writes the touch boxes of some features, and k_unmeetable for those that can't be met. Appends
+/// to `outgrown` the features whose touch boxes have left their homes. REQUIRES: no planes.
 void write_touch_boxes(const StaticGeometry& statics, std::span<const FeatureId> features,
                        float reach_m, const TouchBoxes& table, std::vector<FeatureId>& outgrown);
 
