@@ -7,8 +7,8 @@
 namespace sleight::physics {
 namespace {
 
-/// Large enough that sharing the part before the first difference is quick, small enough that
-/// little is copied where two of them part.
+/// Large enough for quick sharing of the part before the first difference, and small enough that
+/// little is copied where two histories diverge.
 constexpr std::size_t k_chunk_events = 256;
 
 template <class T>

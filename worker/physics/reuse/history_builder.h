@@ -1,4 +1,4 @@
-// Collects the event that a running simulation is processing, for its history.
+// Collects the data of the event that a running simulation is processing, for its history.
 //
 // Internal to World. Thread safety: none.
 #pragma once
@@ -16,7 +16,7 @@ class HistoryBuilder {
   HistoryBuilder(std::size_t bodies, std::size_t bytes_max)
       : place_of_(bodies, k_nowhere), bytes_max_(bytes_max) {}
 
-  // Of the event that is taking place, in any order.
+  // Data of the current event, in any order.
   void takes_part(BodyId body) { add(body, 0); }
   void begins(BodyId body) { add(body, Participant::k_begins); }
   void has_contact_state(BodyId body) { add(body, Participant::k_contact_state); }
@@ -27,8 +27,8 @@ class HistoryBuilder {
   }
   void meet(double gap_m) { gap_m_ = gap_m; }
 
-  /// The event is over: state(participant, segments, touches, contact_states) appends the parts
-  /// that the participant's flags name. A whole contact state includes the touches.
+  /// Ends the event. state(participant, segments, touches, contact_states) appends the data that
+  /// the participant's flags name. A contact state includes its touches.
   template <class State>
   void finish(const EventKey& key, const State& state) {
     segments_.clear();
@@ -51,7 +51,7 @@ class HistoryBuilder {
     participants_.clear();
     gap_m_ = 0;
   }
-  /// Forgets what was collected of an event that is replayed: the earlier history has it.
+  /// Discards the data collected for a replayed event and appends the earlier history's event.
   void replayed(const HistoryEvent& event) {
     for (const Participant& participant : participants_)
       place_of_[participant.body()] = k_nowhere;
@@ -75,11 +75,11 @@ class HistoryBuilder {
     return place;
   }
 
-  std::vector<std::uint32_t> place_of_;  ///< by body, in the list of participants
+  std::vector<std::uint32_t> place_of_;  ///< by body: index in the list of participants
   std::vector<Participant> participants_;
   std::vector<TouchRecord> touch_of_;  ///< by participant
   double gap_m_ = 0;
-  // The event's lists.
+  // Lists of the event.
   std::vector<Segment> segments_;
   std::vector<TouchRecord> touches_;
   std::vector<ContactState> contact_states_;

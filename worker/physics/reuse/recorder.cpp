@@ -10,7 +10,7 @@ Recorder::Recorder(std::size_t bodies, bool records, std::size_t segments_reserv
 void Recorder::begin_history(std::size_t bytes_max, bool records) {
   builder_ = std::make_unique<HistoryBuilder>(bodies_, bytes_max);
   records_without_history_ = records;
-  records_ = false;  // the history has the segments
+  records_ = false;  // the history stores the segments
 }
 
 void Recorder::give_up_if_full() {
@@ -28,7 +28,7 @@ void Recorder::give_up() {
 }
 
 void Recorder::takes_over(const HistoryReader& reader, Tick last) {
-  // All of the history so far is over by now.
+  // All events in the history so far are over.
   if (builder_ && shared_ == 0 && builder_->is_full()) give_up();
   if (!builder_) return;
   if (shared_ == 0) {

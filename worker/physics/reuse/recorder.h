@@ -1,10 +1,9 @@
-// What a running simulation leaves behind: a recording, a history, or both, and what it collects
-// for them while an event takes place.
+// Records a running simulation as a recording, a history, or both.
 //
 // Invariants
-//   1. A history's segments are in its chunks alone; the recording gets them when it is asked for.
-//   2. A history that has grown beyond its limit is given up. What it had by then goes to the
-//      recording, if one is wanted.
+//   1. A history's segments are stored only in its chunks; recording() copies them when called.
+//   2. A history that exceeds its memory limit is given up. Its segments so far move to the
+//      recording, if there is one.
 // Thread safety: none.
 #pragma once
 
@@ -21,11 +20,10 @@ class Recorder {
  public:
   Recorder(std::size_t bodies, bool records, std::size_t segments_reserved);
 
-  /// From now on, for history(). `records`: a recording is wanted as well. REQUIRES: nothing has
-  /// happened yet.
+  /// Starts a history. `records`: also provide a recording. REQUIRES: nothing has happened yet.
   void begin_history(std::size_t bytes_max, bool records);
   bool keeps_history() const { return builder_ != nullptr; }
-  /// Whether either is kept at present.
+  /// Whether a recording or a history is being written.
   bool is_used() const { return records_ || builder_ != nullptr; }
 
   // At an event, in any order.
@@ -33,11 +31,11 @@ class Recorder {
     if (records_) recording_.append(body, segment, cause);
     if (builder_) builder_->begins(body);
   }
-  /// Its state is read.
+  /// The event reads the body's state.
   void takes_part(BodyId body) {
     if (builder_) builder_->takes_part(body);
   }
-  /// What it knows is about to change, or has, in more than what it touches.
+  /// The event changes the body's contact state by more than a touch.
   void learns(BodyId body) {
     if (builder_) builder_->has_contact_state(body);
   }
@@ -47,7 +45,7 @@ class Recorder {
   void meets(double gap_m) {
     if (builder_) builder_->meet(gap_m);
   }
-  /// The event is over. state: as HistoryBuilder::finish asks for it. REQUIRES: keeps_history().
+  /// Ends the event. `state`: see HistoryBuilder::finish. REQUIRES: keeps_history().
   template <class State>
   void keep(const EventKey& event, const State& state) {
     builder_->takes_part(event.body());
@@ -57,24 +55,24 @@ class Recorder {
     give_up_if_full();
   }
 
-  // Events that are an earlier history's as well.
-  /// Before one of them is replayed.
+  // Replayed events.
+  /// Call before an event is replayed.
   void give_up_if_full();
-  /// One has been replayed.
+  /// Call after an event was replayed.
   void replayed(const HistoryEvent& event) {
     if (builder_) builder_->replayed(event);
   }
-  /// For each event of a reader up to `last`, before its segments: the event goes into the history.
-  /// Of chunks that end by then the whole is shared when their first one comes.
+  /// Adds the reader's current event to the history. Call for each event up to `last`, before its
+  /// segments. A chunk that ends by `last` is shared as a whole at its first event.
   void takes_over(const HistoryReader& reader, Tick last);
-  /// A segment of such an event.
+  /// Records a segment of such an event.
   void takes_over(BodyId body, const Segment& segment, const EventKey& cause) {
     if (records_) recording_.append(body, segment, cause);
   }
 
-  /// Up to the last event. Its end is the caller's affair.
+  /// The recording up to the last event; the caller sets its end.
   Recording& recording();
-  /// All that happened; nothing if it isn't kept, or is too much.
+  /// The events so far; empty if there is no history or it exceeded the memory limit.
   std::optional<HistoryChunks> history();
 
  private:
@@ -86,7 +84,7 @@ class Recorder {
   Recording recording_;
   std::unique_ptr<HistoryBuilder> builder_;
   std::size_t recorded_ = 0;  ///< events of the history whose segments are in the recording
-  std::size_t shared_ = 0;    ///< events of a reader that are the history's already
+  std::size_t shared_ = 0;    ///< events of the reader that are already in the history
 };
 
 }  // namespace sleight::physics

@@ -1,9 +1,9 @@
-// What a simulation leaves behind: per body the list of its segments, each with the event that
-// began it. From it any body's state at any tick is had without a simulator.
+// A simulation's segments by body, each with the event that began it. A recording defines the state
+// of any body at any tick without a simulator.
 //
-// A segment holds from its tick up to the next segment's; the last one up to the end of the
-// recording. A body has no state before its first segment (it has not started yet).
-// Thread safety: a value.
+// A segment is valid from its tick up to the next segment's, and the last one up to the recording's
+// end. A body has no state before its first segment, because it hasn't started. Thread safety: a
+// value.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace sleight::physics {
 
 class Recording {
  public:
-  /// Room for so many segments of each body before anything is allocated.
+  /// Clears the recording and reserves memory for this many segments per body.
   void reset(std::size_t bodies, std::size_t segments_reserved);
   void append(BodyId body, const Segment& segment, const EventKey& cause);
   void end_at(Tick end) { end_ = end; }
@@ -28,14 +28,14 @@ class Recording {
   };
   std::size_t bodies() const { return of_body_.size(); }
   std::span<const Entry> segments(BodyId body) const { return of_body_[body.value]; }
-  /// The simulation stopped here: later states are not known.
+  /// End of the simulation; later states are unknown.
   Tick end() const { return end_; }
   std::size_t segment_count() const;
 
-  /// The segment in force at a tick, the last if several begin there; null before the body started.
+  /// Returns the segment at a tick (the last if several begin there); null before the body started.
   const Segment* segment_at(BodyId body, Tick tick) const;
 
-  /// A hash of every bit: equal recordings have equal hashes.
+  /// Hash of all bits: equal recordings have equal hashes.
   std::uint64_t digest() const;
 
  private:

@@ -1,19 +1,18 @@
 // How far an earlier simulation's history has been replayed, and by which bodies.
 //
-// Invariants, of a simulation that replays
-//   1. A body is replayed if it has started and, up to the present, has done what the history says
-//      in each bit: its segment and all that it knows are those of its last event there. Nothing is
-//      predicted for it but its collisions with bodies that are not.
-//   2. An event that is not the history's next one, and reads or changes the contact state of a
-//      replayed body, makes the body live first: a collision with it, a decision about rest that
-//      looks at it, a wake. Only its segment may be read.
+// Invariants of a replaying simulation
+//   1. A body is replayed if it has started and so far equals its history bit for bit: its segment
+//      and contact state are those of its last event there. Only its collisions with live bodies
+//      are predicted.
+//   2. Before an event that isn't the history's next one reads or changes a replayed body's contact
+//      state, the body goes live. Such events are collisions with the body, rest decisions that
+//      read it, and waking it. Other events may read only its segment.
 //   3. If a live body rests on a body, that one is live too; so waking never spreads to replayed
 //      bodies.
-//   4. An event of the history is replayed if all of its participants are replayed. Otherwise its
-//      replayed participants go live before it (replaying.h). Bodies also go live before they
-//      come near a place where static geometry differs, and at the history's end.
-// A body goes live in its present state, so it has nothing to catch up with.
-// Thread safety: none.
+//   4. An event of the history is replayed if all its participants are replayed. Otherwise its
+//      replayed participants go live before it (replaying.h). Bodies also go live before they come
+//      near changed static geometry, and at the history's end.
+// A body goes live in its current state, so there is nothing to catch up with. Thread safety: none.
 #pragma once
 
 #include <cstdint>
@@ -35,10 +34,10 @@ struct Replay {
   std::shared_ptr<const History> history;
   SceneChanges changes;
   HistoryReader reader;
-  /// By body: its start is to be the history's, and has not come yet.
+  /// By body: whether it starts as in the history and hasn't started yet.
   std::vector<std::uint8_t> awaited{};
   std::uint32_t awaited_count = 0;
-  /// Nothing happens before this tick but what the history says.
+  /// Before this tick, only the history's events happen.
   Tick quiet_until{};
 };
 

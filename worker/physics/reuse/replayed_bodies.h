@@ -1,4 +1,4 @@
-// Which bodies of a simulation are replayed (replay.h), and which have ceased to be.
+// The set of replayed bodies (replay.h), and those that have left it.
 //
 // Thread safety: none.
 #pragma once
@@ -14,23 +14,23 @@ namespace sleight::physics {
 
 class ReplayedBodies {
  public:
-  /// None of so many.
+  /// Resets to no replayed bodies.
   void reset(std::size_t bodies) { is_replayed_.assign(bodies, 0); }
   bool any() const { return count_ != 0; }
   bool has(BodyId body) const { return count_ != 0 && is_replayed_[body] != 0; }
-  /// REQUIRES: it isn't.
+  /// REQUIRES: the body isn't replayed.
   void add(BodyId body) {
     is_replayed_[body] = 1;
     ++count_;
   }
-  /// From now on it is simulated, if it was replayed.
+  /// Simulates a replayed body from now on; no effect on a live body.
   void make_live(BodyId body) {
     if (!has(body)) return;
     is_replayed_[body] = 0;
     --count_;
     gone_live_.push_back(body);
   }
-  /// Since the last forget_gone_live.
+  /// Bodies that have gone live since the last forget_gone_live().
   std::span<const BodyId> gone_live() const { return gone_live_; }
   void forget_gone_live() { gone_live_.clear(); }
 

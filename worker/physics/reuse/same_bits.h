@@ -1,4 +1,4 @@
-// Equality of numbers bit by bit: 0 and -0 differ, and a NaN is itself.
+// Bitwise equality of numbers: 0 and -0 differ, and a NaN equals itself.
 #pragma once
 
 #include <bit>

@@ -14,7 +14,7 @@
 namespace sleight::physics {
 namespace {
 
-using physics::same;  // numbers bit by bit; values by their numbers
+using physics::same;  // compare numbers bit by bit, and values by their numbers
 bool same(const HalfSpace& a, const HalfSpace& b) {
   return same(a.normal, b.normal) && same(a.offset_m, b.offset_m);
 }
@@ -67,7 +67,7 @@ bool same_laws(const Scene& a, const Scene& b) {
   return true;
 }
 
-/// Whether all of it is the same object, so that nothing need be looked at.
+/// Whether all static geometry consists of the same objects, so that it needs no comparison.
 bool same_statics(const Scene& a, const Scene& b) {
   const auto same_plane = [](const StaticPlane& p, const StaticPlane& q) {
     return same(p.outside, q.outside) && p.material == q.material &&
@@ -84,7 +84,7 @@ bool same_statics(const Scene& a, const Scene& b) {
          std::ranges::equal(a.meshes, b.meshes, same_mesh);
 }
 
-/// The surfaces' control points that may be others, by surface; nothing if all may be.
+/// Returns the control points that may have changed, by surface; nothing if all may have.
 std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene& before,
                                                                     const Scene& after) {
   std::vector<std::vector<GridIndex>> changed;
@@ -103,7 +103,8 @@ std::optional<std::vector<std::vector<GridIndex>>> changed_controls(const Scene&
   return changed;
 }
 
-/// How close to a surface what doesn't touch it may still carry a body that does elsewhere.
+/// Distance from a surface within which a point that doesn't touch may carry a body that touches
+/// elsewhere.
 double near_m(const Scene& scene) {
   double reach_m = 0;
   for (const BodyDescription& body : scene.bodies) {
@@ -113,8 +114,8 @@ double near_m(const Scene& scene) {
   return k_near_corner * reach_m;
 }
 
-/// Where a body hangs on a control point: over the patches that do, and below all heights there, as
-/// they were and as they are, or not further above them than this.
+/// Region in which a body depends on a control point: over the patches that depend on it, up to
+/// `above_m` above all their heights before and after.
 Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point, double above_m) {
   double top_m = -std::numeric_limits<double>::infinity();
   for (std::int32_t i = -3; i <= 3; ++i) {
@@ -127,11 +128,11 @@ Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point,
   const Vec3 middle_m(point.i * is.spacing_m, point.j * is.spacing_m, top_m + above_m);
   Box box = joined(box_around(middle_m - Vec3(half_m, half_m, 0)),
                    box_around(middle_m + Vec3(half_m, half_m, 0)));
-  box.low_m[2] = -1e6F;  // no coordinate is below
+  box.low_m[2] = -1e6F;  // below all coordinates
   return box;
 }
 
-/// Whether most vertices of two scenes' meshes are elsewhere.
+/// Whether most vertices of two scenes' meshes differ.
 bool most_moved(const Scene& a, const Scene& b) {
   std::size_t moved = 0;
   std::size_t all = 0;
@@ -181,8 +182,8 @@ bool same_piece(const StaticGeometry& a, const StaticGeometry& b, PieceId index)
   return true;
 }
 
-/// Compares static geometry piece by piece and feature by feature, so that indirect changes are
-/// found: if a vertex has moved, its neighbours may be touched in other places too.
+/// Compares static geometry by pieces and features, which finds indirect changes: a moved vertex
+/// changes where its neighbours are touched.
 class PlaceFinder {
  public:
   PlaceFinder(const StaticGeometry& before, const StaticGeometry& after)
@@ -292,13 +293,13 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     some_rest = some_rest || was.rests || is.rests;
     others_rest = others_rest || (differs && (was.rests || is.rests));
   }
-  // How bodies start at rest hangs on all that they touch then.
+  // Bodies that start at rest depend on everything that they touch then.
   if (others_rest) {
     changes.laws = true;
     return changes;
   }
-  // Then nothing can be replayed, or next to nothing, and features needn't be compared, which takes
-  // as long as some simulations.
+  // Now almost nothing can be replayed. Skip comparing features, which takes as long as some
+  // simulations.
   if (std::ranges::all_of(changes.bodies, [](auto differs) { return differs != 0; }) ||
       most_moved(before, after)) {
     changes.laws = true;
@@ -313,10 +314,11 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     for (const GridIndex point : (*controls)[i])
       over_surfaces.push_back(place_of(before.surfaces[i], after.surfaces[i], point, above_m));
   }
-  // Regions depend on how large spheres are.
+  // Regions depend on the spheres' sizes.
   if (!same_shapes || !same_statics(before, after) || !over_surfaces.empty()) {
     const StaticGeometry old(before);
-    // Whether spheres may stay on something is a law, and surfaces are numbered after all pieces.
+    // Whether spheres can stay on something counts as a law, and surfaces are numbered after all
+    // pieces.
     changes.laws = (old.feature_count() > 0) != (statics.feature_count() > 0) ||
                    (!after.surfaces.empty() && old.piece_count() != statics.piece_count());
     if (changes.laws) return changes;

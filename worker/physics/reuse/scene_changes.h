@@ -16,34 +16,35 @@
 
 namespace sleight::physics {
 
-/// Where static geometry differs: a body that overlaps none of these places, with all of itself and
-/// k_touch_m around it, meets the same in both scenes, under the same indices.
+/// Where static geometry differs. A body that, with k_touch_m around it, overlaps none of these
+/// places meets the same static geometry in both scenes, with the same indices.
 struct ChangedPlaces {
-  BoxTree boxes;  ///< of pieces and features, as they were and as they are
+  BoxTree boxes;  ///< of changed pieces and features, before and after
   bool has_boxes = false;
-  std::vector<HalfSpace> outside;  ///< the same of planes
+  std::vector<HalfSpace> outside;  ///< changed planes, before and after
 
   bool none() const { return !has_boxes && outside.empty(); }
   bool meet(const Box& body) const;
 };
 
 struct SceneChanges {
-  /// Nothing is the same: another number of bodies, other laws, lists that mean something else, or
-  /// bodies that start at rest and others of these, or other static geometry.
+  /// Everything may differ: the number of bodies, the laws or the meaning of indices has changed,
+  /// or bodies start at rest and these bodies or the static geometry have changed.
   bool laws = false;
-  std::vector<std::uint8_t> bodies{};  ///< by body: whether itself or its start is another one
+  std::vector<std::uint8_t> bodies{};  ///< by body: whether the body or its start has changed
   ChangedPlaces places{};
-  std::size_t same_controls = 0;  ///< in the order of their events, up to the first that differs
-  /// Bodies and controls that differ do nothing before this tick in either scene.
+  std::size_t same_controls =
+      0;  ///< number of equal controls before the first difference, in event order
+  /// Changed bodies and controls do nothing before this tick in either scene.
   Tick first = k_never;
 };
 
-/// Functions can't be compared. REQUIRES: a body with the same start has the same start_again.
-/// `statics` are those of `after`.
+/// Compares two scenes. Functions can't be compared. REQUIRES: a body with the same start has the
+/// same start_again; `statics` is the geometry of `after`.
 SceneChanges changes_between(const Scene& before, const Scene& after,
                              const StaticGeometry& statics);
 
-/// A scene's controls as indices, in the order of their events.
+/// Returns the indices of a scene's controls in event order.
 std::vector<std::uint32_t> controls_in_order(const Scene& scene);
 
 }  // namespace sleight::physics
