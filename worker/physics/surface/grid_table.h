@@ -1,6 +1,4 @@
-// Values by place in the grid, made when they are first asked for.
-//
-// Thread safety: none.
+// A table of values by grid index, which are computed at first access. Thread safety: none.
 #pragma once
 
 #include <cstddef>
@@ -13,16 +11,17 @@
 
 namespace sleight::physics {
 
-/// References to values hold until the next one is made.
+/// References to values are valid until the next value is made.
 template <class Value>
 class GridTable {
  public:
-  /// Room for so many before anything is allocated.
+  /// `room`: number of values for which memory is reserved.
   explicit GridTable(std::size_t room) : numbers_(room) { values_.reserve(room); }
 
   std::size_t size() const { return values_.size(); }
 
-  /// The value there; make(index) if there is none yet. REQUIRES: not (INT32_MIN, INT32_MIN).
+  /// Returns the value at an index; calls make(index) if there is none yet. REQUIRES: the index is
+  /// not (INT32_MIN, INT32_MIN).
   template <class Make>
   const Value& at(GridIndex index, const Make& make) {
     const std::uint64_t key = key_of(index);
@@ -30,7 +29,7 @@ class GridTable {
     if (const Slot* slot = numbers_.find(key)) {
       last_ = slot->number;
     } else {
-      // Making may fail: no slot names a value before it is there.
+      // make() may throw, so insert the value before a slot refers to it.
       Value made = make(index);
       values_.push_back(std::move(made));
       last_ = static_cast<std::uint32_t>(values_.size() - 1);
@@ -54,7 +53,7 @@ class GridTable {
 
   FlatTable<Slot> numbers_;
   std::vector<Value> values_;
-  std::uint64_t last_key_ = k_no_key;  ///< of what was asked for last
+  std::uint64_t last_key_ = k_no_key;  ///< key of the last access
   std::uint32_t last_ = 0;
 };
 

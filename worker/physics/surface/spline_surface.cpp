@@ -8,18 +8,18 @@
 namespace sleight::physics {
 namespace {
 
-/// A throw comes near so many before tables grow.
+/// Number of points and patches near a typical throw, for which memory is reserved.
 constexpr std::size_t k_points = 256;
 constexpr std::size_t k_patches = 128;
-/// Bounds are widened by this share for the rounding of differences and of evaluation.
+/// Relative widening of bounds for the rounding of differences and of evaluation.
 constexpr double k_bound_margin = 1e-9;
-/// And by so much of the heights themselves, whose differences may cancel.
+/// Widening of bounds relative to the heights, whose differences may cancel.
 constexpr double k_height_rounding = 64 * 0x1p-53;
 
 using Points = std::array<std::array<double, 4>, 4>;  ///< by i, then by j
 
-/// The index of the cell that a place is in, in cells: std::floor without a call. A conversion of
-/// what doesn't fit would be undefined.
+/// Index of the cell that contains a coordinate, given in cells: std::floor without a function
+/// call. Converting a number that doesn't fit would be undefined behaviour.
 std::int32_t index_of(double place) {
   constexpr double k_most = k_patch_index_max;
   CHECK(place >= -k_most && place < k_most + 1);
@@ -27,14 +27,14 @@ std::int32_t index_of(double place) {
   return index - (static_cast<double>(index) > place ? 1 : 0);
 }
 
-/// Coefficients of 1, u, u^2 and u^3 of the cubic over four points.
+/// Coefficients of 1, u, u^2 and u^3 of the B-spline cubic over four points.
 std::array<double, 4> cubic_over(double p0, double p1, double p2, double p3) {
   constexpr double k_sixth = 1.0 / 6.0;
   return {((p0 + p2) + 4 * p1) * k_sixth, 0.5 * (p2 - p0), 0.5 * ((p0 + p2) - 2 * p1),
           ((p3 - p0) + 3 * (p1 - p2)) * k_sixth};
 }
 
-/// The four basis functions at a place in a cell.
+/// The four basis functions at a coordinate in a cell.
 std::array<double, 4> basis_at(double u) {
   constexpr double k_sixth = 1.0 / 6.0;
   const double w = 1 - u;
@@ -53,7 +53,7 @@ struct Extent {
   double magnitude() const { return std::max(std::fabs(least), std::fabs(most)); }
 };
 
-/// The points of the same cubic as a Bezier curve.
+/// Bezier points of the same cubic.
 std::array<double, 4> bezier_points(double p0, double p1, double p2, double p3) {
   constexpr double k_third = 1.0 / 3.0;
   constexpr double k_sixth = 1.0 / 6.0;
@@ -61,7 +61,7 @@ std::array<double, 4> bezier_points(double p0, double p1, double p2, double p3) 
           ((p1 + p3) + 4 * p2) * k_sixth};
 }
 
-/// Those of a patch: they lie nearer to it than the B-spline's.
+/// Bezier points of a patch, which are nearer to it than the B-spline's points.
 Points bezier_points(const Points& p) {
   Points in_v;
   for (std::size_t a = 0; a < 4; ++a)
@@ -76,7 +76,7 @@ Points bezier_points(const Points& p) {
   return q;
 }
 
-/// Of a patch in Bezier form: no third derivative in any direction is above this, in cells.
+/// Upper bound for the third derivatives of a Bezier patch in any direction, in cells.
 double third_differences(const Points& p) {
   double xxx = 0;
   double xxy = 0;
@@ -100,13 +100,15 @@ double third_differences(const Points& p) {
       xyy = std::max(xyy, std::fabs(bend_y(b + 1, a) - bend_y(b, a)));
     }
   }
-  // In the direction (c, s): c^3 S_xxx + 3 c^2 s S_xxy + ..., and c^2 s is at most 2 / sqrt(27).
+  // In direction (c, s) the derivative is c^3 S_xxx + 3 c^2 s S_xxy + ..., and c^2 s is at most 2 /
+  // sqrt(27).
   constexpr double k_mixed = 3 * 0.3849002;
   return 6 * (xxx + yyy) + k_mixed * 18 * (xxy + xyy);
 }
 
-/// A Bezier patch and its derivatives stay between the least and greatest of their points, which
-/// are differences of its own: 3 times first ones, 6 times second ones, 9 times mixed ones.
+/// Bounds of a Bezier patch. The patch and its derivatives stay between the minimum and maximum of
+/// their Bezier points. The derivatives' points are differences of the patch's: 3 times first ones,
+/// 6 times second ones, 9 times mixed ones.
 SurfaceBounds bounds_over(const Points& p, double per_spacing) {
   Extent height;
   Extent x;
@@ -131,7 +133,7 @@ SurfaceBounds bounds_over(const Points& p, double per_spacing) {
   const double per_area = per_spacing * per_spacing;
   const double slope_x = 3 * (x.magnitude() + rounding_m) * per_spacing;
   const double slope_y = 3 * (y.magnitude() + rounding_m) * per_spacing;
-  // No eigenvalue of a symmetric matrix lies outside of its rows' discs (Gershgorin).
+  // Eigenvalues of a symmetric matrix are inside its rows' discs (Gershgorin).
   const double turn_m = 9 * (xy.magnitude() + rounding_m);
   const double most_m = 6 * (std::max(xx.most, yy.most) + rounding_m) + turn_m;
   const double least_m = 6 * (std::min(xx.least, yy.least) - rounding_m) - turn_m;
@@ -238,7 +240,7 @@ SurfaceControl SplineSurface::fields_at(double x_m, double y_m) {
     sum.restitution += weights[k] * one.restitution;
     sum.friction += weights[k] * one.friction;
   }
-  // The weights sum to 1 up to rounding.
+  // The weights sum to 1 except for rounding.
   sum.restitution = std::clamp(sum.restitution, 0.0, 1.0);
   sum.friction = std::max(sum.friction, 0.0);
   return sum;

@@ -1,17 +1,17 @@
-// A spline surface as simulations ask for it: heights, slopes, bounds and laws at places, from
-// patches that are made when somebody first comes near.
+// A spline surface for simulations: heights, slopes, bounds and laws at points, from patches that
+// are made at first access.
 //
-// Frame: the world's, z up. The patch (i, j) lies over i spacing <= x < (i + 1) spacing, likewise
-// y, and hangs on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
+// Frame: the world's, z up. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise in y. It
+// depends on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
 //
-// Formulas: the uniform cubic B-spline's basis, e.g. L. Piegl and W. Tiller, "The NURBS Book"
-// (2nd edition, 1997), chapter 2; bounds are those of the same patch's Bezier form, since a Bezier
-// spline stays between the least and greatest of its points (ibid., P3.3 and P4.22).
+// Formulas: the basis of the uniform cubic B-spline, e.g. L. Piegl and W. Tiller, "The NURBS Book"
+// (2nd edition, 1997), chapter 2. Bounds come from the patch's Bezier form, since a Bezier spline
+// stays between the minimum and maximum of its points (ibid., P3.3 and P4.22).
 //
 // Invariants
-//   1. Results are functions of the arguments and the control points, never of earlier calls.
-//   2. Bounds hold at every place of the region, rounding included.
-// Thread safety: none: asking makes patches.
+//   1. Results depend only on the arguments and the control points, never on earlier calls.
+//   2. Bounds hold everywhere in the region, rounding included.
+// Thread safety: none, because queries make patches.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@
 
 namespace sleight::physics {
 
-/// A place on the surface, and how it rises there.
+/// Height and derivatives of the surface at a point.
 struct SurfacePlace {
   double height_m = 0;
   double slope_x = 0;  ///< dz/dx
@@ -34,12 +34,12 @@ struct SurfacePlace {
   double bend_yy_per_m = 0;
 };
 
-/// What the surface does at most in a region.
+/// Bounds of a surface in a region.
 struct SurfaceBounds {
-  double top_m = 0;         ///< no height is above
+  double top_m = 0;         ///< maximum height
   double slope = 0;         ///< of the steepest descent, >= 0
   double hollow_per_m = 0;  ///< greatest second derivative in any direction, >= 0
-  double bump_per_m = 0;    ///< least one, with its sign changed, >= 0
+  double bump_per_m = 0;    ///< negated minimum second derivative, >= 0
   double twist_per_m2 = 0;  ///< greatest third derivative in any direction, >= 0
 };
 
@@ -49,23 +49,24 @@ struct PatchRange {
   friend bool operator==(const PatchRange&, const PatchRange&) = default;
 };
 
-/// Patches lie at most so many from the origin on either axis, so that the indices of the points
-/// around them fit: at 1 mm, 2147 km.
+/// Maximum patch index on either axis (2147 km at a spacing of 1 mm), so that the indices of
+/// surrounding control points don't overflow.
 inline constexpr std::int32_t k_patch_index_max = INT32_MAX - 2;
 
-/// REQUIRES for all places: finite, and in such a patch.
+/// REQUIRES: all points are finite and in patches up to k_patch_index_max.
 class SplineSurface {
  public:
-  /// Shares the control points. REQUIRES: there are some; spacing_m > 0.
+  /// Shares the control points. REQUIRES: they aren't null; spacing_m > 0.
   explicit SplineSurface(const StaticSurface& surface);
 
   double spacing_m() const { return spacing_m_; }
   SurfacePlace at(double x_m, double y_m);
-  /// Of the patches that a rectangle touches. REQUIRES: low <= high on each axis.
+  /// Bounds for the patches that a rectangle touches. REQUIRES: low <= high on each axis.
   SurfaceBounds bounds_in(double x_low_m, double x_high_m, double y_low_m, double y_high_m);
-  /// Its heights do not enter.
+  /// Restitution and friction at a point; the height isn't set.
   SurfaceControl fields_at(double x_m, double y_m);
-  /// The sixteen control points that a place hangs on, row by row, and their weights there.
+  /// The sixteen control points on which a patch depends, row by row. weights_at() has their
+  /// weights.
   static std::array<GridIndex, 16> support(GridIndex patch);
   GridIndex patch_at(double x_m, double y_m) const;
   std::array<double, 16> weights_at(double x_m, double y_m) const;
@@ -73,7 +74,7 @@ class SplineSurface {
 
  private:
   struct Patch {
-    std::array<double, 16> coefficient{};  ///< of u^a v^b at 4 a + b
+    std::array<double, 16> coefficient{};  ///< of u^a v^b at index 4 a + b
     SurfaceBounds bounds;
   };
   const Patch& patch(GridIndex index);

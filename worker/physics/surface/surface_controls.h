@@ -1,10 +1,8 @@
-// What a spline surface is made of: control points on a grid, each with a height and with how
-// things bounce and slide there.
+// The control points of a spline surface, on a grid, each with a height, restitution and friction.
 //
-// The point (i, j) lies at x = i spacing, y = j spacing. A grid has no end: whoever gives the
-// points says what lies beyond those that matter (a flat apron, say). They are asked for when
-// something comes near, and only then.
-// Thread safety: values; const functions may be called from several threads at once.
+// Point (i, j) is at x = i spacing, y = j spacing. The grid is infinite: its provider also defines
+// the points far from the relevant area, such as a flat apron. Points are read only when something
+// comes near. Thread safety: values; const functions may run concurrently.
 #pragma once
 
 #include <compare>
@@ -16,18 +14,17 @@
 
 namespace sleight::physics {
 
-/// A place in the grid of control points.
 struct GridIndex {
   std::int32_t i = 0;
   std::int32_t j = 0;
   friend auto operator<=>(const GridIndex&, const GridIndex&) = default;
 };
 
-/// A control point. The fields at a place are averages of the sixteen points around it, so they
-/// stay between the least and the greatest of these.
+/// A control point. Restitution and friction at a point of the surface are weighted averages of the
+/// sixteen surrounding control points, so they stay between the minimum and maximum of these.
 struct SurfaceControl {
   double height_m = 0;
-  double restitution = 0;  ///< 0 to 1, of what meets the surface
+  double restitution = 0;  ///< 0 to 1, for every body
   double friction = 0;     ///< Coulomb's coefficient, >= 0
   friend bool operator==(const SurfaceControl&, const SurfaceControl&) = default;
 };
@@ -35,23 +32,24 @@ struct SurfaceControl {
 class SurfaceControls {
  public:
   virtual ~SurfaceControls() = default;
-  /// A pure function of the index: finite, and within the ranges above.
+  /// Returns a point as a pure function of the index. REQUIRES of implementations: finite values
+  /// within the ranges above.
   virtual SurfaceControl at(GridIndex index) const = 0;
-  /// The points that may be others than `before` has: some too many do no harm but cost time.
-  /// Nothing: any may.
+  /// Returns the points that may differ from those of `before`; extra points do no harm but cost
+  /// time. Returns nothing if any point may differ.
   virtual std::optional<std::vector<GridIndex>> changed_from(
       const SurfaceControls& before) const = 0;
 };
 
-/// A surface z = S(x, y) that doesn't move, solid below: a uniform bicubic B-spline over control
-/// points, and so are restitution and friction, which stand for those of any pair of materials.
+/// A fixed surface z = S(x, y), solid below: a uniform bicubic B-spline over control points.
+/// Restitution and friction are splines too, and replace the laws of material pairs.
 struct StaticSurface {
   std::string name;
   std::shared_ptr<const SurfaceControls> controls;
   double spacing_m = 0;  ///< of the grid
-  /// Bodies meet it with their corners and with points on their edges and faces that are no further
-  /// apart than this. Between them a bump may pierce by curvature * (this)^2 / 4: some
-  /// micrometres at 4 mm and 2 per metre.
+  /// Maximum distance between the points of a body that can touch the surface: its corners, and
+  /// points on its edges and faces. Between these points a bump may penetrate by curvature *
+  /// (this)^2 / 4: some micrometres at 4 mm and 2 per metre.
   double point_spacing_m = 4e-3;
 };
 
