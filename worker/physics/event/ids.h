@@ -1,6 +1,4 @@
-// What events, predictions and contacts name: bodies, and what of static geometry they meet.
-//
-// Thread safety: values.
+// Ids of bodies and of the static geometry that they meet. Thread safety: values.
 #pragma once
 
 #include "common/base/ids.h"
@@ -9,13 +7,12 @@ namespace sleight::physics {
 
 /// A moving body: its index in the scene.
 using BodyId = base::Index<struct BodyTag>;
-/// What a sphere meets: a face, an edge or a vertex of static geometry (static_geometry.h).
+/// A face, an edge or a vertex of static geometry, which spheres meet (static_geometry.h).
 using FeatureId = base::Index<struct FeatureTag>;
-/// What another body meets: a plane, a convex or a triangle. A plane has the same index as a
-/// feature.
+/// A plane, a convex or a triangle, which other bodies meet. A plane has the same index as feature
+/// and as piece.
 using PieceId = base::Index<struct PieceTag>;
-/// Either, by what the body is: of a sphere a feature; of another body a piece, or, after these, a
-/// surface.
+/// A feature if the body is a sphere; otherwise a piece, or a surface (numbered after the pieces).
 using StaticId = base::Index<struct StaticTag>;
 
 }  // namespace sleight::physics

@@ -1,9 +1,9 @@
-// Time of the simulator: whole ticks of 2^-30 seconds, about 0.93 ns.
+// The simulator's time: whole ticks of 2^-30 seconds, about 0.93 ns.
 //
-// Idea. Whether two events come at the same time must not hang on rounding, so time is an integer.
-// A time span in ticks converts to seconds exactly (up to 2^53 ticks, 97 days), and adding spans is
-// exact: a scene that starts n ticks later gives the same events n ticks later, bit for bit.
-// Thread safety: values.
+// Idea. Time is an integer, so rounding can't decide whether two events are simultaneous. A time
+// span in ticks converts to seconds exactly (up to 2^53 ticks, 97 days), and adding spans is exact.
+// So a scene that starts n ticks later has the same events n ticks later, bit for bit. Thread
+// safety: values.
 #pragma once
 
 #include <compare>
@@ -12,10 +12,9 @@
 
 namespace sleight::physics {
 
-/// A span of time.
 using TickCount = std::int64_t;
 
-/// A moment, counted from the start of the simulation.
+/// A point in time, counted from the start of the simulation.
 struct Tick {
   TickCount value = 0;
   friend constexpr auto operator<=>(Tick, Tick) = default;
@@ -27,12 +26,12 @@ struct Tick {
 inline constexpr double k_seconds_per_tick = 0x1p-30;
 inline constexpr double k_ticks_per_second = 0x1p30;
 
-/// The latest moment that a simulation may reach: 2^52 ticks, 48 days.
+/// Last tick that a simulation may reach: 2^52 ticks, 48 days.
 inline constexpr Tick k_tick_max{TickCount{1} << 52};
-/// Later than every moment of a simulation: the time of what never happens.
+/// Tick of events that never happen, later than all ticks of a simulation.
 inline constexpr Tick k_never{std::numeric_limits<TickCount>::max()};
 
-/// Of what doesn't end: longer than every span, in seconds.
+/// Longer than every time span; for motions that don't end.
 inline constexpr double k_forever_s = std::numeric_limits<double>::infinity();
 
 /// Exact. REQUIRES: |span| <= 2^53.
@@ -40,7 +39,7 @@ constexpr double seconds(TickCount span) {
   return static_cast<double>(span) * k_seconds_per_tick;
 }
 
-/// The last whole tick at or before a time span; saturates at k_tick_max. REQUIRES: not NaN.
+/// Last whole tick at or before a time span; saturates at k_tick_max. REQUIRES: not NaN.
 constexpr TickCount ticks_before(double span_s) {
   const double ticks = span_s * k_ticks_per_second;
   if (ticks >= static_cast<double>(k_tick_max.value)) return k_tick_max.value;
@@ -49,7 +48,7 @@ constexpr TickCount ticks_before(double span_s) {
   return static_cast<double>(whole) > ticks ? whole - 1 : whole;
 }
 
-/// The first whole tick at or after a time span; saturates at k_tick_max. REQUIRES: not NaN.
+/// First whole tick at or after a time span; saturates at k_tick_max. REQUIRES: not NaN.
 constexpr TickCount ticks_after(double span_s) {
   return -ticks_before(-span_s);
 }

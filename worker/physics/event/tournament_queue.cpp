@@ -21,7 +21,7 @@ void TournamentQueue::reset(std::uint32_t slot_count) {
     meet(nodes_[node] = nodes_[2 * node], nodes_[2 * node + 1]);
 }
 
-// Out of line, so that the loops below stay small.
+// Not inlined, so that the loops below stay small.
 [[gnu::noinline]] bool TournamentQueue::loses_at_same_tick(std::uint32_t a, std::uint32_t b) const {
   const std::strong_ordering order = keys_[b] <=> keys_[a];
   return order == 0 ? b < a : order < 0;
@@ -32,7 +32,7 @@ inline void TournamentQueue::meet(Node& best, const Node& other) const {
   if (other.tick == best.tick) [[unlikely]] {
     loses = loses_at_same_tick(best.slot, other.slot);
   }
-  // By masks: of a choice, the compiler makes a branch, which the processor can't guess.
+  // Use masks: the compiler would turn a choice into a branch, which the processor can't predict.
   const std::uint32_t mask = std::uint32_t{0} - static_cast<std::uint32_t>(loses);
   best.tick = std::min(best.tick, other.tick);
   best.slot ^= (best.slot ^ other.slot) & mask;
@@ -43,7 +43,7 @@ TournamentQueue::Node TournamentQueue::least_of(std::uint32_t group) const {
   TickCount least = ticks[0];
   for (std::uint32_t i = 1; i < k_group; ++i)
     least = std::min(least, ticks[i]);
-  std::uint32_t equal = 0;  // a bit per slot
+  std::uint32_t equal = 0;  // one bit per slot
   for (std::uint32_t i = 0; i < k_group; ++i)
     equal |= static_cast<std::uint32_t>(ticks[i] == least) << i;
 
@@ -54,7 +54,7 @@ TournamentQueue::Node TournamentQueue::least_of(std::uint32_t group) const {
 }
 
 Slot TournamentQueue::second() const {
-  // It lost to the first: in its group, or on the way up.
+  // The second lost to the first, in its group or on the way up.
   const std::uint32_t first = nodes_[1].slot;
   const std::uint32_t group = first / k_group;
   Node best{};
@@ -78,7 +78,7 @@ void TournamentQueue::replay(std::uint32_t group) {
   Node best = least_of(group);
   nodes_[at] = best;
 
-  // The overall winner had won all matches on the way.
+  // The overall winner had won all matches on its path.
   if (nodes_[1].slot == before) {
     for (; at > 1; at /= 2) {
       meet(best, nodes_[at ^ 1]);
@@ -87,9 +87,9 @@ void TournamentQueue::replay(std::uint32_t group) {
     return;
   }
 
-  // Any other former winner of the group had won its matches up to some height: these are played
-  // again. Further up the group's new winner meets winners from elsewhere, until it loses to one; a
-  // winner that it beats there it beats again above.
+  // Any other former winner of the group had won its matches up to some height. These matches are
+  // replayed. Further up, the group's new winner meets winners from other groups until it loses to
+  // one; if it beats a winner, it beats the same winner at all higher nodes too.
   for (; at > 1; at /= 2) {
     Node& above = nodes_[at / 2];
     if (above.slot == before) {

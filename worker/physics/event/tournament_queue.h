@@ -1,24 +1,23 @@
-// An EventQueue as a tournament: slots meet in groups of eight, the groups' winners in pairs, up to
-// the one winner, which is the least.
+// An EventQueue as a tournament: slots compete in groups of eight, the groups' winners in pairs, up
+// to the overall winner, which is the least event.
 //
-// Idea. Every slot has a fixed way to the top, so nothing is moved and no slot must know where it
-// is. A group is eight ticks in one cache line. A new key that neither was nor becomes the first of
-// its group, seven in eight, is done at once; else the group's least is found without branches, and
-// the way up replayed as far as the change shows. Where the overall winner was replaced that is all
-// the way, but then the opponents are known before the first match is over, and the processor reads
-// them ahead. Whole keys are read for equal ticks only.
+// Idea. Every slot has a fixed path to the top, so nothing is moved and no slot stores its
+// position. A group is eight ticks in one cache line. A new key that neither was nor becomes its
+// group's first (seven in eight are so) needs no further work. Otherwise the group's least is found
+// without branches, and the path up is replayed as far as the change has effects. If the overall
+// winner was replaced, that is the whole path, but then the opponents are known before the first
+// match is over, and the processor prefetches them. Whole keys are read only for equal ticks.
 // (Tournaments, with pairs all the way: D. Knuth, "The Art of Computer Programming" 3, section
 // 5.4.1.)
 //
-// Invariants, beside those of event_queue.h
-//   1. ticks_[i] is the tick of keys_[i]. Slots are filled up to whole groups with empty ones.
-//   2. Node groups_ + i, for each of the groups_ groups, has the tick and slot of the least in
-//      group i; node n, for 1 <= n < groups_, those of the lesser of nodes 2n and 2n + 1. Hence
-//      node 1 has the least of all, whatever the number of groups.
-//   3. Least is meant in the order of QueuedEvent, empty slots included.
-// Memory: 36 bytes a slot. Time: O(log n) for the overall winner, with 14 matches at 100,000 slots;
-// O(1) on average for others, drawn evenly.
-// Thread safety: as event_queue.h says.
+// Invariants besides those of event_queue.h
+//   1. ticks_[i] is the tick of keys_[i]. Empty slots fill up the last group.
+//   2. Node groups_ + i, for each of the groups_ groups, has the tick and slot of the least event
+//      in group i. Node n, for 1 <= n < groups_, has those of the lesser of nodes 2n and 2n + 1.
+//      Hence node 1 has the least event of all, whatever the number of groups.
+//   3. "Least" refers to the order of QueuedEvent, empty slots included.
+// Memory: 36 bytes per slot. Time: O(log n) for the overall winner, with 14 matches at 100,000
+// slots; O(1) on average for other slots, drawn evenly. Thread safety: see event_queue.h.
 #pragma once
 
 #include <array>
@@ -51,8 +50,8 @@ class TournamentQueue {
   const EventKey& key_of(Slot slot) const { return keys_[slot.value]; }
   bool empty() const { return keys_[nodes_[1].slot] == k_no_event; }
   QueuedEvent least() const { return {keys_[nodes_[1].slot], Slot{nodes_[1].slot}}; }
-  /// The slot that comes first if the least one's event goes away; some slot where there is none.
-  /// Equal ticks are not told apart: it is for reading ahead, not for an order.
+  /// Returns the slot that would be first without the least event; any slot if there is none. Equal
+  /// ticks are not distinguished, so the result serves only for reading ahead.
   Slot second() const;
 
  private:
@@ -63,17 +62,17 @@ class TournamentQueue {
     std::uint32_t slot = 0;
   };
 
-  /// Whether slot a's event comes after slot b's, of two at the same tick.
+  /// Whether slot a's event comes after slot b's, if both have the same tick.
   bool loses_at_same_tick(std::uint32_t a, std::uint32_t b) const;
-  /// `best` becomes `other` if that comes before it.
+  /// Replaces `best` by `other` if that comes first.
   void meet(Node& best, const Node& other) const;
   Node least_of(std::uint32_t group) const;
-  /// Mends the nodes after a change in a group.
+  /// Updates the nodes after a change in a group.
   void replay(std::uint32_t group);
 
   std::vector<EventKey> keys_;  ///< by slot
   std::vector<Group> ticks_;    ///< by slot
-  std::vector<Node> nodes_;     ///< 0 is not used
+  std::vector<Node> nodes_;     ///< node 0 is unused
   std::uint32_t groups_ = 0;
 };
 
