@@ -2,7 +2,8 @@
 //
 // An engine wraps its table and the event in one object: an Event with the operations of
 // SpheresAtEvent and, if some bodies may not be spheres, those of AnyAtEvent. World::AtEvent has
-// all operations (world_at_event.h); Marbles::AtEvent has those for spheres (marbles_contacts.cpp).
+// all operations (world_at_event.h); Marbles::AtEvent has the operations for spheres
+// (marbles_contacts.cpp).
 //
 // Thread safety: none.
 #pragma once
@@ -135,7 +136,6 @@ Tick slow_from(At& at, BodyId body, const Segment& segment, Tick end) {
                             end);
 }
 
-/// Begins a segment in which a body stands still.
 template <SpheresAtEvent At>
 void begin_rest(At& at, BodyId body) {
   Segment segment{.flight = at.flight_after(body, {}), .mode = MotionMode::resting};

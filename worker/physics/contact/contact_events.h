@@ -74,7 +74,6 @@ ImpactOutput impact(At& at, BodyId a, BodyId b, const PieceContact& contact, con
                         .law = law});
 }
 
-/// Returns a body's twist after a collision with static geometry.
 template <SpheresAtEvent At>
 Twist impact_on_static(At& at, BodyId body, const Twist& before, const PieceContact& contact,
                        const ContactLaw& law) {
@@ -162,16 +161,16 @@ void wake_on_those_that_left(At& at) {
 
 // ---- lasting contact of spheres -----------------------------------------------------------------
 
-// A sphere loses its bounce on a face if the bounce would be slower than separation_speed_mps. It
-// then stays there if gravity presses it on: on one face, in a valley of two, or in a corner of
+// A sphere loses its bounce on a face if the bounce would be slower than separation_speed_mps. The
+// sphere then stays if gravity presses it onto one face, into a valley of two or into a corner of
 // three. At an edge, a fast sphere hops (contact_motion.h), and a slow sphere moves round the edge
 // piece by piece (edge_motion.h). A vertex, or an edge together with another feature, counts as a
 // face as long as the sphere moves by no more than a few micrometres. So a sphere can come to rest
 // between a face and an edge.
 //
 // A sphere stays only if it has met no other body for some bounces. A sphere that leans on another
-// body continues to bounce off both. If the sphere stayed on the face instead, nothing would
-// separate it from the other body, and the two would collide endlessly without time passing.
+// body bounces off both the face and the body. If the sphere stayed on the face instead, nothing
+// would separate it from the other body, and the two would collide endlessly without time passing.
 
 struct FewContacts {
   std::array<FeatureId, 3> features{};
@@ -331,7 +330,7 @@ void change_mode(At& at, BodyId body) {
 // ---- collisions ---------------------------------------------------------------------------------
 
 /// Whether an impact wakes a resting body: by itself, or as one of many weak impacts that together
-/// push the body. The second test assumes that all impacts in the window were like this one.
+/// push the body. For many impacts, the test assumes that all impacts in the window are equal.
 template <SpheresAtEvent At>
 bool is_woken(At& at, BodyId body, const CollisionCount& collided, double jump_mps) {
   const double wake_mps = at.resting.wake_speed_mps();

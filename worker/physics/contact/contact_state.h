@@ -60,7 +60,8 @@ struct CollisionCount {
     return at_tick > k_events_at_a_tick_max || in_window > k_collisions_in_window_max;
   }
 };
-/// Describes the excess for an error message. `slow_contacts_end`: the scene sets SlowContacts.
+/// Describes too many collisions for an error message. `slow_contacts_end`: the scene sets
+/// SlowContacts.
 std::string words_of_too_much(const CollisionCount& count, bool slow_contacts_end);
 
 /// Contact state without two parts: touches are in a list of TouchRecord (rest_log.h), and

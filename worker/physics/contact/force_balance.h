@@ -6,10 +6,10 @@
 // of the American Mathematical Society 82, 1956; P.-L. Lions, B. Mercier, SIAM Journal on Numerical
 // Analysis 16, 1979) finds a point of both sets, if there is one, by iterating
 //   z += C(2 P(z) - z) - P(z).
-// P is the projection onto the plane, which needs A A^T, factored once. C is the projection onto
-// the cones, in closed form for each contact, because the cones are round, not pyramids. The search
-// accepts a point of the cones whose imbalance is below a small fraction of the forces on each
-// body.
+// P is the projection onto the plane; it uses A A^T, which is factored once. C is the projection
+// onto the cones, in closed form for each contact, because the cones are round, not pyramids. The
+// search accepts a point of the cones whose imbalance is below a small fraction of the forces on
+// each body.
 //
 // If no forces hold the bodies, the distance between the two sets stays positive, and the search
 // stops early because it monitors its progress. At the very limit of balance, holds()
@@ -47,7 +47,6 @@ class ForceBalance {
  public:
   /// Reserves memory, so that holds() doesn't allocate for up to this many bodies and contacts.
   void reserve(std::size_t bodies, std::size_t contacts);
-  /// Whether contact forces hold all bodies.
   bool holds(std::span<const HeldBody> bodies, std::span<const HoldingContact> contacts);
 
   /// After holds(): a body's imbalance as a fraction of the forces on it.

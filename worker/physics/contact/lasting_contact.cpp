@@ -92,7 +92,7 @@ std::optional<Carried> carried_by(const RoundBody& round, std::span<const Lastin
   return std::nullopt;
 }
 
-/// Returns a piece over an edge, if that is the next motion.
+/// Returns the sphere's next piece of motion over an edge, if there is one.
 std::optional<Stay> stay_on_edge(const RoundBody& round, const MayStayOn& on, const FreeFlight& now,
                                  const ContactScene& scene) {
   const FeatureId index = on.features.front();

@@ -57,7 +57,6 @@ struct MayStayOn {
   bool rolled = false;  ///< the sphere has rolled on all of them so far
 };
 
-/// A scene's data for lasting contacts.
 struct ContactScene {
   const StaticGeometry& statics;
   const SlowContacts& slow;
@@ -77,8 +76,8 @@ struct Caught {
   std::size_t count = 1;  ///< the sphere may stay on the first `count` contacts
   Twist twist{};
   /// Twist if no contact carries the sphere, such as when friction pulls it onto a feature that it
-  /// doesn't press on. The sphere hops off the new feature; otherwise the old one would return it
-  /// at once, endlessly.
+  /// doesn't press on. The sphere hops off the new feature; otherwise the old feature would throw
+  /// the sphere back at once, again and again.
   Twist otherwise{};
 };
 

@@ -2,9 +2,9 @@
 // response/plane_motion.h computes their motion, and contact_events.h has the rules.
 //
 // Idea. If a body bounces on a plane by micrometres and all points that carry it are near the
-// plane, the body stays in its current pose. It isn't turned towards the plane, and hovers above
-// the plane by at most the height of a bounce, as resting bodies do. Its motion is projected onto
-// the motions that the plane allows.
+// plane, the body stays in its current pose. The body isn't turned towards the plane, and hovers
+// above the plane by at most the height of a bounce, as resting bodies do. The body's motion is
+// projected onto the motions that the plane allows.
 //
 // Thread safety: pure functions.
 #pragma once

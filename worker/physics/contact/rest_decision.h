@@ -7,10 +7,10 @@
 //     its centre moved a little to any side. Other bodies that it touches may still move, so a heap
 //     into which grains fall comes to rest from below.
 //
-// Spheres needn't pass the test with a moved centre. Nor need other bodies that have been slow for
-// 64 times as long: by then a body balancing on an edge has toppled, but a cube rocking on two
-// opposite corners has not. A body that has been slow for that long without leaving its place
-// stands on all contacts that push it up, even if they don't balance it. For example, a ball on a
+// Spheres needn't be balanced with a moved centre. Nor need bodies that have been slow for 64 rest
+// times: by then a body balancing on an edge has toppled, but a cube rocking on two opposite
+// corners has not. A body that has been slow for 64 rest times without leaving its place is taken
+// to stand on all contacts that push it up, even if they don't balance it. For example, a ball on a
 // ledge that leans on another ball may lack a thousandth of its weight, yet bounce by micrometres
 // for ever.
 //
@@ -111,12 +111,12 @@ class RestDecision {
   /// Removes from set_ the members that are no longer candidates or that lean on non-candidates.
   /// Returns whether the body itself is still a candidate.
   bool settle_set();
-  /// Whether one system of forces holds set_ and all resting bodies connected with it. If not,
-  /// either some of these bodies are put in overloaded_, or the least balanced members stop being
-  /// candidates.
+  /// Whether one system of forces holds set_ and all resting bodies connected with it. If forces
+  /// don't hold them, either overloaded_ lists some of these bodies, or the least balanced members
+  /// stop being candidates.
   bool is_held();
-  /// Fills structure_ with set_ and the connected resting bodies. Returns whether it is small
-  /// enough.
+  /// Fills structure_ with set_ and the connected resting bodies. Returns whether structure_ is
+  /// small enough.
   bool find_structure();
   /// Whether forces hold the first `count` bodies of structure_; the other bodies count as fixed.
   bool balances(std::size_t count);

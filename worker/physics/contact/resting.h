@@ -5,12 +5,12 @@
 // (rest_decision.h). Decisions use only recorded contacts (rest_log.h), so they depend only on the
 // events so far.
 //
-// A resting body is an obstacle. Its supporters are the bodies whose pushes balanced it. A resting
-// body wakes when a collision or a user would give it a speed above wake_speed_mps(); weaker
-// impacts act on it as on static geometry. It also wakes when a supporter moves. A supporter moves
-// if an impact wakes it, or if its own supporter moved and it then becomes fast or leaves its
-// place. So an impact doesn't wake a whole heap: a body that may have lost its support is tested,
-// and the bodies on it sleep on unless it leaves its place.
+// A resting body is an obstacle. The supporters of a resting body are the bodies whose pushes
+// balanced it. A resting body wakes when a collision or a user would give it a speed above
+// wake_speed_mps(); weaker impacts act on it as on static geometry. A resting body also wakes when
+// a supporter moves. A supporter moves if an impact wakes it, or if its own supporter moved and it
+// then becomes fast or leaves its place. So an impact doesn't wake a whole heap: a body that may
+// have lost its support is tested, and the bodies on it sleep on unless it leaves its place.
 //
 // Invariants
 //   1. Bodies go to rest only by a decision, which is made at the rest event of one of them.
@@ -58,7 +58,6 @@ class Resting {
   void forget_old_touches(BodyId body, Tick now) { log_of(body).forget_before(now, rest_span()); }
   /// Records a lasting contact for the coming decision.
   void still_touches(BodyId body, const TouchRecord& touch) { log_of(body).record(touch); }
-  /// Begins the decision at a body's rest event.
   RestDecision& decide(BodyId body, Tick now) {
     decision_.begin(logs_, body, now);
     return decision_;
@@ -81,7 +80,7 @@ class Resting {
   void woke(BodyId body, Tick now, const Pose& pose);
   /// Whether others may still rest on a body that woke.
   bool in_place(BodyId body) const { return enabled() && log_of(body).in_place; }
-  /// Whether such a body has left its place, given its current pose and speed.
+  /// Whether a woken body has left its place, given its current pose and speed.
   bool has_left(BodyId body, const Pose& pose, double speed_mps) const;
   /// Marks the body as having no place.
   void leave(BodyId body) { log_of(body).in_place = log_of(body).has_place = false; }
@@ -94,7 +93,8 @@ class Resting {
  private:
   RestLog& log_of(BodyId body) { return logs_.logs[body]; }
   const RestLog& log_of(BodyId body) const { return logs_.logs[body]; }
-  /// A body in its place gets another rest event even if not slow, because others may rest on it.
+  /// A woken body that is still in its place gets another rest event even if it isn't slow, because
+  /// others may rest on it.
   Tick due_if_not_slow(const RestLog& log, Tick now) const {
     return log.in_place ? now + rest_span() : k_never;
   }

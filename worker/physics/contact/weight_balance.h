@@ -25,8 +25,8 @@ bool can_carry(std::span<const TouchRecord> contacts, const Vec3& weight_n, doub
                const Vec3& weight_at_m = Vec3::Zero());
 
 /// Returns the contacts that push when they carry a weight at the centre; none if they can't.
-/// `firmly`: they must also carry it if the centre is moved by a little (k_firm) to any side.
-/// REQUIRES: weight > 0, and the conditions of can_carry.
+/// `firmly`: the contacts must also carry the weight if the centre moves by a little (k_firm) to
+/// any side. REQUIRES: weight > 0, and the conditions of can_carry.
 Contacts carrying(std::span<const TouchRecord> contacts, const Vec3& weight_n, double reach_m,
                   bool firmly);
 

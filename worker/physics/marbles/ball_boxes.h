@@ -1,8 +1,8 @@
 // The boxes of all balls, and overlap queries.
 //
-// Idea. Whenever a ball's motion changes, its box is compared with all others: among some ten balls
-// this is cheaper than any search structure. Coordinates are stored side by side by axis, so that
-// four boxes are compared at once.
+// Idea. Whenever a ball's motion changes, its box is compared with all other boxes, which for some
+// ten balls is cheaper than any search structure. Coordinates are stored side by side by axis, so
+// that four boxes are compared at once.
 //
 // Invariant: boxes beyond the last ball overlap none. Thread safety: const functions may run
 // concurrently.

@@ -1,13 +1,13 @@
 // Vectors of four numbers (three coordinates and one more), for bounds.
 //
 // Idea. A path's bounds require the same operations along all three axes, so they run side by side.
-// Code without branches then costs half as much or less.
+// Such code without branches costs half as much or less.
 //
 // Invariants
 //   1. Every operation rounds each number as the same operation on a double does, so results have
 //      the same bits with and without vector registers.
-//   2. dot and sum add in another order than math::dot. So they compute only bounds, which allow
-//      for rounding, and never decide a collision.
+//   2. dot and sum add in another order than math::dot. So dot and sum compute only bounds, which
+//      allow for rounding, and never decide a collision.
 // Thread safety: values.
 #pragma once
 

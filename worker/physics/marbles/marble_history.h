@@ -1,8 +1,7 @@
 // The history of one marble, which a simulation of nearly the same scene can replay (marbles.h,
 // "What stays the same").
 //
-// Ids come from the simulation that stored the history, and must mean the same balls in the
-// replaying one.
+// Ball ids in a history must mean the same balls in the simulation that replays it.
 #pragma once
 
 #include <array>
@@ -48,7 +47,8 @@ struct MarbleHistory {
     bool is_alone = false;  ///< left alone in its confinement, which is the box
     TouchBox box;
   };
-  /// Motion in a part. For a ball that is left alone: the motion when that began.
+  /// Motion in a part. For a ball that is left alone, the motion is the one at the moment when it
+  /// was left.
   struct Flight {
     Tick begin;
     Vec3 position_m = Vec3::Zero();

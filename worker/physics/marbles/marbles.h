@@ -141,8 +141,8 @@ class Marbles {
   Twist twist(BodyId marble) const { return twist_at(marble, now_); }
   const Counts& counts() const { return counts_; }
 
-  /// Returns the history that replays a ball now, or null. If not null, the functions above must
-  /// not be called for the ball.
+  /// Returns the history that replays a ball now, or null. While a ball is replayed, the functions
+  /// above must not be called for it.
   const MarbleHistory* replayed(BodyId marble) const { return replayed_[marble].get(); }
   /// Simulates a ball from now on.
   void stop_replay(BodyId marble);
@@ -214,7 +214,7 @@ class Marbles {
   bool stays_alone(BodyId ball, const MarbleHistory::Part& part,
                    const MarbleHistory::Flight& way) const;
   Tick first_changed(BodyId ball, const MarbleReplay& replay, Tick until);
-  /// The tick of the current event, also while some balls catch up with it.
+  /// The tick of the current event; it doesn't change while some balls catch up.
   Tick present() const { return catches_up_ ? present_ : now_; }
 
   // When balls meet something (marbles_predictions.cpp).

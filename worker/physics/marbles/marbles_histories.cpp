@@ -100,7 +100,7 @@ MarbleHistories Marbles::histories() const {
   MarbleHistories histories(balls_.size());
   for (BodyId ball{}; ball < balls_.size(); ++ball) {
     if (const auto& replayed = replayed_[ball]) {
-      // Beyond the present, the history is another simulation's.
+      // The replayed history must not extend beyond the present.
       if (replayed->stays && replayed->last.tick <= now_) histories[ball] = replayed;
       continue;
     }

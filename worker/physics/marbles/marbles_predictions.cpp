@@ -59,7 +59,7 @@ double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre
       not_before_s = first_fall_s(left, c_v_rate, 3 * v_a);
       if (not_before_s == k_forever_s) return k_forever_s;
     }
-    // The rate also falls no faster than the pull, which bounds the begin of an approach.
+    // The rate falls no faster than the pull, so an approach can't begin before this bound.
     const double pull = math::norm(pull_mps2);
     if (pull == 0) return k_forever_s;
     not_before_s = std::max(not_before_s, (rate_mps + k_approach_mps) / pull);
@@ -147,7 +147,6 @@ struct Marbles::Window {
     stop = tick;
     path.span_s = seconds(stop - start);
   }
-  /// Whether the window is short enough to test if it stays near its start.
   bool is_short() const { return stop - start <= k_short; }
   bool is_within(const NearFeatures::Cell& cell) {
     measure();
@@ -246,7 +245,7 @@ void Marbles::predict_static(BodyId index) {
     }
   };
   for (window.start = now_; window.start <= until; window.start = window.stop + 1) {
-    // Extend the window as far as the features near its start are the only ones.
+    // Extend the window while no features are near except those near its start.
     window.begin(flight);
     const bool is_settled = surroundings.holds(window.path.place_m);
     const NearFeatures::Cell cell =
@@ -267,12 +266,12 @@ void Marbles::predict_static(BodyId index) {
       if (stay_s < window.path.span_s)
         window.ends(std::min(until, window.start + std::max<TickCount>(1, ticks_before(stay_s))));
       if (best_tick > window.stop) {
-        // The feature is tested again in the window in which it is near.
+        // Forget a collision beyond the window; a later window finds it again.
         best_tick = k_never;
         best = k_nothing;
       }
       if (!window.is_short()) {
-        // The window is longer than the one that was tested.
+        // The window is now longer than when the feature was tested.
         window.path.sets_margins(near_->coordinates_m(), radius_m_);
         done[3] = k_nothing;
       }
@@ -280,7 +279,7 @@ void Marbles::predict_static(BodyId index) {
     window.make_box();
     if (!near_->everywhere().empty()) ask_each(near_->everywhere(), ask_face);
     ask_each(cell.faces, ask_face);
-    // The path is usually shorter now.
+    // Tests of faces have usually shortened the path, so shrink its box.
     window.make_box();
     ask_each(cell.corners, ask_corner);
     window.measure();

@@ -40,7 +40,7 @@ Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until)
     if (part.begin > until) break;
     if (is_changed(part.last_feature)) return part.begin;
     if (part.is_alone) {
-      // Whatever the ball meets inside a confinement, it doesn't leave it.
+      // A ball doesn't leave its confinement, whatever it meets there.
       if (replay.confinement_differs && !stays_alone(ball, part, history.flights[i]))
         return part.begin;
       continue;
@@ -48,7 +48,8 @@ Tick Marbles::first_changed(BodyId ball, const MarbleReplay& replay, Tick until)
     Tick first = k_never;
     for (const MarbleChange& change : replay.changes) {
       if (!overlaps(change.box, part.box)) continue;
-      // The ball has met its supports before. Whether it may start here is tested when it starts.
+      // A ball's supports need no test, because it has met them before. A start near a change is
+      // tested again when the ball starts.
       const TouchBox start = way_box_of(history.flights[i].flight(), part.begin, part.begin);
       if (i == 0 && overlaps(change.box, start)) return part.begin;
       if (part.mode == MotionMode::resting) continue;

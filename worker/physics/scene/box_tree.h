@@ -34,8 +34,8 @@ class BoxTree {
     for_each_that([&](const Box& other) { return meets(other, box); }, visit);
   }
 
-  /// Calls visit(index) for each box within a distance, allowing for rounding. This finds fewer
-  /// boxes than an overlap query with a box widened by that distance.
+  /// Calls visit(index) for each box within a distance, allowing for rounding. for_each_within
+  /// finds fewer boxes than for_each_overlap with a box widened by the distance.
   template <class Visit>
   void for_each_within(const Box& box, float distance_m, Visit&& visit) const {
     constexpr float k_rounding = 1 + 0x1p-18F;

@@ -7,8 +7,7 @@
 //
 // Idea. A body that slides or rolls on one plane moves along a parabola as long as its friction
 // stays constant. The parabola crosses the sides of a rectangle at roots of quadratic equations. A
-// tree of boxes finds the candidate rectangles, and only on the path up to the end of the current
-// rectangle.
+// tree of boxes finds the rectangles that the path may enter before it leaves the current one.
 //
 // Invariant: the same rectangle applies from a path's start until border_s later, except for
 // rounding. Thread safety: const functions may run concurrently.
@@ -59,7 +58,7 @@ class FrictionMap {
 
   /// Returns nothing where there is no rectangle.
   std::optional<double> friction_at(const Vec3& point_m) const;
-  /// Time until another rectangle (or none) applies; `most_s` if the change happens later.
+  /// Time until the applicable rectangle changes; most_s if that happens later.
   double border_s(const MapPath& path, double most_s) const;
 
   const MapFrame& frame() const { return frame_; }

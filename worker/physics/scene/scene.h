@@ -32,11 +32,9 @@ struct Sphere {
 };
 
 /// A ball, or convex parts in the body's frame: origin at the centre of mass, principal axes along
-/// x, y and z (see mass_properties.h). Parts are shared, so that bodies of the same shape store
-/// them once.
+/// x, y and z (see mass_properties.h). Bodies of the same shape share their parts.
 using Shape = std::variant<Sphere, std::shared_ptr<const Compound>>;
 
-/// Initial pose and velocity of a body.
 struct StartState {
   Pose pose;
   Twist twist;
@@ -54,9 +52,10 @@ struct BodyDescription {
   /// function, an overlap is an error.
   std::function<StartState(std::uint32_t attempt)> start_again{};
   /// The body starts at rest on what it touches, as a bowling pin or a stone in an arch does.
-  /// REQUIRES: tick 0, no velocity, a gap of at most k_at_rest_gap_m to its supporters, and a scene
-  /// in which bodies rest. If contact forces can't hold all connected bodies that start at rest,
-  /// the scene is refused. An impact or a moving supporter wakes the body.
+  /// REQUIRES: start_tick is 0, velocities are 0, the gaps to its supporters are at most
+  /// k_at_rest_gap_m, and SlowContacts lets bodies rest. If contact forces can't hold all connected
+  /// bodies that start at rest, the scene is refused. An impact or a moving supporter wakes the
+  /// body.
   bool rests = false;
 };
 
@@ -65,12 +64,11 @@ struct StaticPlane {
   std::string name;
   HalfSpace outside;
   MaterialId material{};
-  /// Friction that varies with position and overrides the contact table's. Shared, so that scenes
-  /// with the same plane store the map once.
+  /// Friction that varies with position and overrides the contact table's. Scenes with the same
+  /// plane share the map.
   std::shared_ptr<const FrictionMap> friction_map{};
 };
 
-/// A convex body that doesn't move.
 struct StaticConvex {
   std::string name;
   std::shared_ptr<const ConvexPolyhedron> polyhedron;  ///< in the world's frame
@@ -100,9 +98,9 @@ struct SlowContacts {
   double rest_time_s = 0;
 };
 
-/// Returns limits for bodies of size L, in terms of v = sqrt(g L) and t = sqrt(L / g), the speed
-/// and time of a fall by L / 2. Bodies separate at 0.01 v or more, and rest after 0.1 t below 0.08
-/// v.
+/// Returns limits for bodies of size L. With v = sqrt(g L) and t = sqrt(L / g), bodies separate at
+/// 0.01 v or more, and rest after a time of 0.1 t below the speed 0.08 v. A fall by L / 2 takes the
+/// time t and reaches the speed v.
 inline SlowContacts slow_contacts_of(double size_m, double gravity_mps2) {
   const double fall_mps = std::sqrt(gravity_mps2 * size_m);
   return {.separation_speed_mps = 0.01 * fall_mps,
@@ -152,8 +150,8 @@ struct SceneError {
     bad_reference,  ///< a material or a body that doesn't exist
     no_balance,     ///< contact forces can't hold a body that starts at rest
     overlap,        ///< at the start, after all attempts
-    // Failures of the simulator with a valid scene. They are bugs; simulating the scene again
-    // reproduces them.
+    // Failures of the simulator with a valid scene. Such failures are bugs; simulating the scene
+    // again reproduces them.
     search_gave_up,       ///< a collision search examined too many ticks
     too_many_collisions,  ///< of one body, at one tick or in a millisecond
     impact_unresolved,    ///< no impulse was found

@@ -167,7 +167,7 @@ StaticGeometry::Margins StaticGeometry::margins_of(std::span<const Vec3> vertice
   for (const Vec3& v : vertices_m)
     size_m = std::max({size_m, std::fabs(v.x()), std::fabs(v.y()), std::fabs(v.z())});
   const double border_m = k_rounding_ulps * size_m;
-  // The prisms of two faces that are flat to k_mesh_flat_sine separate by at most this distance.
+  // flat_m bounds the distance between the prisms of two faces that are flat to k_mesh_flat_sine.
   return {.border_m = border_m, .flat_m = border_m + 4 * k_mesh_flat_sine * radius_m_max_};
 }
 
@@ -283,8 +283,7 @@ void StaticGeometry::add_features(const ConvexView& view, StaticOwner owner) {
   for (std::uint16_t v = 0; v < view.vertex_count; ++v) {
     const std::uint32_t first = side_count();
     for (std::uint16_t i = view.ring_first[v]; i < view.ring_first[v + 1]; ++i) {
-      // Use the edge's own direction, so that a point is on one side of the border for both regions
-      // or for neither.
+      // Both regions use the edge's own direction, so that rounding can't put a point outside both.
       const Edge& edge = view.edges[view.ring_edges[i]];
       const Vec3 direction = direction_of(edge);
       const double offset_m = math::dot(direction, vertices_m[v]);

@@ -7,11 +7,11 @@
 // A sphere touches the feature that contains the point closest to the sphere's centre. So a face's
 // region is the prism above the face. An edge's region is between its ends and outside the prisms
 // of its faces. A vertex's region is beyond the ends of all its edges. A closed mesh is met from
-// outside. Its concave and flat edges are left out, because a sphere touches the adjacent faces
-// first. An open mesh is a sheet that is met from both sides: each triangle counts as two faces,
-// back to back. An edge that is concave from one side of a sheet is met from the other side, so
-// only flat edges are left out. One region serves both sides of a sheet's edge: of the two wedges
-// between the adjacent prisms, the region is the wedge on the convex side.
+// outside. Concave and flat edges of a closed mesh are left out, because a sphere touches their
+// faces first. An open mesh is a sheet that is met from both sides: each triangle counts as two
+// faces, back to back. An edge that is concave from one side of a sheet is met from the other side,
+// so only flat edges are left out. One region serves both sides of a sheet's edge: of the two
+// wedges between the adjacent prisms, the region is the wedge on the convex side.
 //
 // Invariants
 //   1. Planes come first, then features of convexes, then features of meshes. Each mesh has its
@@ -78,11 +78,11 @@ class StaticGeometry {
  public:
   /// Shares the scene's polyhedra and meshes. REQUIRES: error_of(scene) has none.
   explicit StaticGeometry(const Scene& scene) { assign(scene); }
-  /// Makes this object equal to a newly built one, but reuses its memory. This is several times
-  /// faster on systems that allocate and free memory page by page.
+  /// Makes this object equal to a newly built one, but reuses its memory. Reusing memory is several
+  /// times faster on systems that allocate and free memory page by page.
   void assign(const Scene& scene);
-  /// Updates a mesh (by its index in the scene) after its last move of vertices. Afterwards this
-  /// object equals newly built geometry. REQUIRES: only spheres meet the geometry.
+  /// Updates a mesh (by its index in the scene) after its last move of vertices. After refresh(),
+  /// this object equals newly built geometry. REQUIRES: only spheres meet the geometry.
   void refresh(std::size_t mesh);
   // Pieces point into arrays of this object; moving the object keeps the arrays in place.
   StaticGeometry(StaticGeometry&&) noexcept = default;
@@ -110,8 +110,7 @@ class StaticGeometry {
   /// Bounding box of a feature, including all vertex positions within its mesh's slack. REQUIRES:
   /// the feature is not a plane.
   const Box& feature_box(FeatureId index) const { return feature_boxes_[index - plane_count_]; }
-  /// Number of times that refresh has rebuilt feature boxes, which it does when a vertex leaves its
-  /// slack.
+  /// Number of times that refresh() has rebuilt feature boxes because a vertex left its slack.
   std::uint64_t boxes_made() const { return boxes_made_; }
   /// Features that the last refresh rewrote; some may be listed twice.
   std::span<const FeatureId> refreshed() const { return refreshed_; }
@@ -119,8 +118,8 @@ class StaticGeometry {
   /// stays the same. If border_m changes, the whole mesh changes.
   struct About {
     std::vector<FeatureId> features;  ///< features that depend on the vertex
-    /// Faces that don't depend on the vertex but are adjacent to faces that do. An adjacent face's
-    /// region changes only if the edge between them becomes flat or stops being flat.
+    /// Faces that don't depend on the vertex but are adjacent to faces that do. The region of such
+    /// a face changes only if the edge to its neighbour becomes flat or stops being flat.
     std::vector<FeatureId> beside;
     std::vector<std::uint32_t> edges;  ///< mesh edges that can change
   };
@@ -177,17 +176,16 @@ class StaticGeometry {
     }
     return true;
   }
-  /// Whether a piece reaches into a box.
   bool piece_overlaps(PieceId index, const Box& box) const {
     return index < plane_count_ ? reaches(planes_[index], box)
                                 : overlap(piece_boxes_[index - plane_count_], box);
   }
 
   /// Returns the name of the solid that contains a point: a plane's lower side, a polyhedron or a
-  /// closed mesh. Returns null if there is none. This query detects bodies that start wholly inside
-  /// a solid, which touch no feature of its surface. The answer is exact except within rounding of
-  /// a surface. The cost is about 60 ns per triangle of each closed mesh whose box contains the
-  /// point.
+  /// closed mesh. Returns null if no solid contains the point. solid_at() detects bodies that start
+  /// wholly inside a solid, where they touch no feature of its surface. The answer is exact except
+  /// within rounding of a surface. solid_at() costs about 60 ns per triangle of each closed mesh
+  /// whose box contains the point.
   const std::string* solid_at(const Vec3& point_m) const;
 
  private:
@@ -208,7 +206,6 @@ class StaticGeometry {
   void add_mesh(const StaticMesh& mesh);
   void add_features(const ConvexView& view, StaticOwner owner);
   void add_features(const StaticMesh& placed, StaticOwner owner);
-  /// Where a mesh's features and regions are stored.
   struct MeshPlace {
     std::shared_ptr<const TriangleMesh> mesh;
     std::size_t solid = 0;  ///< index of the solid, if the mesh is closed
@@ -240,7 +237,6 @@ class StaticGeometry {
                    StaticOwner owner);
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(sides_.size()); }
 
-  /// A static object with a solid interior.
   struct Solid {
     StaticOwner owner;
     std::shared_ptr<const ConvexPolyhedron> polyhedron;  ///< set unless `mesh` is

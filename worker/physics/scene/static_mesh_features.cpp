@@ -252,8 +252,7 @@ void StaticGeometry::write_edges(const MeshPlace& place, std::span<const std::ui
     const Vec3 back = -direction;
     const double start = math::dot(direction, edge.start_m);
     const double end = math::dot(direction, vertices_m[edge.vertex[1]]);
-    // Use the edge's own direction, so that a point is on one side of the border for both regions
-    // or for neither.
+    // Both regions use the edge's own direction, so that rounding can't put a point outside both.
     HalfSpace& at_start = all_sides[end_sides[number][0]].space;
     HalfSpace& at_end = all_sides[end_sides[number][1]].space;
     at_start.normal = back;

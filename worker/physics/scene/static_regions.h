@@ -62,7 +62,7 @@ inline RegionSide open_side(const Vec3& normal, double offset_m) {
   return {.space = {normal, offset_m}, .strict = true};
 }
 
-/// A closed side, lowered by a margin.
+/// Makes a closed side, lowered by a margin.
 inline RegionSide closed_side(const Vec3& normal, double offset_m, double margin_m) {
   return {.space = {normal, offset_m - margin_m}, .strict = false};
 }

@@ -1,4 +1,5 @@
-// An engine (engine.h) as a simulation (simulation.h) uses it, for any broad phase and event queue.
+// The interface through which simulations (simulation.h) use engines (engine.h) of any broad phase
+// and event queue.
 //
 // The product has one engine; tests compare it with others (tests/engines). Thread safety: none.
 #pragma once

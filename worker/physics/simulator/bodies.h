@@ -39,7 +39,7 @@ struct alignas(64) Flight {
 };
 static_assert(sizeof(Flight) == 64);
 
-/// A body's constants. Those needed for spheres come first, in one cache line.
+/// A body's constants. The constants needed for spheres come first, in one cache line.
 struct alignas(64) BodyConstants {
   SphereMass sphere_mass{};  ///< spheres only
   double reach_m = 0;        ///< radius of a sphere about the centre that contains the body
@@ -114,7 +114,8 @@ class Bodies {
   double turning_speed_mps(BodyId body) const {
     return turning_speed_mps_max(turning_[body].bounds, constants_[body].reach_m);
   }
-  /// Last tick for which its free rotation can be computed. REQUIRES: its inertia is general.
+  /// Last tick for which the body's free rotation can be computed. REQUIRES: its inertia is
+  /// general.
   Tick rotation_horizon(BodyId body) const { return turning_[body].track.horizon(); }
 
   // Supports.
@@ -146,11 +147,11 @@ class Bodies {
   /// All parts in one view, if the body has one.
   std::optional<MovingPiece> hull_at(BodyId body, Tick tick);
   RigidImpactBody rigid_body(BodyId body, Tick tick);
-  /// A sphere as contact_motion.h takes it.
+  /// Converts a sphere for contact_motion.h.
   RoundBody round_body(BodyId body) const {
     return physics::round_body(constants_[body].reach_m, constants_[body].inertia, scene_.slow);
   }
-  /// Of all bodies that have started.
+  /// Sum over all bodies that have started.
   double kinetic_energy_j(Tick tick);
 
   // Periodic worlds.
@@ -196,7 +197,7 @@ class Bodies {
   void begin(BodyId body, const Segment& segment);
   /// Marks a placed body as started.
   void has_started(BodyId body) { started_[body] = 1; }
-  /// Like begin, for a sphere that flies on without turning. The segment is written only when
+  /// Equals begin() for a sphere that flies on without turning. The segment is written only when
   /// segment() is called, which saves memory traffic and changes no bits.
   void fly_on(BodyId body, Tick tick, const Vec3& position_m, const Vec3& velocity_mps) {
     lags_ = true;

@@ -29,8 +29,8 @@ inline constexpr double k_box_pad_radii = 0.2;
 /// moves by this share of its radius.
 inline constexpr double k_keep_box_radii = 0.05;
 /// Target number of boxes that a box overlaps. A new box lasts longer than the last one if that box
-/// overlapped fewer, shorter if more, in proportion and within the two factors below. This balances
-/// the costs of predictions and of new boxes.
+/// overlapped fewer, shorter if more, in proportion and within the two factors below. The target
+/// balances the cost of predictions against that of new boxes.
 inline constexpr double k_neighbours_wanted = 6;
 inline constexpr double k_span_factor_min = 0.5;
 inline constexpr double k_span_factor_max = 1.3;
@@ -75,8 +75,8 @@ inline TickCount span_of_travel(const Bodies& bodies, BodyId body, Tick tick, do
 
 /// Limits the span of a body's box, which is the box of its path plus padding. In a periodic world,
 /// two bodies whose boxes overlap must be nearer to each other than to other images, which
-/// Bodies::to_nearest_image requires. Their centres are apart by at most the sum of both boxes'
-/// edges minus both radii, and the limit keeps this sum below half a period.
+/// Bodies::to_nearest_image requires. The distance between the bodies' centres is at most the sum
+/// of both boxes' edges minus both radii; limited_span() keeps this distance below half a period.
 inline TickCount limited_span(const Bodies& bodies, BodyId body, Tick tick, TickCount span,
                               double pad_radii) {
   TickCount limited = std::min(span, k_tick_max - tick);
@@ -101,7 +101,8 @@ inline double typical_box_m(const Bodies& bodies) {
   return bodies.size() == 0 ? 1 : 1.3 * sum_m / static_cast<double>(bodies.size());
 }
 
-/// A body began a segment at this tick. It keeps its box if the box contains it for long enough.
+/// Updates a body that began a segment at this tick. The body keeps its box if the box contains it
+/// for long enough.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::motion_changed(BodyId body) {
   if (options_.algorithm == Algorithm::asynchronous) {
@@ -159,7 +160,7 @@ bool Engine<Boxes, Queue>::watch_statics(BodyId body, const Box& box) {
   if (!world_.statics().any() || world_.statics().count(body) == 0) return false;
   if (world_.replayed().has(body)) return false;
   if (!holds(static_boxes_[body], box)) {
-    // A body that flies past would leave the wider box at once.
+    // A fast body would leave the wider box at once.
     const auto margin = static_cast<float>(k_static_margin_radii * bodies_.reach_m(body));
     Box& wide = static_boxes_[body];
     wide = wider(box, holds(wider(wide, margin), box) ? margin : 0);

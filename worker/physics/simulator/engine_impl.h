@@ -14,7 +14,7 @@
 namespace sleight::physics {
 
 /// Initial capacity of each list of neighbours: at most 12 equal spheres touch one, and boxes
-/// extend somewhat further. More would spread the lists over memory.
+/// extend somewhat further. A larger capacity would spread the lists over memory.
 inline constexpr std::size_t k_list_room = 16;
 /// Average number of neighbours per body for which memory is reserved.
 inline constexpr std::size_t k_list_average = 48;
@@ -302,7 +302,7 @@ void Engine<Boxes, Queue>::collide(const EventKey& event) {
 /// Gives new bounds and predictions to the bodies that began a segment at this event.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::bodies_changed() {
-  // Update all change numbers first: a prediction is void if they change after it was made.
+  // Update all change numbers first, because a prediction becomes void if they change later.
   for (const BodyId body : world_.changed())
     ++changes_[body];
   for (const BodyId body : world_.changed()) {
@@ -437,8 +437,8 @@ void Engine<Boxes, Queue>::end_pair(BodyId a, BodyId b) {
   predictions_.end_search(search);
 }
 
-/// Predicts a pair. The prediction goes to this body's copy of the edge; the other copy becomes
-/// void.
+/// Predicts a pair. The prediction is stored in this body's copy of the edge, and the other copy
+/// becomes void.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict(BodyId body, const PairEdge& edge) {
   *edge.other_changes = changes_[edge.other];

@@ -1,8 +1,8 @@
 // Replays the history of another simulation: implementation of templates in engine.h.
 //
-// A replayed body has a box and pairs like any other body. Its pairs with other replayed bodies,
-// its collisions with static geometry and its rest decisions are not predicted, because the history
-// contains them. The queue's slot OwnSlot::replayed holds the history's next event.
+// A replayed body has a box and pairs like any other body. A replayed body's pairs with other
+// replayed bodies, collisions with static geometry and rest decisions are not predicted, because
+// the history contains them. The queue's slot OwnSlot::replayed holds the history's next event.
 #pragma once
 
 #include "worker/physics/simulator/engine.h"
@@ -14,8 +14,7 @@ template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::starts_as_before(BodyId body, const EventKey& event) {
   const bool same = replaying_.starts(body, event);
   if (same) {
-    // The body's place is free of static geometry at the next tick, and its list holds no more than
-    // that.
+    // The list of static geometry covers only the start, which is known to be free.
     for (StaticEdge& edge : statics_[body])
       predictions_.end_search(edge.search);
     if (options_.algorithm != Algorithm::all_pairs) {
@@ -46,7 +45,7 @@ template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::schedule_replay() {
   if (replaying_.active()) replaying_.end_if_over();
   const EventKey next = replaying_.active() ? replaying_.next() : k_no_event;
-  // Controls that both scenes have come from the scene's own control slot, in the scene's order.
+  // Controls that both scenes have are processed from the control slot, in the scene's order.
   const bool comes_by_itself =
       next.kind == EventKind::control && next.feature < replaying_.same_controls();
   if (next == k_no_event || comes_by_itself) {
@@ -65,8 +64,8 @@ void Engine<Boxes, Queue>::take_over_live() {
     predict_all(body);
   }
   world_.replayed().forget_gone_live();
-  // Boxes last until the event that came next; that event is withdrawn if it was a void prediction
-  // of these bodies.
+  // Boxes last only until the event that came next, even if that event was a void prediction of
+  // these bodies and has been removed.
   if (options_.algorithm == Algorithm::synchronous && boxes_until_ != k_never &&
       (queue_.empty() || queue_.least().key.tick > boxes_until_)) {
     queue_.set(

@@ -1,5 +1,5 @@
-// Predictions of spheres in flight, the main work in gases. They read as little memory as possible,
-// because with many bodies reading takes longer than computing.
+// Predictions of spheres in flight, the main work in gases. These predictions read as little memory
+// as possible, because with many bodies reading takes longer than computing.
 #include <algorithm>
 #include <array>
 
@@ -63,8 +63,8 @@ bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
       const Lanes place = Lanes::of(other.position_m);
       const Lanes velocity = Lanes::of(other.velocity_mps);
 
-      // Shift to the image of the second body nearest to the first one now. The usual shift of one
-      // period or none, not near a rounding decision, needs no branch.
+      // Shift to the image of the second body nearest to the first one now. The usual case needs no
+      // branch: the shift is one period or none, and rounding can't decide which.
       const LaneMask own_is_first = LaneMask::all(body < batch.others[i]);
       const Lanes place_now = place + Lanes::all(seconds(now - other.begin)) * velocity;
       const Lanes apart = choose(own_is_first, place_now, own_place_now) -
@@ -77,7 +77,7 @@ bool Predictions::predict_flight_from(BodyId body, const PairEdges& edges,
         shift = Lanes::of(bodies_.to_nearest_image({apart.xy[0], apart.xy[1], apart.z[0]}));
       }
 
-      // Relative motion from the later begin on; both spheres fall alike.
+      // Compute the relative motion from the later begin on; gravity cancels.
       const Tick begin = k_fresh ? now : std::max(own.begin, other.begin);
       const double s = k_fresh ? 0 : seconds(begin - own.begin);
       const double t = seconds(begin - other.begin);

@@ -17,7 +17,6 @@
 
 namespace sleight::physics {
 
-/// A spline surface of the scene.
 struct MetSurface {
   std::string name;  ///< for error messages
   SplineSurface surface;
@@ -57,8 +56,8 @@ class MetStatics {
   PieceContact contact_of_part(StaticId met, BodyId body, std::uint32_t part, Tick tick) const;
   /// Whether the two touch or overlap at a tick.
   bool touching(BodyId body, StaticId met, Tick tick) const;
-  /// Returns the name of the solid that contains a point; empty if none. This finds bodies deep
-  /// inside a solid, which may touch nothing of its surface.
+  /// Returns the name of the solid that contains a point; empty if none. solid_at() finds bodies
+  /// deep inside a solid, which may touch nothing of its surface.
   std::string solid_at(const Vec3& place_m) const;
 
  private:

@@ -8,15 +8,15 @@
 // lines for sixteen neighbours.
 //
 // A pair's prediction is in the copy of the body that made it, the one whose motion changed last.
-// The other copy may still hold an older prediction. Each copy stores the partner's change number
-// at the time of the prediction, and is void if the partner has changed since.
+// The partner's copy may still hold an older prediction. Each copy stores the partner's change
+// number at its prediction, and is void if the partner has changed since.
 //
 // Invariants
 //   1. The same index in all arrays belongs to the same edge.
 //   2. One of a pair's two copies holds the prediction for the bodies' current segments.
 //   3. The order within a list has no meaning, and no result may depend on it.
 //   4. Capacities are first_room_ times a power of two. A range that its list has left is in the
-//      chain of free ranges of its capacity, from which the next list takes it.
+//      chain of free ranges of that capacity, for reuse by other lists.
 // Thread safety: none.
 #pragma once
 

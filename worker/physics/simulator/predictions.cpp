@@ -7,14 +7,14 @@
 namespace sleight::physics {
 namespace {
 
-/// Number of looks before a search waits until its next tick; most pairs change their motion before
-/// then. Affects speed only.
+/// Maximum ticks that a search tests before it waits until the next one is due; most pairs change
+/// their motion before then. Affects speed only.
 constexpr int k_looks_ahead = 32;
 
 /// Replaces a feature: the search exceeded its limit.
 constexpr std::uint32_t k_gave_up = UINT32_MAX;
 
-/// Makes a few looks of a stateless search from a tick on.
+/// Tests a few ticks of a search without stored state.
 template <class Examine>
 Prediction looked_ahead(Tick tick, Tick until, const Examine& examine) {
   for (int look = 0; look < k_looks_ahead; ++look) {
@@ -135,7 +135,7 @@ Prediction Predictions::predict(BodyId a, BodyId b, Tick now, std::uint32_t& sea
 Prediction Predictions::look(BodyId a, BodyId b, Tick now, std::uint32_t search) {
   if (bodies_.is_sphere(a) && bodies_.is_sphere(b)) return predict_spheres(a, b, now);
   const std::uint32_t of_b = bodies_.constants(b).part_count;
-  // Most looks come after the refractory time.
+  // Most ticks tested are after the refractory time.
   Refractory refractory = recent_.of(a, b);
   bool asked = false;
   const bool several = searches_.of(search).size() > 1;
@@ -193,7 +193,8 @@ Refractory Predictions::refractory_of_parts(BodyId a, BodyId b) {
   const Refractory refractory = recent_.of(a, b);
   const Tick begin = std::max(bodies_.flight(a).begin, bodies_.flight(b).begin);
   if (refractory.until <= begin) return refractory;
-  // As for spheres, at the closest points of any two parts. Usually no point is fast.
+  // As for spheres, compare the approach speed at the closest points of any two parts. Usually no
+  // point is fast.
   const MovingPiece& first = bodies_.moving_at(a, begin);
   const MovingPiece& second = bodies_.moving_at(b, begin);
   const double turning_mps =

@@ -54,8 +54,8 @@ class Predictions {
   bool in_free_flight(BodyId body) const {
     return bodies_.flight(body).radius_m > 0 && !recent_.enabled();
   }
-  /// Closed form for two spheres. In a periodic world it applies to the image nearest at `now`.
-  /// REQUIRES: free_spheres(a, b); a < b.
+  /// Closed form for two spheres. In a periodic world, the closed form applies to the image nearest
+  /// at `now`. REQUIRES: free_spheres(a, b); a < b.
   Prediction predict_free_spheres(BodyId a, BodyId b, Tick now) const;
   /// Closed form for b's image at a given shift.
   Prediction predict_free_spheres_at(BodyId a, BodyId b, const Vec3& shift_m) const;
@@ -69,21 +69,21 @@ class Predictions {
   Prediction predict_static(BodyId body, StaticId met, Tick now, std::uint32_t& search, Tick until);
   Prediction look_static(BodyId body, StaticId met, Tick now, std::uint32_t search, Tick until);
 
-  // At the event that a prediction led to.
+  // Contacts at the event that a prediction led to.
   PieceContact contact_at(BodyId a, BodyId b, const EventKey& event);
   PieceContact static_contact_at(BodyId body, StaticId met, const EventKey& event);
 
   // Notifications about bodies.
-  /// A body has moved to another place, or changed its motion.
+  /// Call when a body has moved to another place or changed its motion.
   void moved() {
     found_.tick = Tick{-1};
     hull_look_.tick = Tick{-1};
   }
-  /// A body has begun a segment.
+  /// Call when a body has begun a segment.
   void began(BodyId body) {
     if (places_.enabled()) note_place(body);
   }
-  /// Two bodies have collided.
+  /// Call when two bodies have collided.
   void have_collided(BodyId a, BodyId b, Tick tick, double gap_m) {
     recent_.note(a, b, tick, gap_m);
   }
@@ -102,8 +102,8 @@ class Predictions {
  private:
   /// Registers a body's segment with places_.
   void note_place(BodyId body);
-  /// Whether the hulls of two bodies with several parts are apart. If so, `examined` is the result
-  /// for each pair of parts.
+  /// Whether the hulls of two bodies with several parts are apart. If the hulls are apart,
+  /// `examined` is the result for each pair of parts.
   bool hulls_apart(BodyId a, BodyId b, Tick tick, double touch_m, SeparationCache& cache,
                    Examined& examined);
   /// Refractory time of two bodies: they don't collide again unless they come faster or closer
@@ -130,7 +130,7 @@ class Predictions {
   PieceSearches searches_;
   RecentContacts recent_;
   NearPlaces places_;
-  /// Result of the last look at two hulls; each pair of parts uses it.
+  /// Result of the last test of two hulls, which each pair of parts uses.
   struct HullLook {
     Tick tick{-1};
     BodyId a{};

@@ -52,7 +52,7 @@ void Replaying::find_quiet_until() {
       if (latest[body] != nullptr) look(body, event.key.tick);
       latest[body] = &event.segments[segment++];
       if (event.key.kind != EventKind::start) continue;
-      // The body drew its place again, or would have to now.
+      // In the history the body drew its place again, or would have to draw again now.
       const Vec3& place_m = latest[body]->flight.position_m;
       if (place_m != bodies().scene().bodies[body].start.pose.position_m ||
           !world_.statics().solid_at(place_m).empty())

@@ -1,4 +1,4 @@
-// Replays the history of another simulation in a world, as far as it stays the same (see replay.h).
+// Replays the history of another simulation in a world, as far as both agree (see replay.h).
 //
 // Thread safety: none.
 #pragma once

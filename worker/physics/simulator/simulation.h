@@ -49,8 +49,8 @@ struct SimulationOptions {
   bool record = true;  ///< store the segments; the last one per body is always stored
   std::size_t segments_reserved = 16;  ///< per body, before the recording allocates
   bool keep_history = false;  ///< store the data for history(), from which recording() is derived
-  /// Memory limit for the history. Beyond it there is no history; there is still a recording if
-  /// `record` is set.
+  /// Memory limit for the history. If the history exceeds the limit, history() returns null; a
+  /// recording is still made if `record` is set.
   std::size_t history_bytes_max = std::size_t{1} << 30U;
   TickCount sample_every = 0;  ///< sampling events from tick 0 on; 0: none
   std::function<void(Tick)> on_sample{};
@@ -61,10 +61,10 @@ class Simulation {
   /// Checks the scene, copies it, and places the bodies that start at tick 0. Shapes and meshes are
   /// shared with the scene, not copied.
   ///
-  /// `history` comes from an earlier simulation. With it, only differences are simulated: bodies
-  /// with other shapes, masses, materials or starts; bodies that come near changed static geometry;
-  /// and bodies that one of these touches or reads in a rest decision. All other bodies are
-  /// replayed. All results except counts() are the same, bit for bit, as without a history.
+  /// `history` comes from an earlier simulation. With a history, only differences are simulated:
+  /// bodies with other shapes, masses, materials or starts; bodies that come near changed static
+  /// geometry; and bodies that one of these touches or reads in a rest decision. All other bodies
+  /// are replayed. All results except counts() are the same, bit for bit, as without a history.
   ///
   /// The history is ignored if it has other laws (gravity, surfaces, slow contacts, periods) or
   /// another number of bodies. Compounds count as the same only if they are the same object. A body
@@ -104,7 +104,7 @@ class Simulation {
   /// Recording up to now(); empty if not recorded. If the simulation stores a history, this call
   /// creates or completes the recording.
   const Recording& recording() const;
-  /// Everything up to now(), for replays by other simulations. Null without `keep_history`, above
+  /// Everything up to now(), for replays by other simulations. Null if `keep_history` is off, above
   /// the memory limit, or after an error. Chunks up to the first difference are shared with the
   /// replayed history.
   std::shared_ptr<const History> history() const;

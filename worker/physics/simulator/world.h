@@ -64,15 +64,15 @@ class World {
   void place(BodyId body, const Segment& segment);
   void begin_segment(BodyId body, const Segment& segment, const EventKey& cause);
   // Bodies that start at rest (world_at_rest.cpp).
-  /// Finds what carries them. Returns an error if they can't rest. REQUIRES: nothing has happened
-  /// yet.
+  /// Finds what carries them. Returns an error if bodies can't rest as they start. REQUIRES:
+  /// nothing has happened yet.
   std::optional<SceneError> lay_down();
   Segment segment_at_rest(BodyId body) const;
-  /// Puts such a body to rest after its segment has begun. REQUIRES: lay_down().
+  /// Puts a body to rest after its segment has begun. REQUIRES: lay_down().
   void begin_at_rest(BodyId body);
 
-  // Events. Afterwards changed() lists the bodies that began a segment, ascending. REQUIRES: the
-  // event was predicted for its tick.
+  // Events. After each of these functions, changed() lists the bodies that began a segment,
+  // ascending. REQUIRES: the event was predicted for its tick.
   void collide(BodyId a, BodyId b, const EventKey& event);
   void collide_static(BodyId body, StaticId met, const EventKey& event);
   void apply(const Control& control, const EventKey& event);
@@ -114,7 +114,8 @@ class World {
   void keep(const EventKey& event) {
     if (recorder_.keeps_history()) append_to_history(event);
   }
-  /// Everything up to now. Null if not stored, above the memory limit, or after a failure.
+  /// Everything up to now. Returns null if the history isn't stored, exceeds the memory limit, or
+  /// after a failure.
   std::shared_ptr<const History> history(Tick now);
 
   /// Prefetches data of a body's collision.
@@ -144,7 +145,8 @@ class World {
   void note_surface(BodyId body, StaticId met, Tick tick, const Vec3& centre_m, const Vec3& arm_m);
 
   // Rest (world_rest.cpp).
-  /// Records corners near those that touched, which carry the body too, for the rest decision.
+  /// For the rest decision, records corners that carry the body because they are near corners that
+  /// touched.
   void note_near_corners(BodyId body, Tick tick);
   /// Calls found(touch) for all corners within near_m of the face that `touch` was on.
   void corners_like(BodyId body, const TouchRecord& touch, Tick tick, double near_m,
@@ -174,8 +176,8 @@ class World {
 
   // Histories (world_history.cpp).
   void append_to_history(const EventKey& event);
-  /// Restores the contact state of an event's participants after it. REQUIRES: their segments have
-  /// begun.
+  /// Restores the contact state that an event's participants have after the event. REQUIRES: their
+  /// segments have begun.
   void restore(const HistoryEvent& event);
   void restore_surface(const HistoryEvent& event);
 

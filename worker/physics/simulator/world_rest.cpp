@@ -1,5 +1,5 @@
-// Bodies that go to rest, and the lasting contacts that carry them besides recorded touches;
-// spheres whose contact changes.
+// Rest events and mode events, and the search for corners that carry a body besides recorded
+// touches.
 #include <algorithm>
 #include <array>
 #include <limits>
