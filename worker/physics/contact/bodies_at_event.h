@@ -25,7 +25,6 @@
 
 namespace sleight::physics::contact {
 
-/// An event, and the data common to all bodies.
 struct Event {
   Tick tick{};
   std::vector<BodyId>& changed;  ///< bodies that began a segment at the event
@@ -62,18 +61,18 @@ concept SpheresAtEvent = std::derived_from<T, Event> &&
   at.begin_after(b, twist);
   at.begin_segment(b, segment);
 
-  // Counts a collision of a body; records the gap of a colliding pair; records a body's touch for
-  // rest decisions.
+  // Counts a collision of b.
   { at.count(b) } -> std::same_as<const CollisionCount&>;
+  // Records the gap of a colliding pair.
   at.meets(b, other, gap_m);
+  // Records a touch of b for rest decisions.
   at.touches(b, touch, bool{});
 
-  // Notifications for engines that store a history:
-  //   - goes_live: b may change from now on for reasons that its history doesn't contain;
-  //   - reads: the result for b depends on the other body's state;
-  //   - learns: b's contact state changes by more than a touch.
+  // For histories: b may change from now on for reasons that its history doesn't contain.
   at.goes_live(b);
+  // For histories: the event's result for b depends on the other body's state.
   at.reads(b, other);
+  // For histories: b's contact state changes by more than a touch.
   at.learns(b);
 };
 

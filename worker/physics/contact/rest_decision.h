@@ -1,11 +1,11 @@
 // Decides which bodies go to rest together.
 //
-// Idea. Among bodies that touch each other, the largest set goes to rest in which each member
-//   - was slower than rest_speed_mps at every collision of the last rest_time_s, and is so now;
-//   - is in balance on its recent touches with static geometry, resting bodies and members of the
-//     set. Normal forces with friction at these contacts must be able to carry its weight, even if
-//     its centre moved a little to any side. Other bodies that it touches may still move, so a heap
-//     into which grains fall comes to rest from below.
+// Idea. Among bodies that touch each other, the largest set goes to rest in which each member is
+// slow and in balance. A slow member was slower than rest_speed_mps at every collision of the last
+// rest_time_s, and is so now. A balanced member is carried by its recent touches with static
+// geometry, resting bodies and members of the set: normal forces with friction at these contacts
+// can carry its weight, even if its centre moves a little to any side. Other bodies that a member
+// touches may still move, so a heap into which grains fall comes to rest from below.
 //
 // Spheres needn't be balanced with a moved centre. Nor need bodies that have been slow for 64 rest
 // times: by then a body balancing on an edge has toppled, but a cube rocking on two opposite
@@ -46,7 +46,6 @@ namespace sleight::physics {
 
 class RestDecision {
  public:
-  /// A body's current state.
   struct Present {
     double speed_mps = 0;  ///< upper bound for its fastest point
     Vec3 centre_m = Vec3::Zero();

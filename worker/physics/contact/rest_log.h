@@ -43,7 +43,6 @@ struct RestState {
     const auto end = supporters.begin() + supporter_count;
     return std::find(supporters.begin(), end, other) != end;
   }
-  /// Whether the body rests, and the other body is among its supporters.
   bool rests_on(BodyId other) const { return rests && leans_on(other); }
   std::size_t touch_count() const { return count + held_count; }
 };
@@ -57,7 +56,6 @@ struct RestLog : RestState {
   /// Adds a touch. The new touch replaces one of the same partner at the same place, or the oldest
   /// one if the list is full.
   void record(const TouchRecord& touch);
-  /// Removes touches that are older than a span.
   void forget_before(Tick now, TickCount span);
   /// Marks the body as neither slow nor at rest.
   void disturb();
@@ -71,7 +69,6 @@ struct RestingBody {
   bool round = false;  ///< a sphere: may stand where other bodies would topple
 };
 
-/// The data of all bodies, and the scene's rule.
 struct RestLogs {
   SlowContacts rule;
   TickCount rest_span = 0;  ///< how long a touch counts

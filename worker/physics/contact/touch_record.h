@@ -14,7 +14,6 @@ namespace sleight::physics {
 /// The partner of a touch with static geometry.
 inline constexpr BodyId k_static_partner{UINT32_MAX};
 
-/// One impact, as seen by one of its bodies.
 struct TouchRecord {
   Tick tick{};
   BodyId partner = k_static_partner;

@@ -39,7 +39,6 @@ class Balance {
     }
   }
 
-  /// Returns the contacts that push in the last balance.
   Contacts pushing() const {
     Contacts contacts = 0;
     for (std::size_t i = 0; i < count_; ++i) {

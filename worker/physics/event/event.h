@@ -6,7 +6,7 @@
 //   repeat
 //     e = the least of all waiting events
 //     process e: it may change bodies, which removes and adds events, also at this same tick
-//   until the least event is later
+//   until the least event is later.
 //
 // So an event at tick t uses the state left by earlier events at t. For example, if two balls hit a
 // third at the same tick, the pair with the lower ids is resolved first, and the other pair is

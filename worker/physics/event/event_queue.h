@@ -5,17 +5,18 @@
 // slot, so invalid events are never left in the queue, and the queue never grows.
 //
 // Invariants of every EventQueue
-//   1. least() is the least event in the order of QueuedEvent: by key, then by slot. It depends
-//      only on the slots' contents, not on the order of calls.
+//   1. least() is the least event in the order of QueuedEvent: by key, then by slot. The result
+//      depends only on the slots' contents, not on the order of calls.
 //   2. A slot is empty exactly if its key is k_no_event, so set(slot, k_no_event) empties it. A key
 //      at k_never that differs from k_no_event in another field is an ordinary event.
 //   3. Nothing is allocated outside reset().
-//   4. Any key may be set at any time. A queue may use for speed, but not for correctness, that
-//      simulations set no keys before the tick of the current event.
+//   4. Any key may be set at any time. A queue may become faster, but not incorrect, by assuming
+//      that no key is set before the current event's tick.
 //
 // The simulator uses TournamentQueue, the fastest at every size measured, from 64 to 100,000 slots.
-// Tests compare it with other queues (tests/engines), and `sleight-bench event_queue` compares
-// speeds. Thread safety: const functions may run concurrently, but not while a thread writes.
+// Tests compare TournamentQueue with other queues (tests/engines), and `sleight-bench event_queue`
+// compares speeds. Thread safety: const functions may run concurrently, but not while a thread
+// writes.
 #pragma once
 
 #include <compare>
@@ -42,18 +43,19 @@ struct QueuedEvent {
 };
 
 /// All functions with a slot REQUIRE: slot.value < the slot count of the last reset.
-///   reset(count)    creates empty slots 0 to count - 1; may allocate. REQUIRES: count <=
-///   k_slots_max set(slot, key)  replaces the slot's content by the key erase(slot)     empties the
-///   slot key_of(slot)    returns the slot's key, or k_no_event empty()         whether all slots
-///   are empty, as before the first reset least()         REQUIRES: not empty()
 template <class Queue>
 concept EventQueue = std::default_initializable<Queue> &&
     requires(Queue& queue, const Queue& unchanged, std::uint32_t count, Slot slot, EventKey key) {
+  // Creates empty slots 0 to count - 1; may allocate. REQUIRES: count <= k_slots_max.
   { queue.reset(count) } -> std::same_as<void>;
+  // Replaces the slot's content by the key.
   { queue.set(slot, key) } -> std::same_as<void>;
   { queue.erase(slot) } -> std::same_as<void>;
+  // Returns the slot's key, or k_no_event.
   { unchanged.key_of(slot) } -> std::convertible_to<EventKey>;
+  // Whether all slots are empty, as before the first reset.
   { unchanged.empty() } -> std::same_as<bool>;
+  // REQUIRES: not empty().
   { unchanged.least() } -> std::convertible_to<QueuedEvent>;
 };
 

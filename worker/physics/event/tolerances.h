@@ -1,16 +1,16 @@
-// The named constants of the simulator's model, with the effects of changing them. They decide
-// trajectories, which bodies rest and when a simulation gives up, so changing one changes every
-// run.
+// The named constants of the simulator's model, with the effects of changing them. These constants
+// decide trajectories, which bodies rest and when a simulation gives up, so changing one changes
+// every run.
 //
 // Other constants of worker/physics are defined where they are used:
-//   - Search margins, rounding allowances and capacities affect only speed; margins also affect how
-//     late a collision may be (piece_motion.h). k_rounding_ulps, the margin that all searches
-//     share, is here.
-//   - Orders, steps and stopping tests of numerical methods change last digits, and so trajectories
-//     (motion/, distance/, contact/force_balance.cpp).
-//   - Limits for scenes decide which scenes are refused (simulator/scene_check.cpp,
-//     scene/friction_map.h, shape/). k_coordinate_m_max, which two checks share, is here.
-//   - Ticks are in tick.h.
+//   1. Search margins, rounding allowances and capacities affect only speed. Margins also affect
+//      how late a collision may be (piece_motion.h). k_rounding_ulps, the margin that all searches
+//      share, is here.
+//   2. Orders, steps and stopping tests of numerical methods change last digits, and so change
+//      trajectories (motion/, distance/, contact/force_balance.cpp).
+//   3. Limits for scenes decide which scenes are refused (simulator/scene_check.cpp,
+//      scene/friction_map.h, shape/). k_coordinate_m_max, which two checks share, is here.
+//   4. Ticks are in tick.h.
 // A scene chooses its SlowContacts (scene/scene.h). "The slowest bounces" are those that separate
 // at separation_speed_mps.
 //
@@ -42,20 +42,20 @@ inline constexpr double k_approach_mps = 1e-9;
 /// in the last place of the coordinates. If too small, two searches may disagree by a tick.
 inline constexpr double k_rounding_ulps = 64 * 0x1p-53;
 
-/// Depth by which collisions of touching pieces may be late. Such a pair is tested again before any
-/// of its points can have approached by this depth along the normal at the current speed. Larger:
-/// touching pieces overlap by more. Smaller: touching pairs are tested more often.
+/// Depth by which collisions of touching pieces may be late. A touching pair is tested again before
+/// any of its points can have approached by this depth along the normal at the current speed. If
+/// larger, touching pieces overlap by more. If smaller, touching pairs are tested more often.
 inline constexpr double k_touching_depth_m = 1e-6;
 
-/// Maximum time between tests of touching round pieces, 15 us. Larger: accelerating pieces approach
-/// by more than k_touching_depth_m. At half of it, a search fails after half the time in touch, 7.6
-/// s (k_examined_ticks_max).
+/// Maximum time between tests of touching round pieces, 15 us. If larger, accelerating pieces
+/// approach by more than k_touching_depth_m. At half this value, a search fails after half the time
+/// in touch, 7.6 s (k_examined_ticks_max).
 inline constexpr double k_touching_s_max = 0x1p-16;
 
 /// Time after a collision in which a pair doesn't collide again, unless it has come half of the way
-/// to the depth k_sink_m since. Applies only if slow contacts end (scene.h). Without this time, a
-/// squeezed body would bounce between its neighbours without time passing (inelastic collapse). A
-/// pair that approaches at 0.05 m/s uses up half of k_touch_m in this time.
+/// to the depth k_sink_m since. The refractory time applies only if slow contacts end (scene.h).
+/// Without this time, a squeezed body would bounce between its neighbours without time passing
+/// (inelastic collapse). A pair that approaches at 0.05 m/s uses up half of k_touch_m in this time.
 inline constexpr TickCount k_refractory = TickCount{1} << 10;  // 0.95 us
 
 /// Bodies that approach faster than this collide despite k_refractory. Repeated impacts of a
@@ -79,16 +79,16 @@ inline constexpr double k_sink_step_m_min = 2e-14;
 inline constexpr std::uint32_t k_elastic_at_a_tick = 64;
 
 /// Speed of a rolling sphere's hop off an edge or a resting body, as a share of the separation
-/// speed. The hop is slower than other bounces because its energy comes from the rolling. Larger:
-/// balls roll less far.
+/// speed. The hop is slower than other bounces because its energy comes from the rolling. If
+/// larger, balls roll less far.
 inline constexpr double k_hop_share = 0.25;
 
 /// A sphere that has met another body stays on nothing for the duration of this many slowest
-/// bounces. At 0, nothing separates the two.
+/// bounces. At 0, nothing separates the sphere from the other body.
 inline constexpr double k_bounces_alone = 4;
 
-/// Relative gain of energy that rounding of twists may cause in an impact of rigid bodies. Smaller:
-/// more impulses are reduced than gain energy. Larger: heaps gain energy.
+/// Relative gain of energy that rounding of twists may cause in an impact of rigid bodies. If
+/// smaller, more impulses are reduced than gain energy. If larger, heaps gain energy.
 inline constexpr double k_impact_rounding = 0x1p-50;
 /// First reduction of an impulse that gains more energy, and growth of the reduction from round to
 /// round. The last round removes a quarter; if that isn't enough, the impact is unresolved.
@@ -98,63 +98,65 @@ inline constexpr int k_impact_reduction_rounds = 16;
 
 // ---- what stays on static geometry --------------------------------------------------------------
 
-/// A sphere faster than this many times its slowest bounces hops over an edge or a vertex. Smaller:
-/// slow spheres hop too. Larger: fast spheres are held to edges.
+/// A sphere faster than this many times its slowest bounces hops over an edge or a vertex. If
+/// smaller, slow spheres hop too. If larger, fast spheres are held to edges.
 inline constexpr double k_edge_speeds = 16;
 
 /// Height by which a slower sphere rises above the edge or vertex, as a share of its slowest
-/// bounces' height: in pieces (edge_motion.h), or straight on before it falls back. Larger: the
-/// sphere visibly flies. Smaller: the path round an edge has more pieces.
+/// bounces' height: in pieces (edge_motion.h), or straight on before it falls back. If larger, the
+/// sphere visibly flies. If smaller, the path round an edge has more pieces.
 inline constexpr double k_rise_bounces = 0.5;
 
-/// A sphere that accelerates into a face by less than this doesn't press on it. In an hour this
-/// adds less speed than gravity in a tick. At 0, rounding decides which features carry a sphere.
+/// A sphere that accelerates into a face by less than this doesn't press on it. Such an
+/// acceleration adds less speed in an hour than gravity in a tick. At 0, rounding decides which
+/// features carry a sphere.
 inline constexpr double k_press_mps2 = 1e-12;
 
 /// Two faces form no valley if their normals have a sine or a cosine below these limits. Below the
-/// sine, the valley is too flat to define the line along which it runs. Below the cosine, it is a
-/// slit of less than 0.8 degrees, which would press on a sphere with more than seventy times its
-/// weight.
+/// sine, the valley is too flat to define the line along which it runs. Below the cosine, the
+/// valley is a slit of less than 0.8 degrees, which would press on a sphere with more than seventy
+/// times its weight.
 inline constexpr double k_valley_sine_min = 1e-3;
 inline constexpr double k_valley_cosine_min = -0.9999;
 
 /// A body that isn't a sphere stays on a flat surface only if all points that carry it bounce no
-/// faster than this many times the slowest bounces. Larger: it hovers higher above the plane.
-/// Smaller: it bounces for longer before it stays.
+/// faster than this many times the slowest bounces. If larger, the body hovers higher above the
+/// plane. If smaller, the body bounces for longer before it stays.
 inline constexpr double k_settling_bounces = 2;
 
 /// A body on a flat surface that sinks deeper than this is released and caught again where it
-/// touches. A lying pin sinks at about 1e-8 m/s while it rolls. Smaller: bodies are released more
-/// often.
+/// touches. A lying pin sinks at about 1e-8 m/s while it rolls. If smaller, bodies are released
+/// more often.
 inline constexpr double k_sunk_m = 5e-7;
 
 /// Maximum corners that carry a body on a flat surface; if more are near, a selection all around.
-/// With few, a body on a face with many corners tips about chords of the face.
+/// With few corners, a body on a face with many corners tips about chords of the face.
 inline constexpr std::size_t k_plane_supports_max = 64;
 
-/// Maximum length of a segment in which a body in contact rotates unevenly (0.25 s). Larger: bounds
-/// on its rotation, which hold for this long, are wider. Smaller: there are more events.
+/// Maximum length of a segment in which a body in contact rotates unevenly (0.25 s). If larger,
+/// bounds on its rotation, which hold for this long, are wider. If smaller, there are more events.
 inline constexpr TickCount k_turning_contact_span = TickCount{1} << 28;
 
 /// Minimum time between changes of a body's friction. A body driven to a border from both sides,
 /// such as a sphere that spins up a slope to where the slope is slippery, would otherwise meet the
-/// border ever faster. Larger: the body has the wrong friction for longer.
+/// border ever faster. If larger, the body has the wrong friction for longer.
 inline constexpr TickCount k_border_ticks = 256;  // 0.24 us
 
 // ---- slips --------------------------------------------------------------------------------------
 
-/// A slip ends when it is slower than this share of the slowest bounces. Smaller: a slip that is
-/// pulled sideways turns ever faster as it ends, in some thirty pieces. Larger: slides stop early.
+/// A slip ends when it is slower than this share of the slowest bounces. If smaller, a slip that is
+/// pulled sideways turns ever faster as it ends, in some thirty pieces. If larger, slides stop
+/// early.
 inline constexpr double k_stick_bounces = 0.1;
 /// Absolute limit below which a slip ends: slides end at a whole tick, when the slip is about 1e-8
 /// m/s beyond 0.
 inline constexpr double k_stick_mps = 1e-6;
 
 /// Angle by which a slip's direction may turn before the motion is recomputed. The error is the
-/// square of this angle, as a share of the slip. Smaller: there are more events.
+/// square of this angle, as a share of the slip. If smaller, there are more events.
 inline constexpr double k_slip_turn_rad = 1.0 / 32;
-/// Larger limit for this angle while the slip's error is below k_slip_error_mps or, if greater, an
-/// eighth of an ended slip or a 1024th of the slip.
+/// Larger limit for the angle k_slip_turn_rad while the slip's error is below k_slip_error_mps or,
+/// if greater, an eighth of an ended slip or a 1024th of the slip.
 inline constexpr double k_slip_turn_rad_max = 0.5;
 inline constexpr double k_slip_error_mps = 1e-5;
 /// The motion is recomputed after this many times the time in which friction alone would stop the
@@ -166,11 +168,12 @@ inline constexpr double k_slip_stops = 4;
 inline constexpr double k_slip_straight = 1e-9;
 
 /// In a valley, minimum time for which a contact that begins to slip does so in an approximate
-/// direction, if the exact one isn't found. Larger: friction acts askew for longer. Smaller: there
-/// are more events.
+/// direction, if the exact one isn't found. If larger, friction acts askew for longer. If smaller,
+/// there are more events.
 inline constexpr double k_slip_begin_s = 1e-4;
-/// Rounds of the search for that direction, its tolerance, and rounds over both contacts, each of
-/// which turns the other's direction. With fewer rounds the direction is found more rarely.
+/// Rounds of the search for the direction of a beginning slip, its tolerance, and rounds over both
+/// contacts, each of which turns the other's direction. With fewer rounds, the search fails more
+/// often.
 inline constexpr int k_slip_begin_rounds = 40;
 inline constexpr double k_slip_begin_off = 1e-12;
 inline constexpr int k_slip_both_rounds = 8;
@@ -187,12 +190,12 @@ inline constexpr double k_edge_piece_sine_max = 0.2;
 /// Minimum length of a piece, as a share of the distance from the edge. A shorter piece isn't worth
 /// an event: the sphere moves straight on.
 inline constexpr double k_edge_piece_sine_min = 1e-4;
-/// Length of the first piece tried, as a share of the longest possible one. Larger: more first
-/// tries fail. Smaller: there are more pieces.
+/// Length of the first piece tried, as a share of the longest possible one. If larger, more first
+/// tries fail. If smaller, there are more pieces.
 inline constexpr double k_edge_piece_first = 0.85;
 /// Maximum tries for a piece, each shorter, before the sphere moves straight on.
 inline constexpr int k_edge_piece_tries_max = 4;
-/// Maximum share of its squared speed that a piece may turn outwards. Larger: pieces begin more
+/// Maximum share of its squared speed that a piece may turn outwards. If larger, pieces begin more
 /// steeply.
 inline constexpr double k_edge_piece_turned_max = 0.25;
 /// A piece covers at most twice this share of the path to where the sphere turns back. At 0.5, the
@@ -201,8 +204,8 @@ inline constexpr double k_edge_piece_before_turn = 0.4;
 
 // ---- bodies that lie on a plane -----------------------------------------------------------------
 
-/// Minimum and maximum duration of a piece in which slips turn. Larger: slips turn by more in a
-/// piece. Smaller: there are more events.
+/// Minimum and maximum duration of a piece in which slips turn. If larger, slips turn by more in a
+/// piece. If smaller, there are more events.
 inline constexpr double k_slide_piece_s_min = 0x1p-11;
 inline constexpr double k_slide_piece_s_max = 0x1p-7;
 /// Maximum duration of a piece in which one support hardly slips while others do, so that its
@@ -221,10 +224,10 @@ inline constexpr double k_no_spin_slip = 0.01;
 /// least this.
 inline constexpr double k_line_sine_min = 0.1;
 /// Supports are on a line if they are within this share of their distance from the centre. If
-/// smaller than rounding, a lying cylinder doesn't roll. Larger: narrow faces count as lines.
+/// smaller than rounding, a lying cylinder doesn't roll. If larger, narrow faces count as lines.
 inline constexpr double k_line_width = 1e-6;
 /// A body on a line from which its axis rises by less than this is a cylinder, and rolls straight
-/// on. Above it, the body is a cone, and rolls in a circle.
+/// on. If the axis rises by more, the body is a cone, and rolls in a circle.
 inline constexpr double k_cylinder_rise_max = 1e-3;
 /// A plane is level for a rolling body that is pulled along it by less than this share of the load.
 /// At 0, rounding makes cylinders creep and keeps cones from rolling.
@@ -236,48 +239,48 @@ inline constexpr double k_cone_piece_rad = 1.0 / 32;
 
 // ---- rest: who is slow --------------------------------------------------------------------------
 
-/// Slow bounces separate at up to this many times the separation speed. Larger: bodies freeze in
+/// Slow bounces separate at up to this many times the separation speed. If larger, bodies freeze in
 /// the air. At 1, rounding decides which bounces are slow.
 inline constexpr double k_slow_parting = 2;
-/// This many slow collisions without a fast one, within k_jam_bounces slow bounces, replace the
-/// rest time, because a jammed body collides without time passing. Fewer: bodies that still settle
-/// count as jammed.
+/// Number of slow collisions, without a fast one within k_jam_bounces slow bounces, that replaces
+/// the rest time, because a jammed body collides without time passing. If fewer, bodies that still
+/// settle count as jammed.
 inline constexpr std::uint32_t k_slow_collisions = 256;
 inline constexpr double k_jam_bounces = 5;
-/// This many times as many slow collisions also replace the balance with other bodies.
+/// Multiple of k_slow_collisions that also replaces the balance with other bodies.
 inline constexpr std::uint32_t k_jams_anyhow = 16;
 /// A body that stands, but not firmly, rests after this many rest times. The tilt of a cube on its
 /// edge grows e-fold in 0.97 sqrt(size / g), so about 700-fold in this time if the rest time is 0.1
-/// sqrt(size / g). Smaller: a cube rests on its edge. Larger: bodies that lean on others bounce for
-/// longer.
+/// sqrt(size / g). If smaller, a cube rests on its edge. If larger, bodies that lean on others
+/// bounce for longer.
 inline constexpr TickCount k_patience = 64;
 
 // ---- rest: who is held --------------------------------------------------------------------------
 
-/// Maximum contacts that a body stores; beyond it, the oldest are dropped. With few, a body that
-/// stands on many contacts is not in balance. At most 32, because sets of contacts are stored as
-/// bits.
+/// Maximum contacts that a body stores; beyond it, the oldest are dropped. If few contacts are
+/// stored, a body that stands on many is not in balance. The maximum is 32, because sets of
+/// contacts are stored as bits.
 inline constexpr std::size_t k_touch_records_max = 16;
 static_assert(k_touch_records_max <= 32);
-/// A new contact replaces one with the same partner within this share of the arm. Larger: two
-/// corners count as one. Smaller: a wandering contact fills the list.
+/// A new contact replaces one with the same partner within this share of the arm. If larger, two
+/// corners count as one. If smaller, a wandering contact fills the list.
 inline constexpr double k_same_place = 0.05;
 /// A corner within this share of its body's reach from what the body has just touched carries it
 /// too. A body that stands on three corners, two of which carry nearly all of its weight, lifts the
-/// third by some fifty times the height of a bounce. It would be out of balance most of the time.
-/// Larger: corners in the air carry.
+/// third by some fifty times the height of a bounce. Without the third corner, the body would be
+/// out of balance most of the time. If larger, corners in the air carry.
 inline constexpr double k_near_corner = 0.003;
-/// Minimum cosine between normals for such corners to count as on the same face. Smaller: the next
-/// face of a blunt body counts too.
+/// Minimum cosine between normals for two corners to count as on the same face. If smaller, the
+/// next face of a blunt body counts too.
 inline constexpr double k_same_face_cosine = 0.98;
 /// Maximum points that carry a box on a spline surface: the outermost ones in this many directions.
 inline constexpr std::size_t k_surface_points_max = 8;
 
-/// Tolerance of balance, as a share of the weight. Larger: bodies rest that would topple or slide.
-/// Smaller: rounding and bounces keep bodies awake.
+/// Tolerance of balance, as a share of the weight. If larger, bodies rest that would topple or
+/// slide. If smaller, rounding and bounces keep bodies awake.
 inline constexpr double k_balance_tolerance = 0.002;
 /// A body stands firmly if it would still stand with its centre moved to any side by this share of
-/// its reach; a cube on its edge does not. Larger: a body on a narrow base rests only after
+/// its reach; a cube on its edge does not. If larger, a body on a narrow base rests only after
 /// k_patience.
 inline constexpr double k_firm = 0.003;
 static_assert(k_firm > k_balance_tolerance);  // otherwise a cube on its edge, off by that, is firm
@@ -290,34 +293,35 @@ inline constexpr int k_balance_sweeps_judged = 8;
 /// comes to rest is held by itself, whatever lies on it. The search for forces takes milliseconds
 /// for 32 bodies, and a second for hundreds.
 inline constexpr std::size_t k_held_together_max = 32;
-/// Maximum rounds of that search, and the number of rounds between progress checks.
+/// Maximum rounds of the search for forces, and the number of rounds between progress checks.
 inline constexpr int k_held_rounds_max = 8192;
 inline constexpr int k_held_rounds_judged = 64;
 /// In a set that isn't held, members with at least this share of the worst member's imbalance don't
-/// rest. Smaller: members that could rest without the worst one stay awake with it.
+/// rest. If smaller, members that could rest without the worst one stay awake with it.
 inline constexpr double k_misses_much = 0.5;
 
-/// Maximum gap or overlap between a body that starts at rest and its supporters. Smaller: positions
-/// that people compute don't touch. Larger: bodies visibly hover.
+/// Maximum gap or overlap between a body that starts at rest and its supporters. If smaller,
+/// positions that people compute don't touch. If larger, bodies visibly hover.
 inline constexpr double k_at_rest_gap_m = 1e-6;
-/// If the sideways part of a force between two such bodies exceeds this share of the force, both
-/// need the force, as in an arch: each is the other's supporter. Larger: a stone near an arch's
-/// foot keeps resting when the stone above it leaves. Smaller: the stones of a column wake then,
-/// too.
+/// If the sideways part of a force between two bodies that start at rest exceeds this share of the
+/// force, both bodies need the force, as in an arch. Each of them is then the other's supporter. If
+/// larger, a stone near an arch's foot keeps resting when the stone above it leaves. If smaller,
+/// the stones of a column wake then, too.
 inline constexpr double k_thrust_share = 0.05;
-/// Forces between such bodies below this share of the weight carry nothing.
+/// Forces between bodies that start at rest carry nothing if they are below this share of the
+/// weight.
 inline constexpr double k_carries_share = 1e-3;
 
 // ---- waking -------------------------------------------------------------------------------------
 
 /// A body wakes from an impact that would give it this many times the rest speed, more than slow
-/// neighbours can. Smaller: slow neighbours wake it. Larger: the body absorbs more momentum.
+/// neighbours can. If smaller, slow neighbours wake it. If larger, the body absorbs more momentum.
 inline constexpr double k_wake_over_rest = 4;
 /// A resting body bears impacts that push it as hard as this many times its weight; in most heaps
-/// it carries less. Larger: a wall absorbs the momentum of a ball that presses into it.
+/// it carries less. If larger, a wall absorbs the momentum of a ball that presses into it.
 inline constexpr double k_bears_gravities = 16;
 /// A body that woke, or stays, is in its place while it has moved by less than this share of its
-/// reach. Larger: bodies on it rest in the air. Smaller: an impact wakes whole heaps.
+/// reach. If larger, bodies on it rest in the air. If smaller, an impact wakes whole heaps.
 inline constexpr double k_in_place = 0.005;
 
 // ---- limits -------------------------------------------------------------------------------------

@@ -2,19 +2,19 @@
 // to the overall winner, which is the least event.
 //
 // Idea. Every slot has a fixed path to the top, so nothing is moved and no slot stores its
-// position. A group is eight ticks in one cache line. A new key that neither was nor becomes its
-// group's first (seven in eight are so) needs no further work. Otherwise the group's least is found
+// position. A group is eight ticks in one cache line. Seven in eight new keys neither were nor
+// become their group's first, and need no further work. Otherwise the group's least is found
 // without branches, and the path up is replayed as far as the change has effects. If the overall
-// winner was replaced, that is the whole path, but then the opponents are known before the first
-// match is over, and the processor prefetches them. Whole keys are read only for equal ticks.
+// winner was replaced, the whole path is replayed, but then the opponents are known before the
+// first match is over, and the processor prefetches them. Whole keys are read only for equal ticks.
 // (Tournaments, with pairs all the way: D. Knuth, "The Art of Computer Programming" 3, section
 // 5.4.1.)
 //
 // Invariants besides those of event_queue.h
 //   1. ticks_[i] is the tick of keys_[i]. Empty slots fill up the last group.
 //   2. Node groups_ + i, for each of the groups_ groups, has the tick and slot of the least event
-//      in group i. Node n, for 1 <= n < groups_, has those of the lesser of nodes 2n and 2n + 1.
-//      Hence node 1 has the least event of all, whatever the number of groups.
+//      in group i. Node n, for 1 <= n < groups_, has the tick and slot of the lesser of nodes 2n
+//      and 2n + 1. Hence node 1 has the least event of all, whatever the number of groups.
 //   3. "Least" refers to the order of QueuedEvent, empty slots included.
 // Memory: 36 bytes per slot. Time: O(log n) for the overall winner, with 14 matches at 100,000
 // slots; O(1) on average for other slots, drawn evenly. Thread safety: see event_queue.h.

@@ -102,7 +102,6 @@ struct MarbleHistory {
     work = 0;
     stays = false;
   }
-  /// Whether the ball was left alone at a tick.
   bool is_alone_at(Tick tick) const;
   /// Returns the last checkpoint before a tick, or null. Sets `is_gap` if meetings between the
   /// checkpoint and the tick have no checkpoint any more.

@@ -22,16 +22,16 @@
 // boxes and flights, meetings, and checkpoints from which the ball can resume. Another simulation
 // can use these histories if its scene differs only in some balls or some static geometry. A ball
 // with a history is replayed, at no cost, until the first of these events:
-//   - The ball meets changed static geometry, or its history contains a collision with static
-//     geometry that has changed.
-//   - The ball was left alone in its history, and would not be now, or not in the same confinement.
-//   - Its history contains a meeting with a ball that isn't replayed now.
-//   - Its history contains a recent meeting with a ball that has gone live since, so that rest
-//     decisions will read that ball.
-//   - A ball that it rests on, or that rests on it, is no longer replayed.
-//   - A ball that isn't replayed meets it (as an obstacle with known motion), or comes near the
-//     confinement in which it is alone.
-//   - Its history ends, and the ball doesn't stay where it is.
+//   1. The ball meets changed static geometry, or its history contains a collision with static
+//      geometry that has changed.
+//   2. The ball was left alone in its history, and now would not be left in the same confinement.
+//   3. The ball's history contains a meeting with a ball that isn't replayed now.
+//   4. The ball's history contains a recent meeting with a ball that has gone live since, so that
+//      rest decisions will read that ball.
+//   5. A ball that it rests on, or a ball that rests on it, is no longer replayed.
+//   6. A simulated ball meets the replayed one (an obstacle with known motion), or comes near the
+//      confinement in which the replayed one is alone.
+//   7. The ball's history ends, and the ball doesn't stay where it is.
 //
 // Then the ball goes live from its last checkpoint. Between the checkpoint and the present it met
 // only static geometry, so catching up changes nothing for other balls. A history has a bounded
@@ -101,7 +101,6 @@ struct MarbleReplay {
 
 class Marbles {
  public:
-  /// Events so far.
   struct Counts {
     std::uint64_t static_collisions = 0;
     std::uint64_t collisions = 0;
@@ -118,7 +117,7 @@ class Marbles {
   /// Begins before all events. Borrows `scene` and `near` until the next start. `end`: the last
   /// tick that run_until() may reach. `work_max`: above this, the simulation fails, because wedged
   /// balls collide about a million times per second. REQUIRES: are_marbles(scene); error_of(scene)
-  /// returns nothing; `near` is for this scene's static geometry and radius.
+  /// returns nothing; `near` is built for this scene's static geometry and radius.
   void start(const Scene& scene, const NearFeatures& near, Tick end,
              MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX,
              const MarbleReplay& replay = {});

@@ -168,9 +168,9 @@ void Marbles::goes_live(BodyId ball) {
   hasten(from);
 }
 
-/// Collects the balls that must go live because a ball that they interacted with in their history
-/// does. These are balls that later meet it, have just met it and may read it in rest decisions, or
-/// rest on it.
+/// Collects the balls that must go live because a given ball of their history goes live. These
+/// balls later meet the given ball, have just met it and may read it in rest decisions, or rest on
+/// it.
 void Marbles::hasten_partners(BodyId ball, Tick now) {
   for (const BodyId other : replays_) {
     const MarbleHistory& theirs = *replayed_[other];
@@ -234,8 +234,8 @@ void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
 
 // ---- those that are simulated, and those that are replayed --------------------------------------
 
-/// Finds replayed balls that a ball may meet before a tick. The ball stays in the box, or follows
-/// its path there if `is_path`.
+/// Finds replayed balls that a ball may meet before a tick. The given ball stays in the box, or
+/// follows its path there if `is_path`.
 void Marbles::comes_near_replayed(BodyId index, const TouchBox& box, Tick to, bool is_path) {
   const Tick from = present();
   if (to < from) return;

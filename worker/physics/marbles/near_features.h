@@ -3,11 +3,12 @@
 // Idea. Each feature has a touch box, which contains every centre from which a ball touches the
 // feature in its region. Space is divided into cells, each with a list of the features whose touch
 // boxes come near the cell. A path that stays near a cell can touch only features in the cell's
-// list whose touch boxes overlap the path's box, and that test compares four numbers at a time.
+// list whose touch boxes overlap the path's box. Testing the overlap compares four numbers at a
+// time.
 //
-// Moving vertices change touch boxes, which are recomputed, but rarely lists. Lists depend on
-// homes, which are touch boxes with some slack. A home only grows, when its touch box leaves it. So
-// after a few moves of all vertices hardly any list changes.
+// When vertices move, touch boxes are recomputed, but lists rarely change. Lists depend on homes,
+// which are touch boxes with some slack. A home never shrinks, and grows only when its touch box
+// leaves it. So after a few moves of all vertices hardly any list changes.
 //
 // Invariants
 //   1. A ball whose centre is outside a feature's touch box doesn't collide with the feature,
@@ -51,7 +52,6 @@ class NearFeatures {
   Cell cell_at(const Four& centre_m) const;
   /// Planes, which belong to all cells.
   std::span<const FeatureId> everywhere() const { return everywhere_; }
-  /// By feature.
   std::span<const TouchBox> touch_boxes() const { return touch_boxes_; }
   /// Upper bound for the sum of |coordinates| of any feature's point.
   double coordinates_m() const { return coordinates_m_; }

@@ -6,11 +6,14 @@
 // cost of testing one tick. This header computes the bounds; the caller tests ticks from there on
 // (marbles_predictions.cpp).
 //
-//   face    n.(p - q) is a parabola. For a falling centre it is lowest at an end.
-//   corner  Let c be the vector from an edge's line, or a vertex, to the centre at first. The
-//           plane perpendicular to c gives |c(h)| >= c.c(h) / |c|, a parabola again. c.c itself is
-//           a polynomial in time: its first three terms are a parabola, and the others bounded.
-//   region  For a half-space, the parabola's maximum between two times.
+// Faces. The height n.(p - q) is a parabola in time. For a falling centre the height is lowest at
+// an end.
+//
+// Edges and vertices. Let c be the vector from an edge's line, or a vertex, to the centre at first.
+// The plane perpendicular to c gives |c(h)| >= c.c(h) / |c|, a parabola again. The square c.c is a
+// polynomial in time: its first three terms are a parabola, and the others are bounded.
+//
+// Regions. For a half-space, the bound is the parabola's maximum between two times.
 //
 // Invariants
 //   1. Before the returned time the ball doesn't collide with the feature, by touch, approach or
@@ -79,8 +82,8 @@ struct PathPart {
     side_margin_m = k_clear_margin_m + k_rounding_ulps * size_m;
     near_m = near_m2 = k_forever_s;
   }
-  /// Sets near_m for a path of at most this length along all axes together. This is usually tighter
-  /// than travel_m.
+  /// Sets near_m for a path of at most this length along all axes together. The length is usually
+  /// less than travel_m.
   void goes(double way_m) {
     near_m = touch_m + way_m;
     near_m2 = near_m * near_m;
@@ -183,8 +186,8 @@ inline CornerWay corner_way(const PathPart& path, const SphereFeature& corner) {
 }
 
 /// Touch distance plus rounding errors. c has the error of coordinates. c.c, along the path, has
-/// the error of its own size, which is at most 2 (travel_m^2 + c_c). The distance has that error
-/// divided by the diameter.
+/// the error of its own size, which is at most 2 (travel_m^2 + c_c). The distance has the error of
+/// c.c divided by the diameter.
 inline double corner_reach_m(const PathPart& path, const CornerWay& way, double radius_m) {
   const double square = path.travel_m * path.travel_m + way.c_c;
   return (radius_m + k_touch_m) + detail::k_sum_ulps * (path.size_m + 2 * square / radius_m);
@@ -199,7 +202,7 @@ inline double corner_not_before_s(const PathPart& path, const CornerWay& way, do
   const double first_c_v = dot(way.c, path.velocity_mps);
   const double first_c_a = dot(way.c, path.pull_mps2);
   // The centre never touches the corner, by the bound from the plane perpendicular to c. The bound
-  // is lowest at an end, or is estimated if the centre turns before.
+  // is lowest at an end; if the centre turns before, the bound is underestimated.
   if (way.c_c > square) {
     const double last_c_v = first_c_v + first_c_a * span_s;
     const double change =

@@ -2,9 +2,9 @@
 //
 // Idea. Most motions are much shorter than a ball is wide, such as dying bounces and pieces of
 // rolling. So the features that a ball may touch from anywhere in a small box are computed once and
-// used until the ball leaves the box. Because the list is used often, computing it may cost more:
-// unlike a cell of the table (near_features.h), it omits features whose regions the ball can't
-// enter.
+// used until the ball leaves the box. Because the list is used often, computing the list may cost
+// more: unlike a cell of the table (near_features.h), the list omits features whose regions the
+// ball can't enter.
 //
 // Invariant: while the ball's centre is in the box, it collides with no features of the cell's
 // lists except those here, rounding included. Thread safety: const functions may run concurrently.

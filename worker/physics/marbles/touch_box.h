@@ -1,11 +1,12 @@
 // Touch boxes: bounds for a ball's centre when the ball touches a feature.
 //
 // Idea. A ball touches a feature only from within the feature's region, so the direction from the
-// feature to the centre is limited. For a face it is the normal. For an edge it is perpendicular to
-// the edge, between its two faces. For a vertex it makes an obtuse angle with each of its edges.
-// The feature's box, enlarged by the ball's radius times these directions, contains every such
-// centre. Moving vertices change thousands of touch boxes, so vector registers compute all axes at
-// once; each number has the same bits as the scalar float operations.
+// feature to the centre is limited. For a face, the direction is the normal. For an edge, the
+// direction is perpendicular to the edge, between its two faces. For a vertex, the direction makes
+// an obtuse angle with each of its edges. The feature's box, enlarged by the ball's radius times
+// these directions, contains every such centre. Moving vertices change thousands of touch boxes, so
+// vector registers compute all axes at once; each number has the same bits as the scalar float
+// operations.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -3,8 +3,8 @@
 //
 // Idea. A history is a list of events in processing order. Each event names the bodies that took
 // part, the segments that they began, and the changes of their other state. So a reader of the list
-// knows these bodies' state after each event without predictions and without resolving a collision.
-// A recording (recording.h) has the same segments, sorted by body.
+// can follow the bodies' state without predictions and without resolving collisions. A recording
+// (recording.h) has the same segments, sorted by body.
 //
 // Invariants
 //   1. A body takes part in an event if the event changes or reads its state. So an event's effect
@@ -53,7 +53,6 @@ struct HistoryEvent {
   std::span<const ContactState> contact_states;
 };
 
-/// Some hundreds of successive events.
 class HistoryChunk {
  public:
   std::size_t size() const { return events_.size(); }
@@ -117,7 +116,6 @@ class HistoryReader {
 class HistoryWriter {
  public:
   void append(const HistoryEvent& event);
-  /// Appends a chunk without copying it.
   void share(std::shared_ptr<const HistoryChunk> chunk);
   /// Returns all chunks so far; later events go to new chunks.
   HistoryChunks chunks();
@@ -134,7 +132,6 @@ class HistoryWriter {
 /// number of events in the list.
 std::size_t append_to(Recording& recording, const HistoryChunks& chunks, std::size_t events_done);
 
-/// Whether two segments are equal, bit for bit.
 bool same_bits(const Segment& a, const Segment& b);
 
 }  // namespace sleight::physics

@@ -79,7 +79,6 @@ class HistoryBuilder {
   std::vector<Participant> participants_;
   std::vector<TouchRecord> touch_of_;  ///< by participant
   double gap_m_ = 0;
-  // Lists of the event.
   std::vector<Segment> segments_;
   std::vector<TouchRecord> touches_;
   std::vector<ContactState> contact_states_;

@@ -2,8 +2,8 @@
 //
 // Invariants
 //   1. A history's segments are stored only in its chunks; recording() copies them when called.
-//   2. A history that exceeds its memory limit is given up. Its segments so far move to the
-//      recording, if there is one.
+//   2. A history that exceeds its memory limit is given up. The segments of a history that is given
+//      up move to the recording, if there is one.
 // Thread safety: none.
 #pragma once
 
@@ -31,11 +31,11 @@ class Recorder {
     if (records_) recording_.append(body, segment, cause);
     if (builder_) builder_->begins(body);
   }
-  /// The event reads the body's state.
+  /// Call if the event reads the body's state.
   void takes_part(BodyId body) {
     if (builder_) builder_->takes_part(body);
   }
-  /// The event changes the body's contact state by more than a touch.
+  /// Call if the event changes the body's contact state by more than a touch.
   void learns(BodyId body) {
     if (builder_) builder_->has_contact_state(body);
   }
@@ -65,7 +65,7 @@ class Recorder {
   /// Adds the reader's current event to the history. Call for each event up to `last`, before its
   /// segments. A chunk that ends by `last` is shared as a whole at its first event.
   void takes_over(const HistoryReader& reader, Tick last);
-  /// Records a segment of such an event.
+  /// Records a segment of an event that takes_over() has added.
   void takes_over(BodyId body, const Segment& segment, const EventKey& cause) {
     if (records_) recording_.append(body, segment, cause);
   }

@@ -2,16 +2,16 @@
 //
 // Invariants of a replaying simulation
 //   1. A body is replayed if it has started and so far equals its history bit for bit: its segment
-//      and contact state are those of its last event there. Only its collisions with live bodies
-//      are predicted.
+//      and contact state are those of its last event there. For a replayed body, only collisions
+//      with live bodies are predicted.
 //   2. Before an event that isn't the history's next one reads or changes a replayed body's contact
 //      state, the body goes live. Such events are collisions with the body, rest decisions that
-//      read it, and waking it. Other events may read only its segment.
+//      read its state, and waking it. Other events may read only a replayed body's segment.
 //   3. If a live body rests on a body, that one is live too; so waking never spreads to replayed
 //      bodies.
-//   4. An event of the history is replayed if all its participants are replayed. Otherwise its
-//      replayed participants go live before it (replaying.h). Bodies also go live before they come
-//      near changed static geometry, and at the history's end.
+//   4. An event of the history is replayed if all its participants are replayed. Otherwise the
+//      replayed participants go live before the event (replaying.h). Bodies also go live before
+//      they come near changed static geometry, and at the history's end.
 // A body goes live in its current state, so there is nothing to catch up with. Thread safety: none.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The set of replayed bodies (replay.h), and those that have left it.
+// The set of replayed bodies (replay.h), and the list of bodies that have left the set.
 //
 // Thread safety: none.
 #pragma once
@@ -14,7 +14,6 @@ namespace sleight::physics {
 
 class ReplayedBodies {
  public:
-  /// Resets to no replayed bodies.
   void reset(std::size_t bodies) { is_replayed_.assign(bodies, 0); }
   bool any() const { return count_ != 0; }
   bool has(BodyId body) const { return count_ != 0 && is_replayed_[body] != 0; }
@@ -23,7 +22,7 @@ class ReplayedBodies {
     is_replayed_[body] = 1;
     ++count_;
   }
-  /// Simulates a replayed body from now on; no effect on a live body.
+  /// Makes a replayed body live; no effect on a live body.
   void make_live(BodyId body) {
     if (!has(body)) return;
     is_replayed_[body] = 0;

@@ -132,7 +132,6 @@ Box place_of(const StaticSurface& was, const StaticSurface& is, GridIndex point,
   return box;
 }
 
-/// Whether most vertices of two scenes' meshes differ.
 bool most_moved(const Scene& a, const Scene& b) {
   std::size_t moved = 0;
   std::size_t all = 0;
@@ -298,8 +297,8 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     changes.laws = true;
     return changes;
   }
-  // Now almost nothing can be replayed. Skip comparing features, which takes as long as some
-  // simulations.
+  // If most of the scene has changed, almost nothing can be replayed. Skip comparing features then,
+  // which takes as long as some simulations.
   if (std::ranges::all_of(changes.bodies, [](auto differs) { return differs != 0; }) ||
       most_moved(before, after)) {
     changes.laws = true;

@@ -28,8 +28,9 @@ struct ChangedPlaces {
 };
 
 struct SceneChanges {
-  /// Everything may differ: the number of bodies, the laws or the meaning of indices has changed,
-  /// or bodies start at rest and these bodies or the static geometry have changed.
+  /// Whether everything may differ. Reasons are a changed number of bodies, changed laws, a changed
+  /// meaning of indices, or bodies that start at rest together with a change of these bodies or of
+  /// static geometry.
   bool laws = false;
   std::vector<std::uint8_t> bodies{};  ///< by body: whether the body or its start has changed
   ChangedPlaces places{};

@@ -31,7 +31,6 @@ struct Range {
   double high = 0;
 };
 
-/// The range of a coordinate up to a time.
 Range range_of(const Line& line, double until_s) {
   const double last = line.at(until_s);
   Range range{std::min(line.place, last), std::max(line.place, last)};

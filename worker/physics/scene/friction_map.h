@@ -41,7 +41,6 @@ struct MapFrame {
   Vec3 v = Vec3::UnitY();
 };
 
-/// A path from a point with constant acceleration.
 struct MapPath {
   Vec3 place_m = Vec3::Zero();
   Vec3 velocity_mps = Vec3::Zero();
@@ -62,7 +61,6 @@ class FrictionMap {
   double border_s(const MapPath& path, double most_s) const;
 
   const MapFrame& frame() const { return frame_; }
-  /// Whether both maps have equal frames and rectangles.
   bool same_as(const FrictionMap& other) const;
 
  private:

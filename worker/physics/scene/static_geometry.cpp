@@ -51,7 +51,6 @@ std::string name_of_static(std::string_view kind, const std::string& given, std:
   return given.empty() ? name + " " + std::to_string(index) : name + " '" + given + "'";
 }
 
-/// Upper bounds of array sizes.
 struct StaticGeometry::Sizes {
   std::size_t features = 0;
   std::size_t sides = 0;

@@ -15,7 +15,6 @@ namespace sleight::physics {
 /// A material: an index into the table of contact laws.
 using MaterialId = base::Id<struct MaterialTag, std::uint8_t>;
 
-/// Contact law of two materials.
 struct SurfaceLaw {
   double restitution = 1;       ///< 0 to 1
   double friction = 0;          ///< Coulomb's coefficient, >= 0
@@ -25,7 +24,6 @@ struct SurfaceLaw {
 /// A law for each pair of materials, independent of their order.
 class ContactTable {
  public:
-  /// A table for one material.
   ContactTable() : ContactTable(1) {}
   /// A table in which all pairs of materials follow the same law.
   explicit ContactTable(std::size_t materials, const SurfaceLaw& law = {})

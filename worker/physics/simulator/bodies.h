@@ -80,7 +80,6 @@ class Bodies {
   bool is_sphere(BodyId body) const { return constants_[body].is_sphere; }
   /// Views of all bodies' convex parts; a body's parts begin at its first_part.
   std::span<const ConvexView> parts() const { return parts_; }
-  /// For error messages.
   std::string name(BodyId body) const;
 
   // Current motion.
@@ -191,11 +190,9 @@ class Bodies {
     supports_[body].count = 0;
     supports_[body].end = k_never;
   }
-  /// Puts a body at the start of a segment.
   void place(BodyId body, const Segment& segment);
   /// Begins a segment, without supports.
   void begin(BodyId body, const Segment& segment);
-  /// Marks a placed body as started.
   void has_started(BodyId body) { started_[body] = 1; }
   /// Equals begin() for a sphere that flies on without turning. The segment is written only when
   /// segment() is called, which saves memory traffic and changes no bits.
@@ -219,7 +216,6 @@ class Bodies {
   /// Hulls by shape, while the table is built: bodies with the same shape share a hull.
   using HullOfShape = std::vector<std::pair<const Compound*, std::uint32_t>>;
   std::uint32_t hull_index(const Compound& compound, HullOfShape& known);
-  /// Wraps a point into the periods.
   Vec3 wrapped_m(const Vec3& place_m) const;
   /// Updates a segment from its flight.
   void catch_up(BodyId body) const;

@@ -93,7 +93,6 @@ inline TickCount limited_span(const Bodies& bodies, BodyId body, Tick tick, Tick
   return std::max<TickCount>(1, limited);
 }
 
-/// Typical edge length of boxes.
 inline double typical_box_m(const Bodies& bodies) {
   double sum_m = 0;
   for (BodyId body{}; body < bodies.size(); ++body)

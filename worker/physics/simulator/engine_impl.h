@@ -120,7 +120,6 @@ void Engine<Boxes, Queue>::watch(BodyId body) {
   is_watched_[body] = 1;
 }
 
-/// Undoes watch().
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::unwatch(BodyId body) {
   if (options_.algorithm == Algorithm::all_pairs) {
@@ -473,7 +472,6 @@ void Engine<Boxes, Queue>::predict_all(BodyId body) {
   refresh_key(body);
 }
 
-/// Predicts the last `count` pairs of a body's list.
 template <BroadPhase Boxes, EventQueue Queue>
 void Engine<Boxes, Queue>::predict_last(BodyId body, std::size_t count) {
   const PairEdges all = graph_.edges_of(body);

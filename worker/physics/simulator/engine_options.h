@@ -23,7 +23,6 @@ struct EngineOptions {
   std::function<void(Tick)> on_sample{};
 };
 
-/// Counts of an engine's operations.
 struct Counts {
   std::uint64_t updates = 0;     ///< bounding volumes that expired
   std::uint64_t examined = 0;    ///< searches for a collision that were resumed
@@ -41,7 +40,6 @@ struct Counts {
   std::uint64_t voids =
       0;  ///< events that were void when they came up, because a partner had changed
 
-  /// Returns the difference to an earlier state of the same counts.
   Counts operator-(const Counts& earlier) const;
 
   std::uint64_t events() const {

@@ -9,7 +9,7 @@
 
 namespace sleight::physics {
 
-/// A body has started. Returns whether it is replayed from now on.
+/// Processes the start of a body. Returns whether the body is replayed from now on.
 template <BroadPhase Boxes, EventQueue Queue>
 bool Engine<Boxes, Queue>::starts_as_before(BodyId body, const EventKey& event) {
   const bool same = replaying_.starts(body, event);

@@ -38,7 +38,6 @@ class MetStatics {
   /// Appends those of `some` that the body may meet in a box, in the same order.
   void in(BodyId body, const Box& box, std::span<const StaticId> some,
           std::vector<StaticId>& found) const;
-  /// For error messages.
   const std::string& name(BodyId body, StaticId met) const;
   bool is_surface(BodyId body, StaticId met) const {
     return !bodies_.is_sphere(body) && met >= geometry_.piece_count();
@@ -52,9 +51,7 @@ class MetStatics {
 
   /// Contact law of a body and static geometry at a contact point.
   SurfaceLaw law(BodyId body, StaticId met, const Vec3& point_m) const;
-  /// Contact of one part of a body that isn't a sphere.
   PieceContact contact_of_part(StaticId met, BodyId body, std::uint32_t part, Tick tick) const;
-  /// Whether the two touch or overlap at a tick.
   bool touching(BodyId body, StaticId met, Tick tick) const;
   /// Returns the name of the solid that contains a point; empty if none. solid_at() finds bodies
   /// deep inside a solid, which may touch nothing of its surface.

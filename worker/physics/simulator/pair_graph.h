@@ -39,7 +39,6 @@
 
 namespace sleight::physics {
 
-/// A pair's prediction.
 struct Prediction {
   Tick tick = k_never;        ///< nothing happens before
   std::uint32_t feature = 0;  ///< which pair of convex pieces collides, if any
@@ -145,7 +144,6 @@ class PairGraph {
     __builtin_prefetch(ticks_.data() + begin + 8, 1);
   }
 
-  /// Returns a's copy of the pair's edge, if there is one.
   std::optional<PairEdge> find(BodyId a, BodyId b) {
     const List& list = lists_[a];
     const std::uint32_t place = place_of(list, b);

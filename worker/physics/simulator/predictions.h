@@ -41,7 +41,6 @@ class Predictions {
   /// Like predict, for the periodic image that collides first; used by the algorithm without boxes.
   /// REQUIRES: the world is periodic.
   Prediction predict_any_image(BodyId a, BodyId b, Tick now) const;
-  /// Whether the two touch or overlap at a tick.
   bool touching(BodyId a, BodyId b, Tick tick);
 
   // Spheres in flight (flight_predictions.cpp).

@@ -36,7 +36,7 @@ class Replaying {
   /// Replays all events before quiet_until(), and up to and at `end`. Returns the last tick
   /// replayed. REQUIRES: no other events were processed.
   Tick skip_quiet(Tick end);
-  /// A body has started. Returns whether it is replayed from now on.
+  /// Processes the start of a body. Returns whether the body is replayed from now on.
   bool starts(BodyId body, const EventKey& event);
   /// Key of the history's next event of replayed bodies, or of its end.
   EventKey next();

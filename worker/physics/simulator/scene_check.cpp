@@ -66,7 +66,6 @@ std::optional<SceneError> error_of_shape(const BodyDescription& body, const std:
   return std::nullopt;
 }
 
-/// Checks the mass, and the moments against the declared symmetry.
 std::optional<SceneError> error_of_mass(const Inertia& inertia, const std::string& name) {
   if (!(inertia.mass_kg >= k_mass_kg_min && inertia.mass_kg <= k_mass_kg_max)) {
     return error(Kind::bad_mass, fmt::format("{}: mass is {} kg, expected {} to {} kg", name,
@@ -247,7 +246,6 @@ std::optional<SceneError> error_of_statics(const Scene& scene) {
   return std::nullopt;
 }
 
-/// Checks surfaces and the bodies that may meet them.
 std::optional<SceneError> error_of_surfaces(const Scene& scene) {
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     const StaticSurface& surface = scene.surfaces[i];

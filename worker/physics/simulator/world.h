@@ -1,12 +1,9 @@
 // A running simulation's bodies and static geometry, and the effects of events on them: collisions,
 // lasting contact, rest. World doesn't use queues or bounding volumes.
 //
-// Parts:
-//   Bodies       how each body moves now
-//   MetStatics   which static geometry a body may meet
-//   Predictions  when bodies meet
-//   Recorder     what is stored
-//   World        what happens when bodies meet
+// Bodies stores how each body moves now. MetStatics finds the static geometry that a body may meet.
+// Predictions computes when bodies meet. Recorder stores what happened. World decides what happens
+// when bodies meet.
 //
 // Invariants
 //   1. Whenever a body's motion changes, the recorder is notified, and contacts found by

@@ -32,7 +32,6 @@ constexpr std::size_t k_named = 4;
 
 }  // namespace
 
-/// A contact between two bodies, or a body and static geometry.
 struct World::RestTouch {
   BodyId body;  ///< body of the record
   TouchRecord record;

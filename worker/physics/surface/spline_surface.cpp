@@ -107,8 +107,8 @@ double third_differences(const Points& p) {
 }
 
 /// Bounds of a Bezier patch. The patch and its derivatives stay between the minimum and maximum of
-/// their Bezier points. The derivatives' points are differences of the patch's: 3 times first ones,
-/// 6 times second ones, 9 times mixed ones.
+/// their Bezier points. Derivatives have differences of the patch's points as their points: 3 times
+/// first, 6 times second and 9 times mixed differences.
 SurfaceBounds bounds_over(const Points& p, double per_spacing) {
   Extent height;
   Extent x;

@@ -1,8 +1,8 @@
 // A spline surface for simulations: heights, slopes, bounds and laws at points, from patches that
 // are made at first access.
 //
-// Frame: the world's, z up. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise in y. It
-// depends on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
+// Frame: the world's, z up. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise in y.
+// Patch (i, j) depends on the sixteen control points from (i - 1, j - 1) to (i + 2, j + 2).
 //
 // Formulas: the basis of the uniform cubic B-spline, e.g. L. Piegl and W. Tiller, "The NURBS Book"
 // (2nd edition, 1997), chapter 2. Bounds come from the patch's Bezier form, since a Bezier spline
@@ -24,7 +24,6 @@
 
 namespace sleight::physics {
 
-/// Height and derivatives of the surface at a point.
 struct SurfacePlace {
   double height_m = 0;
   double slope_x = 0;  ///< dz/dx
@@ -34,7 +33,6 @@ struct SurfacePlace {
   double bend_yy_per_m = 0;
 };
 
-/// Bounds of a surface in a region.
 struct SurfaceBounds {
   double top_m = 0;         ///< maximum height
   double slope = 0;         ///< of the steepest descent, >= 0
@@ -56,7 +54,7 @@ inline constexpr std::int32_t k_patch_index_max = INT32_MAX - 2;
 /// REQUIRES: all points are finite and in patches up to k_patch_index_max.
 class SplineSurface {
  public:
-  /// Shares the control points. REQUIRES: they aren't null; spacing_m > 0.
+  /// Shares the control points. REQUIRES: controls is not null; spacing_m > 0.
   explicit SplineSurface(const StaticSurface& surface);
 
   double spacing_m() const { return spacing_m_; }
@@ -65,8 +63,8 @@ class SplineSurface {
   SurfaceBounds bounds_in(double x_low_m, double x_high_m, double y_low_m, double y_high_m);
   /// Restitution and friction at a point; the height isn't set.
   SurfaceControl fields_at(double x_m, double y_m);
-  /// The sixteen control points on which a patch depends, row by row. weights_at() has their
-  /// weights.
+  /// Returns the sixteen control points on which a patch depends, row by row. weights_at() returns
+  /// their weights.
   static std::array<GridIndex, 16> support(GridIndex patch);
   GridIndex patch_at(double x_m, double y_m) const;
   std::array<double, 16> weights_at(double x_m, double y_m) const;

@@ -21,7 +21,8 @@ struct GridIndex {
 };
 
 /// A control point. Restitution and friction at a point of the surface are weighted averages of the
-/// sixteen surrounding control points, so they stay between the minimum and maximum of these.
+/// sixteen surrounding control points, so they stay between the minimum and maximum of these
+/// points.
 struct SurfaceControl {
   double height_m = 0;
   double restitution = 0;  ///< 0 to 1, for every body
@@ -48,8 +49,8 @@ struct StaticSurface {
   std::shared_ptr<const SurfaceControls> controls;
   double spacing_m = 0;  ///< of the grid
   /// Maximum distance between the points of a body that can touch the surface: its corners, and
-  /// points on its edges and faces. Between these points a bump may penetrate by curvature *
-  /// (this)^2 / 4: some micrometres at 4 mm and 2 per metre.
+  /// points on its edges and faces. Between neighbouring points a bump may penetrate by curvature *
+  /// point_spacing_m^2 / 4: some micrometres at 4 mm and 2 per metre.
   double point_spacing_m = 4e-3;
 };
 
