@@ -226,7 +226,7 @@ void begin_on_faces(At& at, BodyId body, const MayStayOn& on, const Twist& twist
     at.resting.stays(body, at.tick, slow_from(at, body, stay->segment, kept.end));
 }
 
-/// Calls begin_on_faces for a sphere that has just lost its bounce on `feature`.
+/// Calls begin_on_faces for a sphere that has just lost its bounce on a feature.
 template <SpheresAtEvent At>
 void begin_caught(At& at, BodyId body, FeatureId feature, const Twist& twist) {
   FewContacts few;
@@ -335,7 +335,7 @@ template <SpheresAtEvent At>
 bool is_woken(At& at, BodyId body, const CollisionCount& collided, double jump_mps) {
   const double wake_mps = at.resting.wake_speed_mps();
   if (jump_mps > wake_mps) return true;
-  // For balls, only single impacts count, because jammed balls collide hundreds of times in a
+  // For a ball, each impact is judged alone, because jammed balls collide hundreds of times in a
   // window without being pushed far.
   if (is_round(at, body)) return false;
   const double borne_mps =

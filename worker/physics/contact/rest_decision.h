@@ -7,12 +7,12 @@
 // can carry its weight, even if its centre moves a little to any side. Other bodies that a member
 // touches may still move, so a heap into which grains fall comes to rest from below.
 //
-// Spheres needn't be balanced with a moved centre. Nor need bodies that have been slow for 64 rest
-// times: by then a body balancing on an edge has toppled, but a cube rocking on two opposite
-// corners has not. A body that has been slow for 64 rest times without leaving its place is taken
-// to stand on all contacts that push it up, even if they don't balance it. For example, a ball on a
-// ledge that leans on another ball may lack a thousandth of its weight, yet bounce by micrometres
-// for ever.
+// Spheres needn't be balanced with a moved centre. The same holds for bodies that have been slow
+// for 64 rest times: by then a body balancing on an edge has toppled, but a cube rocking on two
+// opposite corners has not. A body that has been slow for 64 rest times without leaving its place
+// is taken to stand on all contacts that push it up, even if they don't balance it. For example, a
+// ball on a ledge that leans on another ball may lack a thousandth of its weight, yet bounce by
+// micrometres for ever.
 //
 // The balance test keeps slow bodies that are about to topple or slide from being frozen. The test
 // includes loads: one system of contact forces (force_balance.h) must hold the set, all resting

@@ -305,8 +305,8 @@ inline constexpr double k_misses_much = 0.5;
 inline constexpr double k_at_rest_gap_m = 1e-6;
 /// If the sideways part of a force between two bodies that start at rest exceeds this share of the
 /// force, both bodies need the force, as in an arch. Each of them is then the other's supporter. If
-/// larger, a stone near an arch's foot keeps resting when the stone above it leaves. If smaller,
-/// the stones of a column wake then, too.
+/// larger, a stone near an arch's foot keeps resting when the stone above it leaves. If smaller, a
+/// stone in a column wakes, too, when the stone above it leaves.
 inline constexpr double k_thrust_share = 0.05;
 /// Forces between bodies that start at rest carry nothing if they are below this share of the
 /// weight.
@@ -336,8 +336,8 @@ inline constexpr std::size_t k_at_rest_together_max = 256;
 /// Maximum draws of a body's start before the simulation fails.
 inline constexpr std::uint32_t k_start_attempts_max = 1000;
 
-/// Maximum ticks that one search may examine before it gives up with a typed error. A search takes
-/// some tens; a million means that a bound is wrong.
+/// Maximum ticks that one search may examine before it gives up with a typed error. A search
+/// usually examines some tens of ticks; a million means that a bound is wrong.
 inline constexpr std::uint32_t k_examined_ticks_max = 1'000'000;
 
 /// Maximum collisions of one body in a window of 2^20 ticks (1 ms) before the simulation fails with

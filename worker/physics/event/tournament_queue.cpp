@@ -78,7 +78,7 @@ void TournamentQueue::replay(std::uint32_t group) {
   Node best = least_of(group);
   nodes_[at] = best;
 
-  // The overall winner had won all matches on its path.
+  // The former overall winner had won all matches on its path.
   if (nodes_[1].slot == before) {
     for (; at > 1; at /= 2) {
       meet(best, nodes_[at ^ 1]);

@@ -114,10 +114,10 @@ class Marbles {
     std::uint64_t work() const { return events() + (k_rest_work - 1) * rest_decisions; }
   };
 
-  /// Begins before all events. Borrows `scene` and `near` until the next start. `end`: the last
-  /// tick that run_until() may reach. `work_max`: above this, the simulation fails, because wedged
-  /// balls collide about a million times per second. REQUIRES: are_marbles(scene); error_of(scene)
-  /// returns nothing; `near` is built for this scene's static geometry and radius.
+  /// Begins before all events. Borrows `scene` and `near` until the next start. `end`: last tick
+  /// that run_until() may reach. `work_max`: above this, the simulation fails, because wedged balls
+  /// collide about a million times per second. REQUIRES: are_marbles(scene); error_of(scene)
+  /// returns nothing; near is built for this scene's static geometry and radius.
   void start(const Scene& scene, const NearFeatures& near, Tick end,
              MarbleConfinement confinement = {}, std::uint64_t work_max = UINT64_MAX,
              const MarbleReplay& replay = {});

@@ -31,8 +31,8 @@ void Marbles::keep_part(BodyId ball, const TouchBox& box) {
   auto& parts = kept_[ball].parts;
   auto& flights = kept_[ball].flights;
   const Marble& own = balls_[ball];
-  // Remove parts that lie in the future or are rewritten now. Several collisions at one tick each
-  // have a part.
+  // Remove parts that lie in the future or are rewritten now. If a ball collides several times at
+  // one tick, each collision has a part.
   while (!parts.empty() &&
          (parts.back().begin > now_ ||
           (parts.back().begin == now_ && parts.back().last_feature == own.last_feature))) {
@@ -75,8 +75,7 @@ MarbleHistory::Checkpoint Marbles::checkpoint_in(MarbleHistory& history, BodyId 
   return checkpoint;
 }
 
-/// Adds checkpoints for the balls that met at this event, and now and then for the event's own
-/// ball.
+/// Adds checkpoints for the balls that met at this event, and sometimes for the event's own ball.
 void Marbles::keep_checkpoints(BodyId of) {
   if (records_ && ++since_checkpoint_[of] >= k_checkpoint_every &&
       kept_[of].checkpoints.size() < k_lone_checkpoints_max &&

@@ -30,8 +30,8 @@ constexpr std::uint64_t k_early_ticks = 2;
 /// and not only at touches. Affects speed only.
 constexpr std::uint64_t k_steps_without_region = 6;
 
-/// Time for which no collision with an edge or a vertex is possible, by touch and approach as
-/// examine tests them; 0 if both hold.
+/// Time for which the touch or approach test of examine() certainly fails for an edge or a vertex;
+/// 0 if both tests hold.
 double corner_fails_for_s(const SphereFeature& corner, const MovingPoint& centre, double radius_m,
                           double size_m) {
   Vec3 away_m = centre.position_m - corner.point_m;

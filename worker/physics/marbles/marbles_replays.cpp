@@ -195,7 +195,7 @@ void Marbles::hasten_partners(BodyId ball, Tick now) {
 /// Gives a ball the state of a checkpoint, and lets it wait to catch up.
 void Marbles::go_on_from(BodyId ball, const MarbleHistory& history,
                          const MarbleHistory::Checkpoint& checkpoint, Tick now) {
-  // The balls that it rests on must be live to wake it.
+  // The balls that a resting ball lies on must be live to wake it.
   for (const BodyId other : replays_) {
     if (checkpoint.rest.rests_on(other)) hastened_.emplace_back(other, now);
   }
@@ -222,7 +222,8 @@ void Marbles::keep_up_to(BodyId ball, const MarbleHistory& history,
   own.parts.assign(history.parts.begin(), history.parts.begin() + parts);
   own.flights.assign(history.flights.begin(), history.flights.begin() + parts);
   std::ranges::copy_if(history.checkpoints, std::back_inserter(own.checkpoints), is_before);
-  // Lists grow with checkpoints, so data of later checkpoints are behind these.
+  // The lists grow with each checkpoint, so data of later checkpoints come after these and are left
+  // out.
   const std::size_t touches = checkpoint.rest.first_touch + checkpoint.rest.touch_count();
   const std::size_t met = checkpoint.first_met + checkpoint.met_count;
   own.touches.assign(history.touches.begin(),

@@ -3,10 +3,9 @@
 // Idea. A ball touches a feature only from within the feature's region, so the direction from the
 // feature to the centre is limited. For a face, the direction is the normal. For an edge, the
 // direction is perpendicular to the edge, between its two faces. For a vertex, the direction makes
-// an obtuse angle with each of its edges. The feature's box, enlarged by the ball's radius times
-// these directions, contains every such centre. Moving vertices change thousands of touch boxes, so
-// vector registers compute all axes at once; each number has the same bits as the scalar float
-// operations.
+// an obtuse angle with each of its edges. A touch box is the feature's own box, enlarged by the
+// ball's radius times these directions. Moving vertices change thousands of touch boxes, so vector
+// registers compute all axes at once; each number has the same bits as the scalar float operations.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -90,7 +89,7 @@ struct alignas(16) FeatureExtent {
 /// `reach_m`: the radius plus the touch distance.
 FeatureExtent extent_of(const Box& own, float reach_m);
 
-/// REQUIRES: the feature can be met and isn't a plane without sides; `extent` was computed with the
+/// REQUIRES: the feature can be met and isn't a plane without sides; extent was computed with the
 /// same reach.
 TouchBox touch_box_of(const SphereFeature& feature, std::span<const RegionSide> sides,
                       const FeatureExtent& extent, float reach_m);

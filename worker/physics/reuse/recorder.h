@@ -62,8 +62,9 @@ class Recorder {
   void replayed(const HistoryEvent& event) {
     if (builder_) builder_->replayed(event);
   }
-  /// Adds the reader's current event to the history. Call for each event up to `last`, before its
-  /// segments. A chunk that ends by `last` is shared as a whole at its first event.
+  /// Adds the reader's current event to the history. Call this for each event up to `last`, before
+  /// its segments are recorded. A chunk that ends by `last` is shared as a whole at its first
+  /// event.
   void takes_over(const HistoryReader& reader, Tick last);
   /// Records a segment of an event that takes_over() has added.
   void takes_over(BodyId body, const Segment& segment, const EventKey& cause) {

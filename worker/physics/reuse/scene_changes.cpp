@@ -313,11 +313,11 @@ SceneChanges changes_between(const Scene& before, const Scene& after,
     for (const GridIndex point : (*controls)[i])
       over_surfaces.push_back(place_of(before.surfaces[i], after.surfaces[i], point, above_m));
   }
-  // Regions depend on the spheres' sizes.
+  // The regions of static features depend on the spheres' sizes.
   if (!same_shapes || !same_statics(before, after) || !over_surfaces.empty()) {
     const StaticGeometry old(before);
-    // Whether spheres can stay on something counts as a law, and surfaces are numbered after all
-    // pieces.
+    // Two changes count as changed laws: whether spheres can stay on static geometry, and the
+    // number of pieces, because surfaces are numbered after the pieces.
     changes.laws = (old.feature_count() > 0) != (statics.feature_count() > 0) ||
                    (!after.surfaces.empty() && old.piece_count() != statics.piece_count());
     if (changes.laws) return changes;

@@ -41,7 +41,7 @@ struct SceneChanges {
 };
 
 /// Compares two scenes. Functions can't be compared. REQUIRES: a body with the same start has the
-/// same start_again; `statics` is the geometry of `after`.
+/// same start_again; statics is the geometry of `after`.
 SceneChanges changes_between(const Scene& before, const Scene& after,
                              const StaticGeometry& statics);
 

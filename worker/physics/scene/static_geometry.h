@@ -50,7 +50,7 @@ namespace sleight::physics {
 /// Whether any point of the box is inside the solid below the plane.
 bool reaches(const HalfSpace& outside, const Box& box);
 
-/// Returns the name for error messages: "plane 'floor'", or "plane 0" without a name.
+/// Returns a name for error messages, such as "plane 'floor'", or "plane 0" without a name.
 std::string name_of_static(std::string_view kind, const std::string& given, std::size_t index);
 
 struct StaticOwner {
@@ -135,8 +135,8 @@ class StaticGeometry {
   const FrictionMap* friction_map(StaticId index) const {
     return index < friction_maps_.size() ? friction_maps_[index].get() : nullptr;
   }
-  /// Friction at the point where a body touches a feature or piece; `otherwise` is the contact
-  /// table's value.
+  /// Returns the friction where a body touches a feature or piece. `otherwise`: the contact table's
+  /// value.
   double friction_at(StaticId index, const Vec3& point_m, double otherwise) const {
     const FrictionMap* map = friction_map(index);
     return map == nullptr ? otherwise : map->friction_at(point_m).value_or(otherwise);

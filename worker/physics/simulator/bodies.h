@@ -85,7 +85,7 @@ class Bodies {
   // Current motion.
   bool started(BodyId body) const { return started_[body] != 0; }
   MotionMode mode(BodyId body) const { return segments_[body].mode; }
-  /// Valid until the body's next segment.
+  /// The reference is valid until the body's next segment begins.
   const Segment& segment(BodyId body) const {
     if (lags_) [[unlikely]]
       catch_up(body);

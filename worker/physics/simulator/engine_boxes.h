@@ -15,7 +15,7 @@ namespace sleight::physics {
 /// Shorter boxes expire often and separate no more pairs.
 inline constexpr double k_least_box_radii = 0.2;
 /// Maximum duration of a box: the time in which its body moves by this many radii. A longer box
-/// would be on a higher level of the grid than most, which every move would then have to search
+/// would be on a higher grid level than most boxes, and every move would have to search that level
 /// too.
 inline constexpr double k_most_box_radii = 2.5;
 /// Maximum duration for a body with many static features near it: a smaller box contains fewer
@@ -171,7 +171,7 @@ bool Engine<Boxes, Queue>::watch_statics(BodyId body, const Box& box) {
   world_.statics().in(body, box, candidates_[body], near_);
   std::vector<StaticEdge>& list = statics_[body];
   if (std::ranges::equal(list, near_, {}, &StaticEdge::index)) return false;
-  // Features watched before keep their predictions; both lists are ascending.
+  // Features that were watched before keep their predictions. Both lists are ascending.
   const std::size_t before = list.size();
   std::size_t old = 0;
   for (const StaticId index : near_) {

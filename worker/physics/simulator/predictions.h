@@ -32,8 +32,8 @@ class Predictions {
 
   // Two bodies. `search` identifies the state of a search between convex pieces; it is allocated
   // when first needed and released by end_search.
-  /// When the pair collides next, given the two segments. REQUIRES: a < b; the pair has no event
-  /// between the later begin of the segments and `now`.
+  /// Predicts when the pair collides next, given the two segments. REQUIRES: a < b; the pair has no
+  /// event between the later begin of the segments and `now`.
   Prediction predict(BodyId a, BodyId b, Tick now, std::uint32_t& search);
   /// Continues a prediction that was not certain. REQUIRES: its tick is `now`.
   Prediction look(BodyId a, BodyId b, Tick now, std::uint32_t search);
@@ -58,9 +58,9 @@ class Predictions {
   Prediction predict_free_spheres(BodyId a, BodyId b, Tick now) const;
   /// Closed form for b's image at a given shift.
   Prediction predict_free_spheres_at(BodyId a, BodyId b, const Vec3& shift_m) const;
-  /// Equals predict_free_spheres for some edges of a body; `changes` has all bodies' change
-  /// numbers. Returns false if some partners are not in free flight: their edges are predicted as
-  /// not colliding, and the caller must predict them again. REQUIRES: in_free_flight(body).
+  /// Equals predict_free_spheres for some edges of a body. `changes`: change numbers of all bodies.
+  /// Returns false if some partners are not in free flight: their edges are predicted as not
+  /// colliding, and the caller must predict them again. REQUIRES: in_free_flight(body).
   bool predict_flight(BodyId body, const PairEdges& edges, std::span<const std::uint32_t> changes,
                       Tick now) const;
 

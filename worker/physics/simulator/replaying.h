@@ -18,7 +18,7 @@ class Replaying {
   /// nothing has happened yet.
   Replaying(World& world, std::shared_ptr<const History> history);
 
-  /// Whether any body is replayed or may still be.
+  /// Whether any body is replayed or may be replayed later.
   bool active() const { return replay_ != nullptr; }
   /// Makes a replayed body live if it comes near a place where static geometry differs.
   void comes_into(BodyId body, const Box& box) {

@@ -34,7 +34,7 @@ std::optional<SceneError> error(Kind kind, std::string message) {
   return SceneError{kind, std::move(message)};
 }
 
-/// Radius of a sphere, or of the sphere about a compound's centre that contains it.
+/// Returns a sphere's radius, or the radius of a compound's bounding sphere about its centre.
 double radius_m_of(const Shape& shape) {
   const auto* sphere = std::get_if<Sphere>(&shape);
   return sphere != nullptr ? sphere->radius_m
