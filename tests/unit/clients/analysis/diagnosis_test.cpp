@@ -26,6 +26,7 @@ using archive::MemoryArchive;
 using archive::testing::FakeReader;
 using archive::testing::FakeRun;
 using archive::testing::FakeRunOptions;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -193,8 +194,7 @@ TEST_F(DiagnosisTest, LaddersWithoutARoundTripAreAReason) {
   archive_tempered(options(210), {0, 30, 90});
   values(archive::k_sample_stats, "log_constraint").assign(k_chains * 210, 0);
   EXPECT_THAT(diagnose().reasons,
-              ElementsAre("1 of 3 ladders made no round trip in the judged round: ladder 1 among "
-                          "them"));
+              ElementsAre(AllOf(HasSubstr("1 of 3 ladders"), HasSubstr("ladder 1"))));
   values(archive::k_tempering, "round_trips").assign(9, 1);
   EXPECT_THAT(diagnose().reasons, IsEmpty());
 }

@@ -235,11 +235,11 @@ TEST(Keys, OfWholeFramesAreThereAlone) {
 TEST(Keys, AreRefusedWhereTheyAreTooMany) {
   motion::Path path(0);
   path.append({.angular_velocity_radps = {1e6, 0, 0}});
-  EXPECT_THAT(keys_of(path, 1000).error(), HasSubstr("at most 1000000"));
+  EXPECT_THAT(keys_of(path, 1000).error(), HasSubstr("maximum of 1000000"));
   path = motion::Path(0);
   path.append({.acceleration_mps2 = {1e9, 0, 0}});
-  EXPECT_THAT(keys_of(path, 1e9).error(), HasSubstr("at most 1000000"));
-  EXPECT_THAT(keys_of(path, 1e9, 24.0).error(), HasSubstr("at most 1000000"));
+  EXPECT_THAT(keys_of(path, 1e9).error(), HasSubstr("maximum of 1000000"));
+  EXPECT_THAT(keys_of(path, 1e9, 24.0).error(), HasSubstr("maximum of 1000000"));
 }
 
 }  // namespace

@@ -22,6 +22,7 @@
 namespace sleight::world_plots::dice_test {
 
 using pictures::all_of;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using tests::failure_of;
@@ -146,10 +147,9 @@ TEST(DicePlausibility, WordsSayNoMoreThanIsKnown) {
     return plausibility_words(
         {.animations = 7, .lineages = 5, .start_cost = cost, .table_cost = {}, .cost = cost});
   };
-  EXPECT_THAT(words_of(1, 0.4), HasSubstr("7 kept animations of 5 lineages; bars"));
+  EXPECT_THAT(words_of(1, 0.4), HasSubstr("7 kept animations of 5 lineages"));
   EXPECT_THAT(words_of(1, 0.4),
-              HasSubstr("starts: log probability 1.00 +- 0.40 below blind throws' "
-                        "mean (single ones vary by 2.00)\n"));
+              ContainsRegex("starts: log probability 1.00 \\+- 0.40 below [^\n]*2.00\\)\n"));
   EXPECT_THAT(words_of(1, 0.4), HasSubstr("table:  nothing is normally distributed\n"));
   EXPECT_THAT(words_of(1, 0.4), HasSubstr("2.7 times less probable"));
   EXPECT_THAT(words_of(-1, 0.4), HasSubstr("1.00 +- 0.40 above"));
@@ -231,15 +231,15 @@ TEST(DicePlausibility, DamagedArchivesAreRefused) {
         failure_of([&] { dice_plausibility(SmallArchive(contents), small_prior(), {}); }, words),
         base::ExitCode::bad_archive);
   };
-  refused({.position_m = {1, 7, 7, k_nan, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m: it has");
-  refused({.offsets = joined(in_bins(0, 3, 1, -1), in_bins(1, 2, 0, 1))}, "offsets: it has");
-  refused({.offsets = joined(in_bins(0, 3, 1, k_nan), in_bins(1, 2, 0, 1))}, "offsets: it has");
-  refused({.offset_squares = {2, -8}}, "offset_squares: it has");
+  refused({.position_m = {1, 7, 7, k_nan, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m:");
+  refused({.offsets = joined(in_bins(0, 3, 1, -1), in_bins(1, 2, 0, 1))}, "offsets:");
+  refused({.offsets = joined(in_bins(0, 3, 1, k_nan), in_bins(1, 2, 0, 1))}, "offsets:");
+  refused({.offset_squares = {2, -8}}, "offset_squares:");
   refused({.offset_squares = {2, std::numeric_limits<double>::infinity()}}, "offset_squares: it");
-  refused({.position_m = {1, 7, 7, 1e200, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m: it has");
-  refused({.offsets = joined(in_bins(0, 3, 1, 1e200), in_bins(1, 2, 0, 1))}, "offsets: it has");
-  refused({.offsets = joined(in_bins(0, 3, 1, 0.5), in_bins(1, 2, 0, 1))}, "offsets: it has");
-  refused({.offset_squares = {2, 1e200}}, "offset_squares: it has");
+  refused({.position_m = {1, 7, 7, 1e200, 7, 7, -1, 7, 7, 5, 7, 7}}, "start_position_m:");
+  refused({.offsets = joined(in_bins(0, 3, 1, 1e200), in_bins(1, 2, 0, 1))}, "offsets:");
+  refused({.offsets = joined(in_bins(0, 3, 1, 0.5), in_bins(1, 2, 0, 1))}, "offsets:");
+  refused({.offset_squares = {2, 1e200}}, "offset_squares:");
   DicePrior prior = small_prior();
   prior.dice = 3;
   EXPECT_EQ(failure_of([&] { dice_plausibility(SmallArchive(), prior, {}); },
@@ -291,7 +291,7 @@ TEST(DicePlausibility, ThePriorIsTheArchives) {
           "expected three numbers for each die, and at most 1000 dice");
   EXPECT_EQ(
       failure_of([] { dice_prior_of(SmallArchive({.has_prior = true, .squares_of_throws = {}})); },
-                 "it has 0"),
+                 "has 0"),
       base::ExitCode::usage);
 }
 

@@ -43,7 +43,7 @@ TEST(RequestCostTest, SimulationsFollowFromScansAndRounds) {
   small.sampler.iterations_per_scan = 1;
   small.stop.scans = 7;
   EXPECT_EQ(cost_of(small).simulations_sum,
-            "1 chain x 1 iteration of a scan x 7 scans = 7 simulations");
+            "1 chain x 1 iteration per scan x 7 scans = 7 simulations");
   asked.stop.scans.reset();
   asked.stop.rounds = 3;
   EXPECT_EQ(cost_of(asked).simulations, 4U * 10U * 64U * 7U);

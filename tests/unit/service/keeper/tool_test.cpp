@@ -30,7 +30,7 @@ TEST(Tools, TellWhatTheyPrintAndHowTheyEnd) {
   EXPECT_EQ(end.words, "word");
   EXPECT_EQ(end.why(), "word");
   EXPECT_FALSE(end.is_cut);
-  EXPECT_EQ(run_shell("exit 4").why(), "it ended with exit code 4");
+  EXPECT_EQ(run_shell("exit 4").why(), "the command exited with code 4");
   EXPECT_EQ(run_shell("kill -9 $$").exit_code, -1);
 }
 
