@@ -1,20 +1,20 @@
-// When do two things collide? The one rule of the simulator, a function of one tick.
+// When do two things collide? This header is the simulator's only rule, evaluated at one tick:
 //
 //   touch     gap <= k_touch
-//   approach  rate < -k_approach: how fast the gap changes, along the contact's normal
-//   region    of a feature of static geometry: the closest point lies on the feature itself, not on
+//   approach  rate < -k_approach, where rate is the gap's rate of change along the contact normal
+//   region    only for a feature of static geometry: the closest point lies on this feature, not on
 //             a neighbouring one
 //
-// Two things collide at the first tick, from a given one on, at which these hold together. Gap and
-// rate are computed cold: from where the two are at that tick and how they move, by the functions
-// below and no others. A search may skip the ticks that it can show to fail; at the others it asks
-// here, or, where it needs to know for how long a condition goes on failing, compares what these
-// functions give (sphere_search.h, which a test holds to this). So it doesn't matter how it came
-// there, and all searches and engines give the same bits. Another size of either constant, or
-// another order of the sums below, is another model: trajectories change.
+// Two things collide at the first tick, from a given tick on, at which all these conditions hold.
+// The functions below compute gap and rate from scratch, from both positions and motions at that
+// tick. A search may skip ticks at which it can show that a condition fails. At all other ticks the
+// search calls these functions, or it compares their results itself to find how long a condition
+// keeps failing (sphere_search.h; a test holds it to this rule). So a verdict doesn't depend on the
+// search, and all searches and engines give the same bits. Changing a constant, or the order of the
+// sums below, changes the model: trajectories change.
 //
-// One thing answers without these functions: two balls in free flight meet in closed form
-// (approach_of_free_spheres in sphere_search.h), which a test holds to this rule.
+// One case doesn't use these functions: two balls in free flight meet in closed form
+// (approach_of_free_spheres in sphere_search.h). A test holds that closed form to this rule.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -42,10 +42,10 @@ inline bool collides(double gap_m, double rate_mps, double touch_m = k_touch_m) 
   return touches(gap_m, touch_m) && approaches(rate_mps);
 }
 
-/// How two things are to each other at a tick.
+/// The gap between two things at a tick, and its rate of change.
 struct GapAndRate {
   double gap_m = 0;
-  double rate_mps = 0;  ///< of the gap
+  double rate_mps = 0;
 };
 inline bool collides(const GapAndRate& between, double touch_m = k_touch_m) {
   return collides(between.gap_m, between.rate_mps, touch_m);
@@ -66,24 +66,24 @@ struct HalfSpace {
   double offset_m = 0;
 };
 
-/// One feature of static geometry as spheres meet it: they touch where the centre's closest point
-/// lies on it, which is where the centre is in its region.
+/// A feature of static geometry. A sphere can touch it only while the sphere's centre is in its
+/// region, which is where the centre's closest point lies on the feature.
 struct SphereFeature {
   FeatureKind kind = FeatureKind::face;
-  Vec3 point_m = Vec3::Zero();      ///< on the plane, an end of the edge, the vertex
-  Vec3 direction = Vec3::Zero();    ///< a face's outward normal, an edge's direction; unit
-  std::uint32_t regions_begin = 0;  ///< its half-spaces in the table of all
+  Vec3 point_m = Vec3::Zero();      ///< on the face's plane, at an end of the edge, or the vertex
+  Vec3 direction = Vec3::Zero();    ///< unit: the face's outward normal or the edge's direction
+  std::uint32_t regions_begin = 0;  ///< its half-spaces in the table of all regions
   std::uint32_t regions_end = 0;
 };
 
-/// One of the half-spaces that make up a feature's region. Faces take their sides closed and edges
-/// and vertices open (`strict`), so each point belongs to exactly one feature.
+/// A half-space of a feature's region. Faces have closed sides; edges and vertices have open sides
+/// (`strict`), so each point belongs to exactly one feature.
 struct RegionSide {
   HalfSpace space;
   bool strict = false;
 };
 
-/// How far a place is inside of one; negative if it is outside.
+/// Returns the depth of a point inside a side's half-space; negative if the point is outside.
 inline double inside_m(const RegionSide& side, const Vec3& place_m) {
   return math::dot(side.space.normal, place_m) - side.space.offset_m;
 }
@@ -97,34 +97,36 @@ inline bool is_inside(std::span<const RegionSide> sides, const Vec3& centre_m) {
   return true;
 }
 
-/// The part of a vector at right angles to an edge.
+/// Returns the component of a vector perpendicular to an edge.
 inline Vec3 across(const SphereFeature& edge, const Vec3& v) {
   return v - math::dot(edge.direction, v) * edge.direction;
 }
 
-/// Of a sphere whose centre is at `from_m` from some point of a face's plane.
+/// Returns gap and rate of a sphere whose centre is `from_m` from some point of a face's plane.
 inline GapAndRate gap_to_face(const SphereFeature& face, const Vec3& from_m,
                               const Vec3& velocity_mps, double radius_m) {
   return {.gap_m = math::dot(face.direction, from_m) - radius_m,
           .rate_mps = math::dot(face.direction, velocity_mps)};
 }
-/// Of a sphere at a distance from what is round (below), which has this product with its velocity.
+/// Returns gap and rate of a sphere and a round thing (gap_to_round). `distance_m`: the length of
+/// `from_m` there; `from_dot_velocity`: its product with the velocity.
 inline GapAndRate gap_at_distance(double distance_m, double from_dot_velocity, double radius_m) {
   return {.gap_m = distance_m - radius_m, .rate_mps = from_dot_velocity / distance_m};
 }
-/// Of a sphere and what is round: a vertex, an edge, or another sphere, whose radius counts with
-/// this one's. `from_m` is the way from there to the centre and the velocity that of the centre
-/// against it; of an edge both are the parts across it. REQUIRES: `from_m` is not 0.
+/// Returns gap and rate of a sphere and a round thing: a vertex, an edge or another sphere. For
+/// another sphere, `radius_m` is the sum of both radii. `from_m` leads from the round thing to the
+/// sphere's centre, and the velocity is the centre's relative to the round thing. For an edge, both
+/// are the components perpendicular to the edge. REQUIRES: `from_m` is not 0.
 inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, double radius_m) {
   return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
 }
 
-/// Of two spheres, the second centre at `between_m` from the first.
+/// Returns the gap of two spheres. `between_m`: the second centre from the first.
 inline double gap_of_spheres_m(const Vec3& between_m, double radii_m) {
   return math::norm(between_m) - radii_m;
 }
 
-/// Of a sphere and a feature, but for the region.
+/// Returns gap and rate of a sphere and a feature. Doesn't check the region.
 inline GapAndRate gap_between(const SphereFeature& feature, const MovingPoint& centre,
                               double radius_m) {
   const Vec3 from_m = centre.position_m - feature.point_m;
@@ -145,26 +147,26 @@ inline bool collides(const SphereFeature& feature, std::span<const RegionSide> s
 
 // ---- two convex pieces --------------------------------------------------------------------------
 
-/// A piece at a tick. What bounds motion must hold from then on. A sphere is a piece of one vertex
-/// with a radius.
+/// A convex piece at a tick. The bounds on its motion must hold from that tick on. A sphere is a
+/// piece with one vertex and a radius.
 struct MovingPiece {
   const ConvexView* view = nullptr;
-  double radius_m = 0;  ///< added all around
+  double radius_m = 0;  ///< added all around the vertices' hull
   PlacedPose pose{};
-  /// Sum of the sizes of what a coordinate of the place was computed from, where that is more than
-  /// the coordinate itself: the place is rounded by that (coordinates_m_max).
+  /// Set if the position was computed from larger numbers: the sum of their sizes in one
+  /// coordinate. The position's rounding error follows from this (coordinates_m_max).
   double coordinates_m = 0;
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 acceleration_mps2 = Vec3::Zero();
   Vec3 angular_velocity_radps = Vec3::Zero();
-  /// Of any point of the piece against the centre, at most, from now on.
+  /// Maximum acceleration of any point of the piece relative to the centre, from now on.
   double turning_acceleration_mps2 = 0;
-  bool turns_evenly = false;  ///< the angular velocity doesn't change
-  /// Radius of a sphere about pose.position_m that holds the piece; infinite for what doesn't move.
+  bool turns_evenly = false;  ///< the angular velocity is constant
+  /// Radius about pose.position_m that contains the piece. Infinite: the piece doesn't move.
   double reach_m = 0;
 };
 
-/// Whether it is one of round_piece.h.
+/// Returns whether the piece is one of round_piece.h.
 inline bool is_round(const MovingPiece& piece) {
   return piece.view->round != nullptr;
 }
@@ -174,7 +176,7 @@ inline Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
          math::cross(piece.angular_velocity_radps, point_m - piece.pose.position_m);
 }
 
-/// How two pieces meet at a tick.
+/// Gap, rate and closest points of two pieces at a tick.
 struct PieceContact {
   double gap_m = 0;
   double rate_mps = 0;          ///< of the gap, at the closest points
@@ -185,14 +187,14 @@ inline bool collides(const PieceContact& contact, double touch_m = k_touch_m) {
   return collides(contact.gap_m, contact.rate_mps, touch_m);
 }
 
-/// From scratch: a function of the two pieces' poses and velocities alone.
+/// Computes the contact from scratch, from the two pieces' poses and velocities only.
 PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
-/// The same, of closest points that a search has found from scratch (closest_cold).
+/// Returns the same, given closest points that a search found from scratch (closest_cold).
 PieceContact contact_from(const Closest& closest, const MovingPiece& a, const MovingPiece& b);
-/// Of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
+/// Returns the contact of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);
 
-/// Of two spheres, the second at `between_m` from the first. Without its rate.
+/// Returns two spheres' contact without its rate. `between_m`: the second centre from the first.
 inline PieceContact contact_of_spheres(const Vec3& place_a_m, const Vec3& between_m,
                                        double radius_a_m, double radius_b_m) {
   const double distance_m = math::norm(between_m);
@@ -204,14 +206,14 @@ inline PieceContact contact_of_spheres(const Vec3& place_a_m, const Vec3& betwee
 
 // ---- a point of a body and a spline surface -----------------------------------------------------
 
-/// Gaps of surfaces are vertical: how high a point is above one, and how fast that changes.
+/// Returns a point's height above a spline surface, which is its gap, and the height's rate.
 inline GapAndRate height_above(const SurfacePlace& below, const Vec3& place_m,
                                const Vec3& velocity_mps) {
   return {.gap_m = place_m.z() - below.height_m,
           .rate_mps = (velocity_mps.z() - below.slope_x * velocity_mps.x()) -
                       below.slope_y * velocity_mps.y()};
 }
-/// The rate along the surface's normal there, given the vertical one.
+/// Returns the rate along the surface's normal, given the vertical rate.
 inline double rate_along_normal_mps(double vertical_mps, const Vec3& normal) {
   return vertical_mps * normal.z();
 }

@@ -17,32 +17,31 @@ namespace {
 using envelope::Envelope;
 using envelope::Line;
 
-/// Search margins: speed only, but for late collisions (piece_motion.h).
-/// Corners of the envelope that one look goes along; it may stop at any of them.
+/// Search margins. They affect only speed and how late a late collision is (piece_motion.h).
+/// Maximum corners of the envelope per look; a look may stop at any corner.
 constexpr int k_corners_max = 12;
-/// A gap that was found with the help of earlier looks differs from the cold one by less than this:
-/// rounding at coordinates of 100 m.
+/// A gap computed from earlier looks' results differs from the gap computed from scratch by less
+/// than this: the rounding at coordinates of 100 m.
 constexpr double k_warm_error_m = 1e-12;
 
-/// Of a pair that touches: beyond this nothing is said.
+/// Maximum time span computed for a touching pair.
 constexpr double k_touching_s = 1;
 
-/// Both pieces' lines. What doesn't move is a plane, and has none.
+/// The sum of the base and both pieces' lines. A plane has k_no_line.
 Line sum_of(const Line& base, const Line& a, const Line& b) {
   return {(base.place_m + a.place_m) + b.place_m, (base.rate_mps + a.rate_mps) + b.rate_mps};
 }
 constexpr Line k_no_line{0, 0};
 
-/// From a time on, when the sum of two envelopes, of which the first may be a plane's, may come
-/// down to the touch.
+/// Returns when the sum of two envelopes may reach the touch. A plane has no first envelope.
 double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& second,
                     double from_s) {
   const auto touch_s = [&](const Line& a, const Line& b, double since_s) {
     const Line line = sum_of(base, a, b);
     return first_touch_s(line.place_m, line.rate_mps, fall, since_s);
   };
-  // The lines that are lowest now bound the answer from above; only those that come to lie below
-  // them by then can lower it. Mostly there are none.
+  // The lines that are lowest now bound the result from above. Only lines that pass below them by
+  // then can lower it, and usually none does.
   const double until_s =
       touch_s(first != nullptr ? first->first() : k_no_line, second.first(), from_s);
   const bool first_changes = first != nullptr && first->keep_until(until_s);
@@ -68,8 +67,8 @@ double comes_down_s(const Line& base, double fall, Envelope* first, Envelope& se
   return from_s;
 }
 
-/// When a line less fall h^2 / 2 is clear of the touch, as deep as it is in it now; infinite if it
-/// doesn't come out.
+/// Returns when the line minus fall h^2 / 2 is as far outside the touch as it is inside now.
+/// Infinite: it doesn't leave the touch.
 double comes_out_s(const Line& line, double fall) {
   const double deep_m = k_touch_m - line.place_m;
   const double discriminant = line.rate_mps * line.rate_mps - 2 * fall * deep_m;
@@ -78,8 +77,8 @@ double comes_out_s(const Line& line, double fall) {
   return 2 * out_s + k_seconds_per_tick;
 }
 
-/// When a vertex may first be the lowest of its piece. Its line, and the lowest one's, are right to
-/// bend h^2 / 2 but for what both share, and places to rounding.
+/// Returns when a vertex may first become the lowest of its piece. Apart from terms that both lines
+/// share, they are exact to bend h^2 / 2 in time and to `rounding_m` in place.
 double takes_over_s(const Line& line, const Line& lowest, double bend, double rounding_m) {
   const double above_m = line.place_m - lowest.place_m - rounding_m;
   const double faster_mps = lowest.rate_mps - line.rate_mps;
@@ -89,10 +88,10 @@ double takes_over_s(const Line& line, const Line& lowest, double bend, double ro
   return faster_mps > 0 ? 2 * above_m / (root + faster_mps) : (root - faster_mps) / (2 * bend);
 }
 
-/// Up to a time, how long two pieces that touch can't collide, along an axis that turns with the
-/// features that do. As long as the same vertices are lowest, how fast these fall is how fast the
-/// gap does. Once others take over, other features may touch, between these vertices, and along
-/// another normal: so that is looked at, unless all of them part.
+/// Returns how long two touching pieces can't collide, up to `until_s`, along an axis that turns
+/// with the touching features. While the same vertices are lowest, the gap falls as fast as these
+/// vertices do. Once other vertices take over, other features between them may touch along another
+/// normal. The result ends there unless all these vertices move apart.
 double touching_along(const Line& base, double fall, double bend, double rounding_m,
                       Envelope* first, Envelope& second, double until_s) {
   const Line lowest_a = first != nullptr ? first->first() : k_no_line;
@@ -103,7 +102,7 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   const std::span<const Line> of_a =
       first != nullptr ? first->keep_near_until(until_s, margin_m) : std::span(&k_no_line, 1);
   const std::span<const Line> of_b = second.keep_near_until(until_s, margin_m);
-  // Those that move alike may be equally low for long: of these it is asked when the fastest falls.
+  // Vertices that move alike may be equally low for long, so the fastest falling one is the bound.
   constexpr double k_alike_mps = 0.25 * k_approach_mps;
   double falls_mps = base.rate_mps;
   double takes_over = k_forever_s;
@@ -130,22 +129,22 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   if (alike_from_s < until_s)
     until_s = std::min(until_s, first_collision_s(lowest.place_m, alike_mps, fall, alike_from_s));
   if (!(takes_over < until_s)) return until_s;
-  // From when on any may fall.
+  // The time from which any vertex may fall.
   const double left_mps = falls_mps + 0.5 * k_approach_mps;
   const double falls_s = left_mps <= 0 ? 0 : fall > 0 ? left_mps / fall : k_forever_s;
   return std::min(until_s, std::max(takes_over, falls_s));
 }
 
-/// How far below its centre a piece may come along the axis of its envelope, as a negative number.
+/// Returns minus the maximum distance from the piece's centre towards the other piece.
 double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
   return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }
 
-/// How an axis turns, and what that adds to the fall of the separation along it.
+/// An axis's angular velocity, and how much its turning adds to the fall of the separation.
 struct AxisTurn {
   Vec3 angular_velocity_radps = Vec3::Zero();
   double fall_mps2 = 0;
-  double valid_s = k_forever_s;  ///< the fall is right for so long
+  double valid_s = k_forever_s;  ///< time for which fall_mps2 holds
 };
 
 Vec3 direction_of(const MovingPiece& piece, Feature edge) {
@@ -154,8 +153,9 @@ Vec3 direction_of(const MovingPiece& piece, Feature edge) {
                        piece.view->vertices_m[of.vertex[1]] - piece.view->vertices_m[of.vertex[0]]);
 }
 
-/// The turn of the line from a vertex to a vertex, or to an edge, with the edge and, where one of
-/// them has a radius and so they are far enough apart to say, with their motion past each other.
+/// Returns the angular velocity of the line from a vertex to another vertex or an edge. The line
+/// turns with the edge. If either piece has a radius, the line is long enough to turn with the
+/// closest points' relative motion too.
 Vec3 turn_of_line(const MovingPiece& a, const MovingPiece& b, const Closest& closest) {
   const Vec3& n = closest.normal;
   Vec3 normal_rate = Vec3::Zero();
@@ -174,21 +174,21 @@ Vec3 turn_of_line(const MovingPiece& a, const MovingPiece& b, const Closest& clo
   return math::cross(n, normal_rate);
 }
 
-/// Which way the normal of the closest features turns: with the face that is one of them, so that
-/// it stays at right angles to both edges, or with the line between others.
+/// Returns the angular velocity of the closest features' normal. The normal turns with a face,
+/// stays perpendicular to two edges, or follows the line between other features.
 Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& closest) {
   const bool with_a = closest.feature_a.kind == FeatureKind::face;
   const bool with_b = closest.feature_b.kind == FeatureKind::face;
   const Vec3& spin_a = a.angular_velocity_radps;
   const Vec3& spin_b = b.angular_velocity_radps;
-  // Of two faces the one that turns more slowly, since vertices far away would move most.
+  // Of two faces, choose the slower turning one, because far vertices would move most.
   if (with_a && with_b)
     return math::dot(spin_a, spin_a) <= math::dot(spin_b, spin_b) ? spin_a : spin_b;
   if (with_b) return spin_b;
   if (with_a) return spin_a;
   if (closest.feature_a.kind != FeatureKind::edge || closest.feature_b.kind != FeatureKind::edge)
     return turn_of_line(a, b, closest);
-  // n' with n'.n = 0, n'.e = -n.(w x e) for both edges e: from the basis dual to e_a, e_b in their
+  // Solve n'.n = 0 and n'.e = -n.(w x e) for both edges e, in the basis dual to e_a, e_b in their
   // plane.
   const Vec3& n = closest.normal;
   const Vec3 edge_a = math::normalized(direction_of(a, closest.feature_a));
@@ -202,7 +202,7 @@ Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& clo
   return math::cross(n, turn);
 }
 
-/// Distance of the piece's furthest vertex from a point, at most.
+/// Returns an upper bound on the distance of the piece's furthest vertex from a point.
 double furthest_from(const MovingPiece& piece, const Vec3& point_m) {
   if (std::isfinite(piece.reach_m)) {
     return piece.reach_m + math::norm(piece.pose.position_m - point_m);
@@ -215,11 +215,11 @@ double furthest_from(const MovingPiece& piece, const Vec3& point_m) {
   return std::sqrt(most_m2);
 }
 
-/// With the axis n turning at W about a point O and everything seen from a frame that moves along,
-/// the second derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
+/// Bounds the effect of an axis n that turns at W about a point O. In a moving frame, the second
+/// derivative of n.x is n.(x'' - 2 W x x' + W x (W x (x - O))).
 AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& point_m,
                       const Vec3& angular_velocity_radps) {
-  // The frame moves with what doesn't turn, or half with each.
+  // The frame moves with a fixed piece, or with the mean of both velocities.
   const bool a_fixed = !std::isfinite(a.reach_m);
   const Vec3 frame_mps = a_fixed ? a.velocity_mps : Vec3(0.5 * (a.velocity_mps + b.velocity_mps));
   const double far_a_m = furthest_from(a, point_m);
@@ -233,7 +233,7 @@ AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& po
   const double pull_mps2 = math::norm(b.acceleration_mps2 - a.acceleration_mps2);
   double speed_a_mps = speed(a);
   double speed_b_mps = speed(b);
-  // For so long that nothing moves by more than a quarter of the distances.
+  // The bound holds while nothing moves by more than a quarter of the distances.
   const double room_m = 0.25 * std::min(far_a_m, far_b_m);
   const double fastest_mps = std::max(speed_a_mps, speed_b_mps) + std::sqrt(pull_mps2 * room_m);
   AxisTurn turn{.angular_velocity_radps = angular_velocity_radps};
@@ -245,7 +245,7 @@ AxisTurn turning_axis(const MovingPiece& a, const MovingPiece& b, const Vec3& po
   return turn;
 }
 
-/// Both pieces along an axis from A to B.
+/// The envelopes of both pieces along an axis from A to B.
 struct Shadows {
   Vec3 axis;
   Envelope of_a;
@@ -259,15 +259,14 @@ struct Shadows {
   }
 };
 
-/// The separation along an axis, but for the vertices, and by how much it may fall faster than
-/// that.
+/// The separation along an axis without the vertices' part, and bounds on its fall.
 struct Separation {
   Line base;
   double fall_mps2;
-  double bend_mps2;  ///< the part of that in which vertices differ
-  double pull_mps2;  ///< of the centres, apart
+  double bend_mps2;  ///< the part of fall_mps2 in which vertices differ
+  double pull_mps2;  ///< relative acceleration of the centres
 };
-/// From here on the shadows' axis turns.
+/// Computes the separation. From here on the shadows' axis turns.
 Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows& shadows,
                             double touch_m, const AxisTurn& turn) {
   const Vec3& axis = shadows.axis;
@@ -275,7 +274,7 @@ Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows&
   const Vec3 relative_mps = b.velocity_mps - a.velocity_mps;
   const Vec3 pull_mps2 = b.acceleration_mps2 - a.acceleration_mps2;
   const double pull = math::dot(axis, pull_mps2);
-  // An axis that turns comes to lie otherwise to the acceleration, in the end along all of it.
+  // A turning axis changes its angle to the acceleration, up to pointing fully against it.
   double towards = pull;
   if (!is_zero(turn.angular_velocity_radps)) {
     const double turns = math::norm(turn.angular_velocity_radps) * turn.valid_s;
@@ -294,7 +293,7 @@ Separation separation_along(const MovingPiece& a, const MovingPiece& b, Shadows&
       .pull_mps2 = pull};
 }
 
-/// How long two pieces apart can't touch, as their separation along an axis shows.
+/// Returns how long two separate pieces can't touch, from their separation along an axis.
 double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
                   const AxisTurn& turn) {
   const Separation separation = separation_along(a, b, shadows, touch_m, turn);
@@ -302,16 +301,16 @@ double open_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, 
   const double span_s = std::min(
       turn.valid_s, comes_down_s(base, separation.fall_mps2, &shadows.of_a, shadows.of_b, 0));
   if (!is_zero(turn.angular_velocity_radps)) return span_s;
-  // However they turn, they stay inside of their spheres; what doesn't turn stays behind its plane.
+  // Turning pieces stay inside their spheres; a fixed piece stays behind its plane.
   const double apart_m =
       base.place_m + (nearest_m(a, shadows.of_a) + nearest_m(b, shadows.of_b)) - k_touch_m;
   return apart_m > 0 ? std::max(span_s, first_zero_s(apart_m, base.rate_mps, separation.pull_mps2))
                      : span_s;
 }
 
-/// How long two pieces that touch can't collide. While they do, by an axis that turns with their
-/// features: along one that stays, how fast it falls is not how fast the gap does. Once they have
-/// come apart along one that stays, they must come down again along that.
+/// Returns how long two touching pieces can't collide. While they touch, the axis turns with their
+/// features, because along a fixed axis the separation falls at another rate than the gap. After
+/// they have separated along a fixed axis, they must come down along it again.
 double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shadows, double touch_m,
                       const AxisTurn& turn) {
   const double vertices_m = k_rounding_ulps * (a.view->r_outer_m + b.view->r_outer_m);
@@ -328,8 +327,8 @@ double touching_for_s(const MovingPiece& a, const MovingPiece& b, Shadows& shado
   return comes_down_s(fixed.base, fixed.fall_mps2, &shadows.of_a, shadows.of_b, out_s);
 }
 
-/// Along the line of the centres; or, if one piece doesn't move, along the normal of that of its
-/// faces which the other piece's centre lies furthest above.
+/// Returns the line of the centres. If one piece is fixed, returns the normal of its face with the
+/// greatest height of the other piece's centre above it.
 Vec3 guessed_axis(const MovingPiece& a, const MovingPiece& b) {
   const auto of_faces = [](const MovingPiece& fixed, const MovingPiece& other) -> Vec3 {
     const Vec3 centre_m =
@@ -383,7 +382,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
                         SeparationCache& cache, PieceContact& contact) {
   if (is_round(a) || is_round(b)) return examine_round(a, b, tick, touch_m, cache, contact);
   if (!cache.filled) {
-    // An axis that is cheap to guess, if it shows them well apart.
+    // First try an axis that is cheap to guess, in case it shows the pieces well apart.
     Shadows guess(a, b, guessed_axis(a, b));
     const double smaller_m = std::min(a.reach_m + a.radius_m, b.reach_m + b.radius_m);
     const double gap_m = guess.gap_m(a, b);
@@ -397,7 +396,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
              .b = {FeatureKind::vertex, guess.of_b.lowest_vertex()},
              .filled = true};
   }
-  // How far they are apart; near the touch, what a search from scratch would find.
+  // Compute the gap; near the touch, compute it from scratch.
   Closest closest = closest_warm(*a.view, a.pose, *b.view, b.pose, cache);
   if (closest.gap_m - (a.radius_m + b.radius_m) <= touch_m + k_warm_error_m) {
     closest = closest_cold(*a.view, a.pose, *b.view, b.pose, cache);
@@ -405,7 +404,7 @@ Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, d
     if (collides(contact, touch_m)) return {.collides = true, .next = tick};
   }
 
-  // How long they can't collide, by axes that stay and that turn with the features.
+  // Compute how long they can't collide, using fixed axes and axes that turn with the features.
   const Vec3 contact_m = 0.5 * (closest.point_a_m + closest.point_b_m);
   const double gap_m = closest.gap_m - (a.radius_m + b.radius_m);
   const auto turn_with_features = [&]() -> AxisTurn {

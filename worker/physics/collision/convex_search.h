@@ -1,39 +1,39 @@
-// When do two convex pieces in motion meet?
+// When do two moving convex pieces meet?
 //
-// Idea. Along a fixed axis n the separation of two pieces is the lowest vertex of B less the
-// highest of A, and the gap is never less than that. Each vertex's place along n is known now, so
-// is its rate, and its acceleration has a bound; so the separation lies above the lower envelope of
-// one line for each vertex, less D h^2 / 2. Pieces apart have to touch first, so of them it is only
-// asked when the bound does. With n the line of closest points the bound is tight to second order,
-// so a handful of looks finds the collision to the tick.
+// Idea. Along a fixed axis n, the separation of pieces A and B is the lowest vertex of B minus the
+// highest vertex of A. The gap is never less than this separation. Each vertex's place and rate
+// along n are known now, and its acceleration has a bound D. The separation therefore stays above
+// the lower envelope of one line per vertex, minus D h^2 / 2 after time h. Pieces that are apart
+// must touch before they collide, so the search skips to the time at which this bound reaches the
+// touch. If n is the line of the closest points, the bound is tight to second order, and a few
+// looks find the collision's exact tick.
 //
-// Pieces that touch collide when the gap falls, as fast as the lowest vertex does along the normal:
-// so the axis must turn with the features that touch, and of each vertex it is asked from when on
-// it may be the lowest one and fall.
+// Pieces that touch collide when their gap shrinks, at the rate of the lowest vertex along the
+// normal. The axis must therefore turn with the touching features, and the search bounds for each
+// vertex when it may first be both lowest and falling.
 //
-// This is the second of two stages (thesis 3.2.2); the first is when the bounding spheres meet.
-// What the thesis takes for the second, the distance over the greatest speed of any point, is first
-// order.
+// This search is the second of two stages (thesis 3.2.2). The first finds when the bounding spheres
+// meet. The thesis's bound for the second, distance over greatest speed, is only of first order.
 //
-// A sphere is a piece of one vertex with a radius.
+// A sphere is a piece with one vertex and a radius.
 //
 // Invariants
-//   1. At a look within the touch all is a function of the two pieces' poses and motion alone: the
-//      verdict and the contact, which are collision_rule.h's, and, if they don't collide, how long
-//      they can't. It is what a search from scratch finds, by whatever means.
-//   2. Elsewhere a look may start from what was found before, by this search or by earlier ones of
-//      the pair. That decides which of several certified answers it finds, equal but for rounding,
-//      and so, by the bound above, only which ticks are skipped: never what collides, or when.
-//      Hence all searches, however they are divided, find the same collision, except in the cases
-//      that 3 leaves open.
-//   3. A look is skipped only under the bounds above, lowered by what rounding does to gaps so far
-//      from the origin. Of pieces that touch that holds as long as the normal turns with the same
-//      face, whichever vertices touch, or the same two edges, if these cross at a sine of 0.01 or
-//      more. It doesn't cover what turns the normal of edges that are more nearly parallel, of two
-//      vertices, or of a vertex and an edge, about the edge, while they are within k_touch_m of
-//      each other; spheres' normals it covers. There a collision may be late, by no more than
-//      comes_deeper_s (piece_motion.h).
-// Thread safety: pure functions, but for the cache that they are given.
+//   1. If the pieces touch, a look's result depends only on their poses and motion. The result is
+//      collision_rule.h's verdict and contact or, without a collision, how long a collision is
+//      impossible. A search from scratch finds the same.
+//   2. If the pieces are apart, a look may start from results of the pair's earlier looks. They
+//      decide which of several certified answers the look finds; these answers are equal up to
+//      rounding. By the bound above, this affects only which ticks are skipped, never what collides
+//      or when. So all searches find the same collision, however they are divided, except in the
+//      cases that invariant 3 excludes.
+//   3. A look is skipped only under the bounds above, lowered by the rounding of gaps so far from
+//      the origin. For touching pieces the bounds hold while the normal turns with the same face,
+//      whichever vertices touch. They also hold while the normal turns with the same two edges, if
+//      the edges cross at a sine of 0.01 or more. For pieces within k_touch_m of each other, the
+//      bounds don't cover the turning of a normal between more nearly parallel edges, between two
+//      vertices, or between a vertex and an edge, about the edge. Normals of spheres are covered.
+//      In the uncovered cases a collision may be late, by at most comes_deeper_s (piece_motion.h).
+// Thread safety: pure functions, except for the cache passed in.
 #pragma once
 
 #include "worker/physics/collision/collision_rule.h"
@@ -42,25 +42,25 @@
 
 namespace sleight::physics {
 
-/// The cheaper part of a look, which asks for no orientation: while the spheres that hold two
-/// bodies are apart by more than a small part of `near_m`, or the one above a plane, nothing else
-/// need be asked. Mostly, other things happen before. Whether they are; `examined` then is the
-/// look's result.
+/// The cheaper part of a look, which needs no orientation. Returns true, with the look's result in
+/// `examined`, if the bodies' bounding spheres are apart by more than a small part of `near_m`;
+/// then no further check is needed. sphere_above requires only that the sphere is above the plane.
+/// Usually other events happen before bounding spheres meet.
 bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double near_m,
                    Tick tick, Examined& examined);
 bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double radius_m, Tick tick,
                   Examined& examined);
 
-/// One look. The cache is that of the pair's earlier looks, or a fresh one; `touch_m` stands for
-/// k_touch_m. If they collide, `contact` is contact_of's result.
+/// Examines one tick. The cache is from the pair's earlier looks, or a fresh one. `touch_m`
+/// replaces k_touch_m. If the pieces collide, `contact` is contact_of's result.
 Examined examine_pieces(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                         SeparationCache& cache, PieceContact& contact);
 Examined examine_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
                        double touch_m, PieceContact& contact);
 
-/// The first stage for two bodies that fall alike: when the spheres that hold them come to touch,
-/// as a span from the moment at which the second centre is at `between_m` from the first. Not
-/// later, rounding included; k_tick_max.value if never.
+/// The first stage for two bodies in free flight: returns the time span until their bounding
+/// spheres touch. At the span's start the second centre is at `between_m` from the first. The
+/// result is never too late, even with rounding. No touch: k_tick_max.value.
 TickCount touch_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps, double radii_m);
 
 }  // namespace sleight::physics

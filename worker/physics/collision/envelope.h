@@ -1,7 +1,7 @@
-// The lines of a piece's vertices along an axis, of which the lowest counts.
+// The lower envelope of a piece's vertices along an axis.
 //
-// Each vertex's place along an axis is known now and so is its rate; as lines in time they have a
-// lower envelope. Internal to convex_search.cpp. Thread safety: values.
+// Each vertex is a line in time, given by its present place and rate along the axis. The lowest
+// line counts. Internal to convex_search.cpp. Thread safety: values.
 #pragma once
 
 #ifdef __SSE2__
@@ -19,7 +19,7 @@
 
 namespace sleight::physics::envelope {
 
-/// A vertex along the axis: place + rate h.
+/// A vertex along the axis after time h: place + rate h.
 struct Line {
   double place_m;
   double rate_mps;
@@ -35,7 +35,7 @@ inline Pair load(const double* from) {
   return result;
 }
 
-/// Whether a comparison holds anywhere. GCC 12 would take vectors apart to join two of them.
+/// Returns whether any lane of a mask is set. Without intrinsics GCC 12 joins two masks by lane.
 inline bool any(Lanes mask) {
 #ifdef __SSE2__
   return _mm_movemask_pd(reinterpret_cast<__m128d>(mask)) != 0;
@@ -52,11 +52,10 @@ inline bool any(Lanes mask, Lanes other) {
 #endif
 }
 
-/// The lines of a piece's vertices along an axis, of which the lowest counts. Places are computed
-/// at once, rates only of those vertices that may come to be lowest.
+/// The lines of a piece's vertices along an axis. Rates are computed only where they are needed.
 class Envelope {
  public:
-  /// `up`: along the axis, away from the other piece. Places are from the body's centre.
+  /// `up` points along the axis, away from the other piece. Places are from the body's centre.
   Envelope(const MovingPiece& piece, const Vec3& up) : piece_(piece), up_(up) {
     const ConvexView& view = *piece.view;
     const Vec3 along = transposed_product(piece.pose.rotation, up);
@@ -80,7 +79,7 @@ class Envelope {
   }
 
   double lowest_m() const { return lowest_m_; }
-  /// The first, on a tie.
+  /// Returns the lowest vertex; on a tie, the first one.
   std::uint16_t lowest_vertex() const {
     const Pair lowest = {lowest_m_, lowest_m_};
     std::size_t i = 0;
@@ -93,7 +92,7 @@ class Envelope {
     return static_cast<std::uint16_t>(std::min<std::size_t>(i, piece_.view->vertex_count - 1U));
   }
 
-  /// From now on the axis turns like this.
+  /// Sets the axis's angular velocity from now on.
   void turn(const Vec3& axis_radps) {
     rate_ = transposed_product(piece_.pose.rotation,
                                math::cross(up_, piece_.angular_velocity_radps - axis_radps));
@@ -103,11 +102,10 @@ class Envelope {
     line_count_ = 1;
   }
 
-  /// A line that is lowest at first. After keep_until, of those the one that falls most.
+  /// Returns a line that is lowest at first; after keep_until, the fastest falling one on a tie.
   const Line& first() const { return lines_[0]; }
 
-  /// Forgets the lines that don't come to lie below the first one within a time. Whether any is
-  /// left.
+  /// Keeps the lines that pass below the first line within a time. Returns whether there are any.
   bool keep_until(double until_s) {
     for_each_below(until_s, 0, [&](const Line& other) {
       lines_[line_count_++] = other;
@@ -115,14 +113,14 @@ class Envelope {
     });
     return line_count_ > 1;
   }
-  /// Forgets the lines that don't come to lie below the first one, or less than a margin above it,
-  /// within a time. Those left, first the lowest one.
+  /// Keeps only lines that come below the first line plus a margin within a time. Returns the kept
+  /// lines; the first line comes first.
   std::span<const Line> keep_near_until(double until_s, double margin_m) {
     for_each_below(until_s, margin_m, [&](const Line& other) { lines_[line_count_++] = other; });
     return {lines_.data(), line_count_};
   }
 
-  /// The line that next passes below `current`, of those kept, and when.
+  /// Returns when a kept line next passes below `current`, and stores this line in `next`.
   double next_after(const Line& current, Line& next) const {
     double first_s = k_forever_s;
     for (std::size_t i = 1; i < line_count_; ++i) {
@@ -142,14 +140,14 @@ class Envelope {
  private:
   static constexpr std::size_t k_none = k_hull_points_max;
 
-  /// Calls visit(line) for those that lie below the first one, raised by a margin, at some time up
-  /// to one. With a margin, for the first one as well.
+  /// Calls visit(line) for lines that are below the first line plus a margin at some time up to
+  /// `until_s`. With a positive margin this includes the first line.
   template <class Visit>
   void for_each_below(double until_s, double margin_m, const Visit& visit) {
     if (!(fastest_mps_ > 0)) return;
     const ConvexView& view = *piece_.view;
     const Line start = lines_[0];
-    // Lower than this now, or it can't be lower than the first one then.
+    // A vertex at or above this limit now can't get below the first line in time.
     const double limit_m = start.place_m + (start.rate_mps + fastest_mps_) * until_s + margin_m;
     const Pair limit = {limit_m, limit_m};
     const Pair start_m = {start.place_m + margin_m, start.place_m + margin_m};
@@ -179,10 +177,10 @@ class Envelope {
   Vec3 up_;
   Vec3 rate_ = Vec3::Zero();
   double lowest_m_;
-  std::size_t first_vertex_ = k_none;  ///< the lowest one, once it is asked for
-  double fastest_mps_ = 0;             ///< of a vertex along the axis, at most
+  std::size_t first_vertex_ = k_none;  ///< the lowest vertex, once computed
+  double fastest_mps_ = 0;             ///< maximum speed of a vertex along the axis
   std::size_t line_count_ = 0;
-  // Left as they are but for what is used.
+  // Uninitialised except for the entries in use.
   std::array<double, k_hull_points_max> places_m_;
   std::array<Line, k_hull_points_max + 1> lines_;
 };

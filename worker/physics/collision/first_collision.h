@@ -1,4 +1,4 @@
-// When a bound on a gap first says that it may be a collision.
+// When a lower bound on a gap first permits a collision.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -12,21 +12,21 @@
 
 namespace sleight::physics {
 
-/// A skip is shortened by this share for the rounding of its own computation.
+/// A skip is shortened by this share to allow for its own rounding.
 inline constexpr double k_skip_margin = 0x1p-20;
 
-/// First h >= from at which place + rate h - fall h^2 / 2 <= k_touch. REQUIRES: fall >= 0.
+/// Returns the first h >= from at which place + rate h - fall h^2 / 2 <= k_touch, for fall >= 0.
 inline double first_touch_s(double place_m, double rate_mps, double fall, double from_s) {
   const double excess_m = place_m - k_touch_m;
   if (excess_m + from_s * (rate_mps - 0.5 * fall * from_s) <= 0) return from_s;
-  // When it comes down to the touch: the later root.
+  // The bound reaches the touch at the later root.
   if (fall <= 0) return rate_mps < 0 ? excess_m / -rate_mps : k_forever_s;
   const double root = std::sqrt(std::max(0.0, rate_mps * rate_mps + 2 * fall * excess_m));
   const double down_s = rate_mps < 0 ? 2 * excess_m / (root - rate_mps) : (root + rate_mps) / fall;
   return std::max(from_s, down_s);
 }
 
-/// First h >= from at which, besides, rate - fall h < -k_approach. REQUIRES: fall >= 0.
+/// Returns the first h >= from at which also rate - fall h < -k_approach. REQUIRES: fall >= 0.
 inline double first_collision_s(double place_m, double rate_mps, double fall, double from_s) {
   double h = from_s;
   if (rate_mps - fall * h >= -k_approach_mps) {
@@ -36,7 +36,7 @@ inline double first_collision_s(double place_m, double rate_mps, double fall, do
   return first_touch_s(place_m, rate_mps, fall, h);
 }
 
-/// Least h >= 0 at which place + rate h + curvature h^2 / 2 <= 0.
+/// Returns the least h >= 0 at which place + rate h + curvature h^2 / 2 <= 0.
 inline double first_zero_s(double place, double rate, double curvature) {
   if (place <= 0) return 0;
   const double discriminant = rate * rate - 2 * curvature * place;
@@ -46,7 +46,7 @@ inline double first_zero_s(double place, double rate, double curvature) {
   return rate < 0 ? 2 * place / (root - rate) : k_forever_s;
 }
 
-/// Nothing happens within a span: when to look again.
+/// Returns the result of a look after which no collision is possible within a span.
 inline Examined look_after(Tick tick, double span_s) {
   if (!(span_s < seconds(k_tick_max.value))) return {.collides = false, .next = k_never};
   const TickCount span = ticks_before(span_s * (1 - k_skip_margin));

@@ -1,15 +1,16 @@
-// Which bodies stay near where they were, so that pairs once seen apart needn't be looked at again?
+// Which bodies stay near where they were, so that a pair once found apart needs no further look?
 //
-// Idea. In a heap bodies bounce by micrometres, thousands of times a second. Each bounce changes
-// what is predicted of some twenty neighbours, most of which are further away than the bounces ever
-// reach. So a body has a place, with a number, as long as none of its points is further from where
-// it was in that place than its room. A pair that was once seen apart by more than both may use up
-// can't collide while both have those places, however their motion changes meanwhile.
+// Idea. Bodies in a heap bounce by micrometres, thousands of times a second. Each bounce changes
+// the predictions for some twenty neighbours, although most of them are further away than the
+// bounces ever reach. So a body has a numbered place. The body keeps its place while each of its
+// points stays within a distance, the place's room, of where the point was when the place began. A
+// pair once found further apart than both rooms allow can't collide while both bodies keep those
+// places, however their motions change.
 //
 // Invariants
-//   1. While a body has a place, up to and at the tick `until`, each of its points lies within
-//      room_m of where it was when the place got its number.
-//   2. A number is given once: numbers that are equal mean the same place.
+//   1. While a body has a place, until and including the tick `until`, each of its points stays
+//      within room_m of where it was when the place got its number.
+//   2. No number is used twice, so equal numbers mean the same place.
 // Thread safety: none.
 #pragma once
 
@@ -23,22 +24,21 @@
 
 namespace sleight::physics {
 
-/// Two places, or none: 0.
+/// The numbers of a pair's two places. 0: no places.
 using PlacesOfPair = std::uint64_t;
 
 class NearPlaces {
  public:
-  /// A body at a tick, and how fast its points move from then on.
+  /// A body's pose at a tick, and how fast its points move from then on.
   struct Motion {
     Tick begin{};
-    Pose pose{};                   ///< of a sphere: with any orientation, but always the same one
-    double speed_mps = 0;          ///< of any point, if the centre goes straight on
+    Pose pose{};                   ///< for a sphere: any orientation, but always the same one
+    double speed_mps = 0;          ///< maximum speed of any point, if the centre moves straight
     double acceleration_mps2 = 0;  ///< of the centre
-    bool stays = false;            ///< it doesn't move at all
+    bool stays = false;            ///< the body doesn't move at all
   };
 
-  /// No body has a place. Those that would have one for less than `least` get none; with 0 bodies
-  /// none ever does.
+  /// Clears all places. Bodies get no place that lasts less than `least`. 0 bodies: places are off.
   void reset(std::size_t bodies, TickCount least) {
     of_body_.assign(bodies, {});
     least_ = least;
@@ -46,7 +46,7 @@ class NearPlaces {
   }
   bool enabled() const { return !of_body_.empty(); }
 
-  /// A body of a reach begins a motion; it keeps its place, gets another or has none.
+  /// A body of radius `reach_m` begins a motion: it keeps its place, gets a new one or loses it.
   void began(BodyId body, double reach_m, const Motion& motion) {
     Place& place = of_body_[body];
     const double room_m = k_room * reach_m;
@@ -64,7 +64,7 @@ class NearPlaces {
     place.room_m = room_m;
   }
 
-  /// The places of a pair at a tick; 0 unless both have one until then.
+  /// Returns a pair's places at a tick, or 0 unless both bodies have a place until then.
   PlacesOfPair of(BodyId a, BodyId b, Tick tick) const {
     const Place& first = of_body_[a];
     const Place& second = of_body_[b];
@@ -72,20 +72,20 @@ class NearPlaces {
         first.number != 0 && second.number != 0 && tick <= first.until && tick <= second.until;
     return both ? (PlacesOfPair{first.number} << 32U) | second.number : 0;
   }
-  /// How long both have them. REQUIRES: they do.
+  /// Returns how long both bodies keep their places. REQUIRES: both have one.
   Tick until(BodyId a, BodyId b) const { return std::min(of_body_[a].until, of_body_[b].until); }
-  /// A pair that is further apart than this, at any time while it has its places, doesn't meet.
-  /// REQUIRES: it has places.
+  /// A pair further apart than this distance, at any time while it has its places, can't meet.
+  /// REQUIRES: both bodies have a place.
   double clear_m(BodyId a, BodyId b) const {
-    // Each may have come nearer by its room, and may still do so by twice that.
+    // Each body may have come nearer by its room, and may still come nearer by twice its room.
     return 2 * (of_body_[a].room_m + of_body_[b].room_m) + k_margin_m;
   }
 
  private:
-  /// Of a body's reach. Small enough that it keeps apart what lies side by side in a heap. Speed
-  /// only.
+  /// A place's room as a share of the body's reach. It is small enough to separate bodies side by
+  /// side in a heap. Affects speed only.
   static constexpr double k_room = 0.01;
-  /// A margin for the touch and for rounding.
+  /// Margin for the touch and for rounding.
   static constexpr double k_margin_m = 1e-6;
 
   struct Place {
@@ -95,7 +95,7 @@ class NearPlaces {
     double room_m = 0;
   };
 
-  /// When its points have moved so far, at the earliest.
+  /// Returns a tick up to which no point can have moved further than `way_m`.
   static Tick until(const Motion& motion, double way_m) {
     if (motion.stays) return k_never;
     if (!(way_m > 0)) return motion.begin;

@@ -1,4 +1,4 @@
-// The corners of pieces, and where their edges cross: what carries them on what is flat.
+// The corners of pieces and the crossings of their edges, which support a piece on a flat face.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -12,8 +12,8 @@
 
 namespace sleight::physics {
 
-/// Calls found(point, in the world) for the corners of a polyhedron, or for the points of a round
-/// piece that reach about as far as it does along a direction.
+/// Calls found(point, in world coordinates) for a polyhedron's corners. For a round piece, calls it
+/// for points within about `near_m` of the piece's furthest extent along `direction`.
 template <class Found>
 void for_each_corner(const MovingPiece& of, const Vec3& direction, double near_m,
                      const Found& found) {
@@ -25,10 +25,10 @@ void for_each_corner(const MovingPiece& of, const Vec3& direction, double near_m
     found(to_world(of.pose, of.view->vertices_m[i]));
 }
 
-/// Calls found(point, in the world) where edges of two polyhedra cross that lie in one plane, to
-/// within a small distance: with the corners of either over the other, the corners of the area in
-/// which they touch. `normal`: unit, of that plane; `offset_m`: its place along it. Round pieces
-/// have no edges: nothing is found.
+/// Calls found(point, in world coordinates) where edges of two polyhedra cross within `near_m` of a
+/// common plane. With the corners of each polyhedron that lie over the other one, the crossings are
+/// the corners of the contact area. `normal` is the plane's unit normal, `offset_m` the plane's
+/// offset along it. Round pieces have no edges, so they have no crossings.
 template <class Found>
 void for_each_crossing(const MovingPiece& a, const MovingPiece& b, const Vec3& normal,
                        double offset_m, double near_m, const Found& found) {
@@ -56,8 +56,8 @@ void for_each_crossing(const MovingPiece& a, const MovingPiece& b, const Vec3& n
     for_each_edge(b, [&](const Line& other) {
       const Vec3 across = math::cross(normal, other.along_m);
       const double crosses = math::dot(one.along_m, across);
-      // Where edges lie along each other to within that distance, rounding says where they cross.
-      // Nothing is lost: as near an edge's end, a corner is already there.
+      // If two edges run along each other within this distance, rounding decides where they cross.
+      // No point is lost: a crossing so near an edge's end coincides with a corner.
       if (!(std::abs(crosses) > near_m * std::max(one.length_m, other.length_m))) return;
       const Vec3 between_m = other.start_m - one.start_m;
       const double share_of_one = math::dot(between_m, across) / crosses;

@@ -1,4 +1,4 @@
-// What the searches of convex and of round pieces share: rounding, and how fast points move.
+// Rounding and speed bounds shared by the searches of convex and round pieces.
 //
 // Internal to worker/physics/collision. Thread safety: pure functions.
 #pragma once
@@ -13,22 +13,22 @@
 
 namespace sleight::physics {
 
-/// Search margins: they change speed and, where two in touch collide late (SIMULATOR.md, "Where it
-/// falls short"), how late.
-/// Pieces are well apart when a guessed axis shows a gap above this part of the smaller one's
-/// radius; below, the true line of the closest points is worth its price.
+/// Search margins. They affect speed, and how late a touching pair's late collision is
+/// (SIMULATOR.md, "Where it falls short").
+/// Pieces are well apart when a guessed axis shows a gap above this share of the smaller piece's
+/// radius. Below it, the exact line of the closest points is worth computing.
 inline constexpr double k_well_apart = 0.02;
 
-/// A skip this long is not made longer by a second axis: in heaps, where speed matters most, bodies
-/// mostly change their motion before.
+/// A skip at least this long is not extended with a second axis. In heaps, where speed matters
+/// most, bodies usually change their motion sooner.
 inline constexpr double k_long_enough_s = 5e-4;
 
-/// What the places of a piece's points are rounded by.
+/// Returns the size of the coordinates of a piece's points, which determines their rounding.
 inline double size_m(const MovingPiece& piece) {
   return std::max(size_of(piece.pose.position_m), piece.coordinates_m) + piece.view->r_outer_m +
          piece.radius_m;
 }
-/// What rounding does to a gap at the ticks that are skipped, against what is said of it here.
+/// Returns a bound on how rounding changes gaps at the skipped ticks.
 inline double rounding_m(const MovingPiece& a, const MovingPiece& b) {
   return k_rounding_ulps * std::max(size_m(a), size_m(b));
 }
@@ -36,8 +36,8 @@ inline double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
   return k_rounding_ulps * (std::fabs(solid_below.offset_m) + size_m(b));
 }
 
-/// How long no gap falls fast enough, since no points of the two move past each other so fast. That
-/// is long for those that hover, even where a gap can't be told from a touch.
+/// Returns how long no gap can shrink fast enough to collide, because no points pass each other
+/// that fast. This is long for hovering pieces, even if rounding hides whether they touch.
 inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   const auto turning_mps = [](const MovingPiece& piece) {
     return math::norm(piece.angular_velocity_radps) * (piece.view->r_outer_m + piece.radius_m);
@@ -53,7 +53,7 @@ inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   return gains_mps2 > 0 ? left_mps / gains_mps2 : k_forever_s;
 }
 
-/// When two that touch are to be looked at again (k_touching_depth_m).
+/// Returns when two touching pieces must be examined again (k_touching_depth_m).
 inline double comes_deeper_s(const MovingPiece& a, const MovingPiece& b, const Vec3& normal) {
   const auto turning_mps = [&](const MovingPiece& piece) {
     return math::norm(math::cross(piece.angular_velocity_radps, normal)) *

@@ -1,8 +1,7 @@
-// The states of searches between bodies of convex parts: one for each pair of parts.
+// Search states for bodies made of convex parts, one state per pair of parts.
 //
-// A pair of bodies has a block of them in one array; blocks that are given back are used again for
-// pairs of as many parts.
-// Thread safety: none.
+// Each pair of bodies has a block of states in one array. Released blocks are reused for pairs with
+// the same number of part pairs. Thread safety: none.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +13,21 @@
 
 namespace sleight::physics {
 
-/// A pair has no search: its predictions are closed forms.
+/// A pair without a search, whose predictions are closed forms.
 inline constexpr std::uint32_t k_no_search = UINT32_MAX;
 
-/// Of one pair of parts.
+/// The search state of one pair of parts.
 struct PieceSearch {
   SeparationCache cache;
-  PlacesOfPair clear_in = 0;  ///< while the bodies have these places, the parts don't meet
+  PlacesOfPair clear_in = 0;  ///< while the bodies have these places, the parts can't meet
   Tick next = k_never;        ///< the next tick to look at
-  std::uint32_t looks = 0;    ///< so far
-  std::uint32_t count = 0;    ///< in the block's first: its size
+  std::uint32_t looks = 0;    ///< number of looks so far
+  std::uint32_t count = 0;    ///< in a block's first state: the block's size
 };
 
 class PieceSearches {
  public:
-  /// Room for so many bodies' neighbours before anything is allocated.
+  /// Reserves memory for the neighbours of this many bodies.
   void reserve(std::size_t bodies) {
     constexpr std::size_t k_neighbours = 32;
     searches_.reserve(bodies * k_neighbours);
@@ -44,9 +43,8 @@ class PieceSearches {
       blocks.clear();
   }
 
-  /// The searches of a pair of bodies, to begin anew; takes a place for them if the pair has none.
-  /// The caches are those of the pair's last searches: its motion has changed, not where it is, nor
-  /// in which places it is clear.
+  /// Restarts a pair's searches, allocating a block if the pair has none. The pair's caches and
+  /// clear places remain, because only its motion changed, not its position.
   std::span<PieceSearch> fresh(std::uint32_t& place, std::size_t count) {
     const bool known = place != k_no_search;
     if (!known) {
@@ -80,7 +78,7 @@ class PieceSearches {
 
  private:
   std::vector<PieceSearch> searches_;
-  std::vector<std::vector<std::uint32_t>> free_;  ///< places, by the size of their blocks
+  std::vector<std::vector<std::uint32_t>> free_;  ///< first indices of free blocks, by block size
 };
 
 }  // namespace sleight::physics

@@ -10,14 +10,14 @@
 namespace sleight::physics {
 namespace {
 
-/// Search margins: speed only, but for late collisions (piece_motion.h).
-/// Chords on the way to the touch; then the span is good enough.
+/// Search margins. They affect only speed and how late a late collision is (piece_motion.h).
+/// Maximum chords on the way to the touch; the span is then good enough.
 constexpr int k_chords_max = 8;
-/// The first span that is tried, and by what it grows.
+/// The first span tried, and its growth factor.
 constexpr double k_first_span_s = 0x1p-9;
 constexpr double k_span_growth = 4;
 
-/// How far a piece reaches along an axis while it turns, but for its points' acceleration.
+/// How far a turning piece reaches along an axis, apart from its points' acceleration.
 class TurningReach {
  public:
   TurningReach(const MovingPiece& piece, const Vec3& axis)
@@ -35,13 +35,13 @@ class TurningReach {
   Vec3 rate_;
 };
 
-/// What gaps computed cold may be above the true one, or the true one above these.
+/// Returns a bound on the difference between the true gap and a gap computed from scratch.
 double error_m(const MovingPiece& a, const MovingPiece& b) {
   return rounding_m(a, b) + k_round_gap_error * (a.view->r_outer_m + b.view->r_outer_m +
                                                  math::norm(b.pose.position_m - a.pose.position_m));
 }
 
-/// The bound of the separation of two pieces, less the touch.
+/// Lower bound of two pieces' separation minus the touch, as a function of time.
 class Bound {
  public:
   Bound(const MovingPiece& a, const MovingPiece& b, const Vec3& axis, double touch_m)
@@ -63,7 +63,7 @@ class Bound {
   TurningReach of_b_;
 };
 
-/// The same of a piece above a half-space.
+/// Lower bound of a piece's height above a half-space minus the touch.
 class PlaneBound {
  public:
   PlaneBound(const HalfSpace& below, const MovingPiece& b, double touch_m)
@@ -84,7 +84,7 @@ class PlaneBound {
   TurningReach of_b_;
 };
 
-/// How long a concave bound stays above 0, at least.
+/// Returns a lower bound on how long a concave bound stays above 0.
 template <class BoundOfGap>
 double stays_above_for_s(const BoundOfGap& bound) {
   double low_s = 0;
@@ -103,14 +103,14 @@ double stays_above_for_s(const BoundOfGap& bound) {
     high_m = bound.at_m(high_s);
   }
   for (int i = 0; i < k_chords_max && low_m > 1e-3 * first_m; ++i) {
-    // A chord's zero lies before the bound's; a little less, for its rounding.
+    // A chord's zero is before the bound's zero. Shorten it a little to allow for rounding.
     constexpr double k_less = 1 - 0x1p-12;
     const double chord_s = low_s + k_less * (high_s - low_s) * (low_m / (low_m - high_m));
     const double chord_m = bound.at_m(chord_s);
     if (!(chord_m > 0)) return low_s;
     low_s = chord_s;
     low_m = chord_m;
-    // And the middle, to come nearer from above.
+    // Try the middle too, to approach from above.
     const double middle_s = 0.5 * (low_s + high_s);
     const double middle_m = bound.at_m(middle_s);
     if (middle_m > 0) {
@@ -124,7 +124,7 @@ double stays_above_for_s(const BoundOfGap& bound) {
   return low_s;
 }
 
-/// Two that touch and don't collide.
+/// Returns the next look for two pieces that touch without colliding.
 Examined touching(const MovingPiece& a, const MovingPiece& b, const PieceContact& contact,
                   Tick tick) {
   const double soon_s = std::min(comes_deeper_s(a, b, contact.normal), k_touching_s_max);
@@ -141,7 +141,7 @@ Vec3 middle_of(const MovingPiece& piece) {
 
 Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                        SeparationCache& cache, PieceContact& contact) {
-  // Along the axis of an earlier look, if that shows them apart for long enough,
+  // First try an earlier look's axis, in case it shows them apart for long enough.
   if (cache.filled) {
     const Bound earlier(a, b, math::product(a.pose.rotation, cache.axis), touch_m);
     const double span_s = stays_above_for_s(earlier);
@@ -151,7 +151,7 @@ Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, do
       return apart;
     }
   }
-  // or along the line of their middles, if they are well apart.
+  // Then try the line of their middles, in case they are well apart.
   const Vec3 between_m = middle_of(b) - middle_of(a);
   const double distance_m = math::norm(between_m);
   if (distance_m > 0) {

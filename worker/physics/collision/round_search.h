@@ -1,30 +1,30 @@
-// When do two pieces in motion meet, one of which is round at least?
+// When do two moving pieces meet, of which at least one is round?
 //
-// Idea. As for polyhedra the gap is at least the separation along any fixed axis, and what lies
-// along it is known now, with a bound of how it bends. A body that turns reaches along the axis n
-// as far as it does now along n + h n x w, but for its points' acceleration; a support is convex,
-// so on that straight line of directions it is convex in the time h, rings included. The separation
-// therefore lies above a function of h that is concave: no collision before that comes down to the
-// touch, and any chord of it lies below it. So the time is approached from the safe side, by
-// chords.
+// Idea. As for polyhedra, the gap is at least the separation along any fixed axis. The pieces'
+// extents along the axis are known now, and their curvature in time has a bound. Up to its points'
+// acceleration, a body turning with angular velocity w reaches as far along the axis n after time h
+// as it reaches now along n + h n x w. A support function is convex, and these directions lie on a
+// straight line, so the reach is convex in h (for rings too). The separation is therefore at least
+// a concave function of h:
 //
 //   separation(h) >= n.(place + h velocity + h^2/2 pull) - reach_a(h) - reach_b(h) - bend h^2/2
 //
-// Pieces that touch and don't collide are looked at again before any of their points can have come
-// k_touching_depth_m nearer at the speed that it has now, and after k_touching_s_max at the latest.
-// A bounce leaves the touch within some ticks, so that is rare; it bounds how late a pair that
-// touches may be, where that of polyhedra has no bound.
+// No collision is possible before this function falls to the touch. Each chord of the function is
+// below it, so a search with chords approaches that time from the safe side.
+//
+// Pieces that touch without colliding are examined again before any of their points can come
+// k_touching_depth_m nearer at its present speed, and after at most k_touching_s_max. A bounce
+// leaves the touch within a few ticks, so such looks are rare. They bound how late a touching
+// pair's collision can be; for polyhedra there is no such bound.
 //
 // Invariants
-//   1. A look at pieces that touch is a function of their poses and motion alone, and so is the
-//   first
-//      tick at which pieces that were apart touch. What is kept from earlier looks, an axis,
-//      decides only which ticks before that are skipped. So all searches find the same collision.
-//   2. Apart, no look is skipped at which the pieces touch. In touch, a collision is late by no
-//   more
-//      than what was said.
-// Internal to worker/physics/collision: examine_pieces and examine_plane call it. Thread safety:
-// pure functions.
+//   1. A look at touching pieces depends only on their poses and motion. So does the first tick at
+//      which separate pieces touch. The axis kept from earlier looks decides only which ticks
+//      before that are skipped, so all searches find the same collision.
+//   2. While pieces are apart, no tick at which they touch is skipped. While they touch, a
+//      collision is late by at most the bounds above.
+// Internal to worker/physics/collision: examine_pieces and examine_plane call this search. Thread
+// safety: pure functions.
 #pragma once
 
 #include "worker/physics/collision/collision_rule.h"
@@ -32,10 +32,10 @@
 
 namespace sleight::physics {
 
-/// As examine_pieces. REQUIRES: a or b is round.
+/// Like examine_pieces. REQUIRES: a or b is round.
 Examined examine_round(const MovingPiece& a, const MovingPiece& b, Tick tick, double touch_m,
                        SeparationCache& cache, PieceContact& contact);
-/// As examine_plane. REQUIRES: b is round.
+/// Like examine_plane. REQUIRES: b is round.
 Examined examine_round_plane(const HalfSpace& solid_below, const MovingPiece& b, Tick tick,
                              double touch_m, PieceContact& contact);
 

@@ -6,17 +6,17 @@
 namespace sleight::physics {
 namespace {
 
-/// Least h >= 0 at which distance + rate h + curvature h^2 / 2 >= 0. REQUIRES: distance < 0.
+/// Returns the first h >= 0 at which distance + rate h + curvature h^2 / 2 >= 0, for distance < 0.
 double first_rise_s(double distance, double rate, double curvature) {
   if (curvature == 0) return rate > 0 ? -distance / rate : k_forever_s;
   const double discriminant = rate * rate - 2 * curvature * distance;
   if (discriminant < 0) return k_forever_s;
   const double root = std::sqrt(discriminant);
   if (curvature > 0) {
-    // One root is positive: in the form that doesn't cancel.
+    // The only positive root, in the form without cancellation.
     return rate >= 0 ? -2 * distance / (rate + root) : (root - rate) / curvature;
   }
-  // It rises, turns and falls: the first root, if it comes at all.
+  // The function rises, turns and falls, so the first root counts, if there is one.
   return rate > 0 ? -2 * distance / (rate + root) : k_forever_s;
 }
 
@@ -25,7 +25,7 @@ Tick later(Tick tick, double span_s) {
   return tick + std::max<TickCount>(1, ticks_before(span_s));
 }
 
-/// Of a centre that moves at c from a line or a point, at right angles to the line.
+/// Returns the state of a centre at `c` from a line or a point, perpendicular to the line.
 GapState round_state(const Vec3& c, const Vec3& velocity_mps, const Vec3& acceleration_mps2,
                      double radius_m, double coordinates_m) {
   const double c_v = math::dot(c, velocity_mps);
@@ -77,7 +77,7 @@ double failing_for_s(const GapState& state, double touch_m) {
     if (excess_m > 0) {
       failing_s = first_rise_s(-excess_m, -rate_mps, fall);
     } else {
-      failing_s = k_seconds_per_tick;  // within rounding of the touch: the next tick, not this one
+      failing_s = k_seconds_per_tick;  // within rounding of the touch: skip only this tick
     }
   }
   // The rate must fall below the approach.

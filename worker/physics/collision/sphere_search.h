@@ -1,27 +1,27 @@
 // When does a sphere meet another sphere, a plane, a face, an edge or a vertex?
 //
-// The question is always the same: the first tick, not before a given one, at which touch, approach
-// and region hold together, as collision_rule.h has them.
+// The searches find the first tick, from a given tick on, at which collision_rule.h's conditions on
+// touch, approach and region all hold.
 //
-// Idea. No polynomial of fourth degree is solved. The gap between a moving centre and a convex
-// feature is convex along a straight line, so under a constant relative acceleration of which at
-// most A points towards the feature
+// Idea. No polynomial of fourth degree is solved. Along a straight line, the gap between a moving
+// centre and a convex feature is convex. If a constant relative acceleration has at most a
+// component A towards the feature, then
 //
 //   gap(t + h)  >= gap(t) + rate(t) h - A h^2 / 2
 //   rate(t + h) >= rate(t) - A h
 //
-// and each condition that fails at a tick gives a span during which it must go on failing. The
-// search skips the longest of them, at least a tick, and judges again from the segments alone. A
-// sphere that rolls along an edge comes and goes so slowly that the second bound shows a few ticks;
-// there c.v, with c from the edge or vertex to the centre, tells when the rate changes its sign:
+// Each condition that fails at a tick therefore fails for a computable time. The search skips the
+// longest such time, at least one tick, and judges again from the segments alone. A sphere that
+// rolls along an edge approaches and leaves so slowly that the second bound skips few ticks. There
+// the search uses c.v, which has the rate's sign; c leads from the edge or vertex to the centre:
 //
 //   c.v (t + h) = c.v + (v.v + c.a) h + 3/2 v.a h^2 + 1/2 a.a h^3
 //
-// For two balls in free flight A is 0 and the touch has a closed form; it is used as such.
+// For two balls in free flight A is 0, and the time of their touch is computed in closed form.
 //
 // Invariants
-//   1. A tick is skipped only under such a bound, lowered by the rounding of what was computed.
-//   2. The verdict at a tick is a function of the two segments and the tick: where a search began,
+//   1. A tick is skipped only under such a bound, lowered by the rounding of the bound's inputs.
+//   2. The verdict at a tick depends only on the two segments and the tick. Where a search began,
 //      and how far it was allowed to go, doesn't change its result.
 // Thread safety: pure functions.
 #pragma once
@@ -38,38 +38,37 @@
 
 namespace sleight::physics {
 
-/// What a sphere touches is at least this part of its radius from its centre: a bound for searches.
+/// A sphere's contact point is at least this share of the radius from its centre. For bounds only.
 inline constexpr double k_approach_at = 0.5;
 
-/// Gap between a sphere and a feature's plane, line or point, its rate, and bounds on how that may
-/// fall.
+/// A sphere's gap to a feature's plane, line or point, with its rate and bounds on their fall.
 struct GapState {
   GapAndRate now;
   double fall_mps2 = 0;      ///< A above, >= 0
-  double coordinates_m = 0;  ///< size of the numbers that the gap is the difference of
-  // Of a line or a point: c.v of the centre c from it, which has the rate's sign, is a cubic in
-  // time. Its first terms, without the last, which only raises it.
+  double coordinates_m = 0;  ///< size of the numbers whose difference is the gap
+  // For a line or a point: c.v as a cubic in time, where c leads from it to the centre. c.v has the
+  // rate's sign. The cubic's last term is left out, because it only raises c.v.
   bool is_round = false;
   double c_v = 0;         ///< m^2/s
   double c_v_rate = 0;    ///< v.v + c.a, m^2/s^2
   double c_v_second = 0;  ///< 3 v.a, m^2/s^3
-  double least_c_v = 0;   ///< below this, as a positive number, it approaches
+  double least_c_v = 0;   ///< the sphere approaches if c.v is below minus this number
 };
 
-/// The rule's gap, and what bounds it from then on.
+/// Returns the rule's gap and rate with bounds on their fall from then on.
 GapState gap_state(const SphereFeature& feature, const MovingPoint& centre, double radius_m);
 
-/// Unit vector from the feature's closest point to the centre. REQUIRES: the centre is not on it.
+/// Returns the unit vector from the feature's closest point to the centre. REQUIRES: they differ.
 Vec3 normal_at(const SphereFeature& feature, const Vec3& centre_m);
 
-/// How long the conditions on gap and rate must go on failing together: 0 if both hold.
+/// Returns how long the conditions on gap and rate can't both hold; 0 if both hold now.
 double failing_for_s(const GapState& state, double touch_m);
 
-/// How long a centre must go on being outside of the region: 0 if it is inside.
+/// Returns how long the centre must stay outside the region; 0 if it is inside.
 double outside_for_s(std::span<const RegionSide> sides, const MovingPoint& centre);
 
-/// Least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0; infinite if never. Each root
-/// is taken in the form without cancellation. REQUIRES: place >= 0.
+/// Returns the least h > 0 at which place + rate h + curvature h^2 / 2 falls to 0; infinite if
+/// never. Each root is computed in the form without cancellation. REQUIRES: place >= 0.
 inline double first_fall_s(double place, double rate, double curvature) {
   if (rate >= 0 && curvature >= 0) return k_forever_s;
   const double discriminant = rate * rate - 2 * curvature * place;
@@ -78,16 +77,16 @@ inline double first_fall_s(double place, double rate, double curvature) {
   return rate < 0 ? 2 * place / (root - rate) : (rate + root) / -curvature;
 }
 
-/// More than rounding does to a gap, at coordinates of up to a kilometre.
+/// More than the rounding of a gap at coordinates of up to a kilometre.
 inline constexpr double k_clear_margin_m = 1e-9;
 
-/// A quick answer: whether a sphere certainly doesn't collide with a feature for a while, as one of
-/// the three conditions fails throughout. False says nothing. Costs a fifth of examine. Inline,
-/// since spheres in a box of many features ask little else.
+/// Quick check: returns true if a sphere certainly doesn't collide with a feature within `span_s`,
+/// because one of the three conditions fails throughout. False means unknown. It costs a fifth of
+/// examine and is inline because spheres in a box of many features mostly need only this check.
 inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide> sides,
                         const MovingPoint& centre, double radius_m, double span_s) {
   const double half_square = 0.5 * span_s * span_s;
-  // The region: outside of one side throughout.
+  // Region: the centre stays outside one side throughout.
   for (const RegionSide& side : sides) {
     const Vec3& normal = side.space.normal;
     const double depth_m = inside_m(side, centre.position_m);
@@ -95,7 +94,7 @@ inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide
                            std::max(0.0, math::dot(normal, centre.acceleration_mps2)) * half_square;
     if (depth_m + comes_m < -k_clear_margin_m) return true;
   }
-  // The touch and the approach.
+  // Touch and approach.
   const Vec3 from = centre.position_m - feature.point_m;
   const double reach_m = radius_m + (k_touch_m + k_clear_margin_m);
   if (feature.kind == FeatureKind::face) {
@@ -106,8 +105,8 @@ inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide
     return excess_m + std::min(0.0, rate_mps) * span_s + falls_mps2 * half_square > 0 ||
            rate_mps + falls_mps2 * span_s > 0;
   }
-  // The distance to a point or a line is at least what it is from a plane through that, at right
-  // angles to the way there.
+  // The distance to a point or line is at least the distance to a plane through it, perpendicular
+  // to the line from it to the centre.
   Vec3 away = from;
   Vec3 velocity_mps = centre.velocity_mps;
   Vec3 pull_mps2 = centre.acceleration_mps2;
@@ -119,57 +118,54 @@ inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide
   const double distance2 = math::dot(away, away);
   const double comes = math::dot(away, velocity_mps);
   const double falls = std::min(0.0, math::dot(away, pull_mps2));
-  // All times the distance: the plane's distance falls by this at most.
+  // All terms are multiplied by the distance. The distance to the plane falls by at most `loss`.
   const double loss = -(std::min(0.0, comes) * span_s + falls * half_square);
   if (distance2 > reach_m * reach_m) {
     const double left = distance2 - loss;
     if (left > 0 && left * left > reach_m * reach_m * distance2) return true;
   }
-  // c.v grows with v.v >= 0; c.a falls by |a| times the way at most, and 3/2 v.a in the cubic.
   return false;
 }
 
-/// What a search says of a tick.
+/// A search's result for a tick.
 struct Examined {
   bool collides = false;
-  Tick next{};       ///< if not: the next tick at which it may collide; k_never if it can't
-  double gap_m = 0;  ///< if not, and if it is known: at that tick, at least
+  Tick next{};  ///< if there is no collision: the next tick at which one is possible, or k_never
+  double gap_m = 0;  ///< if there is no collision: lower bound of the gap, if known
 };
 
-/// Judges one tick for a sphere and a feature. `centre` is the state at that tick.
+/// Judges one tick for a sphere and a feature. `centre` is the centre's motion at that tick.
 Examined examine(const SphereFeature& feature, std::span<const RegionSide> sides,
                  const MovingPoint& centre, double radius_m, Tick tick);
 
-/// Of a place's coordinates.
+/// Returns the largest absolute coordinate of a place.
 inline double size_of(const Vec3& place_m) {
   return std::max({std::fabs(place_m.x()), std::fabs(place_m.y()), std::fabs(place_m.z())});
 }
 
-/// Judges one tick for two spheres, given as the motion of the second centre against the first.
-/// `coordinates_m` is the size of the coordinates of which `relative` is the difference; `touch_m`
-/// stands for k_touch_m.
+/// Judges one tick for two spheres. `relative`: the second centre's motion relative to the first;
+/// `coordinates_m`: the size of their coordinates; `touch_m` replaces k_touch_m.
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
                          double touch_m, Tick tick);
 
-/// What decides whether two spheres that keep their relative velocity collide, in two steps, so
-/// that many pairs can be judged without a branch and the few that collide computed after.
+/// Whether two spheres with constant relative velocity collide. This first step has no branch, so
+/// it judges many pairs fast; span_to_collision then computes the time of the few that collide.
 struct SphereApproach {
-  double towards = 0;       ///< < 0: they approach
-  double excess = 0;        ///< of the squared distance over that of the touch
+  double towards = 0;       ///< negative: the spheres approach
+  double excess = 0;        ///< squared distance minus the squared distance at the touch
   double discriminant = 0;  ///< squared rate at the touch, times the squared reach
   bool collides = false;
 };
 
-/// From the dot products of the way from the first centre to the second, `between`, and of the
-/// relative velocity. Inline, since a gas of spheres does little else.
+/// Returns the approach. `towards` is the dot product of the second centre's position relative to
+/// the first and the relative velocity. Inline, because a gas of spheres does little else.
 inline SphereApproach approach_of_free_spheres(double towards, double distance2_m2,
                                                double speed2_m2ps2, double radii_m) {
   const double reach_m = radii_m + k_touch_m;
   const double excess = distance2_m2 - reach_m * reach_m;
   const double discriminant = towards * towards - speed2_m2ps2 * excess;
-  // At the touch the rate is -sqrt(discriminant) / reach. Where they touch already it is a
-  // collision if they approach fast enough, now or never, since the rate of two free spheres only
-  // grows.
+  // At the touch the rate is -sqrt(discriminant) / reach. If the spheres touch already, they
+  // collide now or never, because the rate of two free spheres only grows.
   const double slowest = k_approach_mps * reach_m;
   const bool touching = excess <= 0;
   const bool meets = static_cast<bool>((touching & (towards < -slowest)) |
@@ -177,14 +173,14 @@ inline SphereApproach approach_of_free_spheres(double towards, double distance2_
   return {towards, excess, discriminant, static_cast<bool>((towards < 0) & meets)};
 }
 
-/// After what span they collide. REQUIRES: they do.
+/// Returns the time span until the collision. REQUIRES: the spheres collide.
 inline TickCount span_to_collision(const SphereApproach& approach) {
   if (approach.excess <= 0) return 0;
   return ticks_after(approach.excess / (std::sqrt(approach.discriminant) - approach.towards));
 }
 
-/// The collision as a span from the moment at which the second centre is at `between_m` from the
-/// first; k_tick_max.value if there is none. Closed form.
+/// Returns the time span until the collision in closed form; k_tick_max.value if there is none. At
+/// the span's start the second centre is at `between_m` from the first.
 inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& relative_mps,
                                            double radii_m) {
   const auto dot = [](const Vec3& a, const Vec3& b) {
@@ -196,12 +192,12 @@ inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& re
   return approach.collides ? span_to_collision(approach) : k_tick_max.value;
 }
 
-/// When two spheres in flight collide, each given by its flight's begin, place and velocity there;
-/// k_never if they don't. `shift_m` is added to the second one's place.
+/// Returns when two spheres in free flight collide; k_never if they don't. A flight gives its
+/// begin, and its position and velocity then. `shift_m` is added to the second sphere's position.
 template <class Flight>
 Tick collision_of_flights(const Flight& first, const Flight& second, const Vec3& gravity_mps2,
                           const Vec3& shift_m, double radii_m) {
-  // Both fall alike, so the later one's begin and the motion of one against the other decide.
+  // Gravity cancels, so the collision follows from the relative motion since the later begin.
   const Tick begin = std::max(first.begin, second.begin);
   const Vec3& g = gravity_mps2;
   const double s = seconds(begin - first.begin);

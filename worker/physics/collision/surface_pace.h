@@ -1,7 +1,6 @@
-// How fast a box and the surface under it may change against each other: what bounds are made of.
+// How fast a box and the surface under it can move relative to each other.
 //
-// Internal to surface_search.cpp. Thread safety: values, but for the surface, which keeps what it
-// was asked for.
+// Internal to surface_search.cpp. Thread safety: values, but the surface caches lookups.
 #pragma once
 
 #include <algorithm>
@@ -12,29 +11,28 @@
 
 namespace sleight::physics::surface_pace {
 
-/// Bounds hold while the box's centre stays within this part of its reach; when it is higher than
-/// anything near, within a whole one and a patch. Speed only.
+/// Bounds hold while the box's centre stays within this share of its reach. A box above everything
+/// near instead has room for a whole reach and one patch. Affects speed only.
 inline constexpr double k_room = 0.25;
 
-/// Gaps and rates at ticks are off from a path without rounding by less than this share of what
-/// they are computed from.
+/// Rounding changes gaps and rates by less than this share of the numbers they are computed from.
 inline constexpr double k_rounding = 0x1p-48;
 
-/// How fast anything changes at most, while the box stays in the region that the bounds are of.
+/// Maximum rates of change while the box stays in the region of the bounds.
 struct Pace {
   SurfaceBounds surface;
   double stretch = 1;              ///< sqrt(1 + slope^2): length of (-S_x, -S_y, 1)
   double bend_per_m = 0;           ///< of the surface, up or down
-  double past_mps = 0;             ///< of any point of the box, horizontally
+  double past_mps = 0;             ///< maximum horizontal speed of any point of the box
   double turning_radps = 0;        ///< of the box
-  double fall_mps2 = 0;            ///< the second derivative of a gap is no less than minus this
-  double jerk_mps3 = k_forever_s;  ///< nor does it change faster, where the box turns evenly
+  double fall_mps2 = 0;            ///< the second derivative of a gap is at least minus this
+  double jerk_mps3 = k_forever_s;  ///< maximum rate of that derivative, if the box turns evenly
   double valid_s = 0;
   double rounding_m = 0;  ///< of gaps
   double rounding_mps = 0;
 
-  /// The same of one point's gap, whose second derivative now is pull_mps2, for so long: at least
-  /// 0.
+  /// Returns the `fall_mps2` of one point up to a time, at least 0. `pull_mps2` is the second
+  /// derivative of the point's gap now.
   double fall_of(double pull_mps2, double until_s) const {
     if (jerk_mps3 == k_forever_s) return fall_mps2;
     const double fall = -pull_mps2 + 0.5 * jerk_mps3 * until_s;
@@ -42,10 +40,10 @@ struct Pace {
   }
 };
 
-/// As long as any simulation: finite, as products of nothing and for ever aren't numbers.
+/// Longer than any simulation but finite, because 0 times infinity isn't a number.
 inline constexpr double k_always_s = seconds(k_tick_max.value);
 
-/// How long the centre stays within a horizontal distance.
+/// Returns how long the centre stays within a horizontal distance.
 inline double stays_within_s(const MovingPiece& box, double room_m) {
   const auto across = [](const Vec3& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); };
   const double speed_mps = across(box.velocity_mps);
@@ -76,12 +74,12 @@ inline Pace pace_of(SplineSurface& surface, const MovingPiece& box) {
   const Vec3& v = box.velocity_mps;
   pace.past_mps = std::sqrt(v.x() * v.x() + v.y() * v.y()) + turning_mps + gained_mps;
   pace.turning_radps = std::max(math::norm(box.angular_velocity_radps), turning_mps / box.reach_m);
-  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x', with x'' of the centre and of turning.
+  // d2/dt2 (z - S) = z'' - grad S . x'' - x'^T H x'; x'' is of the centre and of turning.
   pace.fall_mps2 = std::max(0.0, (bounds.slope * aside_mps2 - pull_mps2.z()) +
                                      pace.stretch * box.turning_acceleration_mps2 +
                                      bounds.hollow_per_m * (pace.past_mps * pace.past_mps));
   if (box.turns_evenly) {
-    // d3/dt3 (z - S): the point's own, (-grad S, 1) . j, and -3 v^T H a - T v^3 of the surface.
+    // d3/dt3 (z - S) = (-grad S, 1) . j of the point, and -3 v^T H a - T v^3 of the surface.
     pace.jerk_mps3 =
         pace.stretch * pace.turning_radps * box.turning_acceleration_mps2 +
         pace.past_mps * (3 * pace.bend_per_m * (aside_mps2 + box.turning_acceleration_mps2) +

@@ -1,7 +1,6 @@
-// The points of a box over a surface, and how its edges and faces are split between them.
+// The points of a box over a surface, and how the box's edges and faces are split between points.
 //
-// Internal to surface_search.cpp. Thread safety: values, but for the surface, which keeps what it
-// was asked for.
+// Internal to surface_search.cpp. Thread safety: values, but the surface caches lookups.
 #pragma once
 
 #include <algorithm>
@@ -14,17 +13,17 @@
 
 namespace sleight::physics::surface_points {
 
-/// A point of the box, over the surface.
+/// A point of the box with its gap to the surface.
 struct Above {
   Vec3 own_m = Vec3::Zero();  ///< in the box's frame
   Vec3 place_m = Vec3::Zero();
   double gap_m = 0;      ///< vertical
-  double allowed_m = 0;  ///< how far it may move, of NearPoints
-  double rate_mps = 0;   ///< of that, vertical too
-  double pull_mps2 = 0;  ///< its second derivative, where the box turns evenly
+  double allowed_m = 0;  ///< how far the point may move (NearPoints)
+  double rate_mps = 0;   ///< vertical rate of the gap
+  double pull_mps2 = 0;  ///< second derivative of the gap, if the box turns evenly
   double slope_x = 0;
   double slope_y = 0;
-  std::uint32_t order = 0;  ///< of the lattice; equal where they come in it
+  std::uint32_t order = 0;  ///< in the lattice; equal for points visited in lattice order
 
   double spare_m() const { return gap_m - allowed_m; }
   Vec3 normal() const { return math::normalized(Vec3(-slope_x, -slope_y, 1)); }
@@ -33,7 +32,7 @@ struct Above {
   }
 };
 
-/// Points of a box over a surface.
+/// The points of a box, evaluated over a surface.
 class Points {
  public:
   using Allowed = std::array<double, 8>;  ///< by corner
@@ -91,7 +90,7 @@ class Points {
   Allowed allowed_m_;
 };
 
-/// Neighbouring points of an edge, and the outermost two of these.
+/// A stretch of an edge between two lattice points.
 struct Stretch {
   const EdgeLattice* edge = nullptr;
   std::array<std::int32_t, 2> along{};
@@ -99,13 +98,13 @@ struct Stretch {
 
   std::int32_t steps() const { return along[1] - along[0]; }
   std::span<const Above> outermost() const { return ends; }
-  /// Gaps above what is allowed.
+  /// Gaps minus the points' allowed moves.
   std::array<double, 2> spare_m() const { return {ends[0].spare_m(), ends[1].spare_m()}; }
   double radius2_m2() const {
     const Vec3 half_m = 0.5 * (ends[1].place_m - ends[0].place_m);
     return math::dot(half_m, half_m);
   }
-  /// The least that values[k] at the ends come to at a point between them, linearly.
+  /// Returns the least value at a lattice point inside, linear between values[k] at the ends.
   double least_inside(const std::array<double, 2>& values) const {
     const double step = 1.0 / steps();
     const double change = values[1] - values[0];
@@ -113,7 +112,7 @@ struct Stretch {
   }
 };
 
-/// Neighbouring points of a face, and the outermost four of these.
+/// A rectangular part of a face between four lattice points.
 struct Cell {
   const FaceLattice* face = nullptr;
   std::array<std::int32_t, 2> along{};
@@ -130,14 +129,14 @@ struct Cell {
     const Vec3 other_m = 0.5 * (corners[3].place_m - corners[1].place_m);
     return std::max(math::dot(one_m, one_m), math::dot(other_m, other_m));
   }
-  /// Whether the side from a corner to the next one is on an edge of the box.
+  /// Returns whether the side from a corner to the next one is on an edge of the box.
   bool is_outer(std::size_t side) const {
     const std::array<bool, 4> outer{across[0] == 0, along[1] == face->along,
                                     across[1] == face->across, along[0] == 0};
     return outer[side];
   }
-  /// The least that values[k] at the corners come to at a point of the face's inside, bilinearly:
-  /// those on the box's edges are no points of it.
+  /// Returns the least value at a lattice point of the cell, by bilinear interpolation of values[k]
+  /// at the corners. Points on the box's edges don't count.
   double least_inside(const std::array<double, 4>& values) const {
     const double step_u = 1.0 / (along[1] - along[0]);
     const double step_v = 1.0 / (across[1] - across[0]);
@@ -165,8 +164,8 @@ inline Cell cell_of(const FaceLattice& face, const Corners& corners) {
   return cell;
 }
 
-/// Splits where there are points between the ends or corners: note(point) for the new ones, then
-/// visit(part) for each part.
+/// Splits a part that has lattice points between its ends or corners. Calls note(point) for each
+/// new point, then visit(part) for each smaller part.
 template <class Note, class Visit>
 void split(Points& points, const Stretch& stretch, const Note& note, const Visit& visit) {
   const auto [i0, i2] = stretch.along;
@@ -188,7 +187,7 @@ void split(Points& points, const Cell& cell, const Note& note, const Visit& visi
   const std::int32_t j1 = j0 + (j2 - j0) / 2;
   const auto point = [&](std::int32_t i, std::int32_t j) {
     const Above one = points.of(face, i, j);
-    // Others are points of edges.
+    // Border points belong to edges.
     if (i > 0 && i < face.along && j > 0 && j < face.across) note(one);
     return one;
   };
@@ -216,9 +215,9 @@ void split(Points& points, const Cell& cell, const Note& note, const Visit& visi
   visit(Cell{&face, {i0, i1}, {j1, j2}, {left, middle, high, c[3]}});
 }
 
-/// Calls note(point) for all points whose gap is at most limit() above what they are allowed, and
-/// for others. With the surface's height S, S + bump |x|^2 / 2 is convex: a point between others,
-/// by weights, is under no more than their mean of S, and bump / 2 times their variance.
+/// Calls note(point) for all points whose gap is at most limit() above their allowed move, and for
+/// some others. S + bump |x|^2 / 2 is convex, where S is the surface's height. So at a weighted
+/// mean of points, S is at most the mean of S plus bump / 2 times their variance.
 template <class Part, class Limit, class Note>
 void visit_low(Points& points, const Part& part, double bump_per_m, const Limit& limit,
                const Note& note) {
@@ -228,7 +227,7 @@ void visit_low(Points& points, const Part& part, double bump_per_m, const Limit&
         [&](const Part& smaller) { visit_low(points, smaller, bump_per_m, limit, note); });
 }
 
-/// The same of all points of a box.
+/// Does the same for all points of a box.
 template <class Limit, class Note>
 void visit_all_low(Points& points, const BoxLattice& lattice, const Corners& corners,
                    double bump_per_m, const Limit& limit, const Note& note) {

@@ -15,23 +15,22 @@ namespace {
 using namespace surface_pace;
 using namespace surface_points;
 
-/// Parallelograms may miss closing by this part of their size, by rounding.
+/// A face counts as a parallelogram if rounding leaves a gap of at most this share of its size.
 constexpr double k_parallel = 1e-9;
-/// Search margins from here on: speed only.
-/// A part that is clear for this share of the time that others allow needn't be split; but when
-/// that is short, it is, as the collision is near.
+/// The search margins from here on affect only speed. A part is not split if it is clear for this
+/// share of the other parts' time, unless that time is short, when the collision is near.
 constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
-/// How much further a second bound of when a point collides reaches than the first one says.
+/// A point's second, tighter bound is computed for this factor times its first bound.
 constexpr double k_a_bit_more = 1.1;
-/// How much longer than the look's span it is asked for how long a point that is near is clear.
+/// Near points are checked for this factor times the look's span.
 constexpr double k_clear_ahead = 4;
-/// After a shorter span than this the points that are near are found again.
+/// Below this span, the near points are gathered again.
 constexpr double k_worth_s = 1e-4;
-/// Points are near that may touch within so many times the span of a look, as that is now.
+/// Points are near if they may touch within this many spans of the present look.
 constexpr double k_looks_ahead = 3;
 constexpr double k_ahead_s_max = 2e-3;
-/// They are at least those that are as close, and none if that would be a large part of a box.
+/// Points closer than k_near_m_min are near. No point is, if this means a large part of the box.
 constexpr double k_near_m_min = 5e-6;
 constexpr double k_near_share = 0.1;
 
@@ -46,10 +45,10 @@ class Look {
         pace_(pace),
         tick_(tick) {}
 
-  /// A time before which no point collides, not beyond the one for which the pace holds; 0 if one
-  /// does, which is then contact().
+  /// Returns a time before which no point collides, at most the time for which the pace holds.
+  /// Returns 0 if a point collides now; that point is contact().
   double failing_s() { return lowest_corner_counts() ? best_s_ : failing_of_all_s(); }
-  /// The same with the help of what earlier looks have kept, and for later ones.
+  /// Does the same with points stored by earlier looks, and stores points for later looks.
   double failing_s(NearPoints& near) {
     if (near.known && see_descent(near)) {
       note_all(near);
@@ -70,8 +69,8 @@ class Look {
   const Above& contact() const { return contact_; }
 
  private:
-  /// Whether the lowest corner alone counts, before the time that corners allow. Looks at these,
-  /// unless it's clear from the one with the least height.
+  /// Returns whether only the lowest corner can collide within the time that the corners allow.
+  /// Examines all corners unless the lowest one settles it.
   bool lowest_corner_counts() {
     best_s_ = pace_.valid_s;
     if (is_above_least_height()) return true;
@@ -107,7 +106,7 @@ class Look {
     return shortened_ ? k_long_enough * best_s_ : best_s_;
   }
 
-  /// Those of them that may touch before the earliest that collides.
+  /// Examines the near points that may touch before the earliest known collision.
   void note_all(NearPoints& near) {
     best_s_ = pace_.valid_s;
     note_those(near, [&](Tick clear_until) { return clear_until <= tick_; });
@@ -134,7 +133,7 @@ class Look {
       note_contact(point);
     }
   }
-  /// How corners come down since those near were found. False if others may touch already.
+  /// Updates how far corners have come down since. Returns false if other points may touch.
   bool see_descent(const NearPoints& near) {
     const double pull_mps2 =
         std::max(0.0, -box_.acceleration_mps2.z()) + box_.turning_acceleration_mps2;
@@ -143,7 +142,7 @@ class Look {
     for (std::size_t i = 0; i < near.corners_m.size(); ++i) {
       const Vec3 place_m = points_.place_m(box_.view->vertices_m[i]);
       const Vec3 moved_m = place_m - near.corners_m[i];
-      const double gone_m = std::fabs(moved_m.x()) + std::fabs(moved_m.y());  // or less
+      const double gone_m = std::fabs(moved_m.x()) + std::fabs(moved_m.y());  // an upper bound
       descent_.by[i] = (near.slope * gone_m - moved_m.z()) * near.per_allowed[i];
       descent_.rate_per_s[i] = (aside_mps - upwards_mps(place_m)) * near.per_allowed[i];
       descent_.pull_per_s2[i] = pull_mps2 * near.per_allowed[i];
@@ -152,8 +151,8 @@ class Look {
     }
     return descent_.room_m > 0;
   }
-  /// The greatest share of its room that a corner comes down by from now until then. The share is
-  /// convex in time, so only the ends need to be computed.
+  /// Returns the maximum share of its room that any corner uses up until then. The share is convex
+  /// in time, so only the ends need to be computed.
   double share_at(double until_s) const {
     const double half_s = 0.5 * until_s;
     double most = -k_forever_s;
@@ -166,7 +165,7 @@ class Look {
   bool others_clear_until(double until_s) const {
     return share_at(until_s) < 1 && descent_.room_m > pace_.past_mps * until_s;
   }
-  /// How long that is so.
+  /// Returns how long all other points stay clear.
   double others_failing_s() const {
     double until_s = pace_.past_mps > 0 ? descent_.room_m / pace_.past_mps : k_forever_s;
     for (std::size_t i = 0; i < descent_.by.size(); ++i) {
@@ -181,8 +180,7 @@ class Look {
     const Vec3 arm_m = place_m - box_.pose.position_m;
     return box_.velocity_mps.z() + math::cross(box_.angular_velocity_radps, arm_m).z();
   }
-  /// Finds what is near enough to count in this look and some more like it, for a while. False if
-  /// that is too much.
+  /// Stores the points that this look and a few similar ones need. Returns false if too many.
   bool gather(NearPoints& near) {
     near.known = false;
     const double span_s = k_looks_ahead * std::min(best_s_, k_ahead_s_max);
@@ -217,23 +215,23 @@ class Look {
     return fits;
   }
 
-  /// How far ahead parts are looked at: within a tick is now, and then each point counts.
+  /// Returns how far ahead parts are examined. Less than a tick means now, when each point counts.
   double horizon_s() const { return std::max(best_s_, k_seconds_per_tick); }
 
-  /// When a point may collide, if that is sooner than `until_s`, which it is else.
+  /// Returns when a point may collide, at most `until_s`.
   double collides_after_s(const Above& point, double until_s) const {
     return std::min(until_s, first_collision_s(point.gap_m - pace_.rounding_m,
                                                point.rate_mps - pace_.rounding_mps,
                                                pace_.fall_of(point.pull_mps2, until_s), 0));
   }
-  /// The same more closely.
+  /// Does the same with tighter bounds.
   double clear_for_s(const Above& point, double until_s) const {
-    // The bound is concave in time: what is out of touch now and then is so in between.
+    // The bound is concave in time: a point out of touch at both ends stays out between them.
     const double fall_mps = 0.5 * pace_.fall_of(point.pull_mps2, until_s) * until_s;
     const double clear_m = point.gap_m - pace_.rounding_m - k_touch_m;
     if (clear_m > 0 && clear_m + (point.rate_mps - fall_mps) * until_s > 0) return until_s;
     const double soon_s = collides_after_s(point, until_s);
-    // A bound for a shorter time is a better one.
+    // A bound for a shorter time is tighter.
     return soon_s < until_s ? collides_after_s(point, std::min(until_s, k_a_bit_more * soon_s))
                             : until_s;
   }
@@ -252,13 +250,13 @@ class Look {
     contact_ = point;
   }
 
-  /// What a point must be higher than another one, a share 1 / steps of the way to which it is away
-  /// from that, to be out of touch as long as that doesn't collide.
+  /// Returns how much higher than a lower point another point must be to stay out of touch while
+  /// the lower one doesn't collide. It is at least a share 1 / steps of the way to the far end.
   double needed_m(std::int32_t steps, double gap_m) const {
     return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }
-  /// Whether points on the way along `d` from one with such slopes are higher than it for so long,
-  /// or so much; `d` turns, and the slopes change as that point moves on.
+  /// Returns whether points along `d` stay higher than a given point by `by_m` until then. `d`
+  /// turns, and the point's slopes change as it moves.
   bool rises_until(const Vec3& d, double slope_x, double slope_y, double hollow_per_m, double by_m,
                    double until_s) const {
     const double across2 = d.x() * d.x() + d.y() * d.y();
@@ -272,8 +270,8 @@ class Look {
     return higher_m > loss_mps * until_s;
   }
 
-  /// Whether all that is spanned by some points is out of touch for so long, unless the lowest of
-  /// them collides. What counts is at least a share 1 / steps of the way from there to the others.
+  /// Returns whether all points between `points` stay out of touch until then, unless the lowest
+  /// one collides. Each is at least a share 1 / steps of the way from the lowest to the others.
   bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double hollow_per_m,
                              double until_s) const {
     std::size_t lowest = 0;
@@ -289,14 +287,14 @@ class Look {
     }
     return true;
   }
-  /// The same unless a point of the box's edges collides, where a side of the cell is one of these.
+  /// The same for a cell with a side on the box's edge, unless a point of the edge collides.
   bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;
       const Above& one = cell.corners[side];
       const Above& other = cell.corners[(side + 1) % 4];
       const Vec3 across_m = cell.corners[(side + 3) % 4].place_m - one.place_m;
-      // Slopes anywhere on the side, against those at the nearer end.
+      // Slopes anywhere on the side are compared with the slopes at the nearer end.
       const Vec3 half_m = 0.5 * (other.place_m - one.place_m);
       const double by_m = needed_m(cell.steps(), std::min(one.gap_m, other.gap_m)) +
                           pace_.bend_per_m * math::norm(half_m) * math::norm(across_m);
@@ -308,11 +306,11 @@ class Look {
   }
   static bool is_above_edge_until(const Stretch&, double, double) { return false; }
 
-  /// Whether what is between the ends or corners of a part doesn't collide for so long.
+  /// Returns whether no point between the ends or corners of a part collides until then.
   template <class Part>
   bool is_clear_until(const Part& part, const SurfaceBounds& under, double until_s) const {
     const double radius2_m2 = part.radius2_m2();
-    // Bounds of heights are concave in time, so that their ends count.
+    // Bounds of heights are concave in time, so only the ends need to be checked.
     const double out_m = 0.5 * under.bump_per_m * radius2_m2 + k_touch_m + pace_.rounding_m;
     const double fallen = 0.5 * until_s * until_s;
     const auto stays_out = [&](const Above& point) {
@@ -334,7 +332,7 @@ class Look {
            is_above_edge_until(part, under.hollow_per_m, until_s);
   }
 
-  /// What the surface does where a part is, and comes until then.
+  /// Returns the surface's bounds wherever the part is or moves until then.
   template <class Part>
   SurfaceBounds bounds_under(const Part& part, double until_s) {
     const std::span<const Above> points = part.outermost();
@@ -372,18 +370,17 @@ class Look {
   const Pace& pace_;
   Tick tick_;
   Corners corners_;
-  /// How corners come down against the surface, at most, since points near were found: as shares of
-  /// what they may.
+  /// Upper bounds on the shares of their rooms by which corners have come down.
   struct Descent {
-    std::array<double, 8> by{};  ///< until now; below 0 where one has risen
+    std::array<double, 8> by{};  ///< until now; negative where a corner has risen
     std::array<double, 8> rate_per_s{};
     std::array<double, 8> pull_per_s2{};
     double room_m = 0;
   };
   Descent descent_;
-  double best_s_ = k_forever_s;    ///< no point that was looked at collides before
-  double lowest_m_ = k_forever_s;  ///< gap of those
-  bool shortened_ = false;         ///< what wasn't split is clear for a part of that time
+  double best_s_ = k_forever_s;    ///< no examined point collides before this
+  double lowest_m_ = k_forever_s;  ///< least gap of the examined points
+  bool shortened_ = false;         ///< some unsplit part is clear only for a share of best_s_
   bool colliding_ = false;
   Above contact_;
 };
@@ -404,7 +401,7 @@ std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing
   for (std::size_t e = 0; e < lattice.edges.size(); ++e) {
     const auto [one, other] = piece.edges[e].vertex;
     const double length_m = math::norm(piece.vertices_m[other] - piece.vertices_m[one]);
-    // A whole number of steps remains one, whatever its length is rounded to.
+    // A whole number of steps stays whole, however the length is rounded.
     const double steps = std::ceil(length_m / spacing_m * (1 - k_parallel));
     if (!(steps <= k_steps_max)) return std::nullopt;
     lattice.edges[e] = {{one, other}, std::max(1, static_cast<std::int32_t>(steps))};
@@ -422,8 +419,7 @@ std::optional<BoxLattice> BoxLattice::of(const ConvexView& piece, double spacing
     const Vec3 missing_m = (vertex(2) - vertex(3)) - (vertex(1) - vertex(0));
     if (math::norm(missing_m) > k_parallel * piece.r_outer_m) return std::nullopt;
   }
-  // Opposite edges have as many steps, and so have all four that are parallel: the points of a
-  // face then are those of its edges.
+  // Give parallel edges equally many steps, so that a face's border points are its edges' points.
   for (int round = 0; round < 2; ++round) {
     for (std::size_t f = 0; f < 6; ++f) {
       for (std::size_t k = 0; k < 2; ++k) {
@@ -462,7 +458,7 @@ Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, cons
   const Pace pace = pace_of(surface, box);
   const double bottom_m = box.pose.position_m.z() - box.reach_m - k_touch_m;
   if (bottom_m > pace.surface.top_m) {
-    // While the sphere around the box is higher than everything near.
+    // The box is clear while its bounding sphere is higher than everything near.
     const double wide_m = box.reach_m + surface.spacing_m();
     const double clear_m = bottom_m - bounds_around(surface, box, wide_m).top_m;
     if (clear_m > 0) {
@@ -480,7 +476,7 @@ Examined examine_surface(SplineSurface& surface, const BoxLattice& lattice, cons
     contact = contact_from(look.contact());
     return {.collides = true, .next = tick};
   }
-  // No tick before the first one after this span.
+  // The result is at most the first tick after this span.
   const TickCount span = ticks_after(span_s * (1 - k_skip_margin));
   return {.collides = false, .next = tick + std::max<TickCount>(1, span)};
 }
