@@ -34,7 +34,7 @@ void brake_pivot(const RoundBody& body, const LastingContact& contact, double lo
   motion.lasts_s = std::min(motion.lasts_s, std::fabs(pivot_radps) / rate);
 }
 
-/// The motion of a sphere that slips in a direction, for so long.
+/// Sets the motion of a sphere that slips in a direction for a while.
 void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pull_mps2,
            double load_mps2, const HeldSlip& slip, ContactMotion& motion) {
   const Vec3 direction = slip.direction - dot(slip.direction, contact.normal) * contact.normal;
@@ -45,7 +45,7 @@ void slide(const RoundBody& body, const LastingContact& contact, const Vec3& pul
   motion.lasts_s = slip.lasts_s;
 }
 
-/// The most resistance against a direction that friction can pass on: |turning - x d| = mu N.
+/// The maximum resistance against a direction that friction can transmit: |turning - x d| = mu N.
 struct PassedOn {
   Vec3 turning;       ///< the friction that turns the sphere, without resistance
   double spare;       ///< (mu N)^2 - turning^2
@@ -60,14 +60,14 @@ struct Rolling {
   Vec3 acceleration_mps2;
   double lasts_s = k_forever_s;
 };
-/// What resistance to rolling leaves of an acceleration, and for how long. A sphere that hardly
-/// moves stops first.
+/// Returns the acceleration left by rolling resistance, and its duration. Stops a slow sphere
+/// first.
 Rolling resisted(const RoundBody& body, const Vec3& n, Vec3 a, const PassedOn& most, Twist& start) {
   Vec3& v = start.velocity_mps;
   const double pull = norm(a);
   const bool still = norm(v) <= k_stick_mps;
   if (still) {
-    // The spin that belongs to the velocity goes with it.
+    // Stopping the centre also removes the spin that belongs to its velocity.
     start.angular_velocity_radps -= cross(n, v) / body.radius_m;
     v = Vec3::Zero();
     const double held = pull > 0 ? most.against(a / pull) : 0;
@@ -92,7 +92,7 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
   const Vec3& w = motion.start.angular_velocity_radps;
   v -= dot(v, n) * n;
   const double k = body.gyration;
-  const double mobility = 1 + 1 / k;  // of the contact point, against the centre's 1
+  const double mobility = 1 + 1 / k;  // of the contact point; the centre's is 1
   const Vec3 slip = v - body.radius_m * cross(w, n);
   if (contact.friction == 0) {
     motion.acceleration_mps2 = pull_mps2;
@@ -109,7 +109,7 @@ ContactMotion on_a_face(const RoundBody& body, const LastingContact& contact, co
     return motion;
   }
 
-  // It rolls, if friction can turn it as fast as it must.
+  // The sphere rolls if friction can turn it fast enough.
   stop_slip(body, n, motion.start);
   const double resistance = contact.rolling_friction * load_mps2;
   Rolling rolling{pull_mps2 / (1 + k)};
@@ -141,7 +141,7 @@ ContactMotion in_a_corner(const RoundBody& body, std::span<const LastingContact>
   Vec3& w = motion.start.angular_velocity_radps;
   w = twist.angular_velocity_radps;
   if (norm(w) * body.radius_m < k_stick_mps) w = Vec3::Zero();
-  // Friction of the spin takes part in what the faces must carry.
+  // The spin's friction contributes to the faces' loads.
   std::array<double, 3> slips_mps{};
   LinearSystem loads_of(3);
   for (std::size_t i = 0; i < 3; ++i) {

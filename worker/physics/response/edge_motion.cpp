@@ -13,7 +13,7 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// The cube root of x in [0, 1], a little too large: Newton's method from above.
+/// Returns the cube root of x in [0, 1], slightly too large: Newton's method from above.
 double cube_root_above(double x) {
   double root = std::sqrt(std::sqrt(x));
   for (int i = 0; i < 16 && root > 0; ++i) {
@@ -24,7 +24,7 @@ double cube_root_above(double x) {
   return root;
 }
 
-/// Over the mass.
+/// Per mass.
 double kinetic_energy(const RoundBody& body, const Twist& twist) {
   const Vec3& v = twist.velocity_mps;
   const Vec3& w = twist.angular_velocity_radps;
@@ -36,8 +36,8 @@ Twist scaled(double share, const Twist& twist) {
           .angular_velocity_radps = share * twist.angular_velocity_radps};
 }
 
-/// What a normal that turns under a sphere that rolls does to it: its surface would slip a little;
-/// friction stops that without taking energy.
+/// Applies the effect of a turning normal on a rolling sphere: the surface would slip a little, and
+/// friction stops the slip without taking energy.
 void keep_rolling(const RoundBody& body, const Vec3& normal, Twist& twist) {
   const double before = kinetic_energy(body, twist);
   stop_slip(body, normal, twist);
@@ -45,10 +45,10 @@ void keep_rolling(const RoundBody& body, const Vec3& normal, Twist& twist) {
   if (after > 0) twist = scaled(std::sqrt(before / after), twist);
 }
 
-/// A parabola over a chord, across the edge.
+/// A parabola over a chord, in the plane across the edge.
 struct Arch {
   double chord_m;
-  double height_m;  ///< of the chord over the edge
+  double height_m;  ///< of the chord above the edge
   double along_mps;
   double up_mps;
   double along_mps2;
@@ -56,8 +56,8 @@ struct Arch {
   double lasts_s;
 };
 
-/// How far it gets beyond the cylinder, at most. The square of the distance is t (T - t) q(t) more
-/// at t than at the ends, with a q of degree two.
+/// Returns the maximum rise above the cylinder. At t, the square of the distance exceeds its value
+/// at the ends by t (T - t) q(t), with q of degree two.
 double most_rise_m(const Arch& arch, double distance_m) {
   const double x_m = -0.5 * arch.chord_m;
   const double c_2 = arch.along_mps * arch.along_mps + arch.up_mps * arch.up_mps +
@@ -74,7 +74,7 @@ double most_rise_m(const Arch& arch, double distance_m) {
   return 0.125 * span_s * span_s * most / distance_m;
 }
 
-/// The plane half way round a piece, and how the sphere moves on it.
+/// The plane half way through a piece, and the sphere's motion on it.
 struct HalfWay {
   double sine;
   double cosine;
@@ -89,9 +89,9 @@ struct Rider {
   const LastingContact& contact;
   const EdgeLine& edge;
   const Vec3& spin_radps;
-  Vec3 onwards;       ///< unit, at right angles to edge and normal
-  double around_mps;  ///< along that
-  double along_mps;   ///< along the edge
+  Vec3 onwards;       ///< unit, perpendicular to edge and normal
+  double around_mps;  ///< speed along `onwards`
+  double along_mps;   ///< speed along the edge
   bool rolls;
 };
 
@@ -107,7 +107,7 @@ HalfWay half_way_of(const Rider& rider, double sine, const Vec3& gravity_mps2) {
   if (rider.rolls) {
     keep_rolling(rider.body, there.normal, twist);
   } else {
-    // The slip turns with the normal, so that a short look ahead doesn't make it another one.
+    // Turn the slip with the normal, so that looking ahead a little doesn't change it.
     twist.angular_velocity_radps += dot(w, outwards) * (there.normal - outwards) +
                                     dot(w, rider.onwards) * (tangent - rider.onwards);
   }
@@ -129,7 +129,7 @@ EdgePiece piece_on(const HalfWay& plane) {
           .rolls = plane.motion.rolls};
 }
 
-/// Up the tangent, and back to where it began.
+/// Up along the tangent, and back to the start.
 std::optional<EdgePiece> there_and_back(const HalfWay& plane) {
   const double v = dot(plane.tangent, plane.motion.start.velocity_mps);
   const double a = dot(plane.tangent, plane.motion.acceleration_mps2);
@@ -140,10 +140,10 @@ std::optional<EdgePiece> there_and_back(const HalfWay& plane) {
   return piece;
 }
 
-/// The piece, or by how much its sine is to be smaller.
+/// A piece or, failing that, the factor for a smaller sine.
 struct Attempt {
   std::optional<EdgePiece> piece = std::nullopt;
-  double shorter = 0;  ///< 0 if no shorter one will do
+  double shorter = 0;  ///< 0: no shorter piece helps
 };
 
 Attempt attempt_on(const HalfWay& plane, double distance_m, double rise_max_m) {
@@ -154,7 +154,7 @@ Attempt attempt_on(const HalfWay& plane, double distance_m, double rise_max_m) {
   const double a = dot(plane.tangent, motion.acceleration_mps2);
   if (!(v > 0)) return {};
   const double chord_m = 2 * distance_m * sine;
-  const double gained = 2 * a * chord_m;  // of the square of its speed
+  const double gained = 2 * a * chord_m;  // gain of the squared speed
   double first_square = cosine * cosine * v * v;
   if (a > 0) first_square -= sine * sine * gained;
   const double last_square = first_square + gained;
@@ -174,7 +174,7 @@ Attempt attempt_on(const HalfWay& plane, double distance_m, double rise_max_m) {
   if (most_rise_m(arch, distance_m) > rise_max_m) return {.shorter = 0.7};
   if (lasts_s > motion.lasts_s) return {.shorter = 0.95 * motion.lasts_s / lasts_s};
   EdgePiece piece = piece_on(plane);
-  // The spin belongs to the whole speed, of which the part along the chord changes faster.
+  // The spin belongs to the whole speed, whose component along the chord changes faster.
   const double slower = (first_mps + last_mps) / (v + std::sqrt(v * v + gained));
   const Vec3 turning = cross(plane.normal, plane.tangent);
   piece.angular_acceleration_radps2 +=
@@ -213,12 +213,12 @@ std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact&
                     .along_mps = along_mps,
                     .rolls = rolls};
 
-  // Gravity pulls it on or back, or friction does if it slips.
+  // Gravity pulls the sphere on or back; if it slips, friction does too.
   const double pull_mps2 = dot(gravity_mps2, onwards);
   const double rolling_mps2 = pull_mps2 / (1 + body.gyration);
   const double most_mps2 =
       rolls ? std::fabs(rolling_mps2) : std::fabs(pull_mps2) + contact.friction * load_mps2;
-  // The rise is some a h T^2 / 4, with T = 2 D h / v, and a grows with h.
+  // The rise is about a h T^2 / 4, with T = 2 D h / v, and a grows with h.
   const double scaled_mps2 = rise_max_m * speed_mps * speed_mps / (distance_m * distance_m);
   double sine = k_edge_piece_sine_max;
   if (scaled_mps2 < most_mps2 * sine * sine * sine) sine = cube_root_above(scaled_mps2 / most_mps2);

@@ -1,10 +1,9 @@
 // How a sphere moves over an edge that it stays on.
 //
-// Idea. The centre runs around the edge on a cylinder, and along it. There is no closed form for
-// that (a pendulum's), so the way is cut into pieces on each of which it moves as it would on a
-// face: the plane at right angles to the normal half way round the piece. Across that plane it
-// follows a parabola that begins and ends on the cylinder and is outside of it in between:
-//
+// Idea. The centre runs around the edge, on a cylinder, and along the edge. Like a pendulum's, this
+// motion has no closed form. So the way is cut into pieces. On each piece the sphere moves as on a
+// face perpendicular to the normal half way through the piece. In the plane across the edge, the
+// centre follows a parabola that begins and ends on the cylinder and is outside it in between:
 //               . - ~ ~ - .               n, t: normal and tangent half way; h: half of the angle
 //          .                   .          chord 2 D sin(h), D from the edge to the centre
 //        P0 - - - - chord - - - P1        along t: v0 T + a T^2 / 2 = 2 D sin(h)
@@ -14,19 +13,19 @@
 //                 \  |  /
 //                   edge
 //
-// a is what the motion on that plane has (contact_motion.h), with the load lowered by the turn:
-// N = -g.n - v^2 / D. A sphere that rolls goes on rolling: its spin stays what it is while the
+// The acceleration a is the motion's on that plane (contact_motion.h), with the load reduced by the
+// turn: N = -g.n - v^2 / D. A rolling sphere keeps rolling. Its spin stays constant while the
 // normal turns, and the impulse of friction that follows takes no energy.
 //
 // Invariants
-//   1. The centre is at least as far from the edge all along as at the start, and no more than
-//      `rise_max_m` further; at the end as far. (Of the square of the distance as a polynomial of
-//      degree four in time, both ends are roots, and what remains is concave and not negative at
-//      both.)
-//   2. Kinetic energy plus gravity's is the same at the start and the end, friction apart: the
-//      chord lies in the plane, and velocities are turned, never lengthened. In between, the load
-//      lifts the centre over the chord and lets it down again; the cylinder would do no work.
-//      without_lift gives the twist that belongs to the place.
+//   1. The centre is never nearer to the edge than at the start, and at most `rise_max_m` further.
+//      At the end it is as far as at the start. (The square of the distance is a polynomial of
+//      degree four in time with roots at both ends, relative to its start. The remaining factor is
+//      concave and not negative at both ends.)
+//   2. Kinetic plus potential energy is the same at the start and the end, except for friction: the
+//      chord is in the plane, and velocities are turned, never lengthened. In between, the load
+//      lifts the centre over the chord and lowers it again, while a cylinder would do no work.
+//      without_lift returns the twist without this lift.
 // Thread safety: pure functions.
 #pragma once
 
@@ -42,34 +41,33 @@ struct EdgeLine {
 };
 
 struct EdgePiece {
-  /// At the start, its velocity outwards included.
+  /// At the start, including the outward velocity.
   Twist start{};
   Vec3 acceleration_mps2 = Vec3::Zero();
   Vec3 angular_acceleration_radps2 = Vec3::Zero();
   Vec3 half_way = Vec3::Zero();  ///< unit normal there
   bool rolls = false;
-  double lasts_s = 0;  ///< then the centre is as far from the edge as at the start
+  double lasts_s = 0;  ///< at the end, the centre is as far from the edge as at the start
 };
 
-/// The next piece of a sphere's way over an edge, as long as it rises by no more than so much.
-/// Nothing if there is none: it stands or is about to turn on too steep a side, its surface begins
-/// or ends to slip at once, or it is so fast that it flies off.
-/// `contact`: at the start. `rolled`: it has rolled on this edge up to now.
-/// REQUIRES: everything finite; radius, gyration, rise > 0; the sphere doesn't approach the edge by
-/// more than the end of a piece does.
+/// Returns the next piece of a sphere's way over an edge, with a rise of at most `rise_max_m`.
+/// There is none if the sphere stands, is about to turn back on too steep a side, starts or stops
+/// slipping at once, or is so fast that it flies off. `contact`: at the start. `rolled`: the sphere
+/// has rolled on this edge up to now. REQUIRES: everything finite; radius, gyration, rise > 0; the
+/// sphere approaches the edge no faster than at the end of a piece.
 std::optional<EdgePiece> edge_piece(const RoundBody& body, const LastingContact& contact,
                                     const EdgeLine& edge, const Twist& twist, bool rolled,
                                     const Vec3& gravity_mps2, double rise_max_m);
 
-/// A piece that is under way.
+/// A piece in progress.
 struct EdgeFlight {
   Twist start{};
   Vec3 acceleration_mps2 = Vec3::Zero();
   Vec3 half_way = Vec3::Zero();
 };
 
-/// The twist of a piece at a place, slowed down by the work that the load has done since the start,
-/// and never with more energy than there was. `moved_m`: from the start to there.
+/// Returns a piece's twist at a place, slowed by the load's work since the start, and never with
+/// more energy than at the start. `moved_m`: from the start to the place.
 Twist without_lift(const RoundBody& body, const EdgeFlight& flight, const Vec3& gravity_mps2,
                    const Vec3& moved_m, const Twist& twist);
 

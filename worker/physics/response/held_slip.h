@@ -1,4 +1,4 @@
-// The direction in which friction acts on a slip for a while, and for how long.
+// The direction in which friction acts on a slip for a while, and how long.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -18,10 +18,9 @@ struct HeldSlip {
   double lasts_s = k_forever_s;
 };
 
-/// Of a slip that a pull changes and friction brakes: half way, under the friction that acts along
-/// the direction held, it has that direction. (Friction doesn't turn a slip; the direction held
-/// would swing also if its direction at the start had a part in it.)
-/// `error_mps`: what doesn't matter, of the slip.
+/// Holds the direction of a slip that a pull changes and friction brakes: the direction half way,
+/// under friction along this direction. (Friction doesn't turn a slip. A held direction that
+/// depended on the initial one would oscillate.) `error_mps`: permitted error of the slip.
 inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, double error_mps) {
   const double speed = math::norm(slip);
   const Vec3 direction = slip / speed;
@@ -31,9 +30,9 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, doub
   if (across == 0 || across * stop_s <= k_slip_straight * speed ||
       (forward > 0 && across <= k_slip_straight * forward))
     return {direction, stop_s};
-  // Half way the direction is right, so a turn does wrong what friction does meanwhile, times its
-  // square. In `stops` times its stopping time friction does so many times the slip; in the time
-  // that the turn takes, at most brake / across times the slip. Whichever allows more.
+  // The held direction is right half way, so the error is friction's effect times the turn squared.
+  // In `stops` stopping times, friction's effect is that many times the slip; in the time of the
+  // turn, it is at most brake / across times the slip. Use the bound that allows more.
   const auto span_of = [&](double turn_squared, double stops) {
     const double turn = std::clamp(std::sqrt(turn_squared), k_slip_turn_rad, k_slip_turn_rad_max);
     return std::min({turn * speed / across, stops * speed / brake, stop_s});
@@ -44,7 +43,7 @@ inline HeldSlip held_slip(const Vec3& slip, const Vec3& pull, double brake, doub
   return {math::normalized(slip + (0.5 * span_s) * pull), span_s};
 }
 
-/// When a velocity's part along a direction is 0.
+/// Returns when a velocity's component along a direction becomes 0.
 inline double stop_s(const Vec3& velocity, const Vec3& rate, const Vec3& direction) {
   const double along = math::dot(rate, direction);
   return along < 0 ? std::max(0.0, math::dot(velocity, direction)) / -along : k_forever_s;

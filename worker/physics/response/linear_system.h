@@ -1,4 +1,4 @@
-// A few linear equations.
+// A small dense system of linear equations.
 //
 // Thread safety: a value.
 #pragma once
@@ -10,7 +10,6 @@
 
 namespace sleight::physics {
 
-/// A small dense system of equations.
 class LinearSystem {
  public:
   static constexpr std::size_t k_most = 4;
@@ -20,7 +19,7 @@ class LinearSystem {
   double& coefficient(std::size_t row, std::size_t column) { return rows_[row][column]; }
   double& right(std::size_t row) { return rows_[row][k_most]; }
 
-  /// By elimination with the greatest pivot of each column. False if there is none.
+  /// Eliminates with the greatest pivot of each column. Returns false if a column has no pivot.
   bool solve(std::array<double, k_most>& unknowns) {
     switch (size_) {
       case 2:
@@ -33,7 +32,6 @@ class LinearSystem {
   }
 
  private:
-  /// Columns beyond the size are left out.
   template <std::size_t k_size>
   bool solve_for(std::array<double, k_most>& unknowns) {
     for (std::size_t column = 0; column < k_size; ++column) {

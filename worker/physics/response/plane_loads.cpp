@@ -36,11 +36,10 @@ std::optional<LyingBody::Rates> LyingBody::rates(const Directions& slip, double 
   const Vec3& n = body_.normal;
   const std::size_t count = body_.supports.size();
   if (!(radius_m_ > 0)) return std::nullopt;
-  // Of a unit load at each support: its push, and its torques, those along the plane less what goes
-  // into the spin.
+  // For a unit load at each support: its push, and its torques along the plane without the spin's.
   std::array<Vec3, k_plane_supports_max> pushes;
   struct Row {
-    double first_m, second_m;  ///< its place over the radius
+    double first_m, second_m;  ///< the support's place over the radius
     double first, second;      ///< torques over the radius
   };
   std::array<Row, k_plane_supports_max> rows;
@@ -88,7 +87,7 @@ std::optional<LyingBody::Rates> LyingBody::rates(const Directions& slip, double 
       }
     }
     if (!(least < -k_load_rounding)) {
-      // Not negated: nor is it carried by what isn't a number.
+      // A separate test in this form refuses NaN too.
       if (!(least >= -k_load_rounding)) return std::nullopt;
       Vec3 push = Vec3::Zero();
       double turning = 0;

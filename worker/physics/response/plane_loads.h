@@ -1,4 +1,4 @@
-// The loads of a body that lies on an area of a plane, and what they do to it.
+// The loads of a body lying on an area of a plane, and the accelerations that they cause.
 //
 // Internal to worker/physics/response. Thread safety: pure functions.
 #pragma once
@@ -10,36 +10,35 @@
 
 namespace sleight::physics {
 
-/// A body that lies on an area, seen from where its supports are at the piece's start: what turns
-/// with it about the normal is turned back instead.
+/// A body lying on an area, in a frame that turns with it about the normal from the piece's start.
 class LyingBody {
  public:
   using Directions = std::array<Vec3, k_plane_supports_max>;
 
   LyingBody(const BodyOnPlane& body, double load_mps2);
 
-  /// How supports slip.
+  /// Returns a support's slip velocity.
   Vec3 slip_mps(std::size_t support, const Vec3& velocity_mps, double spin_radps) const {
     return velocity_mps + spin_radps * across_m_[support];
   }
-  /// n x arm.
+  /// Returns n x arm.
   const Vec3& across_m(std::size_t support) const { return across_m_[support]; }
-  /// Radius of what it lies on, about the centre's foot.
+  /// Returns the radius of the support area about the foot of the centre.
   double radius_m() const { return radius_m_; }
   double spin_inertia_kgm2() const { return spin_inertia_kgm2_; }
 
   struct Rates {
     Vec3 acceleration_mps2 = Vec3::Zero();  ///< without the pull along the plane
     double spin_radps2 = 0;
-    std::array<double, k_plane_supports_max> loads{};  ///< parts of the body's weight
+    std::array<double, k_plane_supports_max> loads{};  ///< shares of the body's weight
   };
-  /// What friction does that acts at each support against such a direction, of length 1 or less;
-  /// none if the supports don't carry the body.
+  /// Returns the effect of friction against each support's slip direction, of length 1 or less.
+  /// Empty if the supports don't carry the body.
   std::optional<Rates> rates(const Directions& slip, double spin_radps) const;
 
  private:
   const BodyOnPlane& body_;
-  double load_mps2_;  ///< of gravity, on the plane
+  double load_mps2_;  ///< gravity's part into the plane
   Vec3 first_;        ///< unit, along the plane
   Vec3 second_;
   double radius_m_ = 0;

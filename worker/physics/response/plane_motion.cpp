@@ -20,12 +20,12 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// A vector along the plane, turned about the normal.
+/// Returns a vector along the plane, turned about the normal.
 Vec3 turned_about(const Vec3& n, const Vec3& v, const math::SinCos& angle) {
   return angle.cos * v + angle.sin * cross(n, v);
 }
 
-/// A body that lies on an area, at the start of a piece.
+/// A body lying on an area, at the start of a piece.
 class Slide {
  public:
   Slide(const BodyOnPlane& body, const Twist& twist, const Vec3& pull_mps2, double load_mps2)
@@ -78,14 +78,14 @@ class Slide {
             .lasts_s = lasts_s};
   }
 
-  /// Without rounding that would make what slides straight turn.
+  /// Suppresses rounding that would make a straight slide turn.
   double turning(const Rates& rates) const {
     return std::fabs(rates.spin_radps2) * lying_.radius_m() <= k_load_rounding * load_mps2_
                ? 0
                : rates.spin_radps2;
   }
 
-  /// Nothing slips: friction holds it, or it begins to slide.
+  /// Without any slip: friction holds the body, or the body starts to slide.
   PlaneMotion from_rest() {
     velocity_mps_ = Vec3::Zero();
     spin_radps_ = 0;
@@ -110,7 +110,7 @@ class Slide {
       still.brakes = false;
       return still;
     }
-    // Where some of them stick and others don't, it may swing about the ones.
+    // If only some supports stick, the body may swing about them.
     if (least < most) return {};
     const Vec3 down = pull_mps2_ / norm(pull_mps2_);
     held.fill(down);
@@ -120,7 +120,7 @@ class Slide {
     return moving(pull_mps2_ + sliding->acceleration_mps2, 0, k_forever_s);
   }
 
-  /// What turns on the spot without a force on its centre: no slip turns, seen from the body.
+  /// Turns on the spot, without a force on the centre. No slip turns in the body's frame.
   std::optional<PlaneMotion> only_spins() {
     if (norm(velocity_mps_) > body_.stick_mps || norm(pull_mps2_) > k_load_rounding * load_mps2_)
       return std::nullopt;
@@ -137,7 +137,7 @@ class Slide {
     double lasts_s = k_forever_s;
     bool straight = true;
   };
-  /// For how long the directions of slip may be held that change at such rates.
+  /// Returns how long the slip directions may be held at these rates of change.
   Span span_of(const Rates& rates) const {
     Span span;
     for (std::size_t i = 0; i < body_.supports.size(); ++i) {
@@ -158,7 +158,7 @@ class Slide {
       double stop_s = along < 0 ? speed_mps / -along : k_forever_s;
       if (across > k_load_rounding * load_mps2_) {
         span.straight = false;
-        // What turns it must not be much of the slip before it is over.
+        // The turning pull must be small compared with the slip until the slip ends.
         if (across * stop_s > body_.stick_mps) stop_s *= 0.5;
         span.lasts_s = std::min(
             span.lasts_s, std::max(k_slip_turn_rad * speed_mps / across, k_slide_piece_s_min));
@@ -177,7 +177,7 @@ class Slide {
       return moving(rate_mps2, 0, span.lasts_s);
     span.lasts_s = std::min(span.lasts_s, k_slide_piece_s_max);
     for (int halving = 0; halving <= k_slide_halvings_max; ++halving) {
-      // Half way, seen from a frame that has turned with the body.
+      // Evaluate half way, in a frame turned with the body.
       const double half_s = 0.5 * span.lasts_s;
       const double spin_radps = spin_radps_ + half_s * now->spin_radps2;
       const double angle = half_s * (spin_radps_ + 0.5 * half_s * now->spin_radps2);
@@ -196,7 +196,7 @@ class Slide {
     return {};
   }
 
-  /// Whether friction takes energy in a piece: by forces that are constant, so at the mean speeds.
+  /// Returns whether friction takes energy in a piece. Its forces are constant: mean speeds decide.
   bool friction_brakes(const PlaneMotion& motion, const Vec3& friction_mps2,
                        double spin_radps2) const {
     const double half_s = 0.5 * motion.lasts_s;
@@ -208,7 +208,7 @@ class Slide {
   }
 
   const BodyOnPlane& body_;
-  Vec3 pull_mps2_;  ///< of gravity, along the plane
+  Vec3 pull_mps2_;  ///< gravity's part along the plane
   double load_mps2_;
   LyingBody lying_;
   Vec3 velocity_mps_ = Vec3::Zero();

@@ -1,4 +1,4 @@
-// Bodies of revolution that lie on a line of a plane and roll about it.
+// Bodies of revolution lying on a line of a plane and rolling about it.
 //
 // Internal to worker/physics/response. Thread safety: pure functions.
 #pragma once
@@ -12,14 +12,14 @@ namespace sleight::physics {
 /// The line on which a body of revolution lies.
 struct ContactLine {
   Vec3 along = Vec3::UnitX();   ///< unit: the axis's direction along the plane
-  Vec3 across = Vec3::UnitY();  ///< n x along: that way it rolls
+  Vec3 across = Vec3::UnitY();  ///< n x along: the rolling direction
   double depth_m = 0;           ///< of the line below the centre
-  double least_m = 0;           ///< its ends, along it from the centre's foot
+  double least_m = 0;           ///< ends of the line, along it from the foot of the centre
   double most_m = 0;
-  double friction = 0;  ///< the least of its supports
+  double friction = 0;  ///< minimum over the line's supports
 };
 
-/// None if it doesn't lie so.
+/// Returns the line, or nothing if the body doesn't lie on a line.
 std::optional<ContactLine> line_of(const BodyOnPlane& body);
 
 PlaneMotion rolling_motion(const BodyOnPlane& body, const ContactLine& line, const Twist& twist,

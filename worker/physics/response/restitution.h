@@ -1,39 +1,45 @@
-// The law of a single impact: how much normal impulse, how much friction, what slow impacts do.
+// The law of a single impact: normal impulse, friction and slow impacts.
 //
-// Idea. At a contact of two bodies (A and B; n the unit normal from A to B; V the velocity of B's
-// contact point relative to A's; P the impulse on B, -P on A) the velocity after is V + K P, where
-// K is the positive definite inverse inertia at the contact. Two impulses span the possibilities:
-//   P_I   the frictionless one that just stops the approach, along n: size u / K_nn with the
-//         approach speed u = -V.n;
-//   P_II  the one that stops all motion at the contact, -K^-1 V.
-// With Q = P_II - P_I, the law of A. Chatterjee and A. Ruina ("A new algebraic rigid-body collision
-// law based on impulse space considerations", Journal of Applied Mechanics 65, 1998; its
-// tangential restitution is 0 here) is
-//   P = (1 + w/u) P_I + kappa Q,
-// w the separation speed, kappa = 1 (sticking) if that P lies in the friction cone, else the kappa
-// in [0, 1) that puts P on the cone's surface (sliding).
-//   At a corner Q may point far off the slip: 31 degrees for a cube that slides flat, whose
-//   friction
-// would be 15% too small. So where the slip keeps its sense to the end of the impact, Coulomb's law
-// is taken at its word: with s > 0 the slip's speed before and d its direction,
+// Idea. Bodies A and B touch. Let n be the unit normal from A to B, V the velocity of B's contact
+// point relative to A's, and P the impulse on B (-P on A). The velocity afterwards is V + K P,
+// where K is the positive definite inverse inertia at the contact. Two impulses span all others:
+//   - P_I, the frictionless impulse along n that just stops the approach, of size u / K_nn with the
+//     approach speed u = -V.n;
+//   - P_II = -K^-1 V, the impulse that stops all motion at the contact.
+// With Q = P_II - P_I and the separation speed w, the law of A. Chatterjee and A. Ruina ("A new
+// algebraic rigid-body collision law based on impulse space considerations", Journal of Applied
+// Mechanics 65, 1998; here with tangential restitution 0) is
+//
+//   P = (1 + w/u) P_I + kappa Q.
+//
+// If P with kappa = 1 is in the friction cone, kappa is 1 (sticking). Otherwise kappa in [0, 1)
+// puts P on the cone's surface (sliding).
+//
+// At a corner, Q may point far off the slip: by 31 degrees for a cube that slides flat, which would
+// make its friction 15% too small. So if the slip keeps its sense to the end of the impact,
+// Coulomb's law is applied directly. Let s > 0 be the slip speed before the impact, d its
+// direction, and g = d.K (n - mu d). The impulse is
+//
 //   P = N (n - mu d),   N = (u + w) / k,   k = n.K (n - mu d) > 0,
-// if s' = d.(V + K P) = s + N g >= 0, with g = d.K (n - mu d). Else the law above decides.
+//
+// if s' = d.(V + K P) = s + N g >= 0. Otherwise the law above applies.
 //
 // Invariants
-//   1. The separation speed is w exactly, whatever friction does: n.K Q = 0, and N is made for it.
-//   2. P_I and Q are orthogonal under K, and so the kinetic energy changes by
-//        (w^2 - u^2) / (2 K_nn) - (kappa - kappa^2/2) b,   b = Q.K Q >= 0,
-//      which is no gain for w <= u: the second term is a loss for kappa in [0, 2]. This holds for
-//      every positive definite K, so for every inertia and every contact point.
-//      Against the slip the energy changes by N ((w - u) - mu (s + s')) / 2, as the velocity at the
-//      contact is linear in the impulse: friction takes power all the way if it does at both ends.
-//   3. |friction impulse| <= mu times the normal impulse, which is >= 0: P(kappa = 0) lies in the
-//      cone, which is convex, and kappa goes from 0 towards 1 only as far as the cone allows.
-//   4. Slow impacts: w = e u for a coefficient e; where this is below the floor v_c, w is raised to
-//      v_c or, if the energy doesn't suffice, to the w at which the change above is 0 with the
-//      kappa or the s' that belongs to it. A body that slides in a groove so keeps bouncing with
-//      about v_c, paid from its sliding, and the count of events in a time span stays bounded. A
-//      body nearly at rest cannot pay; resting is decided elsewhere.
+//   1. The separation speed is exactly w, whatever the friction: n.K Q = 0, and N is chosen for w.
+//   2. P_I and Q are orthogonal under K. The kinetic energy therefore changes by
+//        (w^2 - u^2) / (2 K_nn) - (kappa - kappa^2/2) b,   b = Q.K Q >= 0.
+//      This is no gain for w <= u, because the second term is a loss for kappa in [0, 2]. It holds
+//      for every positive definite K, so for every inertia and every contact point.
+//      With friction against the slip, the energy changes by N ((w - u) - mu (s + s')) / 2, because
+//      the contact velocity is linear in the impulse. Friction takes power throughout if it does at
+//      both ends.
+//   3. |friction impulse| <= mu times the normal impulse, which is >= 0: P(kappa = 0) is in the
+//      convex cone, and kappa goes from 0 towards 1 only as far as the cone allows.
+//   4. Slow impacts: w = e u for a coefficient e. If this is below the floor v_c, w is raised to
+//      v_c. If the energy doesn't suffice, w is raised to the speed at which the change above is 0
+//      with its kappa or s'. So a body sliding in a groove keeps bouncing with about v_c, paid from
+//      its sliding, and the number of events in a time span stays bounded. A body nearly at rest
+//      cannot pay; resting is decided elsewhere.
 // Thread safety: pure functions.
 #pragma once
 
@@ -53,22 +59,22 @@ struct ContactLaw {
 };
 
 enum class ImpactRegime : std::uint8_t {
-  separating,  ///< did not approach: nothing was changed
+  separating,  ///< the bodies didn't approach; nothing changed
   sliding,     ///< friction on the cone's surface (mu = 0 included)
   sticking,    ///< friction inside the cone
-  unresolved   ///< rounding ate the result, or it is NaN: nothing was changed (rigid_impact.h)
+  unresolved   ///< rounding destroyed the result, or it is NaN; nothing changed (rigid_impact.h)
 };
 
-/// What both kinds of impact give back.
+/// Output of both kinds of impact.
 struct ImpactOutput {
   Twist a{};
   Twist b{};
-  Vec3 impulse_ns = Vec3::Zero();  ///< on B, in the world's frame; A took the opposite
+  Vec3 impulse_ns = Vec3::Zero();  ///< on B, in the world's frame; A receives the opposite
   double normal_impulse_ns = 0;    ///< >= 0
   ImpactRegime regime = ImpactRegime::separating;
 };
 
-/// An impact in impulse space; symbols as above.
+/// An impact in impulse space. Symbols: see the top of this file.
 struct ImpactSplit {
   double approach_speed_mps = 0;       ///< u > 0
   double normal_inverse_mass = 0;      ///< K_nn > 0, in 1/kg
@@ -84,9 +90,9 @@ struct ImpactShares {
   ImpactRegime regime = ImpactRegime::sliding;
 };
 
-/// The greatest separation speed that gains no energy (invariant 4); u if there is no friction.
-/// While sliding kappa = (u + w) c with c = mu / (K_nn (|Q_t| - mu Q_n)), and the change of energy
-/// has the factor u + w; the other factor is linear in w. While sticking w^2 = u^2 + K_nn b.
+/// Returns the greatest separation speed that gains no energy (invariant 4); u without friction.
+/// For sliding, kappa = (u + w) c with c = mu / (K_nn (|Q_t| - mu Q_n)); the energy's change has a
+/// factor u + w, and its other factor is linear in w. For sticking, w^2 = u^2 + K_nn b.
 inline double separation_speed_bound(const ImpactSplit& impact, double friction) {
   const double u = impact.approach_speed_mps;
   const double b = impact.tangential_energy_twice;
@@ -101,23 +107,23 @@ inline double separation_speed_bound(const ImpactSplit& impact, double friction)
   return friction > 0 ? std::sqrt(u * u + impact.normal_inverse_mass * b) : u;
 }
 
-/// Resolves the law. REQUIRES: as the fields say; everything finite.
+/// Applies the law. REQUIRES: fields in their ranges; everything finite.
 inline ImpactShares impact_shares(const ImpactSplit& impact, const ContactLaw& law) {
-  // How fast it separates.
+  // Choose the separation speed.
   const double u = impact.approach_speed_mps;
   double w = law.restitution * u;
   if (w < law.separation_speed_floor_mps) {
-    // At or below u there is always energy enough.
+    // At or below u the energy always suffices.
     w = law.separation_speed_floor_mps;
     if (w > u) w = std::min(w, separation_speed_bound(impact, law.friction));
   }
-  // Whether it sticks: the whole of Q inside the cone.
+  // Stick if the whole of Q is inside the cone.
   ImpactShares shares{.closing_speed_mps = u + w};
   const double base_ns = shares.closing_speed_mps / impact.normal_inverse_mass;
   const double stick_ns = base_ns + impact.stick_normal_ns;
   if (impact.stick_friction_ns > law.friction * stick_ns) {
-    // Else how much of Q the cone allows. The comparison above makes slack_ns > 0, in rounded
-    // arithmetic too; the normal impulse is written without the cancellation of base + kappa Q_n.
+    // Otherwise find how much of Q the cone allows. The comparison above makes slack_ns > 0 even in
+    // rounded arithmetic. The normal impulse avoids the cancellation of base + kappa Q_n.
     const double slack_ns = impact.stick_friction_ns - law.friction * impact.stick_normal_ns;
     shares.friction_share = law.friction * base_ns / slack_ns;
     if (shares.friction_share < 1) {
@@ -131,7 +137,7 @@ inline ImpactShares impact_shares(const ImpactSplit& impact, const ContactLaw& l
   return shares;
 }
 
-/// An impact with friction against the slip; symbols as above.
+/// An impact with friction against the slip. Symbols: see the top of this file.
 struct SlipSplit {
   double approach_speed_mps = 0;   ///< u > 0
   double slip_speed_mps = 0;       ///< s > 0
@@ -139,8 +145,8 @@ struct SlipSplit {
   double slip_inverse_mass = 0;    ///< g, of either sign, in 1/kg
 };
 
-/// The normal impulse N in N s; none if the slip wouldn't keep its sense, or if the impulse would
-/// not part the bodies (k <= 0). REQUIRES: as the fields say; everything finite.
+/// Returns the normal impulse N in N s. Empty if the slip would change its sense, or if the impulse
+/// wouldn't separate the bodies (k <= 0). REQUIRES: fields in their ranges; everything finite.
 inline std::optional<double> impulse_against_slip(const SlipSplit& impact, const ContactLaw& law) {
   if (!(impact.normal_inverse_mass > 0)) return std::nullopt;
   const double u = impact.approach_speed_mps;
@@ -152,12 +158,12 @@ inline std::optional<double> impulse_against_slip(const SlipSplit& impact, const
     const double share = law.friction * ratio;
     if (w > u && share < 1) {
       const double paid = u * (1 + share) + 2 * law.friction * impact.slip_speed_mps;
-      // Below u the bound says that the slip turns, which is refused below.
+      // Below u the slip would turn, which is refused below.
       w = std::min(w, std::max(u, paid / (1 - share)));
     }
   }
   const double impulse_ns = (u + w) / impact.normal_inverse_mass;
-  // Not negated, so that what isn't a number is refused.
+  // This form, without negation, refuses NaN.
   if (impact.slip_speed_mps + impulse_ns * impact.slip_inverse_mass >= 0) return impulse_ns;
   return std::nullopt;
 }

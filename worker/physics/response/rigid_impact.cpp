@@ -13,7 +13,7 @@
 namespace sleight::physics {
 namespace {
 
-/// A moving body at the contact. P acts on it with this sign.
+/// A moving body at the contact. P acts on it with `sign`.
 struct Side {
   const RigidImpactBody* body = nullptr;
   double sign = 1;
@@ -25,7 +25,7 @@ Side side_of(const RigidImpactBody& body, double sign, const Vec3& contact_m) {
   return {&body, sign, contact_m - body.pose.position_m, math::matrix_of(body.pose.orientation)};
 }
 
-/// A world vector in the body's frame: the transpose of the axes times v.
+/// Returns a world vector in the body's frame: the transpose of the axes times v.
 Vec3 in_body(const Mat3& axes, const Vec3& v) {
   return {(axes(0, 0) * v.x() + axes(1, 0) * v.y()) + axes(2, 0) * v.z(),
           (axes(0, 1) * v.x() + axes(1, 1) * v.y()) + axes(2, 1) * v.z(),
@@ -38,14 +38,13 @@ using Whitened = std::array<double, 6 * k_sides>;
 
 template <std::size_t k_size>
 double dot(const std::array<double, k_size>& a, const std::array<double, k_size>& b) {
-  // Six partial sums, so that one and two bodies add up in a fixed order that needs no long chain.
+  // Six partial sums give a fixed order for one and two bodies without a long dependency chain.
   std::array<double, 6> sums{};
   for (std::size_t i = 0; i < k_size; ++i)
     sums[i % 6] += a[i] * b[i];
   return ((sums[0] + sums[3]) + (sums[1] + sums[4])) + (sums[2] + sums[5]);
 }
 
-/// a -= factor b.
 template <std::size_t k_size>
 void subtract(std::array<double, k_size>& a, double factor, const std::array<double, k_size>& b) {
   for (std::size_t i = 0; i < k_size; ++i)
@@ -61,7 +60,7 @@ void scale(std::array<double, k_size>& a, double factor) {
 template <std::size_t k_sides>
 using Sides = std::array<Side, k_sides>;
 
-/// The column of G for an impulse along a unit direction.
+/// Returns the column of G for an impulse along a unit direction.
 template <std::size_t k_sides>
 Whitened<k_sides> column(const Sides<k_sides>& sides, const Vec3& direction) {
   Whitened<k_sides> y;
@@ -93,8 +92,8 @@ Whitened<k_sides> whitened(const Sides<k_sides>& sides, const std::array<Twist, 
   return y;
 }
 
-/// By how much |y|^2 may grow when twists are rounded: a rounding error d of an angular velocity
-/// costs d times the angular momentum, and is as large along heavy axes as along light ones.
+/// Returns how much |y|^2 may grow by the rounding of twists. A rounding error d of an angular
+/// velocity adds d times the angular momentum, and d is equally large along heavy and light axes.
 template <std::size_t k_sides>
 double rounding_of_energy(const Sides<k_sides>& sides, const Whitened<k_sides>& y) {
   double sum = dot(y, y);
@@ -134,8 +133,8 @@ struct Tangents {
   Vec3 second;
 };
 
-/// Two unit vectors across n (T. Duff and others, "Building an orthonormal basis, revisited",
-/// Journal of Computer Graphics Techniques 6, 2017).
+/// Returns two unit vectors perpendicular to n (T. Duff and others, "Building an orthonormal basis,
+/// revisited", Journal of Computer Graphics Techniques 6, 2017).
 Tangents tangents_of(const Vec3& n) {
   const double sign = std::copysign(1.0, n.z());
   const double a = -1 / (sign + n.z());
@@ -150,11 +149,11 @@ struct Impulse {
   ImpactRegime regime = ImpactRegime::separating;
 };
 
-/// The impulse of the law, for given whitened velocities.
+/// Returns the law's impulse for given whitened velocities.
 template <std::size_t k_sides>
 Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3& n,
                    const ContactLaw& law) {
-  // The normal column: e_1 and its part of y.
+  // The normal column: e_1 and y's component along it.
   Whitened<k_sides> e1 = column(sides, n);
   const double r11 = std::sqrt(dot(e1, e1));
   scale(e1, 1 / r11);
@@ -166,10 +165,10 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
     return {shares.normal_impulse_ns * n, shares.normal_impulse_ns, ImpactRegime::sliding};
   }
 
-  // The tangential columns by modified Gram and Schmidt, y deflated along (A. Bjoerck, "Solving
-  // linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967). No eigenvalue
-  // of K is below 1/m_A + 1/m_B, hence no diagonal element of R below its root: where rounding has
-  // lost a column, that is what remains.
+  // The tangential columns by modified Gram-Schmidt, deflating y along the way (A. Bjoerck,
+  // "Solving linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967). K's
+  // eigenvalues are at least 1/m_A + 1/m_B, so R's diagonal elements are at least its root. This
+  // bound replaces a column lost to rounding.
   const Tangents t = tangents_of(n);
   double inverse_mass = 0;
   for (const Side& side : sides)
@@ -192,14 +191,14 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
   scale(e3, 1 / r33);
   const double z3 = dot(e3, y);
 
-  // Against the slip, if that keeps its sense: V = R^T z, K = R^T R.
+  // Against the slip, if the slip keeps its sense: V = R^T z, K = R^T R.
   const double v2_mps = r12 * z1 + r22 * z2;
   const double v3_mps = r13 * z1 + r23 * z2 + r33 * z3;
   const double slip_mps = std::sqrt(v2_mps * v2_mps + v3_mps * v3_mps);
   if (slip_mps > 0) {
     const double d2 = v2_mps / slip_mps;
     const double d3 = v3_mps / slip_mps;
-    // R d, whose first part couples slip and normal.
+    // R d; its first component couples slip and normal.
     const double a1 = r12 * d2 + r13 * d3;
     const double a2 = r22 * d2 + r23 * d3;
     const double a3 = r33 * d3;
@@ -227,7 +226,7 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
           shares.normal_impulse_ns, shares.regime};
 }
 
-/// Impulse and new twists; with `guarded`, P is reduced until no energy is gained.
+/// Computes impulse and new twists. `guarded`: reduces P until no energy is gained.
 template <bool guarded, std::size_t k_sides>
 Impulse resolved(const Sides<k_sides>& sides, const RigidImpactInput& input,
                  std::array<Twist, k_sides>& twists) {

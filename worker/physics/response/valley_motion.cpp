@@ -16,14 +16,14 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Acceleration of a sphere that rolls along a line: `pull` less a resistance of at most `most`. A
-/// sphere that stands still stays so if the resistance can hold it.
+/// Returns the acceleration of a sphere rolling along a line: `pull` minus a resistance of at most
+/// `most`. A resting sphere stays at rest if the resistance can hold it.
 double resisted(double velocity, double pull, double most) {
   if (velocity == 0) return std::fabs(pull) <= most ? 0 : pull - std::copysign(most, pull);
   return pull - std::copysign(most, velocity);
 }
 
-/// A sphere in a valley. Accelerations and forces are over its mass.
+/// A sphere in a valley. Accelerations and forces are per mass.
 class Valley {
  public:
   Valley(const RoundBody& body, std::span<const LastingContact> contacts, const Twist& twist,
@@ -60,18 +60,18 @@ class Valley {
   }
 
  private:
-  /// Velocity of the sphere's surface at a contact.
+  /// Returns the velocity of the sphere's surface at a contact.
   Vec3 slip_at(std::size_t i) const {
     return motion_.start.velocity_mps -
            body_.radius_m * cross(motion_.start.angular_velocity_radps, contacts_[i].normal);
   }
 
-  /// Nothing slips: the only freedom is along the line, with the spin that belongs to it. False if
+  /// Tries motion without slip: along the line, with the spin that belongs to it. Returns false if
   /// friction doesn't suffice.
   bool rolls() {
     const double k = body_.gyration;
     const double r = body_.radius_m;
-    // Loads of what pulls across; friction across is not needed to hold it.
+    // Loads of the pull across the valley; no friction across is needed.
     const double in_a = dot(gravity_, contacts_[0].normal);
     const double in_b = dot(gravity_, contacts_[1].normal);
     const double sine2 = 1 - cosine_ * cosine_;
@@ -82,7 +82,7 @@ class Valley {
 
     const Vec3 spin_per_mps = (side_[0] + side_[1]) / (r * (1 + cosine_));
     const double inertia = k * r * r * dot(spin_per_mps, spin_per_mps);
-    // The rolling motion that is nearest to the present one in kinetic energy.
+    // Choose the rolling motion nearest to the present motion in kinetic energy.
     double speed = (dot(motion_.start.velocity_mps, line_) +
                     k * r * r * dot(motion_.start.angular_velocity_radps, spin_per_mps)) /
                    (1 + inertia);
@@ -96,11 +96,11 @@ class Valley {
     if (resistance > 0 && std::fabs(speed) <= k_stick_mps) speed = 0;
     const double free_a = pull / (1 + inertia);
     double a = resisted(speed, free_a, resistance);
-    // What the contacts can't take of the resistance is not there: it must not make them slip.
+    // Ignore resistance beyond what the contacts can take, because it must not make them slip.
     const double most =
         2 * std::min(contacts_[0].friction * loads[0], contacts_[1].friction * loads[1]);
     if (std::fabs(free_a - pull) <= most) a = std::clamp(a, pull - most, pull + most);
-    // Both contacts take the same share of the friction: else the spin would leave the rolling one.
+    // Both contacts take the same share of friction, so that the spin stays that of rolling.
     const double friction = 0.5 * (a - pull);
     for (std::size_t i = 0; i < 2; ++i) {
       if (std::fabs(friction) <= contacts_[i].friction * loads[i] * (1 + k_load_rounding)) continue;
@@ -117,7 +117,7 @@ class Valley {
     return true;
   }
 
-  /// The nearest motion without slip at one contact.
+  /// Sets the nearest motion without slip at one contact.
   void stop_slip(std::size_t i) {
     const double r = body_.radius_m;
     Vec3& w = motion_.start.angular_velocity_radps;
@@ -128,17 +128,17 @@ class Valley {
     w += (speed / r - turning) * side_[i] - dot(w, line_) * line_;
   }
 
-  /// One of the unknown forces at size 1: what it does to the centre, and as friction.
+  /// The effect of one unknown force of size 1: on the centre, and as friction at both contacts.
   struct Unit {
     Vec3 force;
     std::array<Vec3, 2> friction;
   };
-  /// Both loads; with a contact that sticks also its friction along the line and along the side.
+  /// Unit forces for both loads and, if a contact sticks, its friction along the line and the side.
   struct Units {
     std::array<Unit, LinearSystem::k_most> unit;
     std::size_t count = 2;
     bool one_sticks = false;
-    std::size_t stuck = 0;  ///< that contact
+    std::size_t stuck = 0;  ///< the sticking contact
   };
   Units units() const {
     Units all{.unit = {}, .one_sticks = !slips_[0] || !slips_[1], .stuck = slips_[0] ? 1U : 0U};
@@ -155,7 +155,7 @@ class Valley {
     }
     return all;
   }
-  /// How a unit accelerates the surface at a contact: its force, and -r times its turning.
+  /// Returns a unit force's acceleration of a contact's surface: force minus r times its turning.
   Vec3 surface_acceleration(const Unit& unit, std::size_t at) const {
     Vec3 sum = unit.force;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -164,7 +164,7 @@ class Valley {
     }
     return sum;
   }
-  /// No acceleration into or off the faces; none of the surface at a contact that sticks.
+  /// Requires no acceleration into or off the faces, and none of a sticking contact's surface.
   LinearSystem balance(const Units& all) const {
     LinearSystem system(all.count);
     for (std::size_t column = 0; column < all.count; ++column) {
@@ -184,8 +184,8 @@ class Valley {
     return system;
   }
 
-  /// Loads, friction and accelerations for the present slips. False, with `pressed` set, if the
-  /// sphere doesn't stay on both faces.
+  /// Computes loads, friction and accelerations for the present slips. Returns false, with
+  /// `pressed` set, if the sphere doesn't stay on both faces.
   bool forces() {
     const Units all = units();
     LinearSystem system = balance(all);
@@ -211,7 +211,7 @@ class Valley {
     return true;
   }
 
-  /// A contact that sticks slips if it would need more friction than it has, unless it would stick
+  /// Lets a sticking contact slip if it needs more friction than allowed, unless it would stick
   /// again at once.
   void let_slip(std::size_t i) {
     if (slips_[i] || motion_.pressed != 3) return;
@@ -226,14 +226,13 @@ class Valley {
     forces();
   }
 
-  /// How the surface at a contact accelerates.
+  /// Returns the acceleration of a contact's surface.
   Vec3 slip_rate(std::size_t i) const {
     return motion_.acceleration_mps2 -
            body_.radius_m * cross(motion_.angular_acceleration_radps2, contacts_[i].normal);
   }
 
-  /// The direction in which a slip begins is the one in which friction against it lets it grow.
-  /// False if it isn't found.
+  /// Finds the direction in which a slip begins, so that friction against it lets the slip grow.
   bool settle_begin(std::size_t i) {
     for (int round = 0; round < k_slip_begin_rounds; ++round) {
       const Vec3 rate = slip_rate(i);
@@ -247,25 +246,24 @@ class Valley {
     return false;
   }
 
-  /// How fast a contact's friction slows its own slip by turning the sphere, in m/s^2; and the
-  /// slip's rate of change without that.
+  /// Returns how fast a contact's friction slows its slip by turning the sphere, in m/s^2.
+  /// unbraked_rate returns the slip's rate of change without this.
   double brake_of(std::size_t i) const {
     return contacts_[i].friction * loads_[i] / body_.gyration;
   }
   Vec3 unbraked_rate(std::size_t i) const { return slip_rate(i) + brake_of(i) * direction_[i]; }
 
-  /// For a slip that begins in a direction that is not quite its own: long enough that it doesn't
-  /// stick at the end.
+  /// Returns a time after which a slip begun in not quite its own direction doesn't stick.
   double short_while_s(std::size_t i) const {
     const double rate = norm(slip_rate(i));
     return std::max(k_slip_begin_s, rate > 0 ? 2 * body_.stick_mps / rate : 0);
   }
 
-  /// Sets each slip's direction to the one it will have half way, and how long the motion holds.
+  /// Sets each slip's direction to its direction half way, and how long the motion holds.
   void hold_directions() {
     double lasts_s = k_forever_s;
     std::array<bool, 2> settled{};
-    // Each turns the other's.
+    // Each slip turns the other one.
     for (int round = 0; round < k_slip_both_rounds && (begins_[0] || begins_[1]); ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (begins_[i]) settled[i] = settle_begin(i);
@@ -288,8 +286,8 @@ class Valley {
       turns = true;
     }
     if (turns && !forces()) return;
-    // If friction would push a beginning slip along, that contact gets no friction for the short
-    // while. Twice, as that may leave the other one in the same state.
+    // If friction would push a beginning slip along, this contact gets no friction for the short
+    // while. Do this twice, because it may put the other contact into the same state.
     for (int round = 0; round < 2; ++round) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (!begins_[i] || dot(slip_rate(i), direction_[i]) >= 0) continue;

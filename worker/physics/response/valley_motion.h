@@ -1,4 +1,4 @@
-// A sphere in a valley of two faces: the part of contact_motion.h that takes a system of equations.
+// A sphere in a valley of two faces: the part of contact_motion.h that needs a system of equations.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -9,7 +9,7 @@
 
 namespace sleight::physics {
 
-/// REQUIRES: two contacts that are a valley (is_valley).
+/// REQUIRES: two contacts that form a valley (is_valley).
 ContactMotion valley_motion(const RoundBody& body, std::span<const LastingContact> contacts,
                             const Twist& twist, const Vec3& gravity_mps2);
 
