@@ -1,4 +1,4 @@
-// The convex hull: incremental, with exact signs on an integer grid; then coplanar triangles merge.
+// The convex hull: incremental, with exact signs on an integer grid. Coplanar triangles are merged.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -25,9 +25,9 @@ struct Triangle {
   std::array<std::uint16_t, 3> v{};
 };
 
-// The sign of det(b - a, c - a, p - a), exactly: positive where p lies above the triangle, on the
-// side from which it is seen anticlockwise. The 2x2 minors have at most 108 bits; each is split
-// into a high part and 56 low bits, so that every sum below fits into 127.
+// Returns the exact sign of det(b - a, c - a, p - a). Positive: p is above the triangle, on the
+// side from which it looks anticlockwise. The 2x2 minors have at most 108 bits. Each is split into
+// a high part and 56 low bits, so that every sum below fits into 127 bits.
 int side_of(const Grid& a, const Grid& b, const Grid& c, const Grid& p) {
   std::array<std::int64_t, 3> u{}, v{}, w{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -60,7 +60,7 @@ struct Hull {
   std::vector<Triangle> triangles;
 };
 
-// Points rounded to the grid; a point as close as the tolerance to an earlier one is left out.
+// Rounds points to the grid, leaving out points within the tolerance of an earlier one.
 std::optional<ShapeError> take_points(std::span<const Vec3> points_m, Hull& hull) {
   using Kind = ShapeError::Kind;
   if (points_m.size() < 4)
@@ -73,7 +73,7 @@ std::optional<ShapeError> take_points(std::span<const Vec3> points_m, Hull& hull
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       const double x = points_m[i][axis];
-      // Squares and cubes of lengths are taken later.
+      // Squares and cubes of lengths must not overflow later.
       if (!(std::fabs(x) < 1e60)) return ShapeError{.kind = Kind::not_finite, .index = i};
       low[axis] = std::min(low[axis], x);
       high[axis] = std::max(high[axis], x);
@@ -82,7 +82,7 @@ std::optional<ShapeError> take_points(std::span<const Vec3> points_m, Hull& hull
   }
   for (int axis = 0; axis < 3; ++axis)
     hull.extent_m = std::max(hull.extent_m, high[axis] - low[axis]);
-  // Far from the origin the coordinates' own spacing is what matters.
+  // Far from the origin the coordinates' own spacing matters.
   hull.tolerance_m = k_hull_coplanar * hull.extent_m + 8 * 0x1p-52 * largest;
   if (!(hull.extent_m > 1e-60) || hull.tolerance_m > 1e-3 * k_hull_flat * hull.extent_m)
     return ShapeError{.kind = Kind::flat};
@@ -118,7 +118,7 @@ std::size_t furthest(const std::vector<Vec3>& points, const Measure& measure) {
   return best;
 }
 
-// A first tetrahedron that is as thick as the points allow, up to a small factor.
+// Finds a first tetrahedron that is as thick as the points allow, up to a small factor.
 std::optional<ShapeError> take_tetrahedron(Hull& hull, std::array<std::uint16_t, 4>& corner) {
   const auto& p = hull.points_m;
   const std::size_t i0 = furthest(p, [&](const Vec3& q) { return norm(q - p[0]); });
@@ -144,10 +144,10 @@ std::optional<ShapeError> take_tetrahedron(Hull& hull, std::array<std::uint16_t,
   return std::nullopt;
 }
 
-// Adds the points one by one: triangles that see the point from strictly above are replaced by
-// those from the rim of that region to the point. A point in the plane of a triangle does not see
-// it, so coplanar triangles are seen or not seen together, the region is a disc, and no side of its
-// rim is in line with the point: that side's inner triangle sees it strictly.
+// Adds the points one by one. Triangles that see the point from strictly above are replaced by
+// triangles from the region's rim to the point. A point in a triangle's plane does not see it, so
+// coplanar triangles are seen together or not at all. The region is therefore a disc. No side of
+// its rim is collinear with the point, because the side's inner triangle sees the point strictly.
 void add_points(Hull& hull, const std::array<std::uint16_t, 4>& corner) {
   std::vector<Triangle> kept;
   std::vector<std::pair<std::uint16_t, std::uint16_t>> rim;
@@ -175,7 +175,7 @@ void add_points(Hull& hull, const std::array<std::uint16_t, 4>& corner) {
 }
 
 struct Neighbours {
-  std::vector<std::array<std::uint32_t, 3>> across;  ///< of triangle t over its side k
+  std::vector<std::array<std::uint32_t, 3>> across;  ///< neighbour of triangle t across its side k
 };
 
 Neighbours neighbours_of(const std::vector<Triangle>& triangles) {
@@ -205,8 +205,8 @@ Neighbours neighbours_of(const std::vector<Triangle>& triangles) {
   return result;
 }
 
-// Gives each triangle the number of its face: from the largest triangle on, a face grows over
-// neighbours whose corners lie in the first one's plane.
+// Returns each triangle's face number. From the largest triangle on, a face grows over neighbours
+// whose corners are in the first triangle's plane.
 std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
                                  std::uint32_t& count) {
   constexpr std::uint32_t k_none = UINT32_MAX;
@@ -229,7 +229,7 @@ std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
     if (face[seed] != k_none) continue;
     face[seed] = count;
     const Vec3 anchor = hull.points_m[triangles[seed].v[0]];
-    // A sliver has no plane to speak of: it stays alone, and fails the checks if that is wrong.
+    // A sliver has no reliable plane. It stays alone and fails the checks if this is wrong.
     const bool grows = area[seed] > hull.tolerance_m * hull.tolerance_m;
     const Vec3 unit = grows ? Vec3(normal[seed] / area[seed]) : Vec3(Vec3::Zero());
     if (grows) open.push_back(seed);
@@ -252,7 +252,8 @@ std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
   return face;
 }
 
-// The faces' loops over the vertices that at least three faces share; empty if they do not close.
+// Returns the faces' loops over vertices shared by at least three faces; empty if they aren't
+// closed.
 std::vector<std::vector<std::uint16_t>> loops_of(const Hull& hull, const Neighbours& neighbours,
                                                  const std::vector<std::uint32_t>& face,
                                                  std::uint32_t count, std::vector<bool>& corner) {
@@ -292,14 +293,14 @@ std::vector<std::vector<std::uint16_t>> loops_of(const Hull& hull, const Neighbo
     for (const auto& side : sides)
       next[side.first] = k_none;
   }
-  // In the order of their vertices, so that the numbers of faces do not hang on areas.
+  // Sort by vertices, so that face numbers do not depend on areas.
   for (auto& loop : loops)
     std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
   std::sort(loops.begin(), loops.end());
   return loops;
 }
 
-// Whether every side has its opposite, and Euler's formula holds.
+// Returns whether every side has its opposite and Euler's formula holds.
 bool closed(const std::vector<std::vector<std::uint16_t>>& loops, std::size_t vertices) {
   std::vector<std::pair<std::uint16_t, std::uint16_t>> sides;
   for (const auto& loop : loops) {
@@ -314,7 +315,7 @@ bool closed(const std::vector<std::vector<std::uint16_t>>& loops, std::size_t ve
   return vertices + loops.size() == sides.size() / 2 + 2;
 }
 
-// Whether every face is wider than the tolerance, so that it has a normal at all.
+// Returns whether every face is wider than the tolerance, so that it has a normal.
 bool wide(const std::vector<std::vector<std::uint16_t>>& loops, const Hull& hull) {
   return std::all_of(loops.begin(), loops.end(), [&](const std::vector<std::uint16_t>& loop) {
     const Vec3& origin = hull.points_m[loop[0]];
@@ -329,8 +330,8 @@ bool wide(const std::vector<std::vector<std::uint16_t>>& loops, const Hull& hull
   });
 }
 
-// Whether every point lies below every face, and every corner of a face on the inner side of its
-// other sides: sides as short as the tolerance may point anywhere.
+// Returns whether every point is below every face, and every corner of a face is inside its other
+// sides. Sides as short as the tolerance may point anywhere.
 bool sound(const ConvexPolyhedron& polyhedron, const Hull& hull) {
   const double slack_m = 8 * hull.tolerance_m;
   for (const Face& face : polyhedron.faces()) {
@@ -362,7 +363,7 @@ base::Result<ConvexPolyhedron, ShapeError> convex_hull(std::span<const Vec3> poi
   const std::vector<std::uint32_t> face = merge(hull, neighbours, face_count);
   std::vector<bool> corner;
   auto loops = loops_of(hull, neighbours, face, face_count, corner);
-  // Vertices take their final numbers, in the order of the points.
+  // Number the vertices in the order of the points.
   std::vector<Vec3> vertices_m;
   std::vector<std::uint16_t> number(hull.points_m.size());
   for (std::size_t p = 0; p < hull.points_m.size(); ++p) {

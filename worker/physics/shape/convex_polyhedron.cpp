@@ -18,8 +18,8 @@ using math::norm;
 constexpr std::size_t k_pad = 4;
 
 // Newell's formula (I. Sutherland, R. Sproull, R. Schumacker 1974, "A characterization of ten
-// hidden-surface algorithms", who credit M. Newell), about the first vertex so that shapes far from
-// the origin lose no digits.
+// hidden-surface algorithms", who credit M. Newell). It is relative to the first vertex, so that
+// shapes far from the origin lose no digits.
 Vec3 loop_normal(std::span<const Vec3> vertices_m, std::span<const std::uint16_t> loop) {
   const Vec3 origin = vertices_m[loop[0]];
   Vec3 sum = Vec3::Zero();
@@ -33,7 +33,7 @@ Vec3 loop_normal(std::span<const Vec3> vertices_m, std::span<const std::uint16_t
 
 }  // namespace
 
-/// A face's side, as it runs.
+/// A face's side with its direction.
 struct ConvexPolyhedron::DirectedEdge {
   std::uint16_t from, to;
   std::uint16_t face, side;
@@ -79,7 +79,7 @@ void ConvexPolyhedron::add_face(std::span<const std::uint16_t> loop,
 }
 
 void ConvexPolyhedron::join_sides(std::vector<DirectedEdge>& directed) {
-  // By the lower, then the higher vertex, so that a side and its opposite are neighbours.
+  // Sort by the lower, then the higher vertex, so that a side is next to its opposite.
   std::sort(directed.begin(), directed.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
     const auto low_a = std::min(a.from, a.to), low_b = std::min(b.from, b.to);
     const auto high_a = std::max(a.from, a.to), high_b = std::max(b.from, b.to);

@@ -1,27 +1,26 @@
-// Convex polyhedra: vertices, faces, edges, and what distance and mass computations need of them.
+// Convex polyhedra: vertices, faces, edges, and the data that distances and masses need.
 //
-// Idea. A ConvexPolyhedron is the convex hull of a set of points. It is built once and then read
-// many times, so all that can be derived is stored in flat arrays: outward planes, the inward
-// normals of a face's sides (to ask whether a point lies above the face), the neighbours of each
-// vertex (to climb to the furthest vertex of a direction), and the coordinates once more by axis
-// (to scan all vertices at once).
+// Idea. A ConvexPolyhedron is the convex hull of a set of points. It is built once and read many
+// times, so all derived data are stored in flat arrays: outward planes, the inward normals of a
+// face's sides (to test whether a point is above the face), each vertex's neighbours (to climb to
+// the furthest vertex in a direction), and the coordinates by axis (to scan all vertices at once).
 //
-// The hull is exact on a grid of 2^-52 of the extent (the longest side of the bounding box): points
-// are rounded to it, and the sign of every volume is computed without error in integers. So there
-// is no input for which the construction goes astray by rounding. Triangles of that hull are then
-// merged into one polygon where their corners lie within k_hull_coplanar of the extent of the
-// largest one's plane. The vertices keep the coordinates that were given, bit for bit.
+// The hull is exact on a grid of 2^-52 of the extent (the longest side of the bounding box). Points
+// are rounded to the grid, and the sign of every volume is computed exactly in integers, so
+// rounding never misleads the construction. Then triangles of the hull are merged into one polygon
+// if their corners are within k_hull_coplanar of the extent from the largest triangle's plane. The
+// vertices keep the given coordinates, bit for bit.
 //
 // Invariants
-//   1. Vertices are in the order of the points given; points inside the hull, inside a face or an
-//      edge, or as close to an earlier point as the tolerance, are left out. Every point given lies
-//      within 8 tolerances of the polyhedron.
-//   2. A face's sides run anticlockwise seen from outside; its normal has length 1 to rounding;
-//      dot(normal, v) <= offset_m for all its vertices, with equality for one. Each edge has two
-//      different faces, face[0] on the left of vertex[0] -> vertex[1]; V - E + F = 2.
-//   3. All arrays are a function of the points alone.
-// A ConvexView borrows these arrays, so that a single triangle or a point (small_pieces.h) can be
-// handed to the same algorithms. A triangle counts as a polyhedron with two opposite faces.
+//   1. Vertices are in the order of the given points. Points inside the hull, a face or an edge, or
+//      within the tolerance of an earlier point are left out. All are within 8 tolerances of the
+//      hull.
+//   2. A face's sides run anticlockwise seen from outside. A face's normal has length 1 up to
+//      rounding. dot(normal, v) <= offset_m for all its vertices v, with equality for one. Each
+//      edge has two different faces, face[0] on the left of vertex[0] -> vertex[1]. V - E + F = 2.
+//   3. All arrays depend only on the points.
+// A ConvexView borrows these arrays, so the same algorithms accept a triangle or a point
+// (small_pieces.h). A triangle is a polyhedron with two opposite faces.
 // Thread safety: values; const access from several threads is safe.
 #pragma once
 
@@ -40,26 +39,25 @@ namespace sleight::physics {
 using math::Mat3;
 using math::Vec3;
 
-/// Vertices, edges, faces and sides are counted with 16 bits: 6 * 1024 sides at most.
+/// Vertices, edges, faces and sides are counted with 16 bits: at most 6 * 1024 sides.
 inline constexpr std::size_t k_hull_points_max = 1024;
-/// Tolerance of the hull, of its extent. Rotating and shifting a shape moves its vertices by some
-/// 1e-15; a larger tolerance would flatten faces by more than the distance computation errs.
+/// Tolerance of the hull, as a share of its extent. Rotating and shifting a shape moves vertices by
+/// some 1e-15. A larger tolerance flattens faces by more than the error of distances.
 inline constexpr double k_hull_coplanar = 1e-12;
-/// Bodies thinner than this part of their extent are refused as flat: their normals would carry
-/// rounding errors of 1e-10, and no scene means them.
+/// Bodies thinner than this share of their extent are refused as flat: normals would err by 1e-10.
 inline constexpr double k_hull_flat = 1e-6;
 
-/// One side of a face, from `vertex` to that of the face's next side.
+/// A side of a face, from `vertex` to the next side's vertex.
 struct Side {
-  Vec3 inward = Vec3::Zero();  ///< unit; in the face's plane, at right angles to the side
-  double offset_m = 0;         ///< dot(inward, p) - offset_m > 0 for p on the face's side of it
+  Vec3 inward = Vec3::Zero();  ///< unit; in the face's plane, perpendicular to the side
+  double offset_m = 0;         ///< dot(inward, p) - offset_m > 0 for p on the side's inner side
   std::uint16_t vertex = 0;
   std::uint16_t edge = 0;
 };
 
 struct Face {
   Vec3 normal = Vec3::Zero();  ///< unit, outward
-  double offset_m = 0;         ///< the body lies where dot(normal, p) <= offset_m
+  double offset_m = 0;         ///< dot(normal, p) <= offset_m for the body's points p
   std::uint16_t first_side = 0;
   std::uint16_t side_count = 0;
 };
@@ -72,10 +70,11 @@ struct Edge {
 
 class RoundPiece;
 
-/// Borrowed arrays of a convex piece; of a round one none but that piece itself. REQUIRES: the
-/// owner stays where it is while the view is used.
+/// Borrowed arrays of a convex piece. A round piece has no arrays, only `round`. REQUIRES: the
+/// owner stays in place while the view is used.
 struct ConvexView {
-  const RoundPiece* round = nullptr;  ///< round_piece.h; null: a polyhedron, a triangle, a point
+  /// Round_piece.h; null for a polyhedron, a triangle or a point.
+  const RoundPiece* round = nullptr;
   const Vec3* vertices_m = nullptr;
   const double* xs_m = nullptr;  ///< x of all vertices, padded with vertex 0 to a multiple of four
   const double* ys_m = nullptr;
@@ -83,11 +82,11 @@ struct ConvexView {
   const Face* faces = nullptr;
   const Side* sides = nullptr;
   const Edge* edges = nullptr;
-  /// Of vertex v, the entries ring_first[v] to ring_first[v + 1] of the three arrays below.
+  /// Vertex v has the entries ring_first[v] to ring_first[v + 1] of the three arrays below.
   const std::uint16_t* ring_first = nullptr;
-  const std::uint16_t* ring_vertices = nullptr;  ///< its neighbours, ascending
-  const std::uint16_t* ring_edges = nullptr;     ///< the edges to these
-  const std::uint16_t* ring_faces = nullptr;     ///< its faces, ascending; as many as edges
+  const std::uint16_t* ring_vertices = nullptr;  ///< neighbours, ascending
+  const std::uint16_t* ring_edges = nullptr;     ///< edges to these neighbours
+  const std::uint16_t* ring_faces = nullptr;  ///< faces at the vertex, ascending; as many as edges
   std::uint16_t vertex_count = 0;
   std::uint16_t face_count = 0;
   std::uint16_t edge_count = 0;
@@ -98,7 +97,7 @@ struct ConvexView {
 
 class ConvexPolyhedron {
  public:
-  /// The tetrahedron of no size at the origin; exists so that containers can be resized.
+  /// A tetrahedron of size 0 at the origin, so that containers can be resized.
   ConvexPolyhedron() = default;
 
   std::span<const Vec3> vertices_m() const { return vertices_m_; }
@@ -114,9 +113,9 @@ class ConvexPolyhedron {
   }
   /// Mean of the vertices, in the body's frame.
   const Vec3& centre_m() const { return centre_m_; }
-  /// Every point of the body is this close to the frame's origin.
+  /// Radius about the frame's origin that contains the body.
   double r_outer_m() const { return r_outer_m_; }
-  /// The ball of this radius about the origin lies inside; negative if the origin lies outside.
+  /// Radius about the origin of a ball inside the body; negative if the origin is outside.
   double r_inner_m() const { return r_inner_m_; }
 
   /// Valid until this polyhedron is changed, moved or destroyed.
@@ -126,12 +125,12 @@ class ConvexPolyhedron {
   friend ConvexPolyhedron polyhedron_of_loops(std::span<const Vec3> vertices_m,
                                               std::span<const std::vector<std::uint16_t>> loops);
   struct DirectedEdge;
-  /// The face of a loop and its sides: plane from the loop, inward normals from plane and side.
+  /// Adds a loop's face and its sides. The inward normals follow from the plane and the sides.
   void add_face(std::span<const std::uint16_t> loop, std::vector<DirectedEdge>& directed);
-  /// Edges: each side meets the opposite side of another face.
+  /// Makes edges by joining each side with the opposite side of another face.
   void join_sides(std::vector<DirectedEdge>& directed);
   void index_rings();
-  /// Bounds, and the coordinates by axis.
+  /// Computes the bounds and the coordinates by axis.
   void index_axes();
 
   std::vector<Vec3> vertices_m_;
@@ -148,18 +147,18 @@ class ConvexPolyhedron {
   double r_inner_m_ = 0;
 };
 
-/// The convex hull of points, in their frame. Time grows with points times faces: 60 points take
-/// some 0.1 ms, 500 some 6 ms.
+/// Returns points' convex hull, in their frame. 60 points take some 0.1 ms, 500 some 6 ms: the time
+/// grows with points times faces.
 base::Result<ConvexPolyhedron, ShapeError> convex_hull(std::span<const Vec3> points_m);
 
-/// The same polyhedron with each vertex v at product(rotation, v) + shift_m: faces and edges keep
-/// their numbers. REQUIRES: rotation is orthonormal to rounding, with determinant 1.
+/// Returns the polyhedron with each vertex v moved to product(rotation, v) + shift_m. Faces and
+/// edges keep their numbers. REQUIRES: rotation is orthonormal up to rounding, with determinant 1.
 ConvexPolyhedron moved(const ConvexPolyhedron& polyhedron, const Mat3& rotation,
                        const Vec3& shift_m);
 
-/// A polyhedron from its vertices and the anticlockwise vertex loops of its faces. For makers that
-/// know the topology; nothing is merged or checked but what must hold for the arrays to make sense.
-/// REQUIRES: the loops bound a convex body (for a triangle: two opposite loops).
+/// Makes a polyhedron of known topology from its vertices and its faces' anticlockwise vertex
+/// loops. Merges nothing, and checks only what the arrays need to make sense. REQUIRES: the loops
+/// bound a convex body (for a triangle: two opposite loops).
 ConvexPolyhedron polyhedron_of_loops(std::span<const Vec3> vertices_m,
                                      std::span<const std::vector<std::uint16_t>> loops);
 

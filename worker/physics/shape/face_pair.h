@@ -1,8 +1,7 @@
 // The faces of two triangles at once, one in each half of a vector register.
 //
-// Idea. All that hangs on a triangle's corners is some hundred operations that are the same for
-// every triangle: two triangles take hardly longer than one. Each number has the bits of the same
-// operations on doubles one by one.
+// Idea. Deriving a face takes some hundred operations, the same for every triangle, so two
+// triangles take hardly longer than one. Each result has the same bits as scalar operations.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -19,11 +18,11 @@
 
 namespace sleight::physics::face_pair {
 
-// Compilers take these for what the processor has.
+// Compilers translate these types to the processor's registers.
 using Two = double __attribute__((vector_size(16)));
 using Mask = std::int64_t __attribute__((vector_size(16)));
 
-/// A vector of each triangle.
+/// One vector for each of the two triangles.
 struct Pair {
   Two x, y, z;
   friend Pair operator-(const Pair& a, const Pair& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -54,11 +53,10 @@ inline Two roots(Two a) {
 #endif
 }
 
-/// A triangle's corners.
 using Corners = std::array<const Vec3*, 3>;
 
-/// Derives both faces; whether neither triangle is thinner than k_mesh_sliver. If one is, its face
-/// is not to be used. REQUIRES: no coordinate's square or cube overflows.
+/// Derives both faces. Returns false if either triangle is thinner than k_mesh_sliver; its face is
+/// then invalid. REQUIRES: no coordinate's square or cube overflows.
 inline bool derive(const Corners& first_m, const Corners& second_m, MeshFace& first,
                    MeshFace& second) {
   const Pair a = pair_of(*first_m[0], *second_m[0]);
@@ -85,8 +83,8 @@ inline bool derive(const Corners& first_m, const Corners& second_m, MeshFace& fi
   side(0, a, ab);
   side(1, b, bc);
   side(2, c, ca);
-  // The root of the greatest square is the greatest root, to the bit. Twice the area is the longest
-  // side times the height on it.
+  // The greatest square's root is bitwise the greatest root. Twice the area is longest side x
+  // height.
   const Two longest = roots(greatest(greatest(dot(ab, ab), dot(bc, bc)), dot(ca, ca)));
   const Mask sound = (area > k_mesh_sliver * (longest * longest)) & (longest > k_mesh_point_m);
   return (sound[0] & sound[1]) != 0;

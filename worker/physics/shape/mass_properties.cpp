@@ -28,7 +28,7 @@ Mat3 outer(const Vec3& a, const Vec3& b) {
   return m;
 }
 
-// Of one part, about its own centre: faraway origins would cancel digits.
+// Returns a part's moments about its own centre, because a distant origin would cancel digits.
 Moments moments_of(const ConvexPolyhedron& part) {
   Moments sum;
   const auto vertices = part.vertices_m();
@@ -48,8 +48,8 @@ Moments moments_of(const ConvexPolyhedron& part) {
   return sum;
 }
 
-// Shepperd's choice of the largest component (S. Shepperd, "Quaternion from rotation matrix", J.
-// Guidance and Control 1 (1978)).
+// Chooses the largest component (S. Shepperd, "Quaternion from rotation matrix", J. Guidance and
+// Control 1 (1978)).
 Quat quaternion_of(const Mat3& m) {
   const double trace = m(0, 0) + m(1, 1) + m(2, 2);
   const std::array<double, 4> square{trace, m(0, 0), m(1, 1), m(2, 2)};
@@ -67,7 +67,7 @@ Quat quaternion_of(const Mat3& m) {
   return math::normalized(q);
 }
 
-// One Jacobi rotation in the plane (p, q) that makes m(p, q) zero.
+// Makes m(p, q) zero by a Jacobi rotation in the plane (p, q).
 void rotate_away(Mat3& m, Mat3& axes, int p, int q) {
   if (m(p, q) == 0) return;
   const double tau = (m(q, q) - m(p, p)) / (2 * m(p, q));
@@ -116,7 +116,7 @@ base::Result<Chosen, ShapeError> axes_of_top(const PrincipalAxes& principal) {
       odd = axis;
     }
   }
-  // Where all three agree the choice above is rounding's: z stays z.
+  // If all three moments agree, rounding made the choice above, so keep z.
   const double spread = (m.maxCoeff() - m.minCoeff()) / m.maxCoeff();
   if (spread <= k_moment_tolerance) odd = 2;
   if (least > k_moment_tolerance)
@@ -127,7 +127,7 @@ base::Result<Chosen, ShapeError> axes_of_top(const PrincipalAxes& principal) {
     if (std::fabs(z[axis]) > std::fabs(z[largest]) * (1 + 1e-9)) largest = axis;
   }
   if (z[largest] < 0) z = -z;
-  // Within the plane of equal moments, x is the given x seen along z.
+  // In the plane of equal moments, x is the given x seen along z.
   const Vec3 guide = std::fabs(z.x()) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
   const Vec3 x = math::normalized(guide - dot(guide, z) * z);
   const double across = 0.5 * (m[(odd + 1) % 3] + m[(odd + 2) % 3]);
@@ -160,7 +160,7 @@ MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double d
   }
   result.mass_kg = density_kgpm3 * result.volume_m3;
   result.centre_m = first / result.volume_m3;
-  // Second moments about the common centre: x = d + y with d from there to the part's centre.
+  // Second moments about the common centre: x = d + y, where d leads from it to the part's centre.
   Mat3 second = Mat3::Zero();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Moments& m = moments[i];
@@ -178,7 +178,7 @@ PrincipalAxes principal_axes(const Mat3& symmetric) {
   m(2, 0) = m(0, 2);
   m(2, 1) = m(1, 2);
   Mat3 axes = Mat3::Identity();
-  // Convergence is quadratic: five or six sweeps leave nothing; the limit is a guard.
+  // Convergence is quadratic: five or six sweeps suffice, and the limit is a guard.
   constexpr int k_sweeps_max = 32;
   for (int sweep = 0; sweep < k_sweeps_max; ++sweep) {
     const double off = std::fabs(m(0, 1)) + std::fabs(m(0, 2)) + std::fabs(m(1, 2));
@@ -188,7 +188,7 @@ PrincipalAxes principal_axes(const Mat3& symmetric) {
     rotate_away(m, axes, 0, 2);
     rotate_away(m, axes, 1, 2);
   }
-  // The order of axes with the largest sum of |cosines| to the given ones; the first such on a tie.
+  // Choose the first order of axes with the largest sum of |cosines| to the given axes.
   constexpr std::array<std::array<int, 3>, 6> k_orders{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
   std::array<int, 3> order = k_orders[0];

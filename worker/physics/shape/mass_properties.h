@@ -1,15 +1,15 @@
 // Mass, centre and inertia of bodies made of convex parts, and the body's own frame.
 //
 // Idea. A body of uniform density is a union of convex parts that do not overlap. Each part is cut
-// into tetrahedra from its centre to the triangles of its faces; volume, first and second moments
-// of a tetrahedron are exact polynomials of its corners (F. Tonon, "Explicit exact formulas for the
-// 3-D tetrahedron inertia tensor in terms of its vertex coordinates", J. Math. Stat. 1 (2004), in
-// the covariance form of J. Blow and A. Binstock, "How to find the inertia tensor of a 3D solid
-// body", 2004: the integral of x x^T over the tetrahedron (0, a, b, c) of volume V is
-// V/20 (a a^T + b b^T + c c^T + s s^T) with s = a + b + c).
+// into tetrahedra from its centre to its faces' triangles. A tetrahedron's volume, first and second
+// moments are exact polynomials of its corners (F. Tonon, "Explicit exact formulas for the 3-D
+// tetrahedron inertia tensor in terms of its vertex coordinates", J. Math. Stat. 1 (2004)). The
+// covariance form is J. Blow's and A. Binstock's ("How to find the inertia tensor of a 3D solid
+// body", 2004): the integral of x x^T over the tetrahedron (0, a, b, c) of volume V is V/20 (a a^T
+// + b b^T + c c^T + s s^T) with s = a + b + c.
 //
-// The maker of a shape declares its symmetry, since that selects how free rotation is computed; it
-// is checked, and never guessed from rounded numbers.
+// The maker of a shape declares its symmetry, which selects how free rotation is computed. The
+// declaration is checked; symmetry is never guessed from rounded numbers.
 // Thread safety: pure functions.
 #pragma once
 
@@ -21,48 +21,49 @@
 
 namespace sleight::physics {
 
-/// Moments that are declared equal may differ by this part of the largest.
+/// Moments that are declared equal may differ by this share of the largest moment.
 inline constexpr double k_moment_tolerance = 1e-9;
 
 struct MassProperties {
   double volume_m3 = 0;
   double mass_kg = 0;
   Vec3 centre_m = Vec3::Zero();      ///< centre of mass, in the parts' frame
-  Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre of mass, along the parts' frame's axes
+  Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre of mass, in the parts' frame's axes
 };
 
-/// REQUIRES: at least one part; density > 0. Overlapping parts count twice where they overlap.
+/// REQUIRES: at least one part; density > 0. Volume where parts overlap counts for each part.
 MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double density_kgpm3);
 
 struct PrincipalAxes {
   Vec3 moments = Vec3::Zero();
-  Mat3 axes = Mat3::Identity();  ///< columns: the unit axis of each moment; determinant 1
+  Mat3 axes = Mat3::Identity();  ///< the columns are the moments' unit axes; determinant 1
 };
 
-/// Eigenvalues and vectors of a symmetric matrix by cyclic Jacobi rotations (G. Golub, C. Van Loan,
-/// "Matrix computations", 3rd edition, 8.4). Of all orders and signs of the axes, the result is
-/// the one closest to the given frame: a diagonal matrix gives the identity. Errors are some 1e-15
-/// of the largest entry. REQUIRES: finite; the upper triangle is read.
+/// Computes the eigenvalues and eigenvectors of a symmetric matrix by cyclic Jacobi rotations (G.
+/// Golub, C. Van Loan, "Matrix computations", 3rd edition, 8.4). Chooses the order and signs of the
+/// axes closest to the given frame, so a diagonal matrix gives the identity. Errors are some 1e-15
+/// of the largest entry. Reads only the upper triangle. REQUIRES: finite.
 PrincipalAxes principal_axes(const Mat3& symmetric);
 
 /// A body in its own frame: origin in the centre of mass, principal axes along x, y, z.
 struct BodyShape {
   std::vector<ConvexPolyhedron> parts;  ///< in the body's frame
   Inertia inertia;
-  Pose frame;  ///< the body's frame in the frame of the parts given
+  Pose frame;  ///< the body's frame in the frame of the given parts
 };
 
-/// Re-centres parts. The axes are chosen so:
-///   spherical  those of the given frame; the moments are made equal (their mean)
-///   axial      z along the odd moment's axis, in that of its two directions whose largest
-///              component is positive; x as close as possible to the given x (or y, where z is
-///              near x); the two moments about x and y are made equal (their mean)
+/// Moves parts into the body's frame. The axes depend on the declared symmetry:
+///   spherical  axes of the given frame; the moments are set to their mean
+///   axial      z along the odd moment's axis, in the direction whose largest component is
+///   positive;
+///              x as close as possible to the given x (or to y if z is near x);
+///              the two moments about x and y are set to their mean
 ///   general    principal axes, in the order and with the signs closest to the given frame
 /// Fails with no_parts, dimension_not_positive (index 0: the density), not_spherical or not_axial.
 base::Result<BodyShape, ShapeError> in_body_frame(std::span<const ConvexPolyhedron> parts,
                                                   double density_kgpm3, InertiaSymmetry declared);
 
-/// Of a solid ball of even density: 2/5 m r^2.
+/// Returns the inertia of a solid ball of even density: 2/5 m r^2.
 Inertia solid_ball_inertia(double mass_kg, double radius_m);
 
 }  // namespace sleight::physics

@@ -8,7 +8,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Lengths, as parts of a piece's size, and normals that differ by less are the same.
+/// Normals count as equal within this, and lengths within this share of the piece's size.
 constexpr double k_alike = 1e-12;
 
 using math::dot;
@@ -18,7 +18,7 @@ bool is_finite(const Vec3& v) {
   return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
 }
 
-/// Distance of a feature's furthest point from a point.
+/// Returns the maximum distance of a feature's points from a point.
 double furthest_m(const RoundFeature& feature, const Vec3& axis, const Vec3& point_m) {
   const Vec3 from = feature.centre_m - point_m;
   const double along = dot(axis, from);
@@ -91,23 +91,23 @@ ConvexView RoundPiece::view() const {
 
 // ---- the profile --------------------------------------------------------------------------------
 
-/// From where a feature's arc begins down to where another feature reaches further: that of which
-/// the common tangent comes first. `next` is the feature itself if its arc is the last.
+/// Returns the arc from where a feature's arc begins to where another feature reaches further, at
+/// the first common tangent. `next` is the feature itself if its arc is the last.
 ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from,
                                 std::uint32_t& next) const {
   ProfileArc arc{.feature = feature, .from = from, .to = {0, -1}};
   const RoundFeature& own = features_[feature];
   next = feature;
   double way_m = 0;
-  // Normals go down from (0, 1) to (0, -1), so a later one has the smaller part along the axis.
+  // Normals go down from (0, 1) to (0, -1), so a later normal has a smaller axial component.
   for (std::uint32_t i = 0; i < features_.size(); ++i) {
     if (i == feature) continue;
-    // Discs are tangent to one line with normal e where e.D = own.r - other.r.
+    // The discs share a tangent line with normal e if e.D = own.r - other.r.
     const double across_m = features_[i].circle_m - own.circle_m;
     const double along_m = features_[i].height_m - own.height_m;
     const double square = across_m * across_m + along_m * along_m;
     const double less_m = own.radius_m - features_[i].radius_m;
-    if (!(square > less_m * less_m)) continue;  // one holds the other
+    if (!(square > less_m * less_m)) continue;  // one disc contains the other
     const double root = std::sqrt(square - less_m * less_m);
     ProfileNormal normal{(less_m * across_m - root * along_m) / square,
                          (less_m * along_m + root * across_m) / square};
@@ -123,7 +123,7 @@ ProfileArc RoundPiece::arc_from(std::uint32_t feature, const ProfileNormal& from
   return arc;
 }
 
-/// Leaves out what another feature holds, which adds nothing, and of equal ones all but one.
+/// Removes features that another feature contains, and all but one of equal features.
 void RoundPiece::drop_held() {
   const auto holds = [&](const RoundFeature& big, const RoundFeature& small) {
     const bool on_axis = big.circle_m > 0 || small.circle_m > 0;
@@ -153,7 +153,7 @@ void RoundPiece::find_profile() {
   if (std::ranges::any_of(features_, off_axis)) return;
   for (RoundFeature& feature : features_)
     feature.centre_m = origin_m_ + feature.height_m * axis_;
-  // The highest; of those the widest.
+  // Start at the highest feature; among these, the widest.
   std::uint32_t now = 0;
   for (std::uint32_t i = 1; i < features_.size(); ++i) {
     const double top_m = features_[i].height_m + features_[i].radius_m;
@@ -175,7 +175,7 @@ void RoundPiece::find_profile() {
 }
 
 double RoundPiece::radius_at_m(double height_m) const {
-  // A convex profile: the least of what its lines and arcs allow at that height.
+  // The profile is convex: the radius is the least that its lines and arcs allow at that height.
   double widest_m = 0;
   const auto point_of = [&](const RoundFeature& one, const ProfileNormal& normal) {
     return ProfileNormal{one.circle_m + one.radius_m * normal.across,

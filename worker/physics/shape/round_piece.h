@@ -1,20 +1,19 @@
 // Convex hulls of balls and of rings about one axis: capsules, cylinders, cones, parts of pins.
 //
-// A ball has a centre and a radius. A ring is a circle about the piece's axis with a radius of its
-// own around it, so a torus; a ring whose circle has radius 0 is a ball on the axis. The piece is
-// the convex hull of all of them. Its support, how far it reaches in a direction u of length 1, is
+// A ball has a centre and a radius. A ring is a torus: a circle about the piece's axis, with a
+// radius around the circle. A ring whose circle has radius 0 is a ball on the axis. The piece is
+// the convex hull of all its features. Its support, the distance it reaches in a unit direction u,
+// is
 //   h(u) = max over its features of c.u + R |u across the axis| + r,
 // with c the centre, R the circle's radius (0 for a ball) and r the radius around it.
 //
-// No edge is quite sharp: each r is at least k_round_edge_min of the piece's size, as the edges of
-// real things are. So two pieces less their margin (the least r of each) are apart when they touch,
-// and the line between them says which way they touch (distance/round_distance.h).
+// No edge is perfectly sharp: each r is at least k_round_edge_min of the piece's size, like the
+// edges of real things. So two touching pieces are apart once each is reduced by its margin (its
+// least r), and the line between them gives the contact's direction (distance/round_distance.h).
 //
-// A piece of revolution has all its features on the axis. Seen in the half-plane of an axial and a
-// radial coordinate it is the hull of discs; its profile is a chain of arcs and straight lines,
-// which are kept: the arcs in order, and the normals of the lines between them.
-//
-// Thread safety: values; const access from several threads is safe.
+// A piece of revolution has all its features on the axis. In the half-plane of an axial and a
+// radial coordinate it is the hull of discs, and its profile is a chain of arcs and straight lines.
+// The arcs are stored in order, and so are the normals of the lines between them.
 #pragma once
 
 #include <cmath>
@@ -29,17 +28,17 @@
 namespace sleight::physics {
 
 inline constexpr std::size_t k_round_features_max = 64;
-/// The least radius of a ball or around a ring, as a part of the distance of the piece's furthest
-/// point from its frame's origin.
+/// Minimum r of a feature, as a share of the distance of the piece's furthest point from the
+/// origin.
 inline constexpr double k_round_edge_min = 1e-4;
 
 struct RoundBall {
   Vec3 centre_m = Vec3::Zero();
   double radius_m = 0;
 };
-/// Its circle lies across the axis.
+/// A ring, with its circle perpendicular to the axis.
 struct RoundRing {
-  double height_m = 0;  ///< of its centre along the axis, from the piece's origin
+  double height_m = 0;  ///< height of the centre along the axis, from the piece's origin
   double circle_m = 0;  ///< radius of the circle; 0: a ball
   double radius_m = 0;  ///< around the circle
 };
@@ -50,20 +49,20 @@ struct RoundDescription {
   std::vector<RoundBall> balls;
 };
 
-/// A ball or a ring as supports need it.
+/// A ball or a ring in the form that supports need.
 struct RoundFeature {
   Vec3 centre_m = Vec3::Zero();
-  double height_m = 0;  ///< of its centre along the axis, from the piece's origin
+  double height_m = 0;  ///< height of the centre along the axis, from the piece's origin
   double circle_m = 0;
   double radius_m = 0;
 };
 
-/// A direction of the half-plane through the axis: away from it, and along it.
+/// A direction in the half-plane through the axis: components away from the axis and along it.
 struct ProfileNormal {
   double across = 0;  ///< >= 0
   double along = 0;
 };
-/// A feature's part of the profile: from one normal to the next, from the top downwards.
+/// A feature's arc of the profile: from one normal to the next, from the top downwards.
 struct ProfileArc {
   std::uint32_t feature = 0;
   ProfileNormal from;
@@ -72,32 +71,32 @@ struct ProfileArc {
 
 class RoundPiece {
  public:
-  /// What another feature holds is left out.
-  /// Fails with no_parts, too_many_features, no_axis, not_finite, dimension_not_positive (a radius;
-  /// `index` counts the rings, then the balls), or sharp (r below k_round_edge_min of the size).
+  /// Makes a piece, leaving out features that other features contain. Fails with no_parts,
+  /// too_many_features, no_axis, not_finite, dimension_not_positive (a radius; `index` counts the
+  /// rings, then the balls), or sharp (r below k_round_edge_min of the size).
   static base::Result<RoundPiece, ShapeError> make(const RoundDescription& description);
 
   std::span<const RoundFeature> features() const { return features_; }
   const Vec3& axis() const { return axis_; }
   /// A point of the axis.
   const Vec3& origin_m() const { return origin_m_; }
-  /// The least r.
+  /// The least r of all features.
   double margin_m() const { return margin_m_; }
-  /// Every point of the piece is this close to the frame's origin.
+  /// Radius about the frame's origin that contains the piece.
   double r_outer_m() const { return r_outer_m_; }
   const Vec3& centre_m() const { return centre_m_; }
 
-  /// Whether all features lie on the axis.
+  /// Returns whether all features are on the axis.
   bool of_revolution() const { return !arcs_.empty(); }
-  /// Of a piece of revolution, else none: the arcs of its profile, from the top downwards.
+  /// The arcs of the profile, from the top downwards. Empty unless of_revolution().
   std::span<const ProfileArc> arcs() const { return arcs_; }
   /// Outward normals of the straight parts, flat ends included.
   std::span<const ProfileNormal> flats() const { return flats_; }
-  /// Radius of a piece of revolution at a height of its axis, 0 above and below it.
+  /// Returns a piece of revolution's radius at a height of its axis, 0 above and below the piece.
   double radius_at_m(double height_m) const;
 
-  /// Calls offer(feature, reach) with how far each feature reaches along a direction u of any
-  /// length: c.u + R |u across| + r. `across` is that length. Inline, as searches ask little else.
+  /// Calls offer(feature, reach) for each feature with its reach along a direction u of any length:
+  /// c.u + R |u across| + r. `across` is |u across|. Inline, because searches do little else.
   template <class Offer>
   void for_each_reach(const Vec3& direction, double across, const Offer& offer) const {
     if (of_revolution()) {
@@ -112,10 +111,10 @@ class RoundPiece {
       offer(feature, (math::dot(feature.centre_m, direction) + feature.circle_m * across) +
                          feature.radius_m);
   }
-  /// The greatest of these.
+  /// Returns the greatest reach of all features.
   double reach_m(const Vec3& direction) const;
 
-  /// Without vertices. Valid until this piece is changed, moved or destroyed.
+  /// A view without vertices. Valid until this piece is changed, moved or destroyed.
   ConvexView view() const;
 
  private:
@@ -134,7 +133,7 @@ class RoundPiece {
   double r_outer_m_ = 0;
 };
 
-/// Length of the part of a vector across a unit axis.
+/// Returns the length of a vector's component perpendicular to a unit axis.
 inline double length_across(const Vec3& axis, const Vec3& v) {
   const Vec3 part = v - math::dot(axis, v) * axis;
   return math::norm(part);

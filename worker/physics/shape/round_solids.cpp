@@ -11,7 +11,7 @@
 namespace sleight::physics {
 namespace {
 
-/// The first of some sizes that is none.
+/// Returns an error for the first size that isn't positive and finite.
 std::optional<ShapeError> bad_size(std::initializer_list<double> sizes) {
   std::size_t index = 0;
   for (const double size : sizes) {
@@ -21,8 +21,8 @@ std::optional<ShapeError> bad_size(std::initializer_list<double> sizes) {
   return std::nullopt;
 }
 
-/// Nodes and weights of Gauss and Legendre's rule on [-1, 1] (M. Abramowitz, I. Stegun, "Handbook
-/// of mathematical functions", table 25.4, n = 16).
+/// Nodes and weights of the Gauss-Legendre rule on [-1, 1] (M. Abramowitz, I. Stegun, "Handbook of
+/// mathematical functions", table 25.4, n = 16).
 constexpr std::array<double, 8> k_nodes{0.095012509837637440185, 0.281603550779258913230,
                                         0.458016777657227386342, 0.617876244402643748447,
                                         0.755404408355003033895, 0.865631202387831743880,
@@ -32,7 +32,7 @@ constexpr std::array<double, 8> k_weights{0.189450610455068496285, 0.18260341504
                                           0.124628971255533872052, 0.095158511682492784810,
                                           0.062253523938647892863, 0.027152459411754094852};
 
-/// The integral of f over an interval at whose ends it may begin like a root.
+/// Returns the integral of f over an interval. At the ends f may behave like a root.
 template <class Function>
 double integral(double from, double to, const Function& f) {
   constexpr int k_panels = 4;
@@ -60,7 +60,7 @@ struct Revolution {
   double across_m5 = 0;  ///< about the centre
 };
 
-/// Of a profile that is smooth between two of these heights, ascending.
+/// Integrates a profile that is smooth between neighbouring heights, which ascend.
 template <class Profile>
 Revolution revolution_of(std::span<const double> heights_m, const Profile& radius_m) {
   const auto over_all = [&](const auto& of_height_and_square) {
@@ -85,7 +85,7 @@ Revolution revolution_of(std::span<const double> heights_m, const Profile& radiu
 }
 
 Revolution revolution_of(std::span<const RoundPiece> pieces) {
-  // Between two of these heights each piece's profile is smooth.
+  // Between neighbouring heights each piece's profile is smooth.
   std::vector<double> heights_m;
   for (const RoundPiece& piece : pieces) {
     for (const ProfileArc& arc : piece.arcs()) {
@@ -147,8 +147,8 @@ struct ProfilePoint {
   double height_in;
   double radius_in;
 };
-/// Heights and half of the diameters, United States Bowling Congress, "Equipment specifications and
-/// certifications manual": pin specifications.
+/// Heights and half the diameters: United States Bowling Congress, "Equipment specifications and
+/// certifications manual", pin specifications.
 constexpr std::array<ProfilePoint, 14> k_pin{{{0, 2.031 / 2},
                                               {0.75, 2.828 / 2},
                                               {2.25, 3.906 / 2},
@@ -167,8 +167,8 @@ constexpr double k_pin_height_in = 15;
 constexpr double k_dome_in = 1.273;
 constexpr double k_rim_in = 5.0 / 32;
 
-/// Second derivatives of the cubic spline through the points, free at the foot and level at the top
-/// (W. Press and others, "Numerical recipes", 3.3).
+/// Returns the second derivatives of the cubic spline through the points, free at the foot and
+/// level at the top (W. Press and others, "Numerical recipes", 3.3).
 std::array<double, k_pin.size()> pin_bends() {
   constexpr std::size_t n = k_pin.size();
   std::array<double, n> bend{};
@@ -209,7 +209,7 @@ double pin_radius_in(double height_in) {
          ((a * a * a - a) * k_bends[i - 1] + (b * b * b - b) * k_bends[i]) * width * width / 6;
 }
 
-/// A ring whose outermost points lie on the profile.
+/// Returns a ring whose outermost points are on the profile.
 RoundRing pin_ring(double height_in) {
   constexpr double k_edge_in = 0.01;
   return {.height_m = height_in * k_inch_m,
@@ -284,7 +284,7 @@ RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3
   }
   auto piece = RoundPiece::make(description);
   if (!piece) return piece.error();
-  // The section at a distance from the core is a rectangle with rounded corners.
+  // A section at a distance from the core is a rectangle with rounded corners.
   double volume_m3 = 0;
   Vec3 squares = Vec3::Zero();  // integrals of x^2, y^2, z^2
   for (int axis = 0; axis < 3; ++axis) {
@@ -323,8 +323,7 @@ RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3
 
 RoundResult bowling_pin(double mass_kg) {
   if (!is_positive(mass_kg)) return not_positive(0, mass_kg);
-  // The rim: its outermost points lie a little inside of the profile, as the line from there to the
-  // next ring lies outside.
+  // The rim's outermost points are inside the profile, since the line to the next ring is outside.
   constexpr double k_inside_in = 0.008;
   std::vector<RoundRing> belly =
       pin_rings({0.75, 1.5, 2.25, 2.8, 3.375, 3.9, 4.5, 5.2, 5.875, 6.55, 7.25, 7.9});
@@ -336,12 +335,12 @@ RoundResult bowling_pin(double mass_kg) {
                   .circle_m = 0,
                   .radius_m = k_dome_in * k_inch_m});
   std::vector<std::vector<RoundRing>> pieces{belly};
-  // The neck is hollow: from each of these heights to the next one it has a part.
+  // The neck is concave, so it has one part between each pair of neighbouring heights.
   constexpr std::array k_neck_in{7.9, 8.625, 9.0, 9.375, 9.7, 10.2, 10.875, 11.5, 12.2};
   for (std::size_t i = 0; i + 1 < k_neck_in.size(); ++i)
     pieces.push_back(pin_rings({k_neck_in[i], k_neck_in[i + 1]}));
   pieces.push_back(head);
-  // Mass and moments are those of the spline.
+  // Mass and moments are the spline's.
   std::vector<double> heights_m{0, k_rim_in * k_inch_m};
   for (std::size_t i = 1; i < k_pin.size(); ++i)
     heights_m.push_back(k_pin[i].height_in * k_inch_m);

@@ -1,17 +1,16 @@
 // Makers of round bodies of even density, with their moments of inertia: capsule, cylinder, cone,
 // coin, rounded box, bowling pin.
 //
-// Each is centred at its centre of mass, and z is its axis, so its frame can be used as the body's.
-// Edges are rounded: of a cylinder by `edge_m` (round_piece.h says why no edge is quite sharp).
-// Sizes are those of the whole, edges included. Sizes that are not positive and finite are a
-// ShapeError whose index says which argument it was.
+// Each body is centred at its centre of mass with z as its axis, so its frame serves as the body's.
+// Edges are rounded, a cylinder's by `edge_m` (round_piece.h explains why). Sizes include the
+// edges. A size that isn't positive and finite causes a ShapeError whose index is the argument's.
 //
-// Mass and moments are integrals over the profile r(z): dm = density pi r^2 dz,
-//   about the axis r^2/2 dm, across it (r^2/4 + (z - centre)^2) dm,
-// by Gauss and Legendre's rule between the profile's corners, in an angle, since a profile begins
-// and ends like a root. Errors are below 1e-9 of
-// them, or 1e-4 where pieces overlap whose profiles cross between corners. Thread safety: pure
-// functions and values.
+// Mass and moments are integrals over the profile r(z) with dm = density pi r^2 dz:
+//   about the axis r^2/2 dm, across it (r^2/4 + (z - centre)^2) dm.
+// They use the Gauss-Legendre rule between the profile's corners, in an angle, because a profile
+// begins and ends like a root. Relative errors are below 1e-9, or 1e-4 where pieces overlap whose
+// profiles cross between corners.
+// Thread safety: pure functions and values.
 #pragma once
 
 #include <span>
@@ -23,39 +22,37 @@
 
 namespace sleight::physics {
 
-/// The parts and the inertia of a body.
+/// A body's parts and inertia.
 struct RoundSolid {
   std::vector<RoundPiece> parts;
   Inertia inertia;
-  double foot_m = 0;  ///< depth of its lowest point below the centre of mass, along z
+  double foot_m = 0;  ///< depth of the lowest point below the centre of mass, along z
 };
 using RoundResult = base::Result<RoundSolid, ShapeError>;
 
-/// The union of pieces of revolution about z, each the hull of its rings, re-centred along z.
-/// Inertia: axial. The mass counts once where pieces overlap.
+/// Makes the union of pieces of revolution about z, each the hull of its rings, and centres it
+/// along z. Inertia: axial. Overlapping volume counts once.
 RoundResult solid_of_revolution(std::span<const std::vector<RoundRing>> pieces,
                                 double density_kgpm3);
 
-/// Two balls of this radius, with their centres so far apart along z, and what is between.
+/// The hull of two balls with their centres `between_m` apart along z.
 RoundResult capsule(double radius_m, double between_m, double density_kgpm3);
 RoundResult cylinder(double radius_m, double height_m, double edge_m, double density_kgpm3);
-/// Its tip, in the direction of z, and the edge of its base are rounded.
+/// A cone with its tip in the direction of z. The tip and the edge of the base are rounded.
 RoundResult cone(double radius_m, double height_m, double edge_m, double density_kgpm3);
 /// A cylinder whose edges are rounded by a quarter of its thickness.
 RoundResult coin(double radius_m, double thickness_m, double density_kgpm3);
-/// A box of these sides, all its edges and corners rounded by one radius, less than half of the
-/// least side. Inertia: general, or what equal sides make it.
+/// A box of these side lengths. All edges and corners are rounded by one radius, less than half of
+/// the least side. Inertia: general, or by the number of equal sides.
 RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3);
 
-/// A ten-pin bowling pin that stands along z. Its profile is that of the heights and diameters of
-/// the United States Bowling Congress's equipment specifications, joined by a cubic spline that is
-/// level at 13.5 in, with a dome of radius 1.273 in above and a rim of radius 5/32 in below, to 0.4
-/// mm. Ten parts: the belly, the neck in eight, the head. Mass and
-/// moments are those of the spline.
+/// A ten-pin bowling pin standing along z. A cubic spline, level at 13.5 in, joins the heights and
+/// diameters of the United States Bowling Congress's equipment specifications. A dome of radius
+/// 1.273 in is above, and a rim of radius 5/32 in below, to 0.4 mm. The ten parts are the belly,
+/// eight parts of the neck, and the head. Mass and moments are the spline's.
 RoundResult bowling_pin(double mass_kg);
 
-/// Radius of the pin's profile at a height above its foot, of the spline itself; for pictures and
-/// tests. 0 outside.
+/// Returns the spline's radius at a height above the pin's foot, 0 outside; for pictures and tests.
 double bowling_pin_radius_m(double height_m);
 
 }  // namespace sleight::physics

@@ -1,7 +1,7 @@
-// Why points or parts do not make a shape.
+// Errors of points or parts that don't make a shape.
 //
-// Shapes come from requests and files, so a bad one is an expected outcome: the makers return this
-// value instead of a shape. Thread safety: values.
+// Shapes come from requests and files, so a bad shape is an expected outcome, which the makers
+// return instead of a shape. Thread safety: values.
 #pragma once
 
 #include <cmath>
@@ -15,14 +15,14 @@ struct ShapeError {
   enum class Kind : std::uint8_t {
     too_few_points,          ///< fewer than four
     too_many_points,         ///< more than k_hull_points_max
-    not_finite,              ///< a coordinate is NaN or infinite; `index` says of which point
+    not_finite,              ///< a coordinate of point `index` is NaN or infinite
     flat,                    ///< thinner than k_hull_flat of the extent; `measured` is that ratio
-    degenerate,              ///< features as small as the tolerance: no consistent polyhedron
+    degenerate,              ///< features as small as the tolerance make no consistent polyhedron
     not_spherical,           ///< declared spherical, but the moments differ; `measured`: relative
     not_axial,               ///< declared axial, but no two moments agree; `measured`: relative
     no_parts,                ///< a body without any part
     dimension_not_positive,  ///< a size, radius, density or count that must be positive
-    too_many_features,       ///< of a round piece: more than k_round_features_max
+    too_many_features,       ///< a round piece has more than k_round_features_max
     no_axis,                 ///< a round piece's axis isn't of length 1, or its origin not finite
     sharp  ///< a round piece's edge: `measured` is its radius as a part of the piece's size
   };
@@ -32,7 +32,7 @@ struct ShapeError {
   friend bool operator==(const ShapeError&, const ShapeError&) = default;
 };
 
-/// Whether a size, radius or density is one.
+/// Returns whether a size, radius or density is positive and finite.
 inline bool is_positive(double size) {
   return size > 0 && std::isfinite(size);
 }

@@ -33,7 +33,7 @@ Globe icosahedron() {
       }
     }
   }
-  // Neighbours are 2 apart before scaling, all others at least 2 golden.
+  // Neighbours are 2 apart before scaling, all other pairs at least 2 golden.
   const auto near = [&](std::size_t a, std::size_t b) {
     return math::norm(globe.points[a] - globe.points[b]) < 2.5 * scale;
   };
@@ -102,7 +102,7 @@ std::optional<RoundPiece> hull_of(const Compound& compound) {
 
 std::optional<Vec3> axis_of_revolution(const Compound& compound) {
   if (!compound.parts.empty() || compound.round_parts.empty()) return std::nullopt;
-  // Makers put bodies in their frame by rounded numbers.
+  // Makers compute a body's frame with rounding.
   constexpr double k_off = 1e-12;
   const Vec3 z = Vec3::UnitZ();
   for (const RoundPiece& part : compound.round_parts) {

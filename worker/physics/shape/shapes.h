@@ -1,8 +1,9 @@
 // Makers of common solids, and bodies of several convex parts.
 //
-// All are centred at their centre of mass with principal axes along x, y, z, so their frame can be
-// used as the body's. Sizes that are not positive and finite are a ShapeError whose index says
-// which argument it was. Thread safety: pure functions and values.
+// Each solid is centred at its centre of mass with principal axes along x, y, z, so its frame
+// serves as the body's. A size that isn't positive and finite causes a ShapeError whose index is
+// the argument's.
+// Thread safety: pure functions and values.
 #pragma once
 
 #include <optional>
@@ -14,42 +15,38 @@
 
 namespace sleight::physics {
 
-/// A body of convex parts, all in the body's frame; distances and impacts are per part. They are
-/// numbered through, polyhedra first.
+/// A body of convex parts, all in the body's frame. Distances and impacts are per part. Parts are
+/// numbered consecutively, polyhedra first.
 struct Compound {
   std::vector<ConvexPolyhedron> parts;
   std::vector<RoundPiece> round_parts{};
   std::size_t size() const { return parts.size() + round_parts.size(); }
-  /// Of any part. Valid until the compound is changed, moved or destroyed.
+  /// A view of any part. Valid until the compound is changed, moved or destroyed.
   ConvexView view(std::size_t part) const;
-  /// Every point of every part is this close to the frame's origin.
+  /// Radius about the frame's origin that contains all parts.
   double r_outer_m() const;
 };
 
-/// The hull of all parts of a compound, if these are round pieces about one axis, several of them,
-/// and of no more features than a piece may have; for first looks, which then needn't ask each
-/// part.
+/// Returns the hull of a compound of several round pieces about one axis, unless it has too many
+/// features for a piece. First looks use the hull instead of each part.
 std::optional<RoundPiece> hull_of(const Compound& compound);
 
-/// The axis of a compound that is a body of revolution about a line through the frame's origin,
-/// where its parts' and its own axis are along z.
+/// Returns the axis of a compound that is a body of revolution about a line through the frame's
+/// origin. The axes of the parts and of the body must be along z.
 std::optional<Vec3> axis_of_revolution(const Compound& compound);
 
 using ShapeResult = base::Result<ConvexPolyhedron, ShapeError>;
 
-/// With these lengths of its sides. Eight vertices, six quadrilaterals; inertia: general unless two
-/// or three sides are equal.
+/// Eight vertices, six quadrilaterals. Inertia: general unless two or three sides are equal.
 ShapeResult box(const Vec3& sides_m);
-/// Inertia: spherical.
+/// A cube. Inertia: spherical.
 ShapeResult cube(double side_m);
-/// Regular, with its vertices at this distance from the centre. Inertia: spherical.
+/// A regular tetrahedron. Inertia: spherical.
 ShapeResult tetrahedron(double circumradius_m);
-/// An icosahedron whose triangles are split in four `subdivisions` times, all vertices on the
-/// sphere of this radius: 12, 42, 162, 642 vertices for 0 to 3. Inertia: spherical.
-/// Fails with too_many_points for more subdivisions.
+/// An icosahedron whose triangles are split in four `subdivisions` times. All vertices are on the
+/// sphere: 12, 42, 162, 642 for 0 to 3. Inertia: spherical. Error: too_many_points.
 ShapeResult icosphere(double radius_m, int subdivisions);
-/// An upright prism along z over a regular polygon of this many corners (at least 3) on a circle of
-/// this radius. Inertia: axial.
+/// An upright prism along z over a regular polygon of at least 3 corners. Inertia: axial.
 ShapeResult regular_prism(int corners, double radius_m, double height_m);
 
 }  // namespace sleight::physics

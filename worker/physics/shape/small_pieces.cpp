@@ -6,8 +6,8 @@
 namespace sleight::physics {
 namespace {
 
-// The topology of every triangle: edge i joins corners i and i + 1; sides 0 to 2 are those of face
-// 0 in this order, sides 3 to 5 those of face 1, which runs 0, 2, 1.
+// The topology of every triangle. Edge i joins corners i and i + 1. Sides 0 to 2 belong to face 0
+// in this order, sides 3 to 5 to face 1, which runs 0, 2, 1.
 constexpr std::array<Edge, 3> k_edges{Edge{.vertex = {0, 1}, .face = {0, 1}, .side = {0, 5}},
                                       Edge{.vertex = {1, 2}, .face = {0, 1}, .side = {1, 4}},
                                       Edge{.vertex = {2, 0}, .face = {0, 1}, .side = {2, 3}}};
@@ -34,7 +34,7 @@ TrianglePiece::TrianglePiece(const Vec3& a_m, const Vec3& b_m, const Vec3& c_m)
     side.vertex = static_cast<std::uint16_t>(i);
     side.edge = static_cast<std::uint16_t>(i);
     sides_[i] = side;
-    // The same line, run the other way round by the opposite face.
+    // The opposite face runs the same line the other way round.
     side.vertex = static_cast<std::uint16_t>((i + 1) % 3);
     sides_[5 - i] = side;
     r_outer_m_ = std::max(r_outer_m_, math::norm(from));

@@ -1,13 +1,12 @@
 // Triangles and points as convex pieces, without allocation.
 //
 // Idea. The distance algorithms read ConvexViews. A static mesh has many triangles, and a sphere's
-// centre is one point: neither should pay for the vectors of a ConvexPolyhedron. These types hold
-// the same arrays inline. A triangle is the polyhedron of no thickness with the two faces
-// (normal, offset) and (-normal, -offset) and three edges; face 0 is the one from which its corners
-// run anticlockwise. A point has one vertex and nothing else.
+// centre is a point; neither should need a ConvexPolyhedron's vectors. These types hold the same
+// arrays inline. A triangle is a polyhedron of no thickness with three edges and two faces,
+// (normal, offset) and (-normal, -offset). Its corners run anticlockwise seen from face 0's side. A
+// point has one vertex and nothing else.
 //
-// A view borrows the piece: the piece must stay where it is.
-// Thread safety: values; const access from several threads is safe.
+// A view borrows the piece, so the piece must stay in place.
 #pragma once
 
 #include <array>
@@ -19,7 +18,7 @@ namespace sleight::physics {
 class TrianglePiece {
  public:
   TrianglePiece() = default;
-  /// REQUIRES: a, b, c are finite and not in line.
+  /// REQUIRES: a, b, c are finite and not collinear.
   TrianglePiece(const Vec3& a_m, const Vec3& b_m, const Vec3& c_m);
   ConvexView view() const;
 

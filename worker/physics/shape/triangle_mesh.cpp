@@ -17,7 +17,7 @@ using math::dot;
 using math::norm;
 
 bool finite(const Vec3& p) {
-  // Squares and cubes of lengths are taken.
+  // Squares and cubes of lengths must not overflow.
   return std::fabs(p.x()) < 1e60 && std::fabs(p.y()) < 1e60 && std::fabs(p.z()) < 1e60;
 }
 
@@ -43,7 +43,7 @@ std::vector<DirectedSide> sides_of(std::span<const TriangleCorners> triangles) {
   return sides;
 }
 
-/// Whether the triangles on the same two vertices' sides, one after the other, may meet there.
+/// Checks whether the triangles at one edge, given by consecutive sides, may meet there.
 std::optional<MeshError> error_of_edge(std::span<const DirectedSide> run, MeshClosure closure) {
   using Kind = MeshError::Kind;
   const DirectedSide& first = run[0];
@@ -62,8 +62,7 @@ std::optional<MeshError> error_of_edge(std::span<const DirectedSide> run, MeshCl
   return std::nullopt;
 }
 
-/// The edge of one side, or of two that run against each other. triangle[0] is the one that runs
-/// from the lower vertex, if there are two.
+/// Returns the edge of one side, or of two opposite sides: triangle[0] runs from the lower vertex.
 MeshEdge edge_of(std::span<const DirectedSide> run) {
   const bool swapped = run.size() == 2 && !run[0].forward;
   const DirectedSide& left = swapped ? run[1] : run[0];
@@ -88,14 +87,14 @@ base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> v
   TriangleMesh mesh;
   mesh.vertices_m_.assign(vertices_m.begin(), vertices_m.end());
   mesh.triangles_.assign(triangles.begin(), triangles.end());
-  // Each triangle by itself; then vertices that none uses.
+  // Check each triangle by itself, then vertices that no triangle uses.
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     if (const auto error = mesh.check_triangle(t)) return *error;
   }
   for (std::uint32_t v = 0; v < vertices_m.size(); ++v) {
     if (!finite(vertices_m[v])) return MeshError{.kind = Kind::vertex_not_finite, .vertex = v};
   }
-  // Edges: equal neighbours in the sorted list of sides.
+  // Edges are equal neighbours in the sorted list of sides.
   const std::vector<DirectedSide> sides = sides_of(triangles);
   mesh.triangle_edges_.resize(triangles.size());
   for (std::size_t i = 0; i < sides.size();) {
@@ -110,7 +109,7 @@ base::Result<TriangleMesh, MeshError> TriangleMesh::make(std::span<const Vec3> v
     mesh.edges_.push_back(edge_of(run));
   }
   mesh.index_vertices();
-  // All that hangs on positions.
+  // Derive all data that depend on positions.
   mesh.faces_.resize(triangles.size());
   mesh.exposing_edges_.resize(vertices_m.size());
   std::vector<std::uint32_t> all(triangles.size());
@@ -135,12 +134,12 @@ std::optional<MeshError> TriangleMesh::check_triangle(std::uint32_t triangle) co
   const Vec3& a = vertices_m_[corners[0]];
   const Vec3& b = vertices_m_[corners[1]];
   const Vec3& c = vertices_m_[corners[2]];
-  // The root of the greatest square is the greatest root, to the bit.
+  // The root of the greatest square is the greatest root, bit for bit.
   const Vec3 ab = b - a;
   const Vec3 bc = c - b;
   const Vec3 ca = a - c;
   const double longest = std::sqrt(std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)}));
-  // Twice the area is the longest side times the height on it.
+  // Twice the area is the longest side times its height.
   if (!(norm(cross(b - a, c - a)) > k_mesh_sliver * (longest * longest)) ||
       !(longest > k_mesh_point_m))
     return MeshError{.kind = Kind::degenerate_triangle, .triangle = triangle, .vertex = corners[0]};
@@ -171,7 +170,7 @@ void TriangleMesh::index_vertices() {
   });
 }
 
-/// Whether none is degenerate.
+/// Returns false if any triangle is degenerate.
 bool TriangleMesh::derive_faces(std::span<const std::uint32_t> triangles) {
   const auto corners_m = [&](std::uint32_t triangle) -> face_pair::Corners {
     const TriangleCorners& corners = triangles_[triangle];
@@ -180,7 +179,7 @@ bool TriangleMesh::derive_faces(std::span<const std::uint32_t> triangles) {
   bool sound = true;
   for (std::size_t i = 0; i < triangles.size(); i += 2) {
     const std::uint32_t first = triangles[i];
-    // The last one of an odd number comes twice.
+    // If the number is odd, the last triangle is derived twice.
     const std::uint32_t second = triangles[std::min(i + 1, triangles.size() - 1)];
     const bool both =
         face_pair::derive(corners_m(first), corners_m(second), faces_[first], faces_[second]);
@@ -189,9 +188,9 @@ bool TriangleMesh::derive_faces(std::span<const std::uint32_t> triangles) {
   return sound;
 }
 
-/// REQUIRES: their faces have been derived.
+/// REQUIRES: the faces of the edges' triangles are derived.
 void TriangleMesh::derive_edges(std::span<const std::uint32_t> numbers) {
-  // Compilers can't know that what is written is none of these addresses.
+  // Local pointers, because compilers can't exclude that the results alias these members.
   const Vec3* const vertices_m = vertices_m_.data();
   const MeshFace* const faces = faces_.data();
   MeshEdge* const edges = edges_.data();
@@ -210,14 +209,14 @@ void TriangleMesh::derive_edges(std::span<const std::uint32_t> numbers) {
     if (edge.triangle[1] != k_no_triangle) {
       const MeshFace& right = faces[edge.triangle[1]];
       edge.normal[1] = right.normal;
-      // How far the right face falls below the left one's plane, on a unit away from the edge.
+      // The right face's rise above the left face's plane, per unit away from the edge.
       const double rise = dot(normal, right.inward[edge.side[1]]);
       if (rise < -k_mesh_flat_sine) {
         kind = EdgeKind::convex;
       } else if (rise > k_mesh_flat_sine) {
         kind = EdgeKind::concave;
       } else {
-        // Two faces back to back make the sharpest edge there is.
+        // Two faces back to back form the sharpest possible edge.
         kind = dot(normal, right.normal) < 0 ? EdgeKind::convex : EdgeKind::flat;
       }
     }
@@ -229,7 +228,7 @@ void TriangleMesh::derive_edges(std::span<const std::uint32_t> numbers) {
   }
 }
 
-/// An edge has another kind than before: tells its ends.
+/// Updates the counts at an edge's ends after its kind may have changed.
 void TriangleMesh::count_edge(const MeshEdge& edge, EdgeKind before) {
   const auto exposes = [](EdgeKind kind) -> std::uint32_t {
     return kind == EdgeKind::convex || kind == EdgeKind::boundary ? 1 : 0;
@@ -238,9 +237,9 @@ void TriangleMesh::count_edge(const MeshEdge& edge, EdgeKind before) {
     exposing_edges_[v] += exposes(edge.kind) - exposes(before);
 }
 
-/// The triangles about vertices that move, the edges of these, and the ends of those.
+/// Finds the triangles at moving vertices, their edges, and the edges' ends.
 void TriangleMesh::find_moved(std::span<const VertexMove> moves) {
-  // A world mostly moves all vertices that it ever moves, or few.
+  // A world usually moves the same vertices each time, or few.
   if (std::ranges::equal(moves, moves_of_, {}, &VertexMove::vertex)) return;
   is_moved_.resize(std::max({triangles_.size(), edges_.size(), vertices_m_.size()}));
   const auto add_once = [&](std::uint32_t item, std::vector<std::uint32_t>& items) {
@@ -275,7 +274,7 @@ void TriangleMesh::find_moved(std::span<const VertexMove> moves) {
   unmark(moved_vertices_);
 }
 
-/// What is wrong with the vertices where they are now. REQUIRES: something is.
+/// Returns what is wrong with the vertices at their present positions. REQUIRES: something is.
 MeshError TriangleMesh::error_of_move(std::span<const VertexMove> moves) const {
   std::optional<MeshError> error;
   for (const std::uint32_t t : moved_triangles_) {
@@ -303,8 +302,8 @@ std::optional<MeshError> TriangleMesh::move_vertices(std::span<const VertexMove>
   }
   for (const VertexMove& move : moves)
     sound = sound && finite(vertices_m_[move.vertex]);
-  // Faces say whether they are sound. If not all are, the positions go back, in reverse order for
-  // vertices that came twice, and the faces with them.
+  // Deriving faces also checks them. On failure, restore positions, in reverse order because a
+  // vertex may occur twice, and derive the faces again.
   if (!derive_faces(moved_triangles_) || !sound) {
     const MeshError error = error_of_move(moves);
     for (std::size_t i = moves.size(); i-- > 0;)
