@@ -14,8 +14,8 @@ namespace {
 using math::dot;
 using math::norm;
 
-// Below this many roundings the direction between two points is noise: the pieces count as
-// touching, and the normal comes from faces and edges as for overlap.
+// Below this many roundings the direction between two points is noise. The pieces then count as
+// touching, and faces and edges determine the normal as for overlap.
 constexpr double k_touching_roundings = 8;
 
 Closest in_world(const PlacedPose& pose_a, const LocalClosest& local, Search search) {
@@ -28,7 +28,7 @@ Closest in_world(const PlacedPose& pose_a, const LocalClosest& local, Search sea
           .search = search};
 }
 
-// Up to three different vertices of one piece.
+// Up to three different vertices of a piece.
 struct Corners {
   std::array<std::uint16_t, 3> vertex{};
   std::size_t count = 0;
@@ -45,7 +45,7 @@ bool has_face(const ConvexView& piece, std::uint16_t vertex, std::uint16_t face)
   return false;
 }
 
-// The smallest feature with these vertices; false if there is none, as for a diagonal of the body.
+// Finds the smallest feature with these vertices. Returns false if there is none (a diagonal).
 bool smallest_feature(const ConvexView& piece, const Corners& corners, Feature& feature) {
   const std::uint16_t first = corners.vertex[0];
   if (corners.count == 1) {
@@ -73,7 +73,7 @@ bool smallest_feature(const ConvexView& piece, const Corners& corners, Feature& 
   return false;
 }
 
-// From GJK's last simplex to features, and to the gap by their formula. False if not certified.
+// Converts GJK's last simplex to features and their gap. Returns false if it isn't certified.
 bool finish(const PiecePair& pair, const Simplex& simplex, LocalClosest& result) {
   Corners corners_a;
   Corners corners_b;
@@ -98,13 +98,13 @@ bool finish(const PiecePair& pair, const Simplex& simplex, LocalClosest& result)
   return closest_of_parallel_features(pair, a, b, point_a, point_b, result);
 }
 
-// Where the simplex will not do: its closest vector and points still bound the gap from both sides.
+// The simplex failed, but its closest vector and points still bound the gap from both sides.
 LocalClosest search_all(const PiecePair& pair, const Simplex& simplex, const Vec3& closest) {
   const double high_m = norm(closest);
   const Vec3 axis = closest / high_m;
   const Vec3 top = pair.vertex_of_a(furthest_vertex(pair.a, axis));
   const Vec3 bottom = pair.vertex_of_b(furthest_vertex(pair.b, -pair.in_b(axis)));
-  // The upper bound from actual points: `closest` may be too short by rounding.
+  // The upper bound uses actual points, because rounding may make `closest` too short.
   Vec3 apart = Vec3::Zero();
   for (int i = 0; i < simplex.count; ++i) {
     const auto slot = static_cast<std::size_t>(i);
@@ -117,13 +117,13 @@ Closest overlap_or_touch(const PiecePair& pair, const PlacedPose& pose_a) {
   const LocalClosest least = least_overlap(pair);
   const double touching_m = k_touching_roundings * pair.rounding_m;
   if (least.gap_m <= touching_m) return in_world(pose_a, least, Search::overlap);
-  // GJK took them for overlapping, but an axis parts them: search between that axis's bounds.
+  // GJK reported overlap, but an axis separates the pieces: search between its bounds.
   const Vec3 apart = pair.vertex_of_b(0) - pair.vertex_of_a(0);
   const LocalClosest all = closest_of_all(pair, least.normal, least.gap_m, norm(apart));
   return in_world(pose_a, all, Search::exhaustive);
 }
 
-// The rest of both entry points, once GJK has ended.
+// The common end of both entry points, after GJK.
 Closest concluded(const PiecePair& pair, const PlacedPose& pose_a, GjkOutcome outcome,
                   const Simplex& simplex, const Vec3& closest) {
   if (outcome == GjkOutcome::overlapping) return overlap_or_touch(pair, pose_a);
@@ -154,7 +154,6 @@ void remember(const PlacedPose& pose_a, const Closest& result, SeparationCache& 
   cache.axis = transposed_product(pose_a.rotation, result.normal);
 }
 
-// A vertex of a feature.
 std::uint16_t some_vertex(const ConvexView& piece, Feature feature) {
   if (feature.kind == FeatureKind::vertex) return feature.index;
   if (feature.kind == FeatureKind::edge) return piece.edges[feature.index].vertex[0];
@@ -181,14 +180,14 @@ Closest closest_warm(const ConvexView& a, const PlacedPose& pose_a, const Convex
                      const PlacedPose& pose_b, SeparationCache& cache) {
   const PiecePair pair(a, pose_a, b, pose_b);
   if (cache.filled) {
-    // The features of last time, if they still are the closest.
+    // Use the last features if they are still the closest.
     LocalClosest local;
     if (closest_of_features(pair, cache.a, cache.b, local) &&
         local.gap_m > k_touching_roundings * pair.rounding_m && certified(pair, local)) {
       cache.axis = local.normal;
       return in_world(pose_a, local, Search::features);
     }
-    // Else a descent from there.
+    // Otherwise descend from there.
     Simplex simplex;
     simplex.points[0].a = climbed_vertex(a, cache.axis, some_vertex(a, cache.a));
     simplex.points[0].b = climbed_vertex(b, -pair.in_b(cache.axis), some_vertex(b, cache.b));

@@ -1,40 +1,41 @@
-// The closest points of two convex pieces, and how far they are apart or overlap.
+// The closest points of two convex pieces, and their distance or overlap.
 //
-// Idea. The gap of two convex bodies that do not touch has two faces: it is the least distance of a
-// point of A from a point of B, and the greatest separation of the two along any direction. So an
-// answer can be certified: if two points, each on a named feature (vertex, edge, face), are as far
-// apart as both bodies are separated along the line between them, nothing is closer. Every search
-// below only proposes features; from these, gap, normal and points are computed by the plain
-// formula of that kind of pair (vertex-face, edge-edge, ...), in one place, and checked against the
-// neighbours of the features, which by convexity suffices. Hence errors of searching never show.
+// Idea. The gap of two separate convex bodies is both the least distance of a point of A from a
+// point of B and the greatest separation of A and B along any direction. This certifies a result:
+// if two points, each on a named feature (vertex, edge, face), are as far apart as both bodies are
+// along the line between them, nothing is closer. The searches below only propose features. The
+// gap, normal and points then follow from the features by the plain formula of that kind of pair
+// (vertex-face, edge-edge, ...), in one place. The result is checked against the features'
+// neighbours, which suffices by convexity. So errors of a search never show.
 //
-//   1. Features of last time (warm only): often still right, then nothing else is done.
-//   2. GJK (E. Gilbert, D. Johnson, S. Keerthi 1988) with closest points of a simplex by signed
+//   1. The features of the last time (warm only). If they are still right, nothing else is done.
+//   2. GJK (E. Gilbert, D. Johnson, S. Keerthi 1988), with a simplex's closest points by signed
 //      areas and volumes (M. Montanari, N. Petrinic, E. Barbieri, "Improving the GJK algorithm for
-//      faster and more reliable distance queries between two convex objects", ACM TOG 36 (2017));
-//      unlike there no vertex's seniority is used, so that any simplex may be handed over.
-//   3. Where GJK's simplex is not certified (nearly parallel faces and edges at tiny gaps): all
-//      pairs of features that can hold closest points, given the bounds that GJK reached. Exact,
-//      and usually a handful of pairs, since the gap is known to within rounding by then.
-//   4. Overlap: the direction of least depth among all face normals and products of edges
-//      (D. Gregorius, "The separating axis test between convex polyhedra", GDC 2013). That takes
-//      1 us for two cubes and 70 us for two icospheres of 42 vertices.
+//      faster and more reliable distance queries between two convex objects", ACM TOG 36 (2017)).
+//      Unlike that paper it doesn't use a vertex's seniority, so it accepts any simplex.
+//   3. If GJK's simplex is not certified (nearly parallel faces and edges at tiny gaps): all pairs
+//      of features that can hold closest points within GJK's bounds. This is exact, and usually
+//      only a handful of pairs, because the gap is then known up to rounding.
+//   4. Overlap: the direction of least depth among all face normals and products of edges (D.
+//      Gregorius, "The separating axis test between convex polyhedra", GDC 2013). This takes 1 us
+//      for two cubes and 70 us for two icospheres of 42 vertices.
 //
 // Invariants
-//   1. Separated pieces: gap_m is right to some 1e-15 of the coordinates as seen from A's frame
-//      (both outer radii plus the distance of the frames), however small the gap; point_b_m -
-//      point_a_m = gap_m * normal to the same accuracy. The normal is right to 1e-15 where a face
-//      is involved, to 1e-15/sin of the edges' angle or 1e-15 * coordinates/gap for other pairs.
+//   1. Separate pieces: gap_m is right to some 1e-15 of the coordinates in A's frame (both outer
+//      radii plus the distance of the frames), however small the gap. point_b_m - point_a_m = gap_m
+//      * normal to the same accuracy. The normal is right to 1e-15 if a face is involved. Otherwise
+//      it is right to 1e-15/sin of the edges' angle, or 1e-15 * coordinates/gap.
 //   2. Overlapping pieces (gap_m <= 0): -gap_m is the depth, the length of the shortest shift along
-//      `normal` that parts them; for depths that are small against the features this is the normal
-//      of the contact. A point of one lies on its feature; the other's is its partner along the
-//      normal. Results are of this kind also for positive gaps below 8 * 2^-50 of the coordinates,
-//      where the direction between two points is noise: a lower bound of the gap, right to that.
-//   3. closest_cold depends on shapes and poses alone, bit for bit.
-//   4. closest_warm's gap differs from closest_cold's by at most rounding as in 1; features may be
-//      others where several pairs are equally close. For gap_m <= 0 it is closest_cold's result.
-//   5. No allocation. At most k_gjk_iterations_max iterations, then 3 or 4.
-// Thread safety: pure functions; a SeparationCache belongs to one thread at a time.
+//      `normal` that separates the pieces. If the depth is small against the features, `normal` is
+//      the contact normal. One point is on its piece's feature; the other is its partner along the
+//      normal. Results are also of this kind for positive gaps below 8 * 2^-50 of the coordinates,
+//      at which the direction between two points is noise. The gap is then a lower bound, right to
+//      that size.
+//   3. closest_cold depends only on shapes and poses, bit for bit.
+//   4. closest_warm's gap differs from closest_cold's by at most the rounding of 1. Its features
+//      may differ if several pairs are equally close. For gap_m <= 0 it is closest_cold's result.
+//   5. No allocation. At most k_gjk_iterations_max iterations, then step 3 or 4.
+// Thread safety: pure functions; only one thread at a time may use a SeparationCache.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +46,7 @@
 
 namespace sleight::physics {
 
-/// GJK on polytopes ends by itself; this guards against rounding going in circles.
+/// GJK on polytopes terminates; this limit only guards against endless rounding.
 inline constexpr int k_gjk_iterations_max = 64;
 
 enum class FeatureKind : std::uint8_t { vertex, edge, face };
@@ -56,22 +57,22 @@ struct Feature {
   friend constexpr bool operator==(Feature, Feature) = default;
 };
 
-/// Which step gave the result; for tests and measurements.
+/// The step that produced the result; for tests and measurements.
 enum class Search : std::uint8_t { features, simplex, exhaustive, overlap };
 
 struct Closest {
-  double gap_m = 0;               ///< distance; <= 0 where the pieces overlap
+  double gap_m = 0;               ///< distance; <= 0 if the pieces overlap
   Vec3 normal = Vec3::Zero();     ///< unit, from A to B, world
   Vec3 point_a_m = Vec3::Zero();  ///< world
   Vec3 point_b_m = Vec3::Zero();
-  Feature feature_a;  ///< the smallest feature that holds point_a_m
+  Feature feature_a;  ///< the smallest feature with point_a_m
   Feature feature_b;
   Search search = Search::simplex;
   bool overlapping() const { return gap_m <= 0; }
 };
 
-/// What closest_warm remembers of a pair. Any contents give the right result as long as the pieces
-/// have the features named; a fresh one names none.
+/// closest_warm's memory of a pair. The result is right for any contents whose features exist in
+/// the pieces. A fresh cache names no features.
 struct SeparationCache {
   Vec3 axis = Vec3::Zero();  ///< the last normal, in A's frame
   Feature a;
@@ -79,25 +80,27 @@ struct SeparationCache {
   bool filled = false;
 };
 
-/// From scratch. REQUIRES: rotations orthonormal to rounding; finite poses; non-empty pieces.
+/// Computes from scratch. REQUIRES: rotations orthonormal up to rounding; poses finite; no empty
+/// piece.
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 
-/// The same result, bit for bit, given what was found by other means, however that was: quick if
-/// those features are certain to be the only ones, else from scratch. `search` may differ.
+/// Returns the same result, bit for bit, given features found by any means. Fast if these features
+/// are certainly the only closest ones, otherwise from scratch. `search` may differ.
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b, const SeparationCache& hint);
 
-/// From what was found last time, which it updates. REQUIRES: as closest_cold.
+/// Starts from the cache and updates it. REQUIRES: as for closest_cold.
 Closest closest_warm(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b, SeparationCache& cache);
 
-/// Of a piece and a point of the world; a sphere about the point has this gap less its radius.
+/// Returns the closest points of a piece and a point in world coordinates. For a sphere about the
+/// point, subtract its radius from the gap.
 Closest closest_to_point(const ConvexView& a, const PlacedPose& pose_a, const Vec3& point_m);
 
-/// Of a piece and the half-space dot(normal, p) <= offset_m of the world, which plays A's part: the
-/// result's normal is the plane's, feature_b the piece's lowest vertex (the first, on a tie).
-/// REQUIRES: |normal| = 1.
+/// Returns the closest points of a piece and the world's half-space dot(normal, p) <= offset_m,
+/// which is A. The result has the plane's normal, and feature_b is the piece's lowest vertex (on a
+/// tie, the first). REQUIRES: |normal| = 1.
 Closest closest_to_plane(const Vec3& normal, double offset_m, const ConvexView& piece,
                          const PlacedPose& pose);
 

@@ -17,7 +17,7 @@ using math::product;
 
 using VertexSet = std::bitset<k_hull_points_max>;
 
-// The vertices within `depth_m` of the furthest one along a unit direction of the piece's frame.
+// Returns the vertices within `depth_m` of the furthest one along a unit direction of their frame.
 VertexSet outermost(const ConvexView& piece, const Vec3& direction, double depth_m) {
   const double reach = dot(direction, piece.vertices_m[furthest_vertex(piece, direction)]);
   VertexSet set;
@@ -35,7 +35,7 @@ bool touches(const ConvexView& piece, const Face& face, const VertexSet& set) {
   return std::any_of(side, side + face.side_count, [&](const Side& s) { return set[s.vertex]; });
 }
 
-// The separation of the pieces along a unit axis of A's frame.
+// Returns the separation of the pieces along a unit axis of A's frame.
 double separation(const PiecePair& pair, const Vec3& axis) {
   const Vec3 top = pair.vertex_of_a(furthest_vertex(pair.a, axis));
   const Vec3 bottom = pair.vertex_of_b(furthest_vertex(pair.b, -pair.in_b(axis)));
@@ -75,8 +75,7 @@ void each_pair(const PiecePair& pair, const VertexSet& near_a, const VertexSet& 
   }
 }
 
-// The best face of one piece: the one above which the other reaches down least. `outward` maps its
-// normals to the other's frame, `offset_m` is the other's origin seen along them.
+// A piece's best face: the face with the greatest gap to the other piece.
 struct FaceSeparation {
   double gap_m = -std::numeric_limits<double>::infinity();
   std::uint16_t face = 0;
@@ -104,11 +103,11 @@ struct EdgeSeparation {
   Vec3 normal = Vec3::Zero();  ///< in B's frame
 };
 
-// Edges' products that are normals of the difference of the bodies: those for which both bodies
-// fall away from the edges (the arcs of the edges' normals cross on the sphere). In B's frame, with
-// s = +-1: s (ea x eb) must point out of A's two sides and into B's.
+// Finds the products of edges that are normals of the bodies' difference: both bodies fall away
+// from the edges, so the arcs of the edges' normals cross on the sphere. In B's frame, s (ea x eb)
+// must point out of A's two sides and into B's, where s is 1 or -1.
 EdgeSeparation best_edges(const PiecePair& pair) {
-  constexpr double k_sine_min = 1e-9;  // nearly parallel: the faces' normals are as good
+  constexpr double k_sine_min = 1e-9;  // if nearly parallel, the faces' normals are as good
   EdgeSeparation best;
   for (std::uint16_t i = 0; i < pair.a.edge_count; ++i) {
     const Edge& edge_a = pair.a.edges[i];
@@ -175,8 +174,8 @@ LocalClosest closest_of_all(const PiecePair& pair, const Vec3& axis, double low_
   each_pair(pair, near_a, near_b, [&](Feature a, Feature b) {
     if (closest_of_features(pair, a, b, candidate)) least_m = std::min(least_m, candidate.gap_m);
   });
-  // Among equals, the best certificate: a normal between two points that nearly touch is noise
-  // where a face's normal, a hair further away, is not.
+  // Among equal gaps, prefer the best certificate. A normal between two points that nearly touch is
+  // noise, but the normal of a face a hair further away is not.
   LocalClosest best;
   double best_separation_m = -std::numeric_limits<double>::infinity();
   each_pair(pair, near_a, near_b, [&](Feature a, Feature b) {
@@ -196,7 +195,7 @@ LocalClosest least_overlap(const PiecePair& pair) {
   const EdgeSeparation edges = best_edges(pair);
   LocalClosest result;
   result.normal = Vec3(1, 0, 0);
-  // On a tie to rounding a face wins, A's before B's: its normal is the better known.
+  // On a tie up to rounding a face wins, A's before B's, because its normal is more accurate.
   if (face_a.gap_m + pair.rounding_m >= std::max(face_b.gap_m, edges.gap_m) &&
       pair.a.face_count > 0) {
     result.gap_m = face_a.gap_m;
@@ -216,7 +215,7 @@ LocalClosest least_overlap(const PiecePair& pair) {
     result.gap_m = edges.gap_m;
     fill_edges(pair, edges, result);
   } else {
-    // Two points, and they coincide: any direction will do.
+    // Two coinciding points: any direction works.
     result.point_a_m = pair.vertex_of_a(0);
     result.point_b_m = result.point_a_m;
   }

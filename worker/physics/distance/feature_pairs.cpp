@@ -12,14 +12,13 @@ using math::dot;
 using math::norm;
 using math::product;
 
-// Directions that are computed from unit vectors and matrices: some ten roundings.
+// Error of directions computed from unit vectors and matrices: some ten roundings.
 constexpr double k_angle_rounding = 0x1p-49;
-// Below this sine two edges count as parallel: the direction at right angles to both is noise.
+// Below this sine two edges count as parallel, because the normal of both would be noise.
 constexpr double k_parallel_sine = 1e-13;
-// Search margins: what only_one refuses, a search finds the same. It asks for a gap of so many
-// roundings; two edges with a sine of so much; points inside of their features by such a part of
-// the gap; and features that fall away from the normal by so many times rounding / gap, what
-// rounding may turn the line between two points by.
+// Margins of only_one. They affect only speed, because a search finds the same pair. The gap must
+// be this many roundings, two edges' sine this large, and points this share of the gap inside their
+// features. Features must fall away by this many times the possible turn, rounding / gap.
 constexpr double k_sure_gap_roundings = 0x1p20;
 constexpr double k_sure_sine = 0x1p-7;
 constexpr double k_sure_inside_gaps = 0x1p-4;
@@ -29,7 +28,7 @@ double sum_of_sizes(const Vec3& v) {
   return std::fabs(v.x()) + std::fabs(v.y()) + std::fabs(v.z());
 }
 
-// Whether a point lies above a face, between the planes through its sides.
+// Returns whether a point is above a face, between the planes through its sides.
 bool above_face(const ConvexView& piece, const Face& face, const Vec3& p, double slack_m) {
   const Side* side = piece.sides + face.first_side;
   for (const Side* end = side + face.side_count; side != end; ++side) {
@@ -38,8 +37,8 @@ bool above_face(const ConvexView& piece, const Face& face, const Vec3& p, double
   return true;
 }
 
-// Whether no neighbour of a vertex is further along a direction (of the piece's frame) whose angle
-// may be wrong by `angle_error_rad`.
+// Returns whether no neighbour of a vertex is further along a direction of the piece's frame. The
+// direction's angle may err by `angle_error_rad`.
 bool is_furthest(const ConvexView& piece, std::size_t vertex, const Vec3& direction, double slack_m,
                  double angle_error_rad) {
   const Vec3& v = piece.vertices_m[vertex];
@@ -50,14 +49,14 @@ bool is_furthest(const ConvexView& piece, std::size_t vertex, const Vec3& direct
   return true;
 }
 
-// Whether both faces of an edge fall away from it along a direction at right angles to it.
+// Returns whether both faces of an edge fall away from it along a direction perpendicular to it.
 bool is_furthest(const ConvexView& piece, const Edge& edge, const Vec3& direction,
                  double angle_error_rad) {
   return dot(direction, piece.sides[edge.side[0]].inward) <= angle_error_rad &&
          dot(direction, piece.sides[edge.side[1]].inward) <= angle_error_rad;
 }
 
-// Whether a point of an edge, seen from its start, is so far from both of its ends.
+// Returns whether a point of an edge is at least `margin_m` from both ends.
 bool is_inside(const Vec3& from_start, const Vec3& along, double margin_m) {
   const double square = dot(along, along);
   const double part = dot(from_start, along);
@@ -65,7 +64,7 @@ bool is_inside(const Vec3& from_start, const Vec3& along, double margin_m) {
   return part >= margin && square - part >= margin;
 }
 
-// The error of a unit vector along a difference of coordinates of this length.
+// Returns the error of a unit vector along a coordinate difference of this length.
 double angle_error(const PiecePair& pair, double length_m) {
   return k_angle_rounding + pair.rounding_m / length_m;
 }
@@ -81,8 +80,8 @@ bool vertex_vertex(const PiecePair& pair, LocalClosest& out) {
   return true;
 }
 
-// The foot of p on the line from `start` along `along`, if it lies on the edge; the vector from the
-// foot to p.
+// Finds the foot of p on the line from `start` along `along`, and the vector from the foot to p.
+// Returns false if the foot isn't on the edge.
 bool foot_on_edge(const Vec3& p, const Vec3& start, const Vec3& along, Vec3& foot, Vec3& rise) {
   const Vec3 from_start = p - start;
   const double s = dot(from_start, along) / dot(along, along);
@@ -159,10 +158,10 @@ bool edge_edge(const PiecePair& pair, LocalClosest& out) {
   const double square_a = dot(along_a, along_a);
   const double square_b = dot(along_b, along_b);
   if (!(normal_square > k_parallel_sine * k_parallel_sine * (square_a * square_b))) return false;
-  // Where the line between the two edges' lines meets A's (V. Lumelsky, "On fast computation of
-  // distance between line segments", 1985, in the form with the product of the directions: its
-  // error grows with 1/sine, not with the square). B's point is the foot of A's, so that the
-  // difference has no part along the edges however badly A's point is known.
+  // The point at which the line between the two edges' lines meets A's (V. Lumelsky, "On fast
+  // computation of distance between line segments", 1985). In the form with the product of the
+  // directions, the error grows with 1/sine, not with its square. B's point is the foot of A's, so
+  // the difference has no component along the edges, however inaccurate A's point is.
   const Vec3 apart = start_b - start_a;
   const double s = dot(cross(apart, along_b), normal) / normal_square;
   if (!(s >= 0 && s <= 1)) return false;
@@ -172,7 +171,7 @@ bool edge_edge(const PiecePair& pair, LocalClosest& out) {
   out.point_b_m = start_b + t * along_b;
   const Vec3 rise = out.point_b_m - out.point_a_m;
   const double length_m = norm(rise);
-  // The normal is known from the edges to 2^-52/sine, from the difference to rounding_m/length.
+  // The normal's accuracy is 2^-52/sine from the edges, rounding_m/length from the difference.
   const double normal_length = std::sqrt(normal_square);
   const double sine = normal_length / std::sqrt(square_a * square_b);
   if (length_m * 0x1p-50 > pair.rounding_m * sine) {
@@ -212,8 +211,8 @@ bool closest_of_features(const PiecePair& pair, Feature a, Feature b, LocalClose
 
 bool certified(const PiecePair& pair, const LocalClosest& result) {
   using enum FeatureKind;
-  // A normal between points is as uncertain as the points are. That does no harm to the gap: tilted
-  // by an angle, it would be smaller by the angle's square only.
+  // A normal between points is as uncertain as the points. This doesn't harm the gap, which is
+  // smaller only by the square of the normal's angle.
   const double error_rad = result.normal_error_rad;
   const double slack_m = pair.rounding_m;
   if (result.a.kind == vertex &&

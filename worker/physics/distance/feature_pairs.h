@@ -1,33 +1,32 @@
-// Pairs of features: gap, normal and points by the plain formula of each kind, and whether they are
-// the closest of the whole pieces.
+// Pairs of features: gap, normal and points by each kind's formula, and whether they are closest.
 //
-// All in A's frame. A pair is certified if its points lie on the features and both pieces lie
-// beyond the planes through the points at right angles to the normal, which for convex pieces need
-// only be asked of the neighbours. Internal to worker/physics/distance.
-// Thread safety: pure functions.
+// All values are in A's frame. A pair is certified if its points are on the features and both
+// pieces are beyond the planes through the points perpendicular to the normal. For convex pieces,
+// only the neighbours need to be checked. Internal to worker/physics/distance. Thread safety: pure
+// functions.
 #pragma once
 
 #include "worker/physics/distance/closest_points.h"
 
 namespace sleight::physics {
 
-/// Two pieces, B's frame seen from A's.
+/// Two pieces, with B's frame seen from A's.
 struct PiecePair {
   const ConvexView& a;
   const ConvexView& b;
   PlacedPose b_in_a;
-  /// What rounding does to a coordinate, with some room: 2^-50 of the largest that can occur.
+  /// Generous bound on a coordinate's rounding: 2^-50 of the largest possible coordinate.
   double rounding_m;
 
   PiecePair(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
             const PlacedPose& pose_b);
   Vec3 vertex_of_a(std::size_t index) const { return a.vertices_m[index]; }
   Vec3 vertex_of_b(std::size_t index) const { return to_world(b_in_a, b.vertices_m[index]); }
-  /// A direction of A's frame in B's.
+  /// Transforms a direction from A's frame to B's.
   Vec3 in_b(const Vec3& direction) const { return transposed_product(b_in_a.rotation, direction); }
 };
 
-/// As Closest, in A's frame.
+/// Like Closest, in A's frame.
 struct LocalClosest {
   double gap_m = 0;
   Vec3 normal = Vec3::Zero();
@@ -35,31 +34,31 @@ struct LocalClosest {
   Vec3 point_b_m = Vec3::Zero();
   Feature a;
   Feature b;
-  double normal_error_rad = 0;  ///< what rounding may have turned the normal by
+  double normal_error_rad = 0;  ///< bound on the normal's rounding
 };
 
-/// Fills `out` for a pair of features with closest points inside both and a positive gap, without
-/// asking whether the rest of the pieces is further away. False if there are none: parallel edges,
-/// a foot beyond the feature's end, a gap <= 0. Not for edge-face and face-face.
+/// Computes `out` for a pair of features with closest points inside both and a positive gap,
+/// without checking the rest of the pieces. Returns false if there are no such points: parallel
+/// edges, a foot beyond a feature's end, a gap <= 0. Not for edge-face and face-face.
 bool closest_of_features(const PiecePair& pair, Feature a, Feature b, LocalClosest& out);
 
-/// Whether the pieces lie beyond the planes of a result of closest_of_features.
+/// Returns whether the pieces are beyond the planes of closest_of_features' result.
 bool certified(const PiecePair& pair, const LocalClosest& result);
 
-/// Whether a certified result is the only one, by margins far beyond rounding: every search,
-/// however it proceeds, then comes to these features, and so to the same bits. Only for the pairs
-/// that two polyhedra meet at in general, a face and a vertex or two edges; false for others.
+/// Returns whether a certified result is the only one, by margins far beyond rounding. Every search
+/// then finds these features, and so the same bits. Covers only the pairs at which two polyhedra
+/// generally meet, a face and a vertex or two edges; returns false for other pairs.
 ///
-/// Why: let e = rounding_m, g the gap. Another pair with a gap of g to a few e has its line of
-/// closest points within sqrt(2 e / g) of the normal; its points lie within g / 16 of the given
-/// ones, which are further inside of their features. And where GJK weighs a vertex that is not of
-/// these features, whose plane falls away by an angle f, the foot of the origin lies outside by g
-/// f, some hundred e, so that it drops the vertex. Where it takes the pieces for overlapping by
-/// mistake, face normals and edges' products decide, and they have this one.
+/// Proof: let e = rounding_m and g the gap. If another pair's gap is within a few e of g, its line
+/// of closest points is within sqrt(2 e / g) of the normal. Its points are therefore within g / 16
+/// of the given points, which are further inside their features. If GJK weighs a vertex not on
+/// these features, whose plane falls away by an angle f, the origin's foot is outside by g f, some
+/// hundred e, so GJK drops the vertex. If GJK mistakes the pieces for overlapping, face normals and
+/// products of edges decide, and they include this normal.
 bool only_one(const PiecePair& pair, const LocalClosest& result);
 
-/// An edge or a face of one against a face of the other, parallel to rounding: the gap along a
-/// face's normal, with the given points, which lie on the features. False if that is not the gap.
+/// Computes `out` for an edge or a face and another face, parallel up to rounding: the gap along a
+/// face's normal, with given points on the features. Returns false if this is not the gap.
 bool closest_of_parallel_features(const PiecePair& pair, Feature a, Feature b,
                                   const Vec3& point_a_m, const Vec3& point_b_m, LocalClosest& out);
 

@@ -8,7 +8,7 @@ namespace {
 using math::cross;
 using math::dot;
 
-// The closest point of a part of the simplex: which points carry it and with what weights.
+// A part of the simplex with its closest point, supporting points and weights.
 struct Part {
   Vec3 closest = Vec3::Zero();
   double square = 0;  ///< |closest|^2
@@ -30,7 +30,7 @@ Part of_segment(const Simplex& simplex, int i, int j) {
   const double from_p = -dot(p, along);
   if (!(from_p > 0)) return of_point(simplex, i);
   if (!(from_p < length_square)) return of_point(simplex, j);
-  // (along x p) x along, not p + t along: its direction stays right when it is short.
+  // (along x p) x along, not p + t along, keeps its direction accurate if it is short.
   Part part;
   part.closest = cross(cross(along, p), along) / length_square;
   part.square = dot(part.closest, part.closest);
@@ -47,7 +47,7 @@ Part of_triangle(const Simplex& simplex, int i, int j, int k) {
   const Vec3& r = simplex.points[static_cast<std::size_t>(k)].difference_m;
   const Vec3 normal = cross(q - p, r - p);
   const double normal_square = dot(normal, normal);
-  // Twice the signed areas that the origin's foot makes with each side, times |normal|.
+  // Twice the signed areas of the origin's foot with each side, times |normal|.
   const double at_p = dot(normal, cross(q, r));
   const double at_q = dot(normal, cross(r, p));
   const double at_r = dot(normal, cross(p, q));
@@ -61,7 +61,7 @@ Part of_triangle(const Simplex& simplex, int i, int j, int k) {
     part.count = 3;
     if (sum > 0) return part;
   }
-  // Outside: the closest point is on a side that parts the foot from the triangle.
+  // Outside: the closest point is on a side that separates the foot from the triangle.
   Part best;
   const bool all = !(normal_square > 0);
   const auto offer = [&](const Part& part) {
@@ -78,7 +78,7 @@ Part of_triangle(const Simplex& simplex, int i, int j, int k) {
   return best;
 }
 
-// False if the origin lies strictly inside.
+// Returns false if the origin is strictly inside.
 bool of_tetrahedron(const Simplex& simplex, Part& best) {
   bool outside = false;
   constexpr std::array<std::array<int, 4>, 4> k_faces{
@@ -125,7 +125,7 @@ bool reduce(Simplex& simplex, Vec3& closest) {
 GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& closest) {
   double square = simplex.count > 0 ? dot(closest, closest) : 0;
   for (int iteration = 0; iteration < k_gjk_iterations_max; ++iteration) {
-    // The vertices of A and B that reach furthest towards one another.
+    // The vertices of A and B that reach furthest towards each other.
     const Vec3 in_b = pair.in_b(closest);
     SimplexPoint next;
     if (climb) {
@@ -136,7 +136,7 @@ GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& cl
       next.b = furthest_vertex(pair.b, -in_b);
     }
     next.difference_m = pair.vertex_of_b(next.b) - pair.vertex_of_a(next.a);
-    // Done if they are not closer than what the simplex has.
+    // Done if they are not closer than the simplex's points.
     if (simplex.count > 0) {
       for (int i = 0; i < simplex.count; ++i) {
         const SimplexPoint& known = simplex.points[static_cast<std::size_t>(i)];

@@ -1,4 +1,4 @@
-// GJK's simplex: which part of up to four points of B - A is closest to the origin.
+// GJK's simplex: the part of up to four points of B - A that is closest to the origin.
 //
 // Internal to worker/physics/distance; see closest_points.h. Thread safety: pure functions.
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace sleight::physics {
 
-/// A vertex of B less a vertex of A, in A's frame.
+/// A vertex of B minus a vertex of A, in A's frame.
 struct SimplexPoint {
   Vec3 difference_m = Vec3::Zero();
   std::uint16_t a = 0;
@@ -19,21 +19,21 @@ struct SimplexPoint {
 
 struct Simplex {
   std::array<SimplexPoint, 4> points{};
-  std::array<double, 4> weights{};  ///< of the closest point; they sum to 1
+  std::array<double, 4> weights{};  ///< of the closest point; the sum is 1
   int count = 0;
 };
 
-/// Drops the points that do not carry the point of the simplex closest to the origin, sets the
-/// weights and returns that point in `closest`. False if the origin lies inside a tetrahedron.
-/// REQUIRES: 1 to 4 points. Points in line or in a plane are fine.
+/// Drops points that do not support the simplex's closest point to the origin, sets the weights and
+/// returns the closest point in `closest`. Returns false if the origin is inside a tetrahedron.
+/// REQUIRES: 1 to 4 points. They may be collinear or coplanar.
 bool reduce(Simplex& simplex, Vec3& closest);
 
 enum class GjkOutcome : std::uint8_t { separated, overlapping };
 
-/// Descends from a simplex (or none) and a first direction until no vertex is closer; `closest` is
-/// then the vector from A to B up to the accuracy that GJK reaches by itself. With `climb` the
-/// furthest vertices are found from those of the simplex, else by a scan.
-/// REQUIRES: closest is not zero; with climb, the simplex is not empty.
+/// Descends from a simplex (or none) and a first direction until no vertex is closer. `closest` is
+/// then the vector from A to B, to the accuracy of GJK alone. `climb`: find the furthest vertices
+/// by climbing from the simplex's vertices instead of by a scan. REQUIRES: closest is not zero;
+/// with climb, the simplex is not empty.
 GjkOutcome descend(const PiecePair& pair, bool climb, Simplex& simplex, Vec3& closest);
 
 }  // namespace sleight::physics

@@ -1,7 +1,7 @@
 // Poses as matrices, and one body's frame seen from another's.
 //
-// A distance computation turns dozens of vectors between two frames; a matrix does that in 9
-// multiplications where a quaternion needs 15 to 18, so the quaternion is expanded once per body.
+// A distance computation transforms dozens of vectors between two frames. A matrix needs 9
+// multiplications per vector, a quaternion 15 to 18, so each body's quaternion is expanded once.
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -25,14 +25,14 @@ inline Vec3 to_world(const PlacedPose& pose, const Vec3& body_m) {
   return math::product(pose.rotation, body_m) + pose.position_m;
 }
 
-/// product(m^T, v): for a rotation, from the world's axes to the body's.
+/// Returns product(m^T, v): for a rotation, v in the body's axes instead of the world's.
 inline Vec3 transposed_product(const Mat3& m, const Vec3& v) {
   return {(m(0, 0) * v.x() + m(1, 0) * v.y()) + m(2, 0) * v.z(),
           (m(0, 1) * v.x() + m(1, 1) * v.y()) + m(2, 1) * v.z(),
           (m(0, 2) * v.x() + m(1, 2) * v.y()) + m(2, 2) * v.z()};
 }
 
-/// B's pose in A's frame. Its error is some 2^-52 of the distance between the two positions.
+/// Returns B's pose in A's frame, with an error of some 2^-52 of the positions' distance.
 inline PlacedPose relative_pose(const PlacedPose& a, const PlacedPose& b) {
   PlacedPose result;
   for (int j = 0; j < 3; ++j) {
@@ -43,7 +43,7 @@ inline PlacedPose relative_pose(const PlacedPose& a, const PlacedPose& b) {
   return result;
 }
 
-/// The inverse of a pose: A's pose in B's frame, given B's in A's.
+/// Returns the inverse pose: A's pose in B's frame, given B's in A's.
 inline PlacedPose inverse(const PlacedPose& pose) {
   return {.rotation = pose.rotation.transpose(),
           .position_m = -transposed_product(pose.rotation, pose.position_m)};

@@ -14,22 +14,22 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Of the coordinates: a bound that has come so close to the distance is as good as it.
+/// A bound this close to the distance, as a share of the coordinates, counts as equal.
 constexpr double k_reached = 0x1p-46;
 
 double margin_of(const ConvexView& piece) {
   return piece.round != nullptr ? piece.round->margin_m() : 0;
 }
-/// A unit vector across another one.
+/// Returns a unit vector perpendicular to another unit vector.
 Vec3 across_of(const Vec3& axis) {
   const Vec3 other = std::fabs(axis.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitY();
   return math::normalized(cross(axis, other));
 }
 
-/// The point of a round piece less `margin_m` that reaches furthest along a unit direction.
+/// Returns the furthest point along a unit direction of a round piece reduced by `margin_m`.
 Vec3 support_of(const RoundPiece& piece, const Vec3& u, double margin_m) {
   const Vec3& axis = piece.axis();
-  // Twice, so that a short one lies across the axis as exactly.
+  // Project twice, so that a short vector is exactly perpendicular too.
   const Vec3 once = u - dot(axis, u) * axis;
   const Vec3 part = once - dot(axis, once) * axis;
   const double across = norm(part);
@@ -41,18 +41,18 @@ Vec3 support_of(const RoundPiece& piece, const Vec3& u, double margin_m) {
     best = &feature;
   });
   Vec3 point = best->centre_m + (best->radius_m - margin_m) * u;
-  // A shorter part is rounding: the ring lies flat.
+  // If the component is shorter, it is rounding and the ring lies flat.
   if (across > 1e-14) point += (best->circle_m / across) * part;
   return point;
 }
 
-/// The same of any piece.
+/// The same for any piece.
 Vec3 core_support(const ConvexView& piece, const Vec3& u, double margin_m) {
   return piece.round != nullptr ? support_of(*piece.round, u, margin_m)
                                 : piece.vertices_m[furthest_vertex(piece, u)];
 }
 
-/// The gap of a point and a piece of revolution, and its axis, in the piece's frame.
+/// The gap of a point and a piece of revolution, with its axis, in the piece's frame.
 struct PointGap {
   double gap_m = -std::numeric_limits<double>::infinity();
   Vec3 normal = Vec3::Zero();  ///< from the piece to the point
@@ -97,7 +97,7 @@ PointGap gap_of_point(const RoundPiece& piece, const Vec3& point_m) {
   return best;
 }
 
-/// Closed form: one of the two is a point, the other a piece of revolution.
+/// Returns the closed form for a point and a piece of revolution.
 Closest closest_to_revolution(const RoundPiece& piece, const PlacedPose& pose, const Vec3& point_m,
                               bool point_is_b) {
   const PointGap gap =
@@ -116,7 +116,7 @@ bool is_point(const ConvexView& piece) {
   return piece.round == nullptr && piece.vertex_count == 1;
 }
 
-/// GJK on both pieces less their margins, in A's frame.
+/// GJK on both pieces reduced by their margins, in A's frame.
 class Descent {
  public:
   Descent(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
@@ -131,7 +131,7 @@ class Descent {
   void run() {
     Vec3 way = to_world(b_in_a_, b_->centre_m) - a_->centre_m;
     if (!(norm(way) > 0)) way = Vec3::UnitX();
-    // Once more with points that are all about the end, where rounding has stopped it.
+    // Restart where rounding stopped it, with points all near the end.
     constexpr int k_restarts = 3;
     double reached_m = descend(way);
     for (int i = 0; i < k_restarts && !overlap_ && reached_m - gap_m_ > error_m_; ++i) {
@@ -168,8 +168,8 @@ class Descent {
     Vec3 on_a;
     Vec3 on_b;
   };
-  /// The points of both that are furthest towards each other along an axis; notes the bound of the
-  /// gap that they give, if it is the greatest so far. Returns it.
+  /// Computes both pieces' furthest points towards each other along an axis, and their bound of the
+  /// gap. Stores the bound if it is the greatest so far, and returns it.
   double ask(const Vec3& n, Supports& points) {
     points.on_a = core_support(*a_, n, margin_a_m_);
     points.on_b =
@@ -182,7 +182,7 @@ class Descent {
     return bound_m;
   }
 
-  /// GJK from a first direction. The distance that it reaches.
+  /// Runs GJK from a first direction. Returns the distance that it reaches.
   double descend(Vec3 way) {
     double length_m = std::numeric_limits<double>::infinity();
     for (int i = 0; i < k_gjk_iterations_max; ++i) {
@@ -202,7 +202,7 @@ class Descent {
         simplex_.weights[0] = 1;
         break;
       }
-      // No closer by rounding.
+      // Rounding prevents further progress.
       if (before.count > 0 && !(closer_m < length_m)) {
         simplex_ = before;
         break;
@@ -213,8 +213,8 @@ class Descent {
     return length_m;
   }
 
-  /// Where rounding has stopped that before the bound came up to the distance: up the slope of the
-  /// bound, as it is concave about its greatest value.
+  /// Climbs the slope of the bound, which is concave near its maximum, if rounding stopped the
+  /// descent before the bound reached the distance.
   void climb(double reached_m) {
     constexpr int k_steps = 40;
     double pace = 1 / (a_->r_outer_m + b_->r_outer_m);
@@ -238,7 +238,7 @@ class Descent {
     }
   }
 
-  /// Of five, of which the simplex uses four at most.
+  /// Returns a free slot of five; the simplex uses at most four.
   std::uint16_t free_slot() const {
     for (std::uint16_t slot = 0; slot < points_.size(); ++slot) {
       bool used = false;

@@ -6,8 +6,8 @@
 namespace sleight::physics {
 namespace {
 
-// Two lanes: what SSE2 has, and enough that comparing costs less than loading. The compiler turns
-// these into plain code elsewhere, with the same results.
+// Two lanes, as in SSE2; they make comparisons cheaper than loads. On other processors the compiler
+// emits plain code with the same results.
 using Pair = double __attribute__((vector_size(16)));
 using Lanes = long long __attribute__((vector_size(16)));
 
@@ -23,7 +23,7 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction) {
   const Pair dx = {direction.x(), direction.x()};
   const Pair dy = {direction.y(), direction.y()};
   const Pair dz = {direction.z(), direction.z()};
-  // Four running maxima, so that comparisons do not wait for one another.
+  // Four running maxima, so that comparisons do not wait for each other.
   Pair best0 = dx * load(piece.xs_m) + dy * load(piece.ys_m) + dz * load(piece.zs_m);
   Pair best1 = dx * load(piece.xs_m + 2) + dy * load(piece.ys_m + 2) + dz * load(piece.zs_m + 2);
   Lanes index0 = {0, 1};
@@ -45,7 +45,7 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction) {
     index0 = more0 ? here0 : index0;
     index1 = more1 ? here1 : index1;
   }
-  // Of equal maxima the lowest index: the padding repeats vertex 0 and so never wins.
+  // Of equal maxima the lowest index wins. The padding repeats vertex 0, so it never wins.
   double best = best0[0];
   long long index = index0[0];
   const auto offer = [&](double reach, long long at) {
@@ -61,7 +61,7 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction) {
 }
 
 std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std::uint16_t start) {
-  // Written out: this is the inner loop of every warm descent.
+  // Written out, because this is the inner loop of every warm descent.
   const double x = direction.x();
   const double y = direction.y();
   const double z = direction.z();
@@ -93,7 +93,7 @@ double separation_along(const Vec3& axis, const ConvexView& a, const PlacedPose&
   const Vec3 axis_in_b = transposed_product(pose_b.rotation, axis);
   const Vec3& top = a.vertices_m[furthest_vertex(a, axis_in_a)];
   const Vec3& bottom = b.vertices_m[furthest_vertex(b, -axis_in_b)];
-  // The difference of the positions first: far from the world's origin they nearly cancel.
+  // Subtract the positions first, because they nearly cancel far from the world's origin.
   return (math::dot(axis, pose_b.position_m - pose_a.position_m) + math::dot(axis_in_b, bottom)) -
          math::dot(axis_in_a, top);
 }

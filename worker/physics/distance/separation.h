@@ -1,4 +1,4 @@
-// Supports: how far a piece reaches in a direction, and bounds of the gap from that.
+// Supports, which are a piece's reach in a direction, and bounds of the gap derived from them.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -8,22 +8,22 @@
 
 namespace sleight::physics {
 
-/// The vertex furthest along a direction of the piece's frame, by a scan of all; the first of those
-/// that round to the same reach.
+/// Returns the vertex furthest along a direction of the piece's frame by scanning all vertices; the
+/// first one if several round to the same reach.
 std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction);
 
-/// The same by climbing from neighbour to neighbour, for many vertices and a good start: its reach
-/// is the greatest to rounding, but on a tie it may be another vertex.
+/// Does the same by climbing from neighbour to neighbour, for many vertices and a good start. The
+/// reach is the greatest up to rounding; on a tie the vertex may differ.
 std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std::uint16_t start);
 
-/// Bound of the gap along a unit axis of the world: the least of dot(axis, B) less the greatest of
-/// dot(axis, A). The gap is at least this, less separation_error_m below. Negative if the shadows
-/// on the axis overlap. REQUIRES: |axis| = 1 to rounding.
+/// Returns a bound of the gap along a unit axis of the world: the least dot(axis, B) minus the
+/// greatest dot(axis, A). It is negative if the pieces' shadows on the axis overlap. The gap is at
+/// least this minus separation_error_m. REQUIRES: |axis| = 1 up to rounding.
 double separation_along(const Vec3& axis, const ConvexView& a, const PlacedPose& pose_a,
                         const ConvexView& b, const PlacedPose& pose_b);
 
-/// What rounding may add to separation_along, an axis of length 1 + 2^-51 included: 2^-49 of the
-/// coordinates involved. Subtract it for a certified bound.
+/// Returns how much rounding may add to separation_along, including an axis of length 1 + 2^-51:
+/// 2^-49 of the coordinates involved. Subtract it for a certified bound.
 double separation_error_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b);
 
