@@ -1,12 +1,11 @@
 // Free rotation of spherical and axially symmetric bodies, in closed form.
 //
-// Idea. With I1 = I2 the angular momentum L is w + (I3/I1 - 1) w3 z, times I1, where z is the
-// body's axis in the world and w3 = w.z is constant. The axis and w both turn about the constant L
-// at the rate |L|/I1 (the precession), while the body turns about its own axis at w3 (1 - I3/I1):
+// Idea. With I1 = I2 the angular momentum is L = I1 (w + (I3/I1 - 1) w3 z), where z is the body's
+// axis in the world and w3 = w.z is constant. The axis and w both turn about the constant L at the
+// rate |L|/I1 (the precession). The body turns about its own axis at w3 (1 - I3/I1):
 //   q(s) = exp(L/I1 s) q(0) exp(z_body w3 (1 - I3/I1) s),   w(s) = exp(L/I1 s) w(0)
-// (L. Landau, E. Lifshitz, "Mechanics", sections 33 and 35). A spherical body is the case I3 = I1:
-// no spin of its own, and L/I1 = w.
-// Thread safety: values and pure functions.
+// (L. Landau, E. Lifshitz, "Mechanics", sections 33 and 35). A spherical body is the case I3 = I1,
+// with L/I1 = w and no spin of its own. Thread safety: values and pure functions.
 #pragma once
 
 #include "common/base/check.h"
@@ -16,10 +15,10 @@ namespace sleight::physics {
 
 struct ClosedRotation {
   Vec3 precession_radps = Vec3::Zero();  ///< L/I1, in the world's frame
-  double spin_radps = 0;  ///< about the body's z axis, seen from the precessing frame
+  double spin_radps = 0;                 ///< about the body's z axis, in the precessing frame
 };
 
-/// REQUIRES: not general; the moments are as equal as the symmetry says.
+/// REQUIRES: the symmetry isn't general; the moments are as equal as the symmetry says.
 inline ClosedRotation closed_rotation(const FreeFlight& flight, const Inertia& inertia) {
   const Vec3& moments = inertia.principal_kgm2;
   const Vec3& w = flight.angular_velocity_radps;
@@ -36,7 +35,7 @@ inline ClosedRotation closed_rotation(const FreeFlight& flight, const Inertia& i
           .spin_radps = -(excess * about_axis)};
 }
 
-/// q(s) of a start orientation q(0).
+/// Returns q(s), given q(0).
 inline Quat turned(const ClosedRotation& rotation, const Quat& start, double s) {
   const Quat outer = math::quaternion_of_rotation_vector(s * rotation.precession_radps);
   if (rotation.spin_radps == 0) return math::composed(outer, start);
@@ -48,7 +47,7 @@ inline Quat turned(const ClosedRotation& rotation, const Quat& start, double s) 
   return math::composed(outer, inner);
 }
 
-/// w(s) of a start w(0). Constant, in bits too, unless the body has a spin of its own.
+/// Returns w(s), given w(0). Bitwise constant unless the body has a spin of its own.
 inline Vec3 precessed(const ClosedRotation& rotation, const Vec3& start_radps, double s) {
   if (rotation.spin_radps == 0) return start_radps;
   return math::rotated(math::quaternion_of_rotation_vector(s * rotation.precession_radps),

@@ -1,15 +1,14 @@
-// A body in free flight: where it began, and its centre of mass at any later tick.
+// A body in free flight: its start, and its centre of mass at any later tick.
 //
-// Idea. Between two events nothing acts on a body but a constant acceleration, so its whole motion
-// is fixed by the state at which the flight began. The centre of mass follows a parabola, given
-// here; the orientation is in rotation_track.h; what bounds both, in motion_bounds.h.
+// Idea. Between two events a body has constant acceleration, so the state at the start of the
+// flight determines its whole motion. The centre of mass follows a parabola, computed here.
+// rotation_track.h has the orientation, motion_bounds.h bounds for both.
 //
 // Invariants
-//   1. Evaluation is a pure function of (flight, tick): it does not depend on what was evaluated
-//      before.
-//   2. Only the difference of the tick and `begin` enters, and it is exact: a flight that begins n
+//   1. Evaluation depends only on flight and tick, not on earlier evaluations.
+//   2. Only the difference of the tick and `begin` matters, and it is exact: a flight that begins n
 //      ticks later gives the same bits n ticks later.
-//   3. At the tick `begin` every function returns what the flight holds, bit for bit.
+//   3. At the tick `begin` every function returns the flight's values, bit for bit.
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -18,8 +17,8 @@
 
 namespace sleight::physics {
 
-/// The start of a free flight, in the world's frame: 144 bytes. The norm of `orientation` is 1 to
-/// within 1e-12: whoever begins a flight normalises it, since evaluation keeps its norm as it is.
+/// The start of a free flight, in the world's frame: 144 bytes. `orientation` has norm 1 to within
+/// 1e-12. The creator of a flight normalises it, because evaluation keeps its norm.
 struct FreeFlight {
   Tick begin;
   Vec3 position_m = Vec3::Zero();  ///< of the centre of mass
@@ -29,18 +28,17 @@ struct FreeFlight {
   Vec3 angular_velocity_radps = Vec3::Zero();
 };
 
-/// Time since the flight began. Exact for spans up to 2^53 ticks.
+/// Returns the time since the flight began. Exact for spans of up to 2^53 ticks.
 inline double seconds_since_begin(const FreeFlight& flight, Tick t) {
   return seconds(t - flight.begin);
 }
 
-/// One coordinate of a parabola, p + (v + a s/2) s: four roundings. motion_bounds.cpp counts on
-/// this form.
+/// Returns p + (v + a s/2) s, with four roundings. motion_bounds.cpp relies on this form.
 inline double parabola(double position, double velocity, double acceleration, double s) {
   return position + (velocity + acceleration * (0.5 * s)) * s;
 }
 
-/// The centre of mass. Rounding error per coordinate: 2^-51 (|p| + |v| s + |a| s^2/2).
+/// Returns the centre of mass. Rounding error per coordinate: 2^-51 (|p| + |v| s + |a| s^2/2).
 inline Vec3 position_at(const FreeFlight& flight, Tick t) {
   const double s = seconds_since_begin(flight, t);
   const Vec3& p = flight.position_m;
@@ -50,7 +48,7 @@ inline Vec3 position_at(const FreeFlight& flight, Tick t) {
           parabola(p.z(), v.z(), a.z(), s)};
 }
 
-/// Of the centre of mass. Rounding error per coordinate: 2^-52 (|v| + |a| s).
+/// Returns the centre of mass's velocity. Rounding error per coordinate: 2^-52 (|v| + |a| s).
 inline Vec3 velocity_at(const FreeFlight& flight, Tick t) {
   const double s = seconds_since_begin(flight, t);
   return flight.velocity_mps + s * flight.acceleration_mps2;

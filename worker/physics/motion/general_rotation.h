@@ -1,30 +1,32 @@
 // Free rotation of a body with three different principal moments, by steps of a Taylor series.
 //
-// Idea. About the body's own axes, Euler's equations and the kinematics of the quaternion are
-// bilinear,
-//   dw1/dt = (I2 - I3)/I1 w2 w3 (and cyclic),   dq/dt = q (0; w)/2,
-// so the Taylor coefficients follow from one another by sums of products. With time in units of the
-// step, W = h w:
-//   (n+1) W1[n+1] = (I2 - I3)/I1 sum over k of W2[k] W3[n-k],   (n+1) Q[n+1] = sum of Q[k]
-//   W[n-k]/2.
-// The polynomial of a step is also what is evaluated inside it.
+// Idea. In the body's frame, Euler's equations and the quaternion's kinematics are bilinear:
 //
-// The step is a power of two of ticks, the greatest with h |w|max max(1, c) <= 1/4, where |w|max is
-// the greatest angular speed on the polhode (rotation_bounds.h) and c the greatest coefficient of
-// Euler's equations, at most 1 for real masses. The poles of w(t) then lie six steps or more from
-// the real axis, and cutting off after order 16 costs less than 7e-17 (the greatest sum of left-out
-// terms of 4,000 bodies, plates and needles and flips among them).
+//   dw1/dt = (I2 - I3)/I1 w2 w3 (and cyclic),   dq/dt = q (0; w)/2
+//
+// So the Taylor coefficients follow from each other by sums of products. With time in units of the
+// step, W = h w and sums over k from 0 to n:
+//
+//   (n+1) W1[n+1] = (I2 - I3)/I1 sum of W2[k] W3[n-k]
+//   (n+1) Q[n+1]  = sum of Q[k] W[n-k]/2
+//
+// A step's polynomial is also evaluated inside the step.
+//
+// The step is the greatest power of two of ticks with h |w|max max(1, c) <= 1/4. Here |w|max is the
+// greatest angular speed on the polhode (rotation_bounds.h), and c the greatest coefficient of
+// Euler's equations, at most 1 for real masses. The poles of w(t) are then at least six steps from
+// the real axis. Truncating after order 16 costs less than 7e-17, the greatest sum of omitted terms
+// of 4,000 bodies, including plates, needles and flips.
 //
 // Invariants
-//   1. Step k is a function of the flight and k alone: always reached from the flight's own start,
-//      through the same steps. So results do not depend on the order of questions.
+//   1. Step k depends only on the flight and k, because it is always reached from the flight's
+//      start through the same steps. So results do not depend on the order of calls.
 //   2. At the start of each step the norm of q is 1 to within 2^-51.
-// Near the start of a step fewer terms are needed, and only those are computed: bodies that bounce
-// often don't pay for a whole step each time.
-// Cost: about 0.4 us for a step, an eighth to a quarter radian at the greatest speed; 15 ns for an
-// orientation inside it. A question before the current step, unless about the one just before it,
-// starts again from the flight's begin.
-// Thread safety: one object is not shared between threads.
+// Near the start of a step fewer terms are needed, and only those are computed, so a body that
+// bounces often doesn't pay for whole steps. Cost: about 0.4 us per step, which is 1/8 to 1/4
+// radian at the greatest speed; 15 ns for an orientation inside the step. A call for an earlier
+// time restarts at the flight's begin, unless it is in the step just before the current one. Thread
+// safety: one object is not shared between threads.
 #pragma once
 
 #include <array>
@@ -39,27 +41,27 @@ namespace sleight::physics {
 class GeneralRotation {
  public:
   static constexpr std::size_t k_order = 16;
-  /// Greatest h |w|max max(1, c), in radians: see above.
+  /// Maximum of h |w|max max(1, c), in radians.
   static constexpr double k_step_rad = 0.25;
-  /// Steps of one flight: 131,000 rad or more, half a second of computing. What turns for longer
-  /// without touching anything is refused: see rotation_horizon in rotation_track.h.
+  /// Maximum steps of a flight: at least 131,000 rad, half a second of computing. A body that turns
+  /// for longer without a contact is refused (rotation_horizon in rotation_track.h).
   static constexpr std::int64_t k_steps_max = std::int64_t{1} << 20;
 
   /// REQUIRES: moments > 0; orientation of norm 1; everything finite.
   GeneralRotation(const FreeFlight& flight, const Inertia& inertia);
 
-  /// Ticks after begin up to which questions are allowed: k_steps_max steps, at most k_tick_max; 0
-  /// for bodies so fast that a tick is too long for a step (2^28 rad/s).
+  /// Maximum ticks after begin of a call: k_steps_max steps, at most k_tick_max. 0 for bodies so
+  /// fast that a tick is too long for a step (2^28 rad/s).
   TickCount span_max() const { return span_max_; }
 
-  /// q at a time after begin. REQUIRES: 0 <= ticks <= span_max().
+  /// Returns q at a time after begin. REQUIRES: 0 <= ticks <= span_max().
   Quat orientation_at(TickCount ticks_since_begin);
-  /// w in the world's frame. REQUIRES: the same.
+  /// Returns w in the world's frame. REQUIRES: 0 <= ticks <= span_max().
   Vec3 angular_velocity_at(TickCount ticks_since_begin);
 
  private:
-  /// At the start of a step, each number as an unrounded sum of two: else the rounding of a long
-  /// flight's steps would add up in energy and angular momentum.
+  /// At the start of a step, each number as an unrounded sum of two. Otherwise the rounding of a
+  /// long flight's steps would add up in energy and angular momentum.
   struct State {
     std::array<double, 4> q{};  ///< w, x, y, z
     std::array<double, 3> w{};  ///< radians per step, about the body's axes
@@ -77,13 +79,13 @@ class GeneralRotation {
   std::array<std::array<double, 4>, k_order + 1> q_{};
   std::array<std::array<double, 3>, k_order + 1> w_{};
   std::array<double, 3> euler_{};  ///< (I2 - I3)/I1 and cyclic
-  State first_;                    ///< of step 0
-  State previous_;                 ///< of step_ - 1
-  State state_;                    ///< of step_
-  std::size_t expanded_ = 0;       ///< coefficients up to this order are there
+  State first_;                    ///< at step 0
+  State previous_;                 ///< at step_ - 1
+  State state_;                    ///< at step_
+  std::size_t expanded_ = 0;       ///< coefficients up to this order are computed
   std::int64_t step_ = 0;
   TickCount span_max_ = 0;
-  int log2_ticks_ = 0;  ///< of a step
+  int log2_ticks_ = 0;  ///< log2 of the ticks in a step
   bool has_previous_ = false;
   double steps_per_second_ = 0;
 };

@@ -1,19 +1,17 @@
-// What a free rigid body keeps: kinetic energy (without gravity) and angular momentum. For
-// diagnosis and tests, and for laws of response that must not gain energy.
-//
-// Thread safety: pure functions.
+// Quantities that a free rigid body conserves: kinetic energy (without gravity) and angular
+// momentum. For diagnosis, tests and laws that must not gain energy. Thread safety: pure functions.
 #pragma once
 
 #include "worker/physics/motion/rigid_body.h"
 
 namespace sleight::physics {
 
-/// Angular velocity about the body's own axes, given in the world's frame.
+/// Converts an angular velocity from the world's frame to the body's.
 inline Vec3 body_angular_velocity_radps(const Quat& orientation, const Vec3& world_radps) {
   return math::rotated(math::inverse(orientation), world_radps);
 }
 
-/// Of rotation about the centre of mass: (I1 w1^2 + I2 w2^2 + I3 w3^2)/2.
+/// Returns the energy of rotation about the centre of mass: (I1 w1^2 + I2 w2^2 + I3 w3^2)/2.
 inline double rotational_energy_j(const Inertia& inertia, const Quat& orientation,
                                   const Vec3& angular_velocity_radps) {
   const Vec3 w = body_angular_velocity_radps(orientation, angular_velocity_radps);
@@ -22,14 +20,14 @@ inline double rotational_energy_j(const Inertia& inertia, const Quat& orientatio
                 moments.z() * (w.z() * w.z()));
 }
 
-/// Translation and rotation.
+/// Returns the energy of translation and rotation.
 inline double kinetic_energy_j(const Inertia& inertia, const Quat& orientation,
                                const Twist& twist) {
   return 0.5 * inertia.mass_kg * math::dot(twist.velocity_mps, twist.velocity_mps) +
          rotational_energy_j(inertia, orientation, twist.angular_velocity_radps);
 }
 
-/// About the centre of mass, in the world's frame, in kg m^2/s.
+/// Returns the angular momentum about the centre of mass, in the world's frame, in kg m^2/s.
 inline Vec3 angular_momentum_kgm2ps(const Inertia& inertia, const Quat& orientation,
                                     const Vec3& angular_velocity_radps) {
   const Vec3 w = body_angular_velocity_radps(orientation, angular_velocity_radps);

@@ -1,13 +1,13 @@
 // Bounds on motion in free flight, for bounding volumes and for searches that skip ticks.
 //
-// Idea. A body lies in a sphere about its centre of mass, and the centre follows a parabola, whose
-// extent along an axis is that of its two ends and, if it lies between them, of its apex (thesis
-// figure 3.2). Rotation is bounded in rotation_bounds.h.
+// Idea. A body is inside a sphere about its centre of mass, and the centre follows a parabola.
+// Along an axis, the parabola's extent follows from its ends and, if it is between them, its apex
+// (thesis figure 3.2). rotation_bounds.h bounds rotation.
 //
 // Invariants
-//   1. What is bounded is what position_at and orientation_at return at whole ticks, rounding
-//      included, not just the exact motion.
-//   2. Everything is a pure function of its arguments; only ticks since begin enter.
+//   1. Bounds hold for the results of position_at and orientation_at at whole ticks, including
+//      rounding, not just for the exact motion.
+//   2. All results depend only on the arguments; only ticks since begin matter.
 // Thread safety: pure functions.
 #pragma once
 
@@ -21,9 +21,8 @@
 
 namespace sleight::physics {
 
-/// A piece of motion whose centre follows a parabola from `begin` on, such as a FreeFlight. Its
-/// position may be evaluated in any order of operations with an error of at most 2^-51 (|p| +
-/// |v| s + |a| s^2/2) per coordinate.
+/// Motion whose centre follows a parabola from `begin` on, such as a FreeFlight. Any evaluation of
+/// the position may err by at most 2^-51 (|p| + |v| s + |a| s^2/2) per coordinate.
 template <class T>
 concept OnParabola = requires(const T& motion) {
   { motion.begin } -> std::convertible_to<Tick>;
@@ -36,7 +35,7 @@ static_assert(OnParabola<FreeFlight>);
 
 namespace detail {
 
-/// A float at or below x, at most two floats away: a conversion rounds by 2^-24 of x or 2^-150.
+/// Returns a float at or at most two floats below x: a conversion rounds by 2^-24 of x or 2^-150.
 inline float float_below(double x) {
   return static_cast<float>(x - (std::fabs(x) * 0x1p-23 + 0x1p-149));
 }
@@ -45,19 +44,20 @@ inline float float_above(double x) {
   return static_cast<float>(x + (std::fabs(x) * 0x1p-23 + 0x1p-149));
 }
 
-/// Sum of the terms of a parabola without their signs: what rounding errors are measured by.
+/// Returns the sum of a parabola's absolute terms, to which rounding errors are relative.
 inline double magnitude(double position, double velocity, double acceleration, double s) {
   return parabola(std::fabs(position), std::fabs(velocity), std::fabs(acceleration), s);
 }
 
-/// Seconds that a point stays between two walls: it starts at distances `ahead` > 0 and `behind`
-/// > 0 of them, moves towards the one ahead at `speed` >= 0, and accelerates towards it at
-/// `acceleration` of any sign. Each root is taken in the form without cancellation.
+/// Returns how long, in seconds, a point stays between two walls. It starts at distances `ahead` >
+/// 0 and `behind` > 0 from them, moves towards the one ahead at `speed` >= 0, and accelerates
+/// towards it at `acceleration` of any sign. Each root is in the form without cancellation.
 inline double seconds_between(double ahead, double behind, double speed, double acceleration) {
-  if (acceleration == 0) return ahead / speed;  // the same as below: the root is the speed
+  // The general formula gives the same, as the root is the speed.
+  if (acceleration == 0) return ahead / speed;
   const double square = speed * speed;
   const double discriminant = square + 2 * acceleration * ahead;
-  // Slowing down, it meets the wall ahead before its apex, or else the one behind.
+  // A decelerating point meets the wall ahead before its apex, or else the wall behind.
   const bool meets_ahead = acceleration >= 0 || (discriminant >= 0 && speed > 0);
   const double root = std::sqrt(meets_ahead ? discriminant : square - 2 * acceleration * behind);
   return meets_ahead ? 2 * ahead / (speed + root) : (speed + root) / -acceleration;
@@ -65,9 +65,9 @@ inline double seconds_between(double ahead, double behind, double speed, double 
 
 }  // namespace detail
 
-/// Holds every sphere of the radius about position_at(motion, t), from <= t <= to. Each corner is
-/// at most two floats further out than need be.
-/// REQUIRES: begin <= from <= to <= k_tick_max; radius >= 0; everything finite.
+/// Returns a box that contains all spheres of the radius about position_at(motion, t) for t in
+/// [from, to]. Each corner is at most two floats too far out. REQUIRES: begin <= from <= to <=
+/// k_tick_max; radius >= 0; everything finite.
 template <OnParabola Motion>
 Box path_box(const Motion& motion, double radius_m, Tick from, Tick to) {
   const double s_from = seconds(from - motion.begin);
@@ -81,7 +81,7 @@ Box path_box(const Motion& motion, double radius_m, Tick from, Tick to) {
     const double last = parabola(p, v, a, s_to);
     const double apex_s = a != 0 ? std::clamp(-v / a, s_from, s_to) : s_from;
     const double apex = parabola(p, v, a, apex_s);
-    // Twice the error of an evaluation that OnParabola allows, and the rounding of the sums here.
+    // Twice the error that OnParabola permits, plus the rounding of the sums here.
     const double reach = radius_m + 0x1p-50 * (detail::magnitude(p, v, a, s_to) + radius_m);
     const auto index = static_cast<std::size_t>(axis);
     box.low_m[index] = detail::float_below(std::min(std::min(first, last), apex) - reach);
@@ -90,12 +90,11 @@ Box path_box(const Motion& motion, double radius_m, Tick from, Tick to) {
   return box;
 }
 
-/// A tick until which the sphere stays in the box: at every t with from <= t <= result it lies
-/// within. k_tick_max if it never leaves; from - 1 if it is not inside at `from`. It is judged as
-/// if each wall stood further in, by 2^-49 (|p| + |v| s + 3 |a| s^2 + radius) + 2^-44 width, with v
-/// the velocity at `from`, s seconds after begin; for such walls the result is early by at most
-/// 2^-39 of (result - from) and a tick. REQUIRES: begin <= from <= k_tick_max; radius >= 0;
-/// everything finite.
+/// Returns a tick until which the sphere stays in the box, including that tick. k_tick_max: it
+/// never leaves. from - 1: it is not inside at `from`. The walls count as further in by 2^-49 (|p|
+/// + |v| s + 3 |a| s^2 + radius) + 2^-44 width, with v the velocity at `from`, s seconds after
+/// begin. For these walls the result is early by at most 2^-39 of (result - from) and a tick.
+/// REQUIRES: begin <= from <= k_tick_max; radius >= 0; everything finite.
 template <OnParabola Motion>
 Tick exit_tick(const Box& box, const Motion& motion, double radius_m, Tick from) {
   const double s = seconds(from - motion.begin);
@@ -107,31 +106,30 @@ Tick exit_tick(const Box& box, const Motion& motion, double radius_m, Tick from)
     const double a = motion.acceleration_mps2[axis];
     const double v = motion.velocity_mps[axis] + a * s;
     const double p = parabola(motion.position_m[axis], motion.velocity_mps[axis], a, s);
-    // Rounding, here and in evaluations up to the exit, is below 16 roundings of the terms of the
-    // parabola. Those after `from` are bounded by the width of the box alone: a parabola that stays
-    // between walls for a time T has |v| T and |a| T^2/2 of at most 4 times their distance
-    // (Markov's inequality).
+    // Rounding, here and in evaluations up to the exit, is below 16 roundings of the parabola's
+    // terms. The width of the box bounds the terms after `from`. By Markov's inequality, |v| T and
+    // |a| T^2/2 are at most 4 times the walls' distance for a parabola that stays between them for
+    // a time T.
     const double terms = std::fabs(motion.position_m[axis]) +
                          (std::fabs(v) + 3 * std::fabs(a) * s) * s + 32 * (high - low) + radius_m;
     const double margin = radius_m + 0x1p-49 * terms;
     const double up = (high - p) - margin;
     const double down = (p - low) - margin;
-    // Thinner gaps would underflow below; this also refuses NaN.
+    // Thinner gaps would underflow below. This test also refuses NaN.
     constexpr double k_gap_min = 0x1p-300;
     if (!(up > k_gap_min && down > k_gap_min)) return from - 1;
     const double axis_s = v >= 0 ? detail::seconds_between(up, down, v, a)
                                  : detail::seconds_between(down, up, -v, -a);
     stays_s = std::min(stays_s, axis_s);
   }
-  // The margins cover what rounding does to the roots as to walls that moved; this, their last
-  // roundings, as they grow with time.
+  // The margins cover the roots' rounding, like moved walls. This factor covers the last roundings.
   constexpr double k_shrink = 1 - 0x1p-40;
   const TickCount stays = ticks_before(stays_s * k_shrink);
   return stays >= k_tick_max - from ? k_tick_max : from + stays;
 }
 
-/// The greatest speed of the centre of mass between two ticks: at one of them, since |v|^2 is
-/// convex. REQUIRES: begin <= from <= to.
+/// Returns the greatest speed of the centre of mass between two ticks. It is reached at one of
+/// them, because |v|^2 is convex. REQUIRES: begin <= from <= to.
 template <OnParabola Motion>
 double centre_speed_mps_max(const Motion& motion, Tick from, Tick to) {
   const Vec3 first = motion.velocity_mps + seconds(from - motion.begin) * motion.acceleration_mps2;
@@ -140,11 +138,11 @@ double centre_speed_mps_max(const Motion& motion, Tick from, Tick to) {
   return std::sqrt(std::max(math::dot(first, first), math::dot(last, last))) * k_margin;
 }
 
-/// What rounding adds to motion. The evaluated places of a point of the body, within the radius of
-/// its centre, at any two ticks t1 < t2 in [begin, to] differ by at most
+/// Returns how much rounding adds to motion. For a point within the radius of the body's centre,
+/// the evaluated positions at any ticks t1 < t2 in [begin, to] differ by at most
 ///   (t2 - t1) (centre_speed_mps_max + turning_speed_mps_max) + rounding_m_max(...).
-/// A search that skips ticks subtracts this from the gap first.
-/// REQUIRES: `rotation` are this motion's bounds; begin <= to.
+/// A search that skips ticks subtracts this from the gap first. REQUIRES: `rotation` holds this
+/// motion's bounds; begin <= to.
 template <OnParabola Motion>
 double rounding_m_max(const Motion& motion, const RotationBounds& rotation, double radius_m,
                       Tick to) {
@@ -156,7 +154,7 @@ double rounding_m_max(const Motion& motion, const RotationBounds& rotation, doub
   return 0x1p-49 * (terms + (4 + rotation.phase_rate_radps * s) * radius_m);
 }
 
-/// The greatest sum of the terms of a coordinate of the centre: by this position_at rounds.
+/// Returns the greatest sum of terms of a centre's coordinate, to which its rounding is relative.
 inline double coordinates_m_max(const FreeFlight& flight, Tick t) {
   const double s = seconds_since_begin(flight, t);
   double most_m = 0;

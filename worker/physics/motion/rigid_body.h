@@ -1,9 +1,8 @@
 // Mass and state of a rigid body.
 //
-// A body's own frame has its origin at the centre of mass and its axes along the principal axes of
-// inertia. A pose maps it to the world: world = position + rotated(orientation, body). Velocities
-// and angular velocities are in the world's frame.
-// Thread safety: values.
+// A body's frame has its origin at the centre of mass and its axes along the principal axes of
+// inertia. A pose maps this frame to the world: world = position + rotated(orientation, body).
+// Velocities and angular velocities are in the world's frame. Thread safety: values.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +16,7 @@ using math::Mat3;
 using math::Quat;
 using math::Vec3;
 
-/// What a shape declares about its principal moments; it selects how free rotation is computed.
+/// A shape's declaration about its principal moments. It selects how free rotation is computed.
 enum class InertiaSymmetry : std::uint8_t {
   spherical,  ///< all three equal: sphere, cube, icosahedron
   axial,      ///< x and y equal: a symmetric top about the body's z axis
@@ -30,7 +29,7 @@ struct Inertia {
   InertiaSymmetry symmetry = InertiaSymmetry::general;
 };
 
-/// Exactly: not a small one.
+/// Returns whether the vector is exactly 0.
 inline bool is_zero(const Vec3& v) {
   return v.x() == 0 && v.y() == 0 && v.z() == 0;
 }

@@ -17,7 +17,7 @@ constexpr double k_margin = 1 + 0x1p-30;  ///< for rounding
 
 struct PolhodeAxis {
   double moment;  ///< in any unit
-  double square;  ///< of the angular velocity about it
+  double square;  ///< of the angular velocity about the axis
 };
 
 double squared(double x) {
@@ -43,13 +43,13 @@ RotationBounds general_rotation_bounds(const Vec3& principal_kgm2, const Vec3& b
   const double d32 = i3 - i2;
   const double d31 = i3 - i1;
 
-  // The greatest |w|, where w2 = 0.
+  // The greatest |w|, at w2 = 0.
   const double y_max = ((x1 + x2) + x3) + x2 * (d21 / i1) * (d32 / i3);
   RotationBounds bounds;
   bounds.angular_speed_radps = std::sqrt(y_max) * k_margin;
   if (d31 == 0) return bounds;
 
-  // The greatest of each square: w1^2 and w3^2 where w2 = 0, w2^2 where the first of them is 0.
+  // Maximum of each square: w1^2 and w3^2 at w2 = 0, w2^2 at the first zero of these.
   const double x1_max = x1 + x2 * (i2 * d32) / (i1 * d31);
   const double x3_max = x3 + x2 * (i2 * d21) / (i3 * d31);
   constexpr double k_none = std::numeric_limits<double>::infinity();
@@ -57,8 +57,8 @@ RotationBounds general_rotation_bounds(const Vec3& principal_kgm2, const Vec3& b
   const double until_x3 = d21 > 0 ? x3 * (i3 * d31) / (i2 * d21) : k_none;
   const double x2_max = x2 + std::min(until_x1, until_x3);
 
-  // Euler's equations: dw1/dt = (I2 - I3)/I1 w2 w3 and its cyclic companions. The second bound
-  // takes the greatest coefficient and ab + bc + ca <= (a + b + c)^2/3.
+  // Euler's equations: dw1/dt = (I2 - I3)/I1 w2 w3 and cyclic. The second bound uses the greatest
+  // coefficient and ab + bc + ca <= (a + b + c)^2/3.
   const double c1 = squared(d32 / i1);
   const double c2 = squared(d31 / i2);
   const double c3 = squared(d21 / i3);
@@ -74,7 +74,7 @@ RotationBounds rotation_bounds(const FreeFlight& flight, const Inertia& inertia)
     return general_rotation_bounds(inertia.principal_kgm2,
                                    body_angular_velocity_radps(flight.orientation, w));
   }
-  // Without a third moment |w| is constant; it turns about the angular momentum.
+  // Without a third moment |w| is constant, and w turns about the angular momentum.
   const ClosedRotation closed = closed_rotation(flight, inertia);
   return {.angular_speed_radps = math::norm(w) * k_margin,
           .angular_acceleration_radps2 =

@@ -10,19 +10,18 @@
 namespace sleight::physics {
 namespace {
 
-/// The most that a step of Magnus' expansion may turn by its second term. What is left out is of
-/// the size of this times the angle of a step.
+/// Maximum turn by a Magnus step's second term. The error is about this times the step's angle.
 constexpr double k_second_term_rad = 1e-6;
-/// More steps are not taken: the turn of a ball that spins so fast for so long is anybody's guess.
+/// Maximum number of steps. A ball that spins so fast for so long has no predictable orientation.
 constexpr double k_steps_max = 100'000;
 
 Quat turned_unevenly(const Segment& segment, double s) {
   const Vec3& w = segment.flight.angular_velocity_radps;
   const Vec3& a = segment.angular_acceleration_radps2;
-  // The same at every step: it is made from a x (w + a s).
+  // The same at every step, because it is a x (w + a s).
   const Vec3 turn_of_axis = math::cross(a, w);
   const double size = math::norm(turn_of_axis);
-  // Below rounding the axis stands still, and its step is the whole time.
+  // Below rounding the axis doesn't turn, and one step covers the whole time.
   const double straight = 0x1p-40 * math::norm(a) * math::norm(w);
   double steps = 1;
   if (size > straight) {

@@ -12,42 +12,42 @@
 namespace sleight::physics {
 
 enum class MotionMode : std::uint8_t {
-  free,     ///< flight: gravity alone acts
-  sliding,  ///< on static geometry, on which it slips
-  rolling,  ///< the same without slip
-  resting   ///< doesn't move until it is woken
+  free,     ///< flight: only gravity acts
+  sliding,  ///< slips on static geometry
+  rolling,  ///< rolls on static geometry without slip
+  resting   ///< at rest until woken
 };
 
-/// The centre of mass moves on a parabola in every mode. A body in flight turns freely; the angular
-/// velocity of one in contact changes evenly.
+/// The centre of mass follows a parabola in every mode. A body in flight turns freely. A body in
+/// contact has a linearly changing angular velocity.
 struct Segment {
   FreeFlight flight;
   Vec3 angular_acceleration_radps2 = Vec3::Zero();  ///< 0 in flight
   MotionMode mode = MotionMode::free;
 };
 
-/// Whether a body stays on static geometry.
+/// Returns whether the body stays on static geometry.
 inline bool in_contact(const Segment& segment) {
   return segment.mode == MotionMode::sliding || segment.mode == MotionMode::rolling;
 }
 
-/// From the body's frame to the world's, at a tick of the segment. In contact, where the angular
-/// velocity is w + a s, by Magnus' expansion to its second term (W. Magnus, Comm. Pure Appl. Math.
-/// 7, 1954) over equal parts of the time since the segment began, short enough for 1e-6 rad: exact
-/// but for rounding if the axis doesn't turn.
+/// Returns the rotation from the body's frame to the world's, at a tick of the segment. In contact
+/// the angular velocity is w + a s, and the result is Magnus' expansion to its second term (W.
+/// Magnus, Comm. Pure Appl. Math. 7, 1954). Its steps are equal parts of the time since the segment
+/// began, short enough for 1e-6 rad. If the axis doesn't turn, the result is exact up to rounding.
 /// REQUIRES, cost: as for orientation_at of rotation_track.h.
 Quat orientation_of(const Segment& segment, const Inertia& inertia, Tick tick);
 
-/// In the world's frame. REQUIRES: the same.
+/// Returns the twist in the world's frame. REQUIRES: as for orientation_of.
 Twist twist_of(const Segment& segment, const Inertia& inertia, Tick tick);
 
-/// Without a look at its turn.
+/// Doesn't evaluate the rotation.
 inline Twist twist_at_begin(const Segment& segment) {
   return {.velocity_mps = segment.flight.velocity_mps,
           .angular_velocity_radps = segment.flight.angular_velocity_radps};
 }
 
-/// Of a segment in contact, of a body that is no sphere, while it lasts.
+/// Bounds of a segment in contact, while it lasts, for a body other than a sphere.
 RotationBounds contact_rotation_bounds(const Segment& segment);
 
 }  // namespace sleight::physics
