@@ -1,8 +1,7 @@
-// The boxes of bodies, as given and coded; what all broad phases keep.
+// The boxes of bodies, plain and coded, which every broad phase stores.
 //
-// Invariant: coded(b) is the code of box(b) for every present b; its fourth numbers are left alone
-// by `set`, they belong to the structure.
-// Thread safety: none.
+// Invariant: coded(b) is the code of box(b) for every present b. Its fourth numbers belong to the
+// structure, and `set` doesn't change them. Thread safety: none.
 #pragma once
 
 #include <span>
@@ -41,7 +40,7 @@ class BodyBoxes {
     CHECK(!contains(body));
   }
 
-  /// A hint to read a body's box soon.
+  /// Prefetches a body's box.
   void fetch(BodyId body) const {
     __builtin_prefetch(&coded_[body]);
     __builtin_prefetch(&boxes_[body]);

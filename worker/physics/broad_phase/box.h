@@ -1,8 +1,7 @@
-// Axis-aligned boxes that hold a body for a span of time: temporal bounding volumes (thesis 3.2.1).
+// Axis-aligned boxes that contain a body for a time: temporal bounding volumes (thesis 3.2.1).
 //
-// Corners are floats: boxes only say which pairs to watch, never what happens, so they are small
-// and rounded outwards by whoever makes them. Boxes are closed: touching ones overlap.
-// Thread safety: values.
+// Corners are floats, rounded outwards by the maker. Floats suffice because boxes only select pairs
+// to watch, never what happens. Boxes are closed, so touching boxes overlap. Thread safety: values.
 #pragma once
 
 #include <array>

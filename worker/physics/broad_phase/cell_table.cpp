@@ -7,8 +7,8 @@
 namespace sleight::physics {
 namespace {
 
-/// With some five bodies in a cell (hierarchical_grid.cpp), this leaves more than half of the cells
-/// empty, so that few share a number.
+/// With some five bodies in a cell (hierarchical_grid.cpp), over half of the cells are empty, which
+/// keeps shared numbers rare.
 constexpr std::uint32_t k_bodies_per_cell = 2;
 constexpr std::uint32_t k_cells_least = 64;
 
@@ -30,13 +30,13 @@ CellTable::CellTable(std::uint32_t bodies)
 
 void CellTable::link(std::uint32_t body, std::uint32_t cell, const Sketch& sketch) {
   const std::uint32_t first = cell & mask_;
-  // A full first block becomes a further one, so that only first ones have free slots.
+  // A full first block becomes a further block, so that only first blocks have free slots.
   if (filled_[first] == 0xFF) {
     const std::uint32_t further = free_.back();
     free_.pop_back();
     copy_block(first, further);
     cell_[further] = first;
-    blocks_[first].next = further;  // whose next is the copy's
+    blocks_[first].next = further;  // the copy links to the former next block
     filled_[further] = 0xFF;
     filled_[first] = 0;
   }
@@ -48,7 +48,7 @@ void CellTable::link(std::uint32_t body, std::uint32_t cell, const Sketch& sketc
 }
 
 void CellTable::unlink(std::uint32_t body) {
-  // The last of the first block takes the place.
+  // The last body of the first block fills the hole.
   const std::uint32_t hole = place_[body];
   const std::uint32_t first = cell_[hole / k_slots];
   const auto last = static_cast<std::uint32_t>(std::countr_one(filled_[first])) - 1;
@@ -62,7 +62,7 @@ void CellTable::unlink(std::uint32_t body) {
   place_[bodies_[first][last]] = hole;
   filled_[first] = static_cast<std::uint8_t>(filled_[first] >> 1);
 
-  // A first block that is empty takes over a further one.
+  // An empty first block takes over a further block.
   const std::uint32_t further = blocks_[first].next;
   if (filled_[first] != 0 || further == k_none) return;
   copy_block(further, first);

@@ -1,20 +1,20 @@
-// Which bodies are in which cell of a grid, laid out so that eight boxes are compared at once.
+// The bodies in each cell of a grid, in a layout that compares eight boxes at once.
 //
-// Idea. A query of a grid spends its time on memory and on branches guessed wrong, not on
-// arithmetic. So a cell keeps sketches of its bodies' boxes: 8 bits for the start and 8 for the
-// width on each axis, in the units and modulo 2^8 of a ring (periodic.h has the idea). Eight bodies
-// fit one cache line, and some 12 instructions of SSE2 compare them with a query. Their ids lie
-// elsewhere: a query of a gas finds one body or less in four blocks. Sketches are rounded outwards;
+// Idea. A grid query spends its time on memory and mispredicted branches, not on arithmetic. So a
+// cell stores sketches of its bodies' boxes: per axis 8 bits for the start and 8 for the width, in
+// units and modulo 2^8 of a ring (periodic.h explains the idea). Eight sketches fit one cache line,
+// and some 12 SSE2 instructions compare them with a query. Bodies' ids are stored elsewhere,
+// because a query of a gas finds at most one body in four blocks. Sketches are rounded outwards;
 // the caller compares the bodies that pass exactly.
 //
-// Cells are numbered modulo a power of two, and several cells may have one number. That costs time
-// and changes no result, but a query that names a cell twice finds its bodies twice.
+// Cells are numbered modulo a power of two, so several cells may share a number. This costs time
+// and changes no result, but a query that lists a number twice finds its bodies twice.
 //
 // Invariants
-//   1. Block c is the first of cell c, for c < cells(). Its members fill its slots from the first
-//      on; it is empty only if the cell is. Further blocks of the cell are full.
+//   1. Block c is the first block of cell c, for c < cells(). Its bodies fill its slots from the
+//      first one on. It is empty only if the cell is. Further blocks of the cell are full.
 //   2. place_[b] is block * 8 + slot of each body in a cell.
-//   3. So there are at most bodies / 8 further blocks; all memory is taken at the start.
+//   3. So there are at most bodies / 8 further blocks; all memory is allocated at the start.
 // Thread safety: none.
 #pragma once
 
@@ -29,9 +29,9 @@
 
 namespace sleight::physics {
 
-/// A place on a ring of 2^8 points.
+/// A point on a ring of 2^8 points.
 using RingPoint = std::uint8_t;
-/// A box on three rings: on each axis it covers start to start + width.
+/// A box on three rings, covering start to start + width on each axis.
 struct Sketch {
   std::array<RingPoint, 3> start{};
   std::array<RingPoint, 3> width{};  ///< k_whole_ring covers the ring
@@ -46,14 +46,14 @@ class CellTable {
 
   explicit CellTable(std::uint32_t bodies);
 
-  /// A power of two. Cells are given by any number; it counts modulo this.
+  /// A power of two. Cell numbers count modulo this.
   std::uint32_t cells() const { return mask_ + 1; }
 
   /// REQUIRES: the body is in no cell.
   void link(std::uint32_t body, std::uint32_t cell, const Sketch& sketch);
   /// REQUIRES: the body is in a cell.
   void unlink(std::uint32_t body);
-  /// Replaces the sketch of a body, which may be in another cell now. REQUIRES: it is in a cell.
+  /// Replaces a body's sketch and, if it changed, its cell. REQUIRES: the body is in a cell.
   void change(std::uint32_t body, std::uint32_t cell, const Sketch& sketch) {
     const std::uint32_t place = place_[body];
     if (cell_[place / k_slots] == (cell & mask_)) {
@@ -69,18 +69,18 @@ class CellTable {
     return blocks_[place / k_slots].width[axis][place % k_slots];
   }
 
-  /// Appends a cell's first block at `to` if it holds anybody; returns the end. REQUIRES: room for
-  /// one, which may be written in any case.
+  /// Appends a cell's first block at `to` if the cell isn't empty, and returns the end. REQUIRES:
+  /// room for one block number, which may be written in either case.
   std::uint32_t* add_if_any(std::uint32_t cell, std::uint32_t* to) const {
     *to = cell & mask_;
     return to + (filled_[*to] & 1U);  // invariant 1
   }
-  /// The next block of the same cell, or k_none.
+  /// Returns the next block of the same cell, or k_none.
   std::uint32_t next(std::uint32_t block) const { return blocks_[block].next; }
   std::uint32_t body(std::uint32_t block, std::uint32_t slot) const { return bodies_[block][slot]; }
 
-  /// A sketch spread out for comparing. Two arcs overlap exactly if the one's last point lies, on
-  /// the ring, at most both widths beyond the other's first.
+  /// A sketch prepared for comparisons. Two arcs overlap exactly if one's last point is, along the
+  /// ring, at most both widths after the other's first point.
   class Query {
    public:
     explicit Query(const Sketch& sketch) {
@@ -115,18 +115,18 @@ class CellTable {
 #endif
   };
 
-  /// Bit s says whether slot s of the block holds a body whose sketch overlaps the query.
+  /// Returns a bit per slot of the block: whether it holds a body whose sketch overlaps the query.
   std::uint32_t overlapping(std::uint32_t block, const Query& query) const {
     const Block& members = blocks_[block];
 #if defined(__SSE2__)
-    // x and y in one register; of z, the start in the lower half of one.
+    // x and y share a register; z's start is in the lower half of another.
     const auto load = [](const auto& eights) {
       return _mm_loadu_si128(reinterpret_cast<const __m128i*>(&eights));
     };
     const auto load_half = [](const auto& eight) {
       return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(&eight));
     };
-    // How far beyond both widths, saturated at none.
+    // Distance beyond both widths, saturated at 0.
     const __m128i beyond_xy = _mm_subs_epu8(_mm_sub_epi8(query.last_xy_, load(members.start[0])),
                                             _mm_adds_epu8(query.width_xy_, load(members.width[0])));
     const __m128i beyond_z =
@@ -168,11 +168,11 @@ class CellTable {
   void copy_block(std::uint32_t from, std::uint32_t to);
 
   std::uint32_t mask_;
-  std::vector<Block> blocks_;         ///< first ones of all cells, then further ones
-  std::vector<std::uint8_t> filled_;  ///< by block: bit per slot in use
+  std::vector<Block> blocks_;         ///< first blocks of all cells, then further blocks
+  std::vector<std::uint8_t> filled_;  ///< by block: a bit per slot in use
   std::vector<std::array<std::uint32_t, k_slots>> bodies_;  ///< by block
-  std::vector<std::uint32_t> cell_;                         ///< by block: whose it is
-  std::vector<std::uint32_t> free_;                         ///< further blocks that are not in use
+  std::vector<std::uint32_t> cell_;                         ///< by block: its cell
+  std::vector<std::uint32_t> free_;                         ///< unused further blocks
   std::vector<std::uint32_t> place_;                        ///< by body
 };
 

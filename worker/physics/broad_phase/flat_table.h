@@ -1,14 +1,12 @@
-// A hash table in one array: open addressing, linear probing, no allocation but when it grows.
+// A hash table in one array, with open addressing and linear probing. It allocates only to grow.
 //
-// Idea. A removal closes the gap that it leaves (Knuth, The Art of Computer Programming, vol. 3,
-// 6.4, Algorithm R). So the table never fills up with marks of removed entries, and its speed
-// depends on the present entries alone.
+// Idea. A removal closes its gap (Knuth, The Art of Computer Programming, vol. 3, 6.4, Algorithm
+// R). So the table has no marks of removed entries; its speed depends only on present entries.
 //
 // Invariants
 //   1. At most 5/8 of the slots are taken.
-//   2. No free slot lies between an entry's home and its slot.
-// There is no walk over the entries: its order would be that of the hash.
-// Thread safety: none.
+//   2. No free slot is between an entry's home and its slot.
+// The entries can't be iterated, because their order would depend on the hash. Thread safety: none.
 #pragma once
 
 #include <bit>
@@ -20,7 +18,7 @@
 
 namespace sleight::physics {
 
-/// The key that no entry has.
+/// A key that no entry may have.
 inline constexpr std::uint64_t k_no_key = UINT64_MAX;
 
 template <class T>
@@ -33,7 +31,7 @@ concept TableSlot = std::default_initializable<T> && requires(T slot) {
 template <TableSlot Slot>
 class FlatTable {
  public:
-  /// Room for so many entries without growing.
+  /// Reserves room for `entries` entries.
   explicit FlatTable(std::size_t entries = 0) {
     slots_.resize(std::bit_ceil(entries * 8 / 5 + 16));
     set_shift();
@@ -41,7 +39,7 @@ class FlatTable {
 
   std::size_t size() const { return size_; }
 
-  /// The entry, or null; valid until the next insert or erase.
+  /// Returns the entry, or null. Valid until the next insert or erase.
   Slot* find(std::uint64_t key) {
     Slot& slot = slots_[place_of(key)];
     return slot.key == key ? &slot : nullptr;
@@ -52,7 +50,7 @@ class FlatTable {
   }
   bool contains(std::uint64_t key) const { return slots_[place_of(key)].key == key; }
 
-  /// The entry with this key, and whether it is new. REQUIRES: the key is not k_no_key.
+  /// Returns the key's entry, and whether it is new. REQUIRES: the key is not k_no_key.
   std::pair<Slot*, bool> insert(std::uint64_t key) {
     std::size_t place = place_of(key);
     if (slots_[place].key == key) return {&slots_[place], false};
@@ -65,12 +63,12 @@ class FlatTable {
     return {&slots_[place], true};
   }
 
-  /// Whether there was such an entry.
+  /// Returns whether the key had an entry.
   bool erase(std::uint64_t key) {
     std::size_t gap = place_of(key);
     if (slots_[gap].key != key) return false;
     --size_;
-    // Close the gap: an entry further on moves into it unless its home lies behind the gap.
+    // Close the gap: a later entry moves into it unless the entry's home is behind the gap.
     for (std::size_t place = next(gap); slots_[place].key != k_no_key; place = next(place)) {
       const std::size_t from_home = (place - home_of(slots_[place].key)) & (slots_.size() - 1);
       const std::size_t from_gap = (place - gap) & (slots_.size() - 1);
@@ -84,14 +82,14 @@ class FlatTable {
 
  private:
   std::size_t next(std::size_t place) const { return (place + 1) & (slots_.size() - 1); }
-  // Two odd multipliers (the golden ratio's 64 bits, and one of SplitMix64's) with a shift between:
-  // high and low parts of the key both reach the top bits, which choose the slot.
+  // Two odd multipliers (the golden ratio's 64 bits, and one of SplitMix64's) with a shift between.
+  // High and low parts of the key both reach the top bits, which choose the slot.
   std::size_t home_of(std::uint64_t key) const {
     key *= 0x9e3779b97f4a7c15U;
     key ^= key >> 32;
     return static_cast<std::size_t>(key * 0xbf58476d1ce4e5b9U >> shift_);
   }
-  /// Where the key is, or where it would go.
+  /// Returns the key's slot, or the free slot at which it would be inserted.
   std::size_t place_of(std::uint64_t key) const {
     std::size_t place = home_of(key);
     while (slots_[place].key != key && slots_[place].key != k_no_key)
@@ -108,7 +106,7 @@ class FlatTable {
     }
   }
 
-  std::vector<Slot> slots_;  ///< a power of two
+  std::vector<Slot> slots_;  ///< size: a power of two
   std::size_t size_ = 0;
   int shift_ = 0;
 };

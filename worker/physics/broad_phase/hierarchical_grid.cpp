@@ -5,31 +5,30 @@
 namespace sleight::physics {
 namespace {
 
-/// Longest edge on the typical level, in typical sizes; and edge of a cell, in longest edges of its
+/// Longest edge on the typical level, in typical sizes, and edge of a cell, in longest edges of its
 /// level. Measured in gases of hard spheres at packings 0.1 and 0.4, whose longest boxes are just
-/// below that edge: half to twice of either costs 5 to 30% of a simulation.
+/// below that edge. Half to twice of either value costs 5 to 30% of a simulation.
 constexpr double k_longest = 2.1;
 constexpr double k_cell = 1.0;
 
-/// Units in a cell, at least. A query passes some 1 + 3 / units more boxes than it need; rings of
-/// sketches are 2^8 units, and boxes should be much shorter.
+/// Minimum units per cell. A query passes some 1 + 3 / units more boxes than necessary. Rings of
+/// sketches have 2^8 units, and boxes should be much shorter.
 constexpr int k_unit_bits = 4;
 constexpr int k_sketch_bits = 8;
 
-/// Cells of a period at most, so that products with them fit 64 bits.
+/// Maximum cells per period, so that products with them fit 64 bits.
 constexpr double k_cells_max = 0x1p16;
-/// Units beyond this are one.
+/// All places beyond this count as one unit.
 constexpr double k_unit_limit = 0x1p40;
 
-/// Steps in the table of cells for steps along an axis, where the axes' cells are more than the
-/// table's: bodies that are near in space should not share a number. Of any power of two from 2^6
-/// to 2^20, the shortest step in space that leads to the same number is nearly as long as it can be
-/// (searched).
+/// Steps in the table per step along each axis, if the axes have more cells than the table: bodies
+/// near in space should not share a number. For table sizes from 2^6 to 2^20, the shortest step in
+/// space that leads to the same number is nearly as long as possible (found by search).
 constexpr std::array<std::uint32_t, 3> k_strides = {1, 0x25CEA933U, 0xDA92657BU};
-/// Where the next level begins.
+/// Offset between levels in the table.
 constexpr std::uint32_t k_level_stride = 0xC2B2AE3DU;
 
-/// Floor, without libm's call on plain x86-64; saturates.
+/// Floor without libm's call on plain x86-64; saturates.
 std::int64_t unit_at(double place) {
   if (place >= k_unit_limit) return static_cast<std::int64_t>(k_unit_limit);
   if (place <= -k_unit_limit) return -static_cast<std::int64_t>(k_unit_limit);
@@ -37,7 +36,7 @@ std::int64_t unit_at(double place) {
   return whole - (static_cast<double>(whole) > place ? 1 : 0);
 }
 
-/// The edge in metres; infinite rather than NaN.
+/// Returns the edge in metres; infinite rather than NaN.
 double edge_m(const Box& box, std::size_t axis) {
   const double edge = double{box.high_m[axis]} - double{box.low_m[axis]};
   return edge >= 0 ? edge : std::numeric_limits<double>::infinity();
@@ -62,7 +61,7 @@ HierarchicalGrid::HierarchicalGrid(const BroadPhaseOptions& options)
   }
 }
 
-/// Cells of a level whose boxes are up to `edge_m` long.
+/// Sets the cells of a level whose boxes are up to `edge_m` long.
 void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number) {
   const double cell_m = k_cell * edge_m;
   double cells = 1;
@@ -78,21 +77,21 @@ void HierarchicalGrid::divide(Level& level, double edge_m, std::uint32_t number)
     const double fit = std::clamp(boxes_.periods().length_m(axis) / cell_m, 1.0, k_cells_max);
     divided.cells = static_cast<std::uint32_t>(fit);
     cells *= divided.cells;
-    // The period has at least 2^8 units, so that the ring of sketches fits it a whole number of
-    // times, and cells have at least 2^k_unit_bits.
+    // Cells have at least 2^k_unit_bits units, and the period 2^8, so sketches' rings divide it
+    // evenly.
     const int more = static_cast<int>(std::bit_width(divided.cells)) + k_unit_bits - k_sketch_bits;
     divided.shift = 32 - k_sketch_bits - std::max(more, 0);
   }
   level.cell_zero = number * k_level_stride;
   if (!dense || cells > cells_.cells()) return;
-  // All cells have room in the table, each with its own number.
+  // All cells fit the table, each with its own number.
   level.axes[1].stride = level.axes[0].cells;
   level.axes[2].stride = level.axes[0].cells * level.axes[1].cells;
 }
 
 std::uint32_t HierarchicalGrid::level_of(const Box& box) const {
   const double sizes = std::max({edge_m(box, 0), edge_m(box, 1), edge_m(box, 2)}) * sizes_per_m_;
-  // The logarithm to base 2, rounded up, is in the bits: exponent, and whether more follows.
+  // log2, rounded up, from the bits: the exponent, plus one if any fraction bit is set.
   const auto bits = std::bit_cast<std::uint64_t>(sizes);
   const int exponent = static_cast<int>(bits >> 52) - 1023;
   const bool more = (bits & ((std::uint64_t{1} << 52) - 1)) != 0;
@@ -148,7 +147,7 @@ bool HierarchicalGrid::Span::add(std::uint32_t stride, std::int64_t first, std::
   return true;
 }
 
-// The cells, on an axis, that low corners of a level's boxes may be in if they overlap the query.
+// Finds the cells, on an axis, of low corners of the level's boxes that may overlap the query.
 bool HierarchicalGrid::span_of(const Level& level, std::size_t axis, const Extent& extent,
                                Span& span) const {
   const Axis& divided = level.axes[axis];
@@ -158,7 +157,7 @@ bool HierarchicalGrid::span_of(const Level& level, std::size_t axis, const Exten
     return divided.reach != k_whole_ring &&
            span.add(divided.stride, low >> k_unit_bits, high >> k_unit_bits);
   }
-  // On a ring: lay it out as a line, then wrap cells into the period as one stretch or two.
+  // Lay a ring out as a line, then wrap the cells into the period as one stretch or two.
   const std::int64_t cells = divided.cells;
   const int period_bits = 32 - divided.shift;
   const std::int64_t first = low * cells >> period_bits;
@@ -193,7 +192,7 @@ std::optional<std::size_t> HierarchicalGrid::cells_near(const Level& level, cons
 void HierarchicalGrid::begin_query() {
   begun_.count = 0;
   if (++query_ != 0) return;
-  // After 2^32 queries their numbers start again.
+  // After 2^32 queries the numbers start again.
   for (BodyId body{}; body < boxes_.bodies(); ++body)
     boxes_.coded(body).width[3] = 0;
   query_ = 1;

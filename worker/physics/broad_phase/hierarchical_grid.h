@@ -1,34 +1,34 @@
-// Grids of cells, one for each size of box: a move costs what lies near, however bodies cluster.
+// Grids of cells, one per size of box. A move's cost depends only on what is near, even in
+// clusters.
 //
-// Idea. Spatial hashing by levels (Mirtich 1996; the thesis names it in 3.4 as the way out where
-// sorted lists degrade). A box belongs to the level of its longest edge, levels a factor of four
-// apart, and to the one cell of that level which holds its low corner. A box that overlaps a query
-// has its low corner between the query's low corner less the greatest extent on that level, and the
-// query's high corner; so a query walks those cells on each level that has boxes. Sizes mix freely:
-// big boxes are not spread over many cells, small ones not crowded into few. All levels share one
-// dense table of cells (cell_table.h), into which they number theirs.
+// Idea. Spatial hashing by levels (Mirtich 1996; thesis 3.4 names it as the alternative where
+// sorted lists degrade). A box's longest edge determines its level; levels are a factor of four
+// apart. In its level a box belongs to the one cell that contains its low corner. If a box overlaps
+// a query, its low corner is between the query's low corner minus the level's greatest extent and
+// the query's high corner. So a query visits those cells on each level that has boxes. Big and
+// small boxes mix freely: big boxes are not spread over many cells, and small ones not crowded into
+// few. All levels share one dense table of cells (cell_table.h).
 //
-// Where the cells to walk would be more than the boxes of the level (a huge box among small ones),
-// the query compares with all boxes of that level instead. Boxes beyond the highest level are
-// compared with always.
+// If the cells to visit outnumber the level's boxes (a huge box among small ones), the query
+// compares with all boxes of the level instead. Boxes beyond the highest level are always compared.
 //
-// A move takes the ended overlaps from the sink's neighbours. For begun ones it queries with the
-// new box and leaves out the bodies that the old box overlapped. A new box within the old one
-// begins nothing, so it needs no query.
+// A move finds ended overlaps among the sink's neighbours. For begun overlaps it queries with the
+// new box, without the bodies that the old box overlapped. A new box inside the old one needs no
+// query.
 //
 // Each level measures in whole units, a small part of its cells, rounded down:
 //
-//   an axis that repeats    a power of two of ring points (periodic.h); cells divide the period
+//   a repeating axis        a power of two of ring points (periodic.h); cells divide the period
 //                           evenly
-//   one that does not       2^-k_unit_bits of a cell
+//   a non-repeating axis    2^-k_unit_bits of a cell
 //
-// Rounding keeps order, so boxes that overlap do so in units too, and all else is exact.
+// Rounding preserves order, so boxes that overlap also overlap in units. All other steps are exact.
 //
-// Invariants (beside those of broad_phase.h)
+// Invariants (in addition to broad_phase.h)
 //   1. Each present body is listed once in `members` of its level, and linked in one cell unless
 //      its level is the highest.
-//   2. On each axis `reach` of a level is at least the width of every sketch of it. It is made
-//      anew when about four times as many boxes as the level has were changed.
+//   2. On each axis a level's `reach` is at least the width of each of its sketches. It is
+//      recomputed after about four times as many changes as the level has boxes.
 // Thread safety: none.
 #pragma once
 
@@ -46,7 +46,7 @@ class HierarchicalGrid {
 
   const Box& box(BodyId body) const { return boxes_.box(body); }
   bool contains(BodyId body) const { return boxes_.contains(body); }
-  /// A hint to read soon what a body's move needs.
+  /// Prefetches the data for a body's move.
   void fetch(BodyId body) const { boxes_.fetch(body); }
 
   template <OverlapSink Sink>
@@ -61,40 +61,40 @@ class HierarchicalGrid {
  private:
   static constexpr std::uint32_t k_levels = 16;
   static constexpr int k_bits_per_level = 2;
-  /// The level of boxes as long as options.size_m; those of 4^-6 to 4^8 times that have their own.
+  /// Level of boxes as long as options.size_m. The other levels cover 4^-6 to 4^8 times this size.
   static constexpr int k_level_typical = 6;
   static constexpr std::uint32_t k_level_unbounded = k_levels - 1;
-  /// Cells that a query may span on an axis before it gives up cells.
+  /// Maximum cells that a query may visit on an axis before it compares with all boxes instead.
   static constexpr std::uint32_t k_span_max = 32;
-  /// Hits that are judged at a time: 8 blocks.
+  /// Hits that are judged together: 8 blocks.
   static constexpr std::size_t k_batch = 64;
 
-  /// How a level divides an axis.
+  /// A level's division of an axis.
   struct Axis {
-    double units_per_m = 0;    ///< of an axis that does not repeat
-    int shift = 0;             ///< of one that does: 2^shift ring points are a unit
-    std::uint32_t cells = 0;   ///< of a period
-    std::uint32_t stride = 0;  ///< between the numbers of cells that are neighbours on this axis
+    double units_per_m = 0;    ///< on a non-repeating axis
+    int shift = 0;             ///< on a repeating axis: a unit is 2^shift ring points
+    std::uint32_t cells = 0;   ///< per period
+    std::uint32_t stride = 0;  ///< difference of the numbers of neighbouring cells on this axis
     std::uint32_t reach = 0;   ///< invariant 2; k_whole_ring if a sketch covers the ring
   };
   struct Level {
     std::array<Axis, 3> axes;
     std::uint32_t cell_zero = 0;  ///< number of the cell at the origin
-    std::uint64_t changes = 0;    ///< since `reach` was made
+    std::uint64_t changes = 0;    ///< since `reach` was computed
     std::vector<BodyId> members;
   };
-  /// A box in a level's units. On an axis that repeats, it starts within the period.
+  /// A box in a level's units. On a repeating axis it starts within the period.
   struct Extent {
     std::array<std::int64_t, 3> first;
     std::array<std::int64_t, 3> last;
     Sketch sketch() const;
   };
-  /// Where a box belongs; the highest level has no extents.
+  /// A box's level and extent; the highest level has no extents.
   struct Placement {
-    std::uint32_t number = 0;  ///< of the level
+    std::uint32_t number = 0;  ///< number of the level
     Extent extent;
   };
-  /// On an axis, what cells that a query walks add to their numbers.
+  /// The contributions of an axis to the numbers of the cells that a query visits.
   struct Span {
     std::uint32_t count = 0;
     std::array<std::uint32_t, k_span_max> part;
@@ -109,18 +109,18 @@ class HierarchicalGrid {
   bool span_of(const Level& level, std::size_t axis, const Extent& extent, Span& span) const;
 
   Placement placement_of(const Box& box, const CodedBox& code) const;
-  /// Puts a body that is in no level there.
+  /// Puts a body that is in no level into a level.
   void place(BodyId body, const Placement& at);
-  /// Takes a body out of its level.
+  /// Removes a body from its level.
   void displace(BodyId body);
   /// Replaces a present body's box.
   void change(BodyId body, const Box& box, const CodedBox& code, const Placement& to);
   void widen_reach(Level& level, const Sketch& sketch);
 
-  /// Writes to near_ the first blocks of all cells that a body of the level which overlaps this box
-  /// may be in, and returns how many; nothing if it is better to look at all of the level.
+  /// Writes the first blocks of all cells that may hold bodies of the level overlapping the box to
+  /// near_, and returns their number. Returns nothing if comparing the whole level is cheaper.
   std::optional<std::size_t> cells_near(const Level& level, const Extent& extent);
-  /// Puts into begun_ the bodies for which test(body, its coded box) holds, each once. REQUIRES: it
+  /// Stores in begun_ each body for which test(body, its coded box) holds, once. REQUIRES: test
   /// holds only for bodies that overlap this box.
   template <class Test>
   void find_begun(const Box& box, const CodedBox& code, const Placement& at, const Test& test);
@@ -128,11 +128,10 @@ class HierarchicalGrid {
   template <class Test>
   void find_in_cells(std::size_t cells, const CellTable::Query& query, const Test& test);
   void begin_query();
-  /// Of the bodies of begun_ from this place on, drops those that the query had before.
+  /// Drops bodies of begun_, from this index on, that the query has already found.
   void drop_repeated(std::size_t from);
 
-  /// Bodies, each appended if something holds, without a branch that the processor could guess
-  /// wrong.
+  /// A list of bodies with conditional appends that need no branch, so that none is mispredicted.
   struct Chosen {
     std::vector<BodyId> ids;
     std::size_t count = 0;
@@ -143,25 +142,25 @@ class HierarchicalGrid {
     std::span<const BodyId> all() const { return {ids.data(), count}; }
   };
 
-  BodyBoxes boxes_;  ///< width[3] is the last query that found the body
+  BodyBoxes boxes_;  ///< coded width[3]: the last query that found the body
   double sizes_per_m_;
   std::array<Level, k_levels> levels_{};
-  std::uint32_t levels_used_ = 0;         ///< bit per level that has bodies
+  std::uint32_t levels_used_ = 0;         ///< a bit per level that has bodies
   std::vector<std::uint8_t> level_;       ///< by body
   std::vector<std::uint32_t> member_at_;  ///< by body: index in members
   CellTable cells_;
   std::uint32_t query_ = 0;          ///< number of the last query
-  std::vector<CodedBox> before_;     ///< move_all: the boxes that it replaces
+  std::vector<CodedBox> before_;     ///< move_all: the replaced boxes
   std::vector<std::uint32_t> near_;  ///< blocks
-  Chosen begun_;                     ///< told once the structure is up to date
+  Chosen begun_;                     ///< reported once the structure is up to date
   Chosen ended_;
 };
 
 template <class Test>
 void HierarchicalGrid::find_in_cells(std::size_t cells, const CellTable::Query& query,
                                      const Test& test) {
-  // Collect the bodies that may overlap as bits, eight blocks at a time, and then go through the
-  // bits: so only the ends of few loops are guessed wrong.
+  // Collect possible overlaps as bits, eight blocks at a time, and then loop over the bits. So only
+  // the ends of few loops are mispredicted.
   std::array<std::uint32_t, k_batch / CellTable::k_slots> blocks{};
   std::size_t count = 0;
   std::uint64_t bits = 0;
@@ -235,8 +234,8 @@ void HierarchicalGrid::move(BodyId body, const Box& box, Sink& sink) {
   const std::span<const BodyId> neighbours = sink.neighbours();
   for (const BodyId other : neighbours)
     ended_.add_if(!overlap(after, boxes_.coded(other)), other);
-  // An overlap begins with each body that the new box overlaps and the old one did not; the old box
-  // overlaps the body itself.
+  // An overlap begins with each body that the new box overlaps and the old one did not. This
+  // excludes the body itself, because the old box overlaps it.
   begun_.count = 0;
   if (!holds(before, after)) {
     find_begun(box, after, to, [&](BodyId, const CodedBox& there) {
@@ -274,7 +273,7 @@ void HierarchicalGrid::move_all(std::span<const Box> boxes, Sink& sink) {
   }
   for (BodyId body{}; body < boxes_.bodies(); ++body) {
     if (!boxes_.contains(body)) continue;
-    // Each pair is told by its lower body.
+    // The lower body of each pair reports it.
     const CodedBox after = boxes_.coded(body);
     const CodedBox before = before_[body];
     ended_.count = 0;

@@ -1,23 +1,22 @@
-// Which boxes overlap, in a world that may repeat itself along some axes.
+// Which boxes overlap, in a world that may repeat along some axes.
 //
 // Idea. Along an axis of period L two boxes overlap if any of their images do. Comparing images in
-// floating point needs wrapped copies, and each wrap rounds. So boxes are coded as whole numbers on
-// a ring of 2^32 points, on which wrapping is what unsigned arithmetic does by itself:
+// floating point requires wrapped copies, and each wrap rounds. So boxes are coded as integers on a
+// ring of 2^32 points, on which unsigned arithmetic wraps by itself:
 //
-//   an axis that repeats    the ring is one period; the box is rounded outwards to its points
-//   one that does not       the ring holds all floats in their order (their bits, signs turned
-//                           over), so the code is exact; the two infinities are not neighbours, as
-//                           the codes of NaNs lie between them
+//   a repeating axis        the ring is one period; the box is rounded outwards to its points
+//   a non-repeating axis    the ring holds all floats in order (their bits, signs inverted), so the
+//                           code is exact; the codes of NaNs separate the two infinities
 //
-// A box covers the points start, start + 1, ..., start + width of each ring. Two of them overlap
-// on an axis if one of them holds the other's start; that is two subtractions and two comparisons,
-// alike for both sorts of axes.
+// A box covers the points start, start + 1, ..., start + width of each ring. Two boxes overlap on
+// an axis if one of them contains the other's start. This takes two subtractions and two
+// comparisons on either kind of axis.
 //
 // Invariants
 //   1. `overlap` of coded boxes is the only predicate: every broad phase reports exactly the pairs
 //      for which it holds.
-//   2. It never misses an overlap of the boxes as given. On axes that do not repeat it equals
-//      overlap of box.h; on the others it may report boxes that miss by up to 2^-29 of a period.
+//   2. It never misses an overlap of the plain boxes. On non-repeating axes it equals box.h's
+//      overlap. On repeating axes it may report boxes that miss by up to 2^-29 of a period.
 // Thread safety: values.
 #pragma once
 
@@ -47,13 +46,13 @@ constexpr bool overlap(Arc a, Arc b) {
   return b.start - a.start <= a.width || a.start - b.start <= b.width;
 }
 
-/// Whether `outer` holds all points of `inner`.
+/// Returns whether `outer` contains all points of `inner`.
 constexpr bool holds(Arc outer, Arc inner) {
   const std::uint32_t offset = inner.start - outer.start;
   return offset <= outer.width && inner.width <= outer.width - offset;
 }
 
-/// A box as three arcs, in one half of a cache line. The fourth numbers are the owner's; the
+/// A box as three arcs, in half a cache line. The fourth numbers belong to the owner, and the
 /// predicates don't read them.
 struct alignas(32) CodedBox {
   std::array<std::uint32_t, 4> start{};
@@ -63,7 +62,7 @@ struct alignas(32) CodedBox {
 
 inline bool overlap(const CodedBox& a, const CodedBox& b) {
 #if defined(__SSE2__)
-  // SSE2 compares signed numbers only; turning over the top bits makes them unsigned ones.
+  // SSE2 only compares signed numbers; inverting the top bits makes the comparison unsigned.
   const auto load = [](const std::array<std::uint32_t, 4>& four) {
     return _mm_load_si128(reinterpret_cast<const __m128i*>(four.data()));
   };
@@ -86,10 +85,10 @@ constexpr bool holds(const CodedBox& outer, const CodedBox& inner) {
          holds(outer.arc(2), inner.arc(2));
 }
 
-/// Points of a ring.
+/// Number of points of a ring.
 inline constexpr double k_ring = 0x1p32;
 
-/// Place of a float in the order of all floats; -0 and 0 share one. REQUIRES: not NaN.
+/// Returns a float's place in the order of all floats; -0 and 0 have the same. REQUIRES: not NaN.
 constexpr std::uint32_t ordered(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);  // + 0 makes 0 of -0
   return bits ^ (bits >> 31 != 0 ? UINT32_MAX : 0x80000000U);
@@ -98,8 +97,8 @@ constexpr std::uint32_t ordered(float value) {
 /// The periods of a world.
 class Periods {
  public:
-  /// Length of the period per axis; 0 for an axis that does not repeat. REQUIRES: each is 0, or
-  /// finite and at least 2^-100 m.
+  /// `length_m`: each axis's period, 0 if it doesn't repeat. REQUIRES: 0, or finite and >= 2^-100
+  /// m.
   explicit Periods(const std::array<double, 3>& length_m) : length_m_(length_m) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (length_m[axis] == 0) continue;
@@ -110,12 +109,12 @@ class Periods {
 
   bool periodic(std::size_t axis) const { return length_m_[axis] != 0; }
   double length_m(std::size_t axis) const { return length_m_[axis]; }
-  /// Points of the ring in a metre, on an axis that repeats.
+  /// Ring points per metre of a repeating axis.
   double points_per_m(std::size_t axis) const { return points_per_m_[axis]; }
 
-  /// On axes that repeat, a box may lie in any period; one that is as long as the period, or that
-  /// reaches further than 2^20 periods from the origin, covers the whole ring.
-  /// REQUIRES: low <= high on each axis (so no NaN); CHECKed, as a NaN would be a silent miss.
+  /// Returns a box's code. On repeating axes, a box may be in any period. A box as long as the
+  /// period, or more than 2^20 periods from the origin, covers the whole ring. REQUIRES: low is at
+  /// most high on each axis. This is CHECKed, because a NaN would be a silent miss.
   CodedBox coded(const Box& box) const {
     CodedBox made;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -136,8 +135,8 @@ class Periods {
   }
 
  private:
-  // Both arguments carry two roundings: at most 2^-52 of themselves, one point at the limit of
-  // 2^20 periods. A point on each side covers that, and truncation towards zero takes another.
+  // Both arguments have two roundings of at most 2^-52 of themselves: one point at the limit of
+  // 2^20 periods. A point on each side covers this; truncation towards zero takes another.
   static Arc wrapped(double low, double high) {
     constexpr double k_limit = k_ring * 0x1p20;
     if (!(low >= -k_limit && high <= k_limit)) return {0, UINT32_MAX};
@@ -151,7 +150,7 @@ class Periods {
   std::array<double, 3> points_per_m_{};
 };
 
-/// Invariant 1 for boxes as they are given.
+/// The predicate of invariant 1 for plain boxes.
 inline bool overlap(const Box& a, const Box& b, const Periods& periods) {
   return overlap(periods.coded(a), periods.coded(b));
 }
