@@ -9,10 +9,10 @@
 namespace sleight::physics {
 namespace {
 
-/// Buckets for each slot. More make epochs longer, and cost 4 bytes each.
+/// Buckets per slot. More buckets make epochs longer and cost 4 bytes each.
 constexpr std::uint32_t k_buckets_per_slot = 4;
-/// Of the waiting events, the early ones fix the buckets' width: those that will soon be processed,
-/// while the late ones may wait for what never comes. Their share of a sample:
+/// The buckets' width follows from the early events of a sample, because they are processed soon.
+/// Late events may never be processed. Sample size and share of early events:
 constexpr std::size_t k_sample_max = 64;
 constexpr std::size_t k_early_of_sample = 8;
 
@@ -56,8 +56,8 @@ void CalendarQueue::begin_epoch() {
   for (const SlotRecord& record : records_)
     earliest = std::min(earliest, record.key.tick);
 
-  // If the last epoch was too short to pay for this look through all slots, the next is longer
-  // whatever the sample says; if not, it follows the sample, but down in small steps only.
+  // If the last epoch was too short to pay for this scan of all slots, the next is longer whatever
+  // the sample suggests. Otherwise the width follows the sample, but shrinks only in small steps.
   const std::uint32_t wanted = wanted_shift(earliest);
   const bool short_epoch = changes_ < records_.size();
   const std::uint32_t least = short_epoch ? shift_ + 2 : std::max(shift_, 1U) - 1;
@@ -70,7 +70,7 @@ void CalendarQueue::begin_epoch() {
   }
 }
 
-/// The width at which the buckets hold about one early event each.
+/// Returns log2 of the bucket width at which a bucket holds about one early event.
 std::uint32_t CalendarQueue::wanted_shift(Tick earliest) const {
   std::array<std::uint64_t, k_sample_max> sample{};
   std::size_t count = 0;

@@ -1,26 +1,25 @@
 // An EventQueue as a calendar: G. Paul, "A complexity O(1) priority queue for event driven
-// molecular dynamics simulations", Journal of Computational Physics 221 (2007), with changes named
+// molecular dynamics simulations", Journal of Computational Physics 221 (2007), with changes listed
 // below.
 //
-// Idea. Time from now on is cut into buckets of equal width, about one event each. Only the bucket
-// that time has reached is kept in order, as a heap; the others are lists, so most changes of a key
-// take a slot out of one list and put it into another. What lies behind the last bucket is `far`
-// and in no list at all.
+// Idea. Future time is cut into buckets of equal width, each for about one event. Only the current
+// bucket is ordered, as a heap. The others are lists, so most key changes only move a slot from one
+// list to another. An event after the last bucket is `far` and in no list.
 //
-// When all buckets are used up an epoch ends: all slots are looked through, and the buckets are
-// laid anew from the earliest event on. Paul reuses buckets in a circle, fixes their width by hand,
-// and keeps a list of far events; here each epoch takes the width from a sample of waiting events.
+// At the end of the buckets, an epoch ends. The queue then scans all slots and lays out the buckets
+// again from the earliest event on, with a width from a sample of waiting events. Paul instead
+// reuses buckets in a circle, fixes their width by hand, and stores a list of far events.
 //
-// Invariants, beside those of event_queue.h
-//   1. A slot that holds an event is in the heap if its bucket is at or before the current one, in
-//      its bucket's list if there is one, else far. So where it is follows from its tick alone.
+// Invariants, in addition to event_queue.h
+//   1. A slot with an event is in the heap if its bucket is at or before the current one, otherwise
+//      in its bucket's list, or far if there is no bucket. So an event's location follows from its
+//      tick.
 //   2. The heap is empty only if the queue is.
 //   3. A bit of `occupied_` is set exactly if that bucket's list isn't empty.
-// A wrong width costs time only: too wide a bucket leaves the work to the heap, too narrow ones
-// make epochs short, and the buckets of an epoch after a short one are at least four times as wide.
-// Time: O(1) amortised if events spread over time; the call that begins an epoch looks through all
-// slots. Memory: 64 bytes a slot, up to 80.
-// Thread safety: as event_queue.h says.
+// A wrong width only costs time. Wide buckets leave the work to the heap, and narrow ones make
+// epochs short. After a short epoch, buckets are at least four times as wide. Time: O(1) amortised
+// if events spread over time; the call that begins an epoch scans all slots. Memory: 64 to 80 bytes
+// per slot. Thread safety: as for event_queue.h.
 #pragma once
 
 #include <cstdint>
@@ -75,10 +74,10 @@ class CalendarQueue {
  private:
   static constexpr std::uint64_t k_empty = UINT64_MAX;
 
-  /// At most buckets(), which stands for far.
+  /// Returns the bucket of a tick, or buckets() for far ticks.
   std::uint64_t bucket_of(Tick tick) const {
     if (tick <= base_) return 0;
-    // The difference of two ticks may need 64 bits; as unsigned numbers it is always right.
+    // The difference of two ticks may need 64 bits. As an unsigned number it is always right.
     const std::uint64_t since =
         static_cast<std::uint64_t>(tick.value) - static_cast<std::uint64_t>(base_.value);
     const std::uint64_t bucket = since >> shift_;
@@ -101,7 +100,7 @@ class CalendarQueue {
     }
   }
 
-  // Lists are linked both ways: `place` is the one before, k_nowhere for the first.
+  // Doubly linked lists: `place` is the previous slot, or k_nowhere for the first.
   void link(std::uint32_t slot, std::uint64_t bucket) {
     std::uint32_t& head = heads_[bucket];
     records_[slot].place = k_nowhere;
@@ -126,7 +125,7 @@ class CalendarQueue {
     if (after == k_nowhere) occupied_[bucket / 64] &= ~(std::uint64_t{1} << bucket % 64);
   }
 
-  /// Goes on to the next bucket that isn't empty. REQUIRES: the heap is empty.
+  /// Advances to the next bucket that isn't empty. REQUIRES: the heap is empty.
   void advance();
   /// REQUIRES: all events are far.
   void begin_epoch();
@@ -134,12 +133,12 @@ class CalendarQueue {
 
   std::vector<SlotRecord> records_;
   SlotHeap heap_;
-  std::vector<std::uint32_t> heads_;     ///< of the buckets' lists
+  std::vector<std::uint32_t> heads_;     ///< heads of the buckets' lists
   std::vector<std::uint64_t> occupied_;  ///< a bit per bucket
   std::uint64_t current_ = 0;            ///< the bucket whose events are in the heap
-  Tick base_{};                          ///< where bucket 0 begins
+  Tick base_{};                          ///< start of bucket 0
   std::uint32_t shift_ = 0;              ///< a bucket is 2^shift_ ticks wide
-  std::uint32_t size_ = 0;               ///< slots that hold an event
+  std::uint32_t size_ = 0;               ///< number of slots with an event
   std::uint64_t changes_ = 0;            ///< since the epoch began
 };
 

@@ -1,11 +1,11 @@
 // Engines with other broad phases and event queues than the product's, which must give the same
-// bits (worker/physics/simulator/engine.h).
+// bits (worker/physics/simulator/engine.h):
 //
 //   SweepAndPrune   the thesis's sorted lists of extents (3.2.3); slows down as bodies cluster
-//   AllPairs        compares with everybody: a reference for broad phases, in no engine
+//   AllPairs        compares with all bodies: a reference for broad phases, in no engine
 //   HeapQueue       a heap with four children per node
 //   CalendarQueue   buckets of time, as the literature on event-driven dynamics recommends; here
-//                   its lists cost more than the few levels of the others that a change passes
+//                   its lists cost more than the few levels that a change passes in other queues
 // Thread safety: pure functions.
 #pragma once
 
@@ -18,8 +18,7 @@ namespace sleight::physics {
 enum class BroadPhaseKind : std::uint8_t { hierarchical_grid, sweep_and_prune };
 enum class QueueKind : std::uint8_t { tournament, heap, calendar };
 
-/// For SimulationOptions::make_engine. Null for the grid and the tournament, which are the
-/// product's.
+/// For SimulationOptions::make_engine. Null for the product's own grid and tournament.
 EngineMaker engine_with(BroadPhaseKind broad_phase, QueueKind queue);
 
 }  // namespace sleight::physics

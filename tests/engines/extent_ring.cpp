@@ -3,7 +3,7 @@
 namespace sleight::physics {
 
 void ExtentRing::insert_end(std::uint64_t end) {
-  // Distances from the first entry ascend (invariant 1), so they can be searched.
+  // Distances from the first entry ascend (invariant 1), so binary search works.
   const auto here = std::lower_bound(
       ends_.begin(), ends_.end(), end, [this](std::uint64_t entry, std::uint64_t wanted) {
         return ahead(ends_.front(), entry) < ahead(ends_.front(), wanted);

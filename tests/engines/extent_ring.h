@@ -1,21 +1,20 @@
 // One axis of sweep-and-prune: the ends of all bodies' arcs, in order around the ring.
 //
-// Idea. A list of extents sorted along an axis (thesis 3.2.3) becomes a circle, so that an axis
-// which repeats itself needs no copies of boxes near its ends. When an arc changes, its two ends
-// travel through the circle past their neighbours. Two arcs begin or cease to overlap only where
-// the first point of one passes the last point of the other; passes of first past first or last
-// past last say nothing (thesis, figure 3.5). So those passes name all pairs to look at.
+// Idea. A list of extents sorted along an axis (thesis 3.2.3) becomes a circle, so a repeating axis
+// needs no copies of boxes near its ends. When an arc changes, its two ends travel through the
+// circle past their neighbours. Two arcs begin or cease to overlap only if the first point of one
+// passes the last point of the other. First points passing first points, or last passing last,
+// don't matter (thesis, figure 3.5). So these passes name all pairs to check.
 //
-// An end is one number: place on the axis' ring (32 bits), first or last (1), body (28). First
-// points come before last points of the same place, since boxes are closed. Ends are all different,
+// An end is one number: place on the axis's ring (32 bits), first or last (1), body (28). First
+// points precede last points at the same place, because boxes are closed. All ends are different,
 // so their order has no ties.
 //
 // Invariants
-//   1. From any entry, the others follow by ascending distance forwards around the circle of 2^61.
+//   1. From any entry, the others follow by ascending forward distance around the circle of 2^61.
 //   2. place(body, kind) is the index of that end in the list.
-// On an axis that does not repeat, no travel leads across the seam between the greatest and the
-// least float, and the list is sorted from its first entry on, apart from a rotation.
-// Thread safety: none.
+// On a non-repeating axis, no travel crosses the seam between the greatest and the least float. The
+// list is then sorted from its first entry on, apart from a rotation. Thread safety: none.
 #pragma once
 
 #include <algorithm>
@@ -28,21 +27,21 @@
 
 namespace sleight::physics {
 
-/// How far the two ends of an arc travel: signed, each less than one turn.
+/// Signed travel of an arc's two ends, each less than one turn.
 struct ArcTravel {
   std::int64_t first = 0;
   std::int64_t last = 0;
 };
 
-/// The travel from one arc to another that never turns the arc inside out: the short way round on
-/// an axis that repeats, within the axis on one that does not.
+/// Returns a travel from one arc to another that never turns the arc inside out: the short way
+/// round on a repeating axis, within the axis on any other.
 constexpr ArcTravel travel(Arc from, Arc to, bool periodic) {
   constexpr std::int64_t k_turn = std::int64_t{1} << 32;
   const std::int64_t wider = std::int64_t{to.width} - std::int64_t{from.width};
   std::int64_t first = std::int64_t{to.start} - std::int64_t{from.start};
   if (periodic) {
     first = static_cast<std::int32_t>(to.start - from.start);
-    // An arc that grows to nearly the ring would have its last point lap the first.
+    // If an arc grows to nearly the whole ring, its last point would lap the first.
     if (first + wider >= k_turn) first -= k_turn;
     if (first + wider <= -k_turn) first += k_turn;
   }
@@ -62,16 +61,16 @@ class ExtentRing {
   /// REQUIRES: the body is present.
   void remove(std::uint32_t body);
 
-  /// Lets the body's ends travel and calls visit(other) for each body whose opposite end is passed;
-  /// it may be called twice for one body. REQUIRES: present.
+  /// Moves the body's ends and calls visit(other) for each body whose opposite end is passed, at
+  /// most twice per body. REQUIRES: the body is present.
   template <class Visit>
   void move(std::uint32_t body, ArcTravel by, const Visit& visit) {
     move_end(body, k_first, by.first, visit);
     move_end(body, k_last, by.last, visit);
   }
 
-  /// The same for all present bodies at once, by insertion sort: visit(a, b) for each pass.
-  /// `travel_of(body)` gives the ArcTravel of a body.
+  /// Does the same for all present bodies at once by insertion sort, with visit(a, b) for each
+  /// pass. `travel_of(body)` returns a body's ArcTravel.
   template <class TravelOf, class Visit>
   void move_all(const TravelOf& travel_of, const Visit& visit);
 
@@ -98,7 +97,7 @@ class ExtentRing {
   template <class Visit>
   void move_end(std::uint32_t body, std::uint64_t kind, std::int64_t by, const Visit& visit);
 
-  /// Whether two ends that pass each other are the first point of one body and the last of another.
+  /// Returns whether two passing ends are the first point of one body and the last of another.
   static bool telling(std::uint64_t a, std::uint64_t b) {
     return ((a ^ b) & k_last) != 0 && body_of(a) != body_of(b);
   }
@@ -127,7 +126,7 @@ void ExtentRing::move_end(std::uint32_t body, std::uint64_t kind, std::int64_t b
   const std::uint64_t from = ends_[at];
   const bool forwards = by > 0;
   const std::uint64_t distance = static_cast<std::uint64_t>(forwards ? by : -by) << k_place_shift;
-  // Pass every end that lies closer than the way to go; `passed` stops after one turn.
+  // Pass every end within the distance; `passed` stops after one turn.
   for (std::size_t passed = 1; passed < count; ++passed) {
     const std::size_t neighbour =
         forwards ? (at + 1 == count ? 0 : at + 1) : (at == 0 ? count - 1 : at - 1);
@@ -167,8 +166,8 @@ void ExtentRing::sift_up(std::size_t from, const Visit& visit) {
 template <class TravelOf, class Visit>
 void ExtentRing::move_all(const TravelOf& travel_of, const Visit& visit) {
   if (ends_.empty()) return;
-  // Cut the circle before its first entry, lay it out as a line, and let all ends travel. What a
-  // line holds stays within -1 and 3 turns: 61 bits and a sign do for it.
+  // Cut the circle before its first entry, lay it out as a line, and move all ends. Values on the
+  // line stay between -1 and 3 turns, which fits 61 bits and a sign.
   lifted_.clear();
   for (const std::uint64_t end : ends_) {
     const ArcTravel by = travel_of(body_of(end));
@@ -179,7 +178,7 @@ void ExtentRing::move_all(const TravelOf& travel_of, const Visit& visit) {
   // Sort the line.
   for (std::size_t i = 1; i < lifted_.size(); ++i)
     sift_down(i, visit);
-  // Close the circle: while the last is more than a turn beyond the first, they pass each other.
+  // Close the circle: while the last is more than a turn after the first, they pass each other.
   constexpr auto k_line_turn = static_cast<std::int64_t>(k_turn);
   while (lifted_.back() - lifted_.front() > k_line_turn) {
     const std::int64_t last = lifted_.back();

@@ -1,8 +1,8 @@
-// An EventQueue as a heap of all slots that hold an event (slot_heap.h).
+// An EventQueue as a heap of all slots with an event (slot_heap.h).
 //
-// What costs: a new key climbs or sinks past O(log n) nodes, four to a cache line, at worst; the
-// many keys that are neither near the least nor much changed move past about one.
-// Empty slots cost nothing. Invariants and thread safety: as event_queue.h says.
+// Cost: at worst a new key passes O(log n) nodes, four to a cache line. A key that isn't among the
+// least and changes little usually passes about one. Empty slots cost nothing. Invariants and
+// thread safety: as for event_queue.h.
 #pragma once
 
 #include <cstdint>

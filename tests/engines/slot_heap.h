@@ -1,21 +1,20 @@
-// A heap of slots with four children per node: the ordering part of HeapQueue, and of the bucket
-// that CalendarQueue works on.
+// A heap of slots with four children per node, for HeapQueue and CalendarQueue's current bucket.
 //
-// Idea. Nodes carry the tick beside the slot, since ticks decide nearly all comparisons: four
-// siblings fill one cache line, and the rest of the key, in the slot's record, is read for equal
-// ticks only. The record knows its node, so a key can change in place.
+// Idea. Nodes store the tick beside the slot, because ticks decide nearly all comparisons. Four
+// siblings fill one cache line, and the rest of the key, in the slot's record, is read only for
+// equal ticks. A record stores its node, so a key can change in place.
 //
-// Node p has the children 4p - 8 to 4p - 5 and the root is node 3, which puts siblings into one
+// Node p has the children 4p - 8 to 4p - 5, and the root is node 3. This puts siblings into one
 // aligned line (A. LaMarca, R. Ladner, "The influence of caches on the performance of heaps", 1996,
 // section 4).
 //
 // Invariants
-//   1. No node comes before its parent, in the order of QueuedEvent.
-//   2. A record's `place` is the node that holds its slot; k_nowhere if the heap doesn't.
-//   3. A node's tick is that of its slot's record.
-// The records belong to the caller, who passes the same array to every call and changes a key only
-// right before the call that says so.
-// Thread safety: none.
+//   1. No node precedes its parent in the order of QueuedEvent.
+//   2. A record's `place` is the node that holds its slot, or k_nowhere if the slot isn't in the
+//      heap.
+//   3. A node's tick is the tick of its slot's record.
+// The caller owns the records, passes the same array to every call, and changes a key only right
+// before the call that reports the change. Thread safety: none.
 #pragma once
 
 #include <array>
@@ -29,7 +28,7 @@ namespace sleight::physics {
 
 inline constexpr std::uint32_t k_nowhere = UINT32_MAX;
 
-/// What a queue knows about one slot; half a cache line.
+/// A queue's data about a slot; half a cache line.
 struct alignas(32) SlotRecord {
   EventKey key = k_no_event;
   std::uint32_t place = k_nowhere;  ///< in a SlotHeap: its node
@@ -37,7 +36,7 @@ struct alignas(32) SlotRecord {
 };
 static_assert(sizeof(SlotRecord) == 32);
 
-/// Whether slot a's event comes before slot b's, of two at the same tick.
+/// Returns whether slot a's event precedes slot b's, given the same tick.
 inline bool precedes_at_same_tick(const SlotRecord* records, std::uint32_t a, std::uint32_t b) {
   const std::strong_ordering order = records[a].key <=> records[b].key;
   return order == 0 ? a < b : order < 0;
@@ -45,7 +44,7 @@ inline bool precedes_at_same_tick(const SlotRecord* records, std::uint32_t a, st
 
 class SlotHeap {
  public:
-  /// Makes room for that many slots, and empties the heap. The caller resets the records.
+  /// Reserves memory for `slot_count` slots and empties the heap. The caller resets the records.
   void reset(std::uint32_t slot_count) {
     CHECK_LE(slot_count, k_slots_max);
     lines_.assign((slot_count + k_root + 3) / 4 + 1, Line{});
@@ -61,12 +60,12 @@ class SlotHeap {
     rise(records, end_++, {records[slot].key.tick.value, slot});
   }
 
-  /// To be told of a new key. REQUIRES: the slot is in the heap.
+  /// Call after a slot's key has changed. REQUIRES: the slot is in the heap.
   void update(SlotRecord* records, std::uint32_t slot) {
     place(records, records[slot].place, {records[slot].key.tick.value, slot});
   }
 
-  /// The last node takes the slot's place. REQUIRES: the slot is in the heap.
+  /// Replaces the slot by the last node. REQUIRES: the slot is in the heap.
   void remove(SlotRecord* records, std::uint32_t slot) {
     const std::uint32_t hole = records[slot].place;
     records[slot].place = k_nowhere;
@@ -94,7 +93,7 @@ class SlotHeap {
     return precedes_at_same_tick(records, a.slot, b.slot);
   }
 
-  /// Puts a node where there is none now, or one that may be forgotten.
+  /// Puts a node at an index that is free or may be overwritten.
   void place(SlotRecord* records, std::uint32_t hole, Node moved) {
     if (hole != k_root && precedes(records, moved, node(hole / 4 + 2))) {
       rise(records, hole, moved);
@@ -141,7 +140,7 @@ class SlotHeap {
   }
 
   std::vector<Line> lines_;
-  std::uint32_t end_ = k_root;  ///< one past the last node
+  std::uint32_t end_ = k_root;  ///< one after the last node
 };
 
 }  // namespace sleight::physics

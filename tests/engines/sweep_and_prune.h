@@ -1,18 +1,17 @@
-// Sweep-and-prune as the thesis has it (3.2.3, figures 3.3 and 3.5; after Cohen et al. 1995).
+// Sweep-and-prune as in the thesis (3.2.3, figures 3.3 and 3.5; after Cohen et al. 1995).
 //
-// Idea. Three sorted lists of extents, a table of overlapping pairs for each axis, and one for
-// space. When a box changes, its extents travel through the lists; a first point that passes a last
-// one changes an axis' table, and a pair which is in all three tables overlaps in space. A small
-// change costs little, but an extent passes all others that happen to lie between in that one
-// direction: in a pile on a floor nearly all extents in height do (3.3.2), and an axis' table
-// holds far more pairs than really overlap, of the order of n^(5/3) in a cube filled evenly.
+// Idea. There are three sorted lists of extents, a table of overlapping pairs for each axis, and a
+// table for space. When a box changes, its extents travel through the lists. A first point that
+// passes a last point changes an axis's table, and a pair in all three tables overlaps in space. A
+// small change costs little, but an extent passes all others between its old and new place in that
+// direction. In a pile on a floor these are nearly all extents in height (3.3.2). An axis's table
+// also holds far more pairs than really overlap, of the order of n^(5/3) in an evenly filled cube.
 //
-// Invariants (beside those of broad_phase.h)
-//   1. axis table k holds exactly the pairs of present bodies whose arcs on axis k overlap.
-//   2. The table of space holds those that are in all three.
-// Boxes, and not the passes, say what the new state of a pair on an axis is, since arcs on a ring
-// may pass each other at both ends. Insertion and removal look at every body; a move does not.
-// Thread safety: none.
+// Invariants (in addition to broad_phase.h)
+//   1. Axis table k holds exactly the pairs of present bodies whose arcs on axis k overlap.
+//   2. The table of space holds the pairs that are in all three axis tables.
+// A pair's state on an axis is computed from boxes, not from passes, because arcs on a ring may
+// pass each other at both ends. Insertion and removal examine all bodies. Thread safety: none.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +27,7 @@ struct PairSlot {
 };
 using PairTable = FlatTable<PairSlot>;
 
-/// The key of a pair of bodies, in either order. REQUIRES: a != b.
+/// Returns the key of a pair of bodies, in either order. REQUIRES: a != b.
 constexpr std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
   return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
 }
@@ -59,7 +58,7 @@ class SweepAndPrune {
   void move_all(std::span<const Box> boxes, Sink& sink);
 
  private:
-  /// Pairs per body for which tables have room from the start; more of them let the tables grow.
+  /// Initial capacity of the tables, in pairs per body.
   static constexpr std::size_t k_axis_room = 64;
   static constexpr std::size_t k_space_room = 24;
   static std::size_t room(const BroadPhaseOptions& options, std::size_t per_body) {
@@ -67,7 +66,7 @@ class SweepAndPrune {
     return options.bodies * std::min(others, per_body);
   }
 
-  /// Brings an axis' table up to date on a pair; whether that changed it.
+  /// Updates an axis's table for a pair. Returns whether the table changed.
   bool look_again(std::size_t axis, BodyId a, BodyId b) {
     const std::uint64_t key = pair_key(a, b);
     return overlap(boxes_.coded(a).arc(axis), boxes_.coded(b).arc(axis))
@@ -78,7 +77,7 @@ class SweepAndPrune {
     return axis_pairs_[0].contains(key) && axis_pairs_[1].contains(key) &&
            axis_pairs_[2].contains(key);
   }
-  /// Brings the table of space up to date on a pair and tells what changed.
+  /// Updates the table of space for a pair and reports a change.
   template <class Begin, class End>
   void settle(std::uint64_t key, const Begin& begin, const End& end) {
     if (in_all_axes(key)) {
@@ -92,9 +91,9 @@ class SweepAndPrune {
   std::array<ExtentRing, 3> rings_;
   std::array<PairTable, 3> axis_pairs_;
   PairTable space_pairs_;
-  std::vector<CodedBox> before_;              ///< move_all: the boxes that it replaces
+  std::vector<CodedBox> before_;              ///< move_all: the replaced boxes
   std::vector<BodyId> touched_;               ///< move: bodies whose state on some axis changed
-  std::vector<std::uint64_t> pairs_touched_;  ///< move_all: the same for pairs
+  std::vector<std::uint64_t> pairs_touched_;  ///< move_all: pairs whose state on some axis changed
 };
 
 template <OverlapSink Sink>
@@ -139,7 +138,7 @@ void SweepAndPrune::move(BodyId body, const Box& box, Sink& sink) {
   boxes_.set(body, box, boxes_.periods().coded(box));
   const CodedBox& after = boxes_.coded(body);
 
-  // Let the extents travel on each axis, and note whose state on it changed.
+  // Move the extents on each axis, and note the bodies whose state on the axis changed.
   touched_.clear();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const ArcTravel by = travel(before.arc(axis), after.arc(axis), boxes_.periods().periodic(axis));
@@ -148,7 +147,7 @@ void SweepAndPrune::move(BodyId body, const Box& box, Sink& sink) {
       if (look_again(axis, body, other)) touched_.push_back(other);
     });
   }
-  // Map the changes on axes to changes in space.
+  // Derive the changes in space.
   for (const BodyId other : touched_) {
     settle(
         pair_key(body, other), [&] { sink.begin(other); }, [&] { sink.end(other); });
@@ -163,7 +162,7 @@ void SweepAndPrune::move_all(std::span<const Box> boxes, Sink& sink) {
     if (boxes_.contains(body)) boxes_.set(body, boxes[body], boxes_.periods().coded(boxes[body]));
   }
 
-  // Sort each list anew, and note the pairs whose state on its axis changed.
+  // Sort each list again, and note the pairs whose state on its axis changed.
   pairs_touched_.clear();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool periodic = boxes_.periods().periodic(axis);
@@ -175,7 +174,7 @@ void SweepAndPrune::move_all(std::span<const Box> boxes, Sink& sink) {
       if (look_again(axis, {a}, {b})) pairs_touched_.push_back(pair_key(a, b));
     });
   }
-  // Map the changes on axes to changes in space.
+  // Derive the changes in space.
   for (const std::uint64_t key : pairs_touched_) {
     const BodyId lower{static_cast<std::uint32_t>(key >> 32)};
     const BodyId higher{static_cast<std::uint32_t>(key)};

@@ -1,5 +1,4 @@
-// `sleight-scenes`: a page with a strip of pictures of each of the scenes that tests and benchmarks
-// share.
+// `sleight-scenes`: a page with a strip of pictures of each scene shared by tests and benchmarks.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -29,7 +28,7 @@ struct Arguments {
   bool quick = false;
 };
 
-/// Beside its place, then renamed.
+/// Writes a file beside `path`, then renames it.
 void save(const std::filesystem::path& path, const std::string& bytes) {
   const std::filesystem::path beside = path.string() + ".part";
   std::ofstream file(beside, std::ios::binary);

@@ -1,4 +1,4 @@
-// What a body looks like from afar: its outline and faces, seen along one direction.
+// The appearance of a body from afar: its outline and faces, seen along one direction.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -10,18 +10,18 @@
 
 namespace sleight::scene_pictures {
 
-/// Looks at a scene along parallel lines, from in front and above; z is up.
+/// Looks at a scene along parallel lines from in front and above; z is up.
 class Camera {
  public:
-  /// Of the direction towards it: `azimuth` from x towards y, `elevation` above the horizon.
+  /// Direction towards the camera: `azimuth` from x towards y, `elevation` above the horizon.
   Camera(double azimuth_rad, double elevation_rad);
 
-  /// Metres to the right and up in the picture.
+  /// Returns a place's position in the picture, in metres to the right and up.
   plot::Point on_picture_m(const physics::Vec3& place_m) const;
-  /// The greater the nearer.
+  /// Returns a number that is greater for nearer places.
   double nearness_m(const physics::Vec3& place_m) const;
   const physics::Vec3& towards() const { return towards_; }
-  /// A world direction that is seen as such a one in the picture.
+  /// Returns the world direction that appears as this direction in the picture.
   physics::Vec3 seen_as(double right, double up) const { return right * right_ + up * up_; }
 
  private:
@@ -35,7 +35,7 @@ struct Patch {
   std::vector<plot::Point> outline_m;
   double brightness = 1;  ///< 0 to 1
 };
-/// A body is a disc, or patches in the order in which they are painted.
+/// A body's appearance: a disc, or patches in painting order.
 struct Look {
   bool is_disc = false;
   plot::Point centre_m;
@@ -45,11 +45,11 @@ struct Look {
 
 Look look_of(const physics::Shape& shape, const physics::Pose& pose, const Camera& camera);
 
-/// The faces of a polyhedron that are turned to the camera.
+/// Returns the faces of a polyhedron that are turned to the camera.
 std::vector<Patch> faces_of(const physics::ConvexView& view, const physics::Pose& pose,
                             const Camera& camera);
 
-/// How bright a surface is.
+/// Returns a surface's brightness.
 double brightness_of(const physics::Vec3& normal);
 
 }  // namespace sleight::scene_pictures

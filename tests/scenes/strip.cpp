@@ -22,7 +22,7 @@ constexpr double k_picture_px = 210;
 constexpr double k_height_px = 190;
 constexpr double k_label_px = 22;
 constexpr double k_margin_px = 8;
-/// Of the bodies' places so many of each side need not be in the frame: what flies away.
+/// The share of the bodies' places on each side that may be out of frame, for bodies that fly away.
 constexpr double k_left_out = 0.25;
 constexpr double k_azimuth_rad = -1.2;
 constexpr double k_elevation_rad = 0.35;
@@ -37,7 +37,7 @@ struct Moment {
   std::vector<DrawnBody> bodies;
 };
 
-/// What part of the scene the pictures show, in metres.
+/// The visible part of the scene, in metres.
 struct Frame {
   double left = std::numeric_limits<double>::infinity();
   double right = -std::numeric_limits<double>::infinity();
@@ -51,7 +51,7 @@ struct Frame {
   }
 };
 
-/// All of the first moment, and most of what comes after.
+/// Contains all of the first moment and most of later ones.
 Frame frame_of(const std::vector<Moment>& moments) {
   Frame frame;
   std::vector<double> across;
@@ -81,7 +81,7 @@ plot::Color shaded(const plot::Color& color, double brightness) {
   return {part(color.red), part(color.green), part(color.blue), color.opacity};
 }
 
-/// Patches of static geometry; of a plane that is about level, a square about the scene's middle.
+/// Returns patches of static geometry. A nearly level plane is a square about the scene's middle.
 std::vector<Patch> statics_of(const physics::Scene& scene, const Camera& camera,
                               const Vec3& middle_m, double extent_m) {
   std::vector<Patch> patches;

@@ -14,11 +14,11 @@ inline constexpr std::size_t k_moments = 5;
 
 struct Strip {
   std::string svg;
-  std::string error;     ///< what ended the simulation early, if anything did
-  bool refused = false;  ///< that is the scene's fault
+  std::string error;     ///< the error that ended the simulation early, if any
+  bool refused = false;  ///< the error is the scene's fault
 };
 
-/// The first moment is the start, the last one the setting's duration.
+/// The first moment is the start; the last is the setting's duration.
 Strip strip_of(const physics::scenes::Setting& setting, const std::string& title);
 
 }  // namespace sleight::scene_pictures

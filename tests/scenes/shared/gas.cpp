@@ -18,8 +18,7 @@ BodyDescription unit_sphere(const Vec3& position_m, const Vec3& velocity_mps) {
           .start = {.pose = {.position_m = position_m}, .twist = {.velocity_mps = velocity_mps}}};
 }
 
-/// `count` different sites of a face-centred cubic lattice of k^3 cells in a cube of a length, in
-/// the order of a random permutation.
+/// Returns `count` different sites of a face-centred cubic lattice in a cube, in random order.
 std::vector<Vec3> lattice_sites(std::uint32_t count, double length_m, random::Stream& stream) {
   std::uint32_t cells = 1;
   while (4 * cells * cells * cells < count)
@@ -63,7 +62,7 @@ Setting hard_sphere_gas(std::uint32_t bodies, double packing, std::uint64_t seed
     scene.bodies.push_back(unit_sphere(site, {x, y, z}));
     drift += Vec3(x, y, z);
   }
-  // The gas as a whole is at rest.
+  // Bring the gas as a whole to rest.
   for (BodyDescription& body : scene.bodies)
     body.start.twist.velocity_mps -= drift / bodies;
   return setting;

@@ -1,4 +1,4 @@
-// Scenes on static triangle meshes: an open one and a closed one.
+// Scenes on static triangle meshes, open and closed.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -21,14 +21,14 @@ std::shared_ptr<const TriangleMesh> mesh_of(std::span<const Vec3> vertices_m,
       TriangleMesh::make(vertices_m, triangles, closure).value());
 }
 
-/// Two triangles, anticlockwise as the four corners are.
+/// Adds two triangles, in the anticlockwise order of the four corners.
 void add_square(std::vector<TriangleCorners>& triangles, std::uint32_t a, std::uint32_t b,
                 std::uint32_t c, std::uint32_t d) {
   triangles.push_back({a, b, c});
   triangles.push_back({a, c, d});
 }
 
-/// A sheet of cells^2 squares of an edge, about the z axis, whose heights are drawn from a range.
+/// Returns a sheet of cells^2 squares about the z axis, with random heights.
 std::shared_ptr<const TriangleMesh> height_field(std::uint32_t cells, double edge_m, double high_m,
                                                  random::Stream& stream) {
   std::vector<Vec3> vertices_m;
@@ -48,10 +48,10 @@ std::shared_ptr<const TriangleMesh> height_field(std::uint32_t cells, double edg
   return mesh_of(vertices_m, triangles, MeshClosure::may_be_open);
 }
 
-/// A square box of a half width, hollow above a bottom of a thickness.
+/// Returns a square box, hollow above its bottom.
 std::shared_ptr<const TriangleMesh> tray_mesh(double half_m, double wall_m, double bottom_m,
                                               double height_m) {
-  // Four squares of four corners: outside low and high, inside high and low.
+  // Four squares of four corners: outer low, outer high, inner high, inner low.
   const std::array<double, 4> halves_m{half_m, half_m, half_m - wall_m, half_m - wall_m};
   const std::array<double, 4> heights_m{0, height_m, height_m, bottom_m};
   std::vector<Vec3> vertices_m;
@@ -71,7 +71,7 @@ std::shared_ptr<const TriangleMesh> tray_mesh(double half_m, double wall_m, doub
   return mesh_of(vertices_m, triangles, MeshClosure::closed);
 }
 
-/// Spheres and cubes in turn, on a loose lattice six by six in a layer.
+/// Adds spheres and cubes in turn, on a loose lattice of six by six per layer.
 void add_bodies(Scene& scene, std::uint32_t bodies, double lowest_m, double speed_mps,
                 random::Stream& stream) {
   BodyShape body =
@@ -120,7 +120,7 @@ Setting bumpy_floor(std::uint32_t bodies, std::uint64_t seed) {
                               .outside = {.normal = normal, .offset_m = -k_tray_half_width_m}});
     }
   }
-  // One cell further than the walls on each side.
+  // The floor extends one cell beyond the walls on each side.
   scene.meshes.push_back({.name = "floor", .mesh = height_field(12, 0.02, 0.01, stream)});
   add_bodies(scene, bodies, 0.03, 0.2, stream);
   return setting;

@@ -28,7 +28,7 @@ Setting rain(std::uint32_t bodies, std::uint64_t seed) {
   scene.gravity_mps2 = {0, 0, -9.81};
   scene.slow = {.separation_speed_mps = 0.01};
 
-  // Three materials, each pair with a law of its own.
+  // Three materials; each pair has its own law.
   scene.contacts = ContactTable(3);
   for (std::uint8_t a = 0; a < 3; ++a) {
     for (std::uint8_t b = a; b < 3; ++b) {
@@ -38,7 +38,7 @@ Setting rain(std::uint32_t bodies, std::uint64_t seed) {
     }
   }
 
-  // A floor and four walls that lean outwards.
+  // A floor and four walls leaning outwards.
   const double lean = between(stream, 0, 0.3);
   const double length = std::sqrt(1 + lean * lean);
   scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});
@@ -69,7 +69,7 @@ Setting rain(std::uint32_t bodies, std::uint64_t seed) {
                               return above_the_box(again);
                             }});
   }
-  // Now and then a body is pushed.
+  // Push a body now and then.
   for (std::uint32_t i = 0; i < bodies; i += 3) {
     scene.controls.push_back({.tick = Tick{} + ticks_after(between(stream, 0.1, 0.5)),
                               .body = {i},

@@ -1,4 +1,4 @@
-// Random states that scenes start from, and the gravity that most have.
+// Random initial states of scenes, and the gravity of most scenes.
 //
 // Thread safety: pure functions of the stream.
 #pragma once

@@ -1,4 +1,4 @@
-// Scenes of round bodies: solids of all sorts that fall and roll, and ten pins with a ball.
+// Scenes of round bodies: solids of all kinds that fall and roll, and ten pins with a ball.
 #include <memory>
 #include <numbers>
 #include <string>
@@ -21,7 +21,7 @@ BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
       .start = start};
 }
 
-/// Of some centimetre.
+/// Returns a solid of about one centimetre.
 RoundSolid solid_of_kind(std::uint32_t kind) {
   constexpr double k_density_kgpm3 = 2500;
   switch (kind % 6) {
@@ -87,8 +87,7 @@ Setting round_solids(std::uint32_t bodies, std::uint64_t seed) {
 }
 
 Setting bowling(std::uint32_t bodies, std::uint64_t seed) {
-  // Sizes and masses are those of the sport's rules; restitution and friction are some of each
-  // kind.
+  // Sizes and masses follow the sport's rules; restitution and friction are typical.
   constexpr double k_foot_m = 0.0254 * 12;
   constexpr double k_ball_m = 0.1085;
   random::Stream stream = stream_of_scene(seed, 0);
@@ -101,7 +100,8 @@ Setting bowling(std::uint32_t bodies, std::uint64_t seed) {
   const RoundSolid pin = bowling_pin(1.55).value();
   const auto shape =
       std::make_shared<const Compound>(Compound{.parts = {}, .round_parts = pin.parts});
-  // A triangle of four rows, a foot from pin to pin; the head pin at the origin, x down the lane.
+  // Four rows in a triangle, a foot from pin to pin. The head pin is at the origin, x down the
+  // lane.
   std::uint32_t number = 0;
   for (int row = 0; row < 4; ++row) {
     for (int place = 0; place <= row && number + 1 < bodies; ++place) {
