@@ -1,9 +1,8 @@
 // When do two things collide? This header is the simulator's only rule, evaluated at one tick:
 //
-//   touch     gap <= k_touch
-//   approach  rate < -k_approach, where rate is the gap's rate of change along the contact normal
-//   region    only for a feature of static geometry: the closest point lies on this feature, not on
-//             a neighbouring one
+//   touch     gap <= k_touch.
+//   approach  rate < -k_approach; rate is the gap's rate of change along the contact normal.
+//   region    The closest point of static geometry is on the given feature, not on a neighbour.
 //
 // Two things collide at the first tick, from a given tick on, at which all these conditions hold.
 // The functions below compute gap and rate from scratch, from both positions and motions at that
@@ -66,8 +65,9 @@ struct HalfSpace {
   double offset_m = 0;
 };
 
-/// A feature of static geometry. A sphere can touch it only while the sphere's centre is in its
-/// region, which is where the centre's closest point lies on the feature.
+/// A feature of static geometry. A sphere can touch the feature only while the sphere's centre is
+/// in the feature's region. For centres in the region, the closest point of the geometry is on the
+/// feature.
 struct SphereFeature {
   FeatureKind kind = FeatureKind::face;
   Vec3 point_m = Vec3::Zero();      ///< on the face's plane, at an end of the edge, or the vertex
@@ -108,15 +108,15 @@ inline GapAndRate gap_to_face(const SphereFeature& face, const Vec3& from_m,
   return {.gap_m = math::dot(face.direction, from_m) - radius_m,
           .rate_mps = math::dot(face.direction, velocity_mps)};
 }
-/// Returns gap and rate of a sphere and a round thing (gap_to_round). `distance_m`: the length of
-/// `from_m` there; `from_dot_velocity`: its product with the velocity.
+/// Returns gap_to_round's result, given the length of its `from_m` and the dot product of `from_m`
+/// and the velocity.
 inline GapAndRate gap_at_distance(double distance_m, double from_dot_velocity, double radius_m) {
   return {.gap_m = distance_m - radius_m, .rate_mps = from_dot_velocity / distance_m};
 }
-/// Returns gap and rate of a sphere and a round thing: a vertex, an edge or another sphere. For
-/// another sphere, `radius_m` is the sum of both radii. `from_m` leads from the round thing to the
-/// sphere's centre, and the velocity is the centre's relative to the round thing. For an edge, both
-/// are the components perpendicular to the edge. REQUIRES: `from_m` is not 0.
+/// Returns gap and rate of a sphere and a round object: a vertex, an edge or another sphere. For
+/// another sphere, `radius_m` is the sum of both radii. `from_m` leads from the object to the
+/// sphere's centre. The velocity is the centre's, relative to the object. For an edge, pass both
+/// vectors' components perpendicular to it. REQUIRES: `from_m` is not 0.
 inline GapAndRate gap_to_round(const Vec3& from_m, const Vec3& velocity_mps, double radius_m) {
   return gap_at_distance(math::norm(from_m), math::dot(from_m, velocity_mps), radius_m);
 }
@@ -147,14 +147,14 @@ inline bool collides(const SphereFeature& feature, std::span<const RegionSide> s
 
 // ---- two convex pieces --------------------------------------------------------------------------
 
-/// A convex piece at a tick. The bounds on its motion must hold from that tick on. A sphere is a
-/// piece with one vertex and a radius.
+/// A convex piece at a tick. The motion bounds must hold from that tick on. A sphere is a piece
+/// with one vertex and a radius.
 struct MovingPiece {
   const ConvexView* view = nullptr;
   double radius_m = 0;  ///< added all around the vertices' hull
   PlacedPose pose{};
-  /// Set if the position was computed from larger numbers: the sum of their sizes in one
-  /// coordinate. The position's rounding error follows from this (coordinates_m_max).
+  /// Greatest sum of absolute terms from which a coordinate of the position was computed
+  /// (coordinates_m_max). The position's rounding error is relative to this sum.
   double coordinates_m = 0;
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 acceleration_mps2 = Vec3::Zero();
@@ -189,7 +189,7 @@ inline bool collides(const PieceContact& contact, double touch_m = k_touch_m) {
 
 /// Computes the contact from scratch, from the two pieces' poses and velocities only.
 PieceContact contact_of(const MovingPiece& a, const MovingPiece& b);
-/// Returns the same, given closest points that a search found from scratch (closest_cold).
+/// Returns contact_of's result, given closest points found from scratch (closest_cold).
 PieceContact contact_from(const Closest& closest, const MovingPiece& a, const MovingPiece& b);
 /// Returns the contact of the half-space dot(normal, x) <= offset_m, at rest, and a piece.
 PieceContact contact_of(const HalfSpace& solid_below, const MovingPiece& b);

@@ -78,7 +78,7 @@ double comes_out_s(const Line& line, double fall) {
 }
 
 /// Returns when a vertex may first become the lowest of its piece. Apart from terms that both lines
-/// share, they are exact to bend h^2 / 2 in time and to `rounding_m` in place.
+/// share, each line errs by at most bend h^2 / 2 after time h, plus rounding.
 double takes_over_s(const Line& line, const Line& lowest, double bend, double rounding_m) {
   const double above_m = line.place_m - lowest.place_m - rounding_m;
   const double faster_mps = lowest.rate_mps - line.rate_mps;
@@ -91,7 +91,7 @@ double takes_over_s(const Line& line, const Line& lowest, double bend, double ro
 /// Returns how long two touching pieces can't collide, up to `until_s`, along an axis that turns
 /// with the touching features. While the same vertices are lowest, the gap falls as fast as these
 /// vertices do. Once other vertices take over, other features between them may touch along another
-/// normal. The result ends there unless all these vertices move apart.
+/// normal. The result ends at that time, unless all these vertices move apart.
 double touching_along(const Line& base, double fall, double bend, double rounding_m,
                       Envelope* first, Envelope& second, double until_s) {
   const Line lowest_a = first != nullptr ? first->first() : k_no_line;
@@ -135,7 +135,7 @@ double touching_along(const Line& base, double fall, double bend, double roundin
   return std::min(until_s, std::max(takes_over, falls_s));
 }
 
-/// Returns minus the maximum distance from the piece's centre towards the other piece.
+/// Returns minus the piece's maximum reach from its centre towards the other piece.
 double nearest_m(const MovingPiece& piece, const Envelope& envelope) {
   return std::isfinite(piece.reach_m) ? -piece.reach_m : envelope.lowest_m();
 }

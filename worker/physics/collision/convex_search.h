@@ -12,27 +12,29 @@
 // normal. The axis must therefore turn with the touching features, and the search bounds for each
 // vertex when it may first be both lowest and falling.
 //
-// This search is the second of two stages (thesis 3.2.2). The first finds when the bounding spheres
-// meet. The thesis's bound for the second, distance over greatest speed, is only of first order.
+// This search is the second of two stages (thesis 3.2.2). The first stage finds when the bounding
+// spheres meet. The thesis's second stage uses distance over greatest speed, a bound of only first
+// order.
 //
 // A sphere is a piece with one vertex and a radius.
 //
 // Invariants
 //   1. If the pieces touch, a look's result depends only on their poses and motion. The result is
 //      collision_rule.h's verdict and contact or, without a collision, how long a collision is
-//      impossible. A search from scratch finds the same.
-//   2. If the pieces are apart, a look may start from results of the pair's earlier looks. They
-//      decide which of several certified answers the look finds; these answers are equal up to
-//      rounding. By the bound above, this affects only which ticks are skipped, never what collides
-//      or when. So all searches find the same collision, however they are divided, except in the
-//      cases that invariant 3 excludes.
-//   3. A look is skipped only under the bounds above, lowered by the rounding of gaps so far from
-//      the origin. For touching pieces the bounds hold while the normal turns with the same face,
-//      whichever vertices touch. They also hold while the normal turns with the same two edges, if
-//      the edges cross at a sine of 0.01 or more. For pieces within k_touch_m of each other, the
-//      bounds don't cover the turning of a normal between more nearly parallel edges, between two
-//      vertices, or between a vertex and an edge, about the edge. Normals of spheres are covered.
-//      In the uncovered cases a collision may be late, by at most comes_deeper_s (piece_motion.h).
+//      impossible. A search from scratch finds the same result.
+//   2. If the pieces are apart, a look may start from results of the pair's earlier looks. Those
+//      results decide which of several certified answers the look finds; the answers are equal up
+//      to rounding. By the bound above, the choice affects only which ticks are skipped, never what
+//      collides or when. So all searches find the same collision, however they are divided, except
+//      in the cases that invariant 3 excludes.
+//   3. A look is skipped only under the bounds above, lowered by the rounding error of gaps at that
+//      distance from the origin. For touching pieces the bounds hold while the normal turns with
+//      the same face, whichever vertices touch. They also hold while the normal turns with the same
+//      two edges, if the edges cross at a sine of 0.01 or more. For pieces within k_touch_m of each
+//      other, the bounds don't cover the turn of three normals: between more nearly parallel edges,
+//      between two vertices, and between a vertex and an edge (about the edge). Normals of spheres
+//      are covered. In the uncovered cases a collision may be late, by at most comes_deeper_s
+//      (piece_motion.h).
 // Thread safety: pure functions, except for the cache passed in.
 #pragma once
 
@@ -42,10 +44,10 @@
 
 namespace sleight::physics {
 
-/// The cheaper part of a look, which needs no orientation. Returns true, with the look's result in
-/// `examined`, if the bodies' bounding spheres are apart by more than a small part of `near_m`;
-/// then no further check is needed. sphere_above requires only that the sphere is above the plane.
-/// Usually other events happen before bounding spheres meet.
+/// The cheaper part of a look, which needs no orientation. Returns true if the bodies' bounding
+/// spheres are apart by more than a small part of `near_m`, and stores the look's result in
+/// `examined`. For a plane, the sphere must be above it by a small part of its radius. Usually
+/// other events happen before bounding spheres meet.
 bool spheres_apart(const MovingPoint& a, const MovingPoint& b, double radii_m, double near_m,
                    Tick tick, Examined& examined);
 bool sphere_above(const HalfSpace& solid_below, const MovingPoint& b, double radius_m, Tick tick,

@@ -102,7 +102,8 @@ class Envelope {
     line_count_ = 1;
   }
 
-  /// Returns a line that is lowest at first; after keep_until, the fastest falling one on a tie.
+  /// Returns a line that is lowest at first. After keep_until, this is the fastest falling one on a
+  /// tie.
   const Line& first() const { return lines_[0]; }
 
   /// Keeps the lines that pass below the first line within a time. Returns whether there are any.

@@ -2,14 +2,14 @@
 //
 // Idea. Bodies in a heap bounce by micrometres, thousands of times a second. Each bounce changes
 // the predictions for some twenty neighbours, although most of them are further away than the
-// bounces ever reach. So a body has a numbered place. The body keeps its place while each of its
-// points stays within a distance, the place's room, of where the point was when the place began. A
-// pair once found further apart than both rooms allow can't collide while both bodies keep those
-// places, however their motions change.
+// bounces ever reach. So a body has a numbered place. The body keeps its place while no point has
+// moved further from its initial position than the place's room. A pair once found further apart
+// than both rooms allow can't collide while both bodies keep their places, however their motions
+// change.
 //
 // Invariants
-//   1. While a body has a place, until and including the tick `until`, each of its points stays
-//      within room_m of where it was when the place got its number.
+//   1. While a body has a place (up to and including the tick `until`), each of its points is
+//      within room_m of its position when the place got its number.
 //   2. No number is used twice, so equal numbers mean the same place.
 // Thread safety: none.
 #pragma once
@@ -38,7 +38,8 @@ class NearPlaces {
     bool stays = false;            ///< the body doesn't move at all
   };
 
-  /// Clears all places. Bodies get no place that lasts less than `least`. 0 bodies: places are off.
+  /// Clears all places. Bodies get no place that lasts less than `least`. With 0 bodies, places are
+  /// off.
   void reset(std::size_t bodies, TickCount least) {
     of_body_.assign(bodies, {});
     least_ = least;

@@ -26,9 +26,9 @@ void for_each_corner(const MovingPiece& of, const Vec3& direction, double near_m
 }
 
 /// Calls found(point, in world coordinates) where edges of two polyhedra cross within `near_m` of a
-/// common plane. With the corners of each polyhedron that lie over the other one, the crossings are
-/// the corners of the contact area. `normal` is the plane's unit normal, `offset_m` the plane's
-/// offset along it. Round pieces have no edges, so they have no crossings.
+/// common plane. The contact area's corners are these crossings and each polyhedron's corners over
+/// the other one. `normal` is the plane's unit normal, `offset_m` the plane's offset along it.
+/// Round pieces have no edges, so they have no crossings.
 template <class Found>
 void for_each_crossing(const MovingPiece& a, const MovingPiece& b, const Vec3& normal,
                        double offset_m, double near_m, const Found& found) {
@@ -56,8 +56,8 @@ void for_each_crossing(const MovingPiece& a, const MovingPiece& b, const Vec3& n
     for_each_edge(b, [&](const Line& other) {
       const Vec3 across = math::cross(normal, other.along_m);
       const double crosses = math::dot(one.along_m, across);
-      // If two edges run along each other within this distance, rounding decides where they cross.
-      // No point is lost: a crossing so near an edge's end coincides with a corner.
+      // If two edges run along each other within `near_m`, rounding decides where they cross. No
+      // point is lost: a crossing so near an edge's end coincides with a corner.
       if (!(std::abs(crosses) > near_m * std::max(one.length_m, other.length_m))) return;
       const Vec3 between_m = other.start_m - one.start_m;
       const double share_of_one = math::dot(between_m, across) / crosses;

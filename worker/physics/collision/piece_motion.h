@@ -37,7 +37,7 @@ inline double rounding_m(const HalfSpace& solid_below, const MovingPiece& b) {
 }
 
 /// Returns how long no gap can shrink fast enough to collide, because no points pass each other
-/// that fast. This is long for hovering pieces, even if rounding hides whether they touch.
+/// that fast. This time is long for hovering pieces, even if rounding hides whether they touch.
 inline double too_slow_for_s(const MovingPiece& a, const MovingPiece& b) {
   const auto turning_mps = [](const MovingPiece& piece) {
     return math::norm(piece.angular_velocity_radps) * (piece.view->r_outer_m + piece.radius_m);

@@ -7,15 +7,15 @@
 // centre and a convex feature is convex. If a constant relative acceleration has at most a
 // component A towards the feature, then
 //
-//   gap(t + h)  >= gap(t) + rate(t) h - A h^2 / 2
-//   rate(t + h) >= rate(t) - A h
+//   gap(t + h)  >= gap(t) + rate(t) h - A h^2 / 2,
+//   rate(t + h) >= rate(t) - A h.
 //
 // Each condition that fails at a tick therefore fails for a computable time. The search skips the
 // longest such time, at least one tick, and judges again from the segments alone. A sphere that
 // rolls along an edge approaches and leaves so slowly that the second bound skips few ticks. There
 // the search uses c.v, which has the rate's sign; c leads from the edge or vertex to the centre:
 //
-//   c.v (t + h) = c.v + (v.v + c.a) h + 3/2 v.a h^2 + 1/2 a.a h^3
+//   c.v (t + h) = c.v + (v.v + c.a) h + 3/2 v.a h^2 + 1/2 a.a h^3.
 //
 // For two balls in free flight A is 0, and the time of their touch is computed in closed form.
 //
@@ -143,8 +143,8 @@ inline double size_of(const Vec3& place_m) {
   return std::max({std::fabs(place_m.x()), std::fabs(place_m.y()), std::fabs(place_m.z())});
 }
 
-/// Judges one tick for two spheres. `relative`: the second centre's motion relative to the first;
-/// `coordinates_m`: the size of their coordinates; `touch_m` replaces k_touch_m.
+/// Judges one tick for two spheres. `relative` is the second centre's motion relative to the first,
+/// and `coordinates_m` the size of the centres' coordinates. `touch_m` replaces k_touch_m.
 Examined examine_spheres(const MovingPoint& relative, double radii_m, double coordinates_m,
                          double touch_m, Tick tick);
 
@@ -192,8 +192,8 @@ inline TickCount collision_of_free_spheres(const Vec3& between_m, const Vec3& re
   return approach.collides ? span_to_collision(approach) : k_tick_max.value;
 }
 
-/// Returns when two spheres in free flight collide; k_never if they don't. A flight gives its
-/// begin, and its position and velocity then. `shift_m` is added to the second sphere's position.
+/// Returns when two spheres in free flight collide; k_never if they don't. A flight has a begin,
+/// and a position and velocity at that tick. `shift_m` is added to the second sphere's position.
 template <class Flight>
 Tick collision_of_flights(const Flight& first, const Flight& second, const Vec3& gravity_mps2,
                           const Vec3& shift_m, double radii_m) {

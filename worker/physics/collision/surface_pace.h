@@ -11,8 +11,8 @@
 
 namespace sleight::physics::surface_pace {
 
-/// Bounds hold while the box's centre stays within this share of its reach. A box above everything
-/// near instead has room for a whole reach and one patch. Affects speed only.
+/// Bounds hold while the box's centre stays within this share of its reach. For a box above
+/// everything near, this room is a whole reach plus one patch. Affects speed only.
 inline constexpr double k_room = 0.25;
 
 /// Rounding changes gaps and rates by less than this share of the numbers they are computed from.

@@ -227,7 +227,7 @@ void visit_low(Points& points, const Part& part, double bump_per_m, const Limit&
         [&](const Part& smaller) { visit_low(points, smaller, bump_per_m, limit, note); });
 }
 
-/// Does the same for all points of a box.
+/// visit_low for all points of a box.
 template <class Limit, class Note>
 void visit_all_low(Points& points, const BoxLattice& lattice, const Corners& corners,
                    double bump_per_m, const Limit& limit, const Note& note) {

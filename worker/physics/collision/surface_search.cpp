@@ -17,8 +17,8 @@ using namespace surface_points;
 
 /// A face counts as a parallelogram if rounding leaves a gap of at most this share of its size.
 constexpr double k_parallel = 1e-9;
-/// The search margins from here on affect only speed. A part is not split if it is clear for this
-/// share of the other parts' time, unless that time is short, when the collision is near.
+/// The search margins from here on affect only speed. A part that is clear for this share of the
+/// other parts' time isn't split. A short time is an exception, because the collision is then near.
 constexpr double k_long_enough = 0.7;
 constexpr double k_long_s = 3e-4;
 /// A point's second, tighter bound is computed for this factor times its first bound.
@@ -30,7 +30,7 @@ constexpr double k_worth_s = 1e-4;
 /// Points are near if they may touch within this many spans of the present look.
 constexpr double k_looks_ahead = 3;
 constexpr double k_ahead_s_max = 2e-3;
-/// Points closer than k_near_m_min are near. No point is, if this means a large part of the box.
+/// Points closer than k_near_m_min are near. If that would be a large part of the box, no point is.
 constexpr double k_near_m_min = 5e-6;
 constexpr double k_near_share = 0.1;
 
@@ -133,7 +133,8 @@ class Look {
       note_contact(point);
     }
   }
-  /// Updates how far corners have come down since. Returns false if other points may touch.
+  /// Updates how far corners have come down since points were gathered. Returns false if other
+  /// points may touch.
   bool see_descent(const NearPoints& near) {
     const double pull_mps2 =
         std::max(0.0, -box_.acceleration_mps2.z()) + box_.turning_acceleration_mps2;
@@ -215,7 +216,7 @@ class Look {
     return fits;
   }
 
-  /// Returns how far ahead parts are examined. Less than a tick means now, when each point counts.
+  /// Returns how far ahead parts are examined: at least one tick.
   double horizon_s() const { return std::max(best_s_, k_seconds_per_tick); }
 
   /// Returns when a point may collide, at most `until_s`.
@@ -224,7 +225,7 @@ class Look {
                                                point.rate_mps - pace_.rounding_mps,
                                                pace_.fall_of(point.pull_mps2, until_s), 0));
   }
-  /// Does the same with tighter bounds.
+  /// collides_after_s with tighter bounds.
   double clear_for_s(const Above& point, double until_s) const {
     // The bound is concave in time: a point out of touch at both ends stays out between them.
     const double fall_mps = 0.5 * pace_.fall_of(point.pull_mps2, until_s) * until_s;
@@ -251,7 +252,8 @@ class Look {
   }
 
   /// Returns how much higher than a lower point another point must be to stay out of touch while
-  /// the lower one doesn't collide. It is at least a share 1 / steps of the way to the far end.
+  /// the lower one doesn't collide. The other point is at least 1 / steps of the way from the lower
+  /// point to the far end.
   double needed_m(std::int32_t steps, double gap_m) const {
     return steps * (2 * k_touch_m + std::max(0.0, -std::min(gap_m, lowest_m_)));
   }
@@ -271,7 +273,7 @@ class Look {
   }
 
   /// Returns whether all points between `points` stay out of touch until then, unless the lowest
-  /// one collides. Each is at least a share 1 / steps of the way from the lowest to the others.
+  /// one collides. Each of them is at least 1 / steps of the way from the lowest to the others.
   bool is_above_lowest_until(std::span<const Above> points, std::int32_t steps, double hollow_per_m,
                              double until_s) const {
     std::size_t lowest = 0;
@@ -287,7 +289,7 @@ class Look {
     }
     return true;
   }
-  /// The same for a cell with a side on the box's edge, unless a point of the edge collides.
+  /// The same for a cell with a side on a box's edge, unless a point of the edge collides.
   bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;
@@ -370,7 +372,7 @@ class Look {
   const Pace& pace_;
   Tick tick_;
   Corners corners_;
-  /// Upper bounds on the shares of their rooms by which corners have come down.
+  /// Upper bounds on how far the corners have come down, as shares of their rooms.
   struct Descent {
     std::array<double, 8> by{};  ///< until now; negative where a corner has risen
     std::array<double, 8> rate_per_s{};

@@ -73,7 +73,7 @@ struct NearPoints {
   std::array<double, k_most> share{};
   std::array<Tick, k_most> clear_until{};  ///< no collision before, if the motion is unchanged
   std::size_t count = 0;
-  /// The corners' positions then, and how far each may come down towards the surface before any
+  /// The corners' positions when the points were found, and how far each may come down before any
   /// other point can touch. Bounds for points between corners are interpolated.
   std::array<Vec3, 8> corners_m{};
   std::array<double, 8> allowed_m{};
@@ -88,8 +88,8 @@ struct NearPoints {
   void forget_motion() { clear_until.fill(Tick{}); }
 };
 
-/// Computes the contact from scratch: the point where the box touches and approaches. If there is
-/// none, the corner or lattice point with the least gap.
+/// Computes the contact from scratch: the point where the box touches and approaches. If no point
+/// does, returns the corner or lattice point with the least gap.
 PieceContact contact_of(SplineSurface& surface, const BoxLattice& lattice, const MovingPiece& box);
 
 /// Examines one tick. If they collide, `contact` is contact_of's result. `near` is from an earlier

@@ -8,11 +8,11 @@
 // starts or stops slipping, loads and accelerations are constant. The centre then follows a
 // parabola and the spin changes linearly.
 //
-//   one face     slides: slip' = g_t - mu N (1 + 1/k) slip/|slip|;  rolls: v' = g_t / (1 + k)
+//   one face     slides: slip' = g_t - mu N (1 + 1/k) slip/|slip|;  rolls: v' = g_t / (1 + k).
 //   two faces    the same along the valley, with the loads from a linear system, because friction
-//                across the valley at one face presses on the other
+//                across the valley at one face presses on the other.
 //   three faces  a corner: the centre stays, and friction brakes the spin about its present axis,
-//                by the power of the friction
+//                by the power of the friction.
 //
 // Here k = I / (m r^2) (2/5 for a solid ball), g_t is the part of gravity along the face, and N is
 // the load per mass. (Any text on mechanics derives this for one face; 5/7 and 2/7 for a ball
@@ -20,9 +20,9 @@
 // and in general by the power that this takes. It also brakes spin about the normal of one face, by
 // the moment c N r.
 //
-// A slip can turn, as for a ball thrown across a slope. Then its direction is held at its value
-// half way, for as long as it turns by a 32nd of a radian (up to half a radian where the error is
-// small: held_slip.h). After that the motion is computed again.
+// A slip can turn, as for a ball thrown across a slope. Friction then acts against the slip's
+// direction half way, for as long as the slip turns by a 32nd of a radian (up to half a radian
+// where the error is small: held_slip.h). After that the motion is computed again.
 //
 // Invariants
 //   1. Nothing gains energy: friction and resistance never act along the motion that they brake,
@@ -76,7 +76,7 @@ bool is_valley(const Vec3& normal_a, const Vec3& normal_b);
 
 /// Makes a sphere hop off an edge or a vertex, because pivoting about it has no closed form. Raises
 /// a slower separation to `speed_mps`, paid by at most half of the energy of the sphere's other
-/// motion. This motion slows down by one share, so a rolling sphere keeps rolling. Conserves
+/// motion. All other motion slows down in proportion, so a rolling sphere keeps rolling. Conserves
 /// kinetic energy. REQUIRES: the sphere doesn't approach along the unit `normal`.
 Twist hop(const RoundBody& body, const Vec3& normal, const Twist& twist, double speed_mps);
 

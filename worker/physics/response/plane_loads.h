@@ -32,8 +32,8 @@ class LyingBody {
     double spin_radps2 = 0;
     std::array<double, k_plane_supports_max> loads{};  ///< shares of the body's weight
   };
-  /// Returns the effect of friction against each support's slip direction, of length 1 or less.
-  /// Empty if the supports don't carry the body.
+  /// Returns the effect of friction against each support's slip direction, a vector of length 1 or
+  /// less. Empty if the supports don't carry the body.
   std::optional<Rates> rates(const Directions& slip, double spin_radps) const;
 
  private:

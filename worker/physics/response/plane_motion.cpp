@@ -196,7 +196,7 @@ class Slide {
     return {};
   }
 
-  /// Returns whether friction takes energy in a piece. Its forces are constant: mean speeds decide.
+  /// Returns whether friction takes energy in a piece. Friction is constant, so mean speeds decide.
   bool friction_brakes(const PlaneMotion& motion, const Vec3& friction_mps2,
                        double spin_radps2) const {
     const double half_s = 0.5 * motion.lasts_s;

@@ -19,9 +19,9 @@
 // While no slip turns, loads and accelerations are constant, the centre follows a parabola and the
 // angular velocity changes linearly. A body that slides without turning has one such piece, and so
 // has one that only spins. Where slips turn, a piece lasts while they turn by a 32nd of a radian,
-// or for 2^-11 s if that is longer. Its directions and loads come from a step to half its time. A
-// piece of a circle is a 32nd of a radian; its velocities are exact at both ends and interpolated
-// in between.
+// or for 2^-11 s if that is longer. The piece's directions and loads come from a step to half of
+// its time. A piece of a circle is a 32nd of a radian; its velocities are exact at both ends and
+// interpolated in between.
 //
 // Invariants
 //   1. Nothing gains energy from piece to piece. Velocity is removed at the start by a projection

@@ -35,11 +35,11 @@
 //      both ends.
 //   3. |friction impulse| <= mu times the normal impulse, which is >= 0: P(kappa = 0) is in the
 //      convex cone, and kappa goes from 0 towards 1 only as far as the cone allows.
-//   4. Slow impacts: w = e u for a coefficient e. If this is below the floor v_c, w is raised to
-//      v_c. If the energy doesn't suffice, w is raised to the speed at which the change above is 0
-//      with its kappa or s'. So a body sliding in a groove keeps bouncing with about v_c, paid from
-//      its sliding, and the number of events in a time span stays bounded. A body nearly at rest
-//      cannot pay; resting is decided elsewhere.
+//   4. Slow impacts: w = e u for a coefficient e. If w is below the floor v_c, it is raised to v_c.
+//      If the energy doesn't suffice for v_c, w is the speed at which the change above is 0, with
+//      that speed's kappa or s'. So a body sliding in a groove keeps bouncing with about v_c, paid
+//      from its sliding, and the number of events in a time span stays bounded. A body nearly at
+//      rest cannot pay; resting is decided elsewhere.
 // Thread safety: pure functions.
 #pragma once
 
@@ -158,7 +158,7 @@ inline std::optional<double> impulse_against_slip(const SlipSplit& impact, const
     const double share = law.friction * ratio;
     if (w > u && share < 1) {
       const double paid = u * (1 + share) + 2 * law.friction * impact.slip_speed_mps;
-      // Below u the slip would turn, which is refused below.
+      // Below u the slip would turn; the test below refuses that.
       w = std::min(w, std::max(u, paid / (1 - share)));
     }
   }

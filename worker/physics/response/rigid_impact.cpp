@@ -167,8 +167,8 @@ Impulse impulse_of(const Sides<k_sides>& sides, Whitened<k_sides> y, const Vec3&
 
   // The tangential columns by modified Gram-Schmidt, deflating y along the way (A. Bjoerck,
   // "Solving linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967). K's
-  // eigenvalues are at least 1/m_A + 1/m_B, so R's diagonal elements are at least its root. This
-  // bound replaces a column lost to rounding.
+  // eigenvalues are at least 1/m_A + 1/m_B, so R's diagonal elements are at least its root. If
+  // rounding loses a column, this bound replaces its diagonal element.
   const Tangents t = tangents_of(n);
   double inverse_mass = 0;
   for (const Side& side : sides)
