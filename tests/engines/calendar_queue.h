@@ -3,8 +3,8 @@
 // below.
 //
 // Idea. Future time is cut into buckets of equal width, each for about one event. Only the current
-// bucket is ordered, as a heap. The others are lists, so most key changes only move a slot from one
-// list to another. An event after the last bucket is `far` and in no list.
+// bucket is ordered, as a heap. The other buckets are lists, so most key changes only move a slot
+// from one list to another. An event after the last bucket is `far` and in no list.
 //
 // At the end of the buckets, an epoch ends. The queue then scans all slots and lays out the buckets
 // again from the earliest event on, with a width from a sample of waiting events. Paul instead
@@ -77,7 +77,7 @@ class CalendarQueue {
   /// Returns the bucket of a tick, or buckets() for far ticks.
   std::uint64_t bucket_of(Tick tick) const {
     if (tick <= base_) return 0;
-    // The difference of two ticks may need 64 bits. As an unsigned number it is always right.
+    // The difference of two ticks may need 64 bits. The unsigned difference is always right.
     const std::uint64_t since =
         static_cast<std::uint64_t>(tick.value) - static_cast<std::uint64_t>(base_.value);
     const std::uint64_t bucket = since >> shift_;

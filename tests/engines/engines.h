@@ -1,11 +1,11 @@
 // Engines with other broad phases and event queues than the product's, which must give the same
 // bits (worker/physics/simulator/engine.h):
 //
-//   SweepAndPrune   the thesis's sorted lists of extents (3.2.3); slows down as bodies cluster
-//   AllPairs        compares with all bodies: a reference for broad phases, in no engine
-//   HeapQueue       a heap with four children per node
-//   CalendarQueue   buckets of time, as the literature on event-driven dynamics recommends; here
-//                   its lists cost more than the few levels that a change passes in other queues
+//   SweepAndPrune   The thesis's sorted lists of extents (3.2.3); slow if bodies cluster.
+//   AllPairs        A reference for broad phases that compares all bodies; in no engine.
+//   HeapQueue       A heap with four children per node.
+//   CalendarQueue   Buckets of time, as the literature on event-driven dynamics recommends. Here
+//                   its lists cost more than the few levels that a change passes in others.
 // Thread safety: pure functions.
 #pragma once
 

@@ -3,8 +3,8 @@
 // Idea. A list of extents sorted along an axis (thesis 3.2.3) becomes a circle, so a repeating axis
 // needs no copies of boxes near its ends. When an arc changes, its two ends travel through the
 // circle past their neighbours. Two arcs begin or cease to overlap only if the first point of one
-// passes the last point of the other. First points passing first points, or last passing last,
-// don't matter (thesis, figure 3.5). So these passes name all pairs to check.
+// passes the last point of the other. Other passes don't matter (thesis, figure 3.5). So passes of
+// first and last points name all pairs to check.
 //
 // An end is one number: place on the axis's ring (32 bits), first or last (1), body (28). First
 // points precede last points at the same place, because boxes are closed. All ends are different,
@@ -69,7 +69,7 @@ class ExtentRing {
     move_end(body, k_last, by.last, visit);
   }
 
-  /// Does the same for all present bodies at once by insertion sort, with visit(a, b) for each
+  /// Moves the ends of all present bodies at once by insertion sort, with visit(a, b) for each
   /// pass. `travel_of(body)` returns a body's ArcTravel.
   template <class TravelOf, class Visit>
   void move_all(const TravelOf& travel_of, const Visit& visit);

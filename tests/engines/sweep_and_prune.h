@@ -4,8 +4,9 @@
 // table for space. When a box changes, its extents travel through the lists. A first point that
 // passes a last point changes an axis's table, and a pair in all three tables overlaps in space. A
 // small change costs little, but an extent passes all others between its old and new place in that
-// direction. In a pile on a floor these are nearly all extents in height (3.3.2). An axis's table
-// also holds far more pairs than really overlap, of the order of n^(5/3) in an evenly filled cube.
+// direction. In a pile on a floor, an extent in height passes nearly all others (3.3.2). An axis's
+// table also holds far more pairs than really overlap, of the order of n^(5/3) in an evenly filled
+// cube.
 //
 // Invariants (in addition to broad_phase.h)
 //   1. Axis table k holds exactly the pairs of present bodies whose arcs on axis k overlap.

@@ -51,7 +51,7 @@ struct Frame {
   }
 };
 
-/// Contains all of the first moment and most of later ones.
+/// Returns a frame with all of the first moment and most of the later ones.
 Frame frame_of(const std::vector<Moment>& moments) {
   Frame frame;
   std::vector<double> across;

@@ -1,7 +1,7 @@
 // The boxes of bodies, plain and coded, which every broad phase stores.
 //
-// Invariant: coded(b) is the code of box(b) for every present b. Its fourth numbers belong to the
-// structure, and `set` doesn't change them. Thread safety: none.
+// Invariant: coded(b) is the code of box(b) for every present b. A code's fourth numbers belong to
+// the structure, and `set` doesn't change them. Thread safety: none.
 #pragma once
 
 #include <span>

@@ -21,7 +21,7 @@ constexpr double k_cells_max = 0x1p16;
 /// All places beyond this count as one unit.
 constexpr double k_unit_limit = 0x1p40;
 
-/// Steps in the table per step along each axis, if the axes have more cells than the table: bodies
+/// Steps in the table per cell along each axis, if the axes have more cells than the table. Bodies
 /// near in space should not share a number. For table sizes from 2^6 to 2^20, the shortest step in
 /// space that leads to the same number is nearly as long as possible (found by search).
 constexpr std::array<std::uint32_t, 3> k_strides = {1, 0x25CEA933U, 0xDA92657BU};

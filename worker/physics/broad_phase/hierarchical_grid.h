@@ -18,16 +18,16 @@
 //
 // Each level measures in whole units, a small part of its cells, rounded down:
 //
-//   a repeating axis        a power of two of ring points (periodic.h); cells divide the period
-//                           evenly
-//   a non-repeating axis    2^-k_unit_bits of a cell
+//   a repeating axis        A unit is a power of two of ring points (periodic.h); cells divide
+//                           the period evenly.
+//   a non-repeating axis    A unit is 2^-k_unit_bits of a cell.
 //
 // Rounding preserves order, so boxes that overlap also overlap in units. All other steps are exact.
 //
 // Invariants (in addition to broad_phase.h)
 //   1. Each present body is listed once in `members` of its level, and linked in one cell unless
 //      its level is the highest.
-//   2. On each axis a level's `reach` is at least the width of each of its sketches. It is
+//   2. On each axis a level's `reach` is at least the width of each of its sketches. `reach` is
 //      recomputed after about four times as many changes as the level has boxes.
 // Thread safety: none.
 #pragma once
@@ -61,7 +61,7 @@ class HierarchicalGrid {
  private:
   static constexpr std::uint32_t k_levels = 16;
   static constexpr int k_bits_per_level = 2;
-  /// Level of boxes as long as options.size_m. The other levels cover 4^-6 to 4^8 times this size.
+  /// Level of boxes as long as options.size_m. Bounded levels cover 4^-6 to 4^8 times this size.
   static constexpr int k_level_typical = 6;
   static constexpr std::uint32_t k_level_unbounded = k_levels - 1;
   /// Maximum cells that a query may visit on an axis before it compares with all boxes instead.
@@ -83,7 +83,7 @@ class HierarchicalGrid {
     std::uint64_t changes = 0;    ///< since `reach` was computed
     std::vector<BodyId> members;
   };
-  /// A box in a level's units. On a repeating axis it starts within the period.
+  /// A box in a level's units. On a repeating axis the extent starts within the period.
   struct Extent {
     std::array<std::int64_t, 3> first;
     std::array<std::int64_t, 3> last;

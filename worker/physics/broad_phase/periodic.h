@@ -4,9 +4,9 @@
 // floating point requires wrapped copies, and each wrap rounds. So boxes are coded as integers on a
 // ring of 2^32 points, on which unsigned arithmetic wraps by itself:
 //
-//   a repeating axis        the ring is one period; the box is rounded outwards to its points
-//   a non-repeating axis    the ring holds all floats in order (their bits, signs inverted), so the
-//                           code is exact; the codes of NaNs separate the two infinities
+//   a repeating axis        The ring is one period; the box is rounded outwards to its points.
+//   a non-repeating axis    The ring holds all floats in order (their bits, signs inverted), so the
+//                           code is exact; the codes of NaNs separate the two infinities.
 //
 // A box covers the points start, start + 1, ..., start + width of each ring. Two boxes overlap on
 // an axis if one of them contains the other's start. This takes two subtractions and two
@@ -15,8 +15,9 @@
 // Invariants
 //   1. `overlap` of coded boxes is the only predicate: every broad phase reports exactly the pairs
 //      for which it holds.
-//   2. It never misses an overlap of the plain boxes. On non-repeating axes it equals box.h's
-//      overlap. On repeating axes it may report boxes that miss by up to 2^-29 of a period.
+//   2. `overlap` never misses an overlap of the plain boxes. On non-repeating axes it equals
+//      box.h's overlap. On repeating axes it may report boxes that are apart by up to 2^-29 of a
+//      period.
 // Thread safety: values.
 #pragma once
 
@@ -88,7 +89,8 @@ constexpr bool holds(const CodedBox& outer, const CodedBox& inner) {
 /// Number of points of a ring.
 inline constexpr double k_ring = 0x1p32;
 
-/// Returns a float's place in the order of all floats; -0 and 0 have the same. REQUIRES: not NaN.
+/// Returns a float's place in the order of all floats; -0 and 0 have the same place. REQUIRES: not
+/// NaN.
 constexpr std::uint32_t ordered(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);  // + 0 makes 0 of -0
   return bits ^ (bits >> 31 != 0 ? UINT32_MAX : 0x80000000U);
@@ -135,8 +137,8 @@ class Periods {
   }
 
  private:
-  // Both arguments have two roundings of at most 2^-52 of themselves: one point at the limit of
-  // 2^20 periods. A point on each side covers this; truncation towards zero takes another.
+  // Both arguments have two roundings of at most 2^-52 of their size, which is one point at 2^20
+  // periods. A point on each side covers this; truncation towards zero takes another.
   static Arc wrapped(double low, double high) {
     constexpr double k_limit = k_ring * 0x1p20;
     if (!(low >= -k_limit && high <= k_limit)) return {0, UINT32_MAX};

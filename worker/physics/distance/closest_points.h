@@ -3,19 +3,19 @@
 // Idea. The gap of two separate convex bodies is both the least distance of a point of A from a
 // point of B and the greatest separation of A and B along any direction. This certifies a result:
 // if two points, each on a named feature (vertex, edge, face), are as far apart as both bodies are
-// along the line between them, nothing is closer. The searches below only propose features. The
-// gap, normal and points then follow from the features by the plain formula of that kind of pair
-// (vertex-face, edge-edge, ...), in one place. The result is checked against the features'
-// neighbours, which suffices by convexity. So errors of a search never show.
+// along the line between them, nothing is closer. The searches below only propose features. One
+// function then computes the gap, normal and points by the plain formula of that kind of pair
+// (vertex-face, edge-edge, ...). The result is checked against the features' neighbours, which
+// suffices by convexity. So errors of a search never show.
 //
 //   1. The features of the last time (warm only). If they are still right, nothing else is done.
 //   2. GJK (E. Gilbert, D. Johnson, S. Keerthi 1988), with a simplex's closest points by signed
 //      areas and volumes (M. Montanari, N. Petrinic, E. Barbieri, "Improving the GJK algorithm for
 //      faster and more reliable distance queries between two convex objects", ACM TOG 36 (2017)).
-//      Unlike that paper it doesn't use a vertex's seniority, so it accepts any simplex.
+//      Unlike in that paper, a vertex's seniority isn't used, so any simplex is accepted.
 //   3. If GJK's simplex is not certified (nearly parallel faces and edges at tiny gaps): all pairs
-//      of features that can hold closest points within GJK's bounds. This is exact, and usually
-//      only a handful of pairs, because the gap is then known up to rounding.
+//      of features that can hold closest points within GJK's bounds. The search is exact, and
+//      usually takes only a handful of pairs, because the gap is known up to rounding.
 //   4. Overlap: the direction of least depth among all face normals and products of edges (D.
 //      Gregorius, "The separating axis test between convex polyhedra", GDC 2013). This takes 1 us
 //      for two cubes and 70 us for two icospheres of 42 vertices.
@@ -28,12 +28,13 @@
 //   2. Overlapping pieces (gap_m <= 0): -gap_m is the depth, the length of the shortest shift along
 //      `normal` that separates the pieces. If the depth is small against the features, `normal` is
 //      the contact normal. One point is on its piece's feature; the other is its partner along the
-//      normal. Results are also of this kind for positive gaps below 8 * 2^-50 of the coordinates,
-//      at which the direction between two points is noise. The gap is then a lower bound, right to
-//      that size.
+//      normal. Pieces with a positive gap below 8 * 2^-50 of the coordinates have results of this
+//      kind too, because the direction between two such points is noise. The gap is then a lower
+//      bound, right to that size.
 //   3. closest_cold depends only on shapes and poses, bit for bit.
-//   4. closest_warm's gap differs from closest_cold's by at most the rounding of 1. Its features
-//      may differ if several pairs are equally close. For gap_m <= 0 it is closest_cold's result.
+//   4. closest_warm's gap differs from closest_cold's by at most the rounding of invariant 1. The
+//      features may differ if several pairs are equally close. For gap_m <= 0 both results are the
+//      same.
 //   5. No allocation. At most k_gjk_iterations_max iterations, then step 3 or 4.
 // Thread safety: pure functions; only one thread at a time may use a SeparationCache.
 #pragma once
@@ -85,8 +86,9 @@ struct SeparationCache {
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 
-/// Returns the same result, bit for bit, given features found by any means. Fast if these features
-/// are certainly the only closest ones, otherwise from scratch. `search` may differ.
+/// Returns the same result, bit for bit, given features found by any means. This is fast if these
+/// features are certainly the only closest ones; otherwise it computes from scratch. `search` may
+/// differ.
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b, const SeparationCache& hint);
 

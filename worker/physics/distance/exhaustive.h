@@ -6,11 +6,11 @@
 
 namespace sleight::physics {
 
-/// Returns the closest pair of features. Given that the pieces are separated by at least `low_m`
-/// along a unit axis and their gap is at most `high_m`, closest points are within high_m - low_m of
-/// the pieces' ends along the axis. So only features with a vertex there are examined. Among pairs
-/// equally close up to rounding, the pieces are most separated along the result's normal. REQUIRES:
-/// the bounds hold up to rounding; the pieces are separated.
+/// Returns the closest pair of features. The pieces are separated by at least `low_m` along a unit
+/// axis, and their gap is at most `high_m`. So closest points are within high_m - low_m of the
+/// pieces' ends along the axis, and only features with a vertex there are examined. If several
+/// pairs are equally close up to rounding, the result is the pair with the greatest separation
+/// along its normal. REQUIRES: the bounds hold up to rounding; the pieces are separated.
 LocalClosest closest_of_all(const PiecePair& pair, const Vec3& axis, double low_m, double high_m);
 
 /// Returns the direction of greatest separation among face normals and products of edges; for

@@ -16,9 +16,10 @@ using math::product;
 constexpr double k_angle_rounding = 0x1p-49;
 // Below this sine two edges count as parallel, because the normal of both would be noise.
 constexpr double k_parallel_sine = 1e-13;
-// Margins of only_one. They affect only speed, because a search finds the same pair. The gap must
-// be this many roundings, two edges' sine this large, and points this share of the gap inside their
-// features. Features must fall away by this many times the possible turn, rounding / gap.
+// Margins of only_one. They affect only speed, because a search finds the same pair. In this order:
+// a gap's minimum in roundings; a minimum sine of two edges; how far points must be inside their
+// features, as a share of the gap; and by how many times the possible turn, rounding / gap,
+// features must fall away.
 constexpr double k_sure_gap_roundings = 0x1p20;
 constexpr double k_sure_sine = 0x1p-7;
 constexpr double k_sure_inside_gaps = 0x1p-4;
@@ -159,8 +160,8 @@ bool edge_edge(const PiecePair& pair, LocalClosest& out) {
   const double square_b = dot(along_b, along_b);
   if (!(normal_square > k_parallel_sine * k_parallel_sine * (square_a * square_b))) return false;
   // The point at which the line between the two edges' lines meets A's (V. Lumelsky, "On fast
-  // computation of distance between line segments", 1985). In the form with the product of the
-  // directions, the error grows with 1/sine, not with its square. B's point is the foot of A's, so
+  // computation of distance between line segments", 1985). In this form, with the product of the
+  // directions, the error grows with 1/sine, not with 1/sine^2. B's point is the foot of A's, so
   // the difference has no component along the edges, however inaccurate A's point is.
   const Vec3 apart = start_b - start_a;
   const double s = dot(cross(apart, along_b), normal) / normal_square;
@@ -211,8 +212,8 @@ bool closest_of_features(const PiecePair& pair, Feature a, Feature b, LocalClose
 
 bool certified(const PiecePair& pair, const LocalClosest& result) {
   using enum FeatureKind;
-  // A normal between points is as uncertain as the points. This doesn't harm the gap, which is
-  // smaller only by the square of the normal's angle.
+  // A normal between points is as uncertain as the points. The gap stays accurate, because it
+  // depends on the normal's error only by its square.
   const double error_rad = result.normal_error_rad;
   const double slack_m = pair.rounding_m;
   if (result.a.kind == vertex &&

@@ -30,7 +30,7 @@ Part of_segment(const Simplex& simplex, int i, int j) {
   const double from_p = -dot(p, along);
   if (!(from_p > 0)) return of_point(simplex, i);
   if (!(from_p < length_square)) return of_point(simplex, j);
-  // (along x p) x along, not p + t along, keeps its direction accurate if it is short.
+  // Unlike p + t along, (along x p) x along keeps an accurate direction if it is short.
   Part part;
   part.closest = cross(cross(along, p), along) / length_square;
   part.square = dot(part.closest, part.closest);

@@ -131,7 +131,7 @@ class Descent {
   void run() {
     Vec3 way = to_world(b_in_a_, b_->centre_m) - a_->centre_m;
     if (!(norm(way) > 0)) way = Vec3::UnitX();
-    // Restart where rounding stopped it, with points all near the end.
+    // Restart where rounding stopped the descent, with points all near the end.
     constexpr int k_restarts = 3;
     double reached_m = descend(way);
     for (int i = 0; i < k_restarts && !overlap_ && reached_m - gap_m_ > error_m_; ++i) {

@@ -1,8 +1,8 @@
 // A body in free flight: its start, and its centre of mass at any later tick.
 //
 // Idea. Between two events a body has constant acceleration, so the state at the start of the
-// flight determines its whole motion. The centre of mass follows a parabola, computed here.
-// rotation_track.h has the orientation, motion_bounds.h bounds for both.
+// flight determines its whole motion. The centre of mass follows a parabola, computed here. The
+// orientation is in rotation_track.h, and bounds for both are in motion_bounds.h.
 //
 // Invariants
 //   1. Evaluation depends only on flight and tick, not on earlier evaluations.

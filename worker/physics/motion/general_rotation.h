@@ -2,13 +2,13 @@
 //
 // Idea. In the body's frame, Euler's equations and the quaternion's kinematics are bilinear:
 //
-//   dw1/dt = (I2 - I3)/I1 w2 w3 (and cyclic),   dq/dt = q (0; w)/2
+//   dw1/dt = (I2 - I3)/I1 w2 w3 (and cyclic),   dq/dt = q (0; w)/2.
 //
 // So the Taylor coefficients follow from each other by sums of products. With time in units of the
 // step, W = h w and sums over k from 0 to n:
 //
 //   (n+1) W1[n+1] = (I2 - I3)/I1 sum of W2[k] W3[n-k]
-//   (n+1) Q[n+1]  = sum of Q[k] W[n-k]/2
+//   (n+1) Q[n+1]  = sum of Q[k] W[n-k]/2.
 //
 // A step's polynomial is also evaluated inside the step.
 //

@@ -2,7 +2,7 @@
 //
 // Idea. A body is inside a sphere about its centre of mass, and the centre follows a parabola.
 // Along an axis, the parabola's extent follows from its ends and, if it is between them, its apex
-// (thesis figure 3.2). rotation_bounds.h bounds rotation.
+// (thesis figure 3.2). The bounds of rotation are in rotation_bounds.h.
 //
 // Invariants
 //   1. Bounds hold for the results of position_at and orientation_at at whole ticks, including
@@ -35,7 +35,7 @@ static_assert(OnParabola<FreeFlight>);
 
 namespace detail {
 
-/// Returns a float at or at most two floats below x: a conversion rounds by 2^-24 of x or 2^-150.
+/// Returns x rounded down by at most two floats: a conversion rounds by 2^-24 of x or 2^-150.
 inline float float_below(double x) {
   return static_cast<float>(x - (std::fabs(x) * 0x1p-23 + 0x1p-149));
 }
@@ -49,9 +49,10 @@ inline double magnitude(double position, double velocity, double acceleration, d
   return parabola(std::fabs(position), std::fabs(velocity), std::fabs(acceleration), s);
 }
 
-/// Returns how long, in seconds, a point stays between two walls. It starts at distances `ahead` >
-/// 0 and `behind` > 0 from them, moves towards the one ahead at `speed` >= 0, and accelerates
-/// towards it at `acceleration` of any sign. Each root is in the form without cancellation.
+/// Returns how long, in seconds, a point stays between two walls. The point starts at distances
+/// `ahead` > 0 and `behind` > 0 from the walls, moves towards the one ahead at `speed` >= 0, and
+/// accelerates towards it at `acceleration` of any sign. Each root is in the form without
+/// cancellation.
 inline double seconds_between(double ahead, double behind, double speed, double acceleration) {
   // The general formula gives the same, as the root is the speed.
   if (acceleration == 0) return ahead / speed;
@@ -122,14 +123,14 @@ Tick exit_tick(const Box& box, const Motion& motion, double radius_m, Tick from)
                                  : detail::seconds_between(down, up, -v, -a);
     stays_s = std::min(stays_s, axis_s);
   }
-  // The margins cover the roots' rounding, like moved walls. This factor covers the last roundings.
+  // The margins cover the rounding of the roots; this factor covers the last roundings.
   constexpr double k_shrink = 1 - 0x1p-40;
   const TickCount stays = ticks_before(stays_s * k_shrink);
   return stays >= k_tick_max - from ? k_tick_max : from + stays;
 }
 
-/// Returns the greatest speed of the centre of mass between two ticks. It is reached at one of
-/// them, because |v|^2 is convex. REQUIRES: begin <= from <= to.
+/// Returns the greatest speed of the centre of mass between two ticks. The maximum is at one of
+/// these ticks, because |v|^2 is convex. REQUIRES: begin <= from <= to.
 template <OnParabola Motion>
 double centre_speed_mps_max(const Motion& motion, Tick from, Tick to) {
   const Vec3 first = motion.velocity_mps + seconds(from - motion.begin) * motion.acceleration_mps2;

@@ -5,7 +5,8 @@
 // expensive. A RotationTrack stores the current step, which makes calls in about time order cheap.
 //
 // Invariants
-//   1. The functions without a track are pure. A track always returns the same bits as they do.
+//   1. The functions without a track are pure. A track always returns the same bits as these
+//      functions.
 //   2. Only ticks since begin matter (free_flight.h, invariant 2). At begin, results are the
 //      flight's values.
 //   3. If moments coincide, closed forms and general steps agree up to rounding. An axial body with
@@ -32,8 +33,8 @@ Vec3 angular_velocity_at(const FreeFlight& flight, const Inertia& inertia, Tick 
 
 /// Returns the latest tick at which a flight's rotation can be evaluated, at most k_tick_max, or
 /// the flight's begin if the body is too fast. The creator of a general body's flight must check
-/// it, and ends a longer flight in a typed error. The limit is GeneralRotation::k_steps_max steps,
-/// over 131,000 rad (22 minutes at 100 rad/s).
+/// this tick, and end a longer flight with a typed error. The limit is GeneralRotation::k_steps_max
+/// steps, over 131,000 rad (22 minutes at 100 rad/s).
 Tick rotation_horizon(const FreeFlight& flight, const Inertia& inertia);
 
 /// A body's current flight. Small for bodies with closed forms. A general body's steps take one

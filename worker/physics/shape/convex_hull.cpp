@@ -205,8 +205,8 @@ Neighbours neighbours_of(const std::vector<Triangle>& triangles) {
   return result;
 }
 
-// Returns each triangle's face number. From the largest triangle on, a face grows over neighbours
-// whose corners are in the first triangle's plane.
+// Returns each triangle's face number. Starting from the largest triangle, a face grows over
+// neighbours whose corners are in its plane.
 std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
                                  std::uint32_t& count) {
   constexpr std::uint32_t k_none = UINT32_MAX;
@@ -229,7 +229,7 @@ std::vector<std::uint32_t> merge(const Hull& hull, const Neighbours& neighbours,
     if (face[seed] != k_none) continue;
     face[seed] = count;
     const Vec3 anchor = hull.points_m[triangles[seed].v[0]];
-    // A sliver has no reliable plane. It stays alone and fails the checks if this is wrong.
+    // A sliver has no reliable plane. It stays alone; if that is wrong, the checks fail.
     const bool grows = area[seed] > hull.tolerance_m * hull.tolerance_m;
     const Vec3 unit = grows ? Vec3(normal[seed] / area[seed]) : Vec3(Vec3::Zero());
     if (grows) open.push_back(seed);

@@ -1,20 +1,20 @@
 // Convex polyhedra: vertices, faces, edges, and the data that distances and masses need.
 //
 // Idea. A ConvexPolyhedron is the convex hull of a set of points. It is built once and read many
-// times, so all derived data are stored in flat arrays: outward planes, the inward normals of a
-// face's sides (to test whether a point is above the face), each vertex's neighbours (to climb to
-// the furthest vertex in a direction), and the coordinates by axis (to scan all vertices at once).
+// times, so all derived data are stored in flat arrays. Outward planes and the sides' inward
+// normals show whether a point is above a face. Each vertex's neighbours serve to climb to the
+// furthest vertex in a direction, and coordinates by axis to scan all vertices.
 //
 // The hull is exact on a grid of 2^-52 of the extent (the longest side of the bounding box). Points
 // are rounded to the grid, and the sign of every volume is computed exactly in integers, so
-// rounding never misleads the construction. Then triangles of the hull are merged into one polygon
-// if their corners are within k_hull_coplanar of the extent from the largest triangle's plane. The
-// vertices keep the given coordinates, bit for bit.
+// rounding never misleads the construction. Triangles then merge into one polygon if their corners
+// are within k_hull_coplanar times the extent of the largest triangle's plane. The vertices keep
+// the given coordinates, bit for bit.
 //
 // Invariants
 //   1. Vertices are in the order of the given points. Points inside the hull, a face or an edge, or
-//      within the tolerance of an earlier point are left out. All are within 8 tolerances of the
-//      hull.
+//      within the tolerance of an earlier point are left out. All given points are within 8
+//      tolerances of the polyhedron.
 //   2. A face's sides run anticlockwise seen from outside. A face's normal has length 1 up to
 //      rounding. dot(normal, v) <= offset_m for all its vertices v, with equality for one. Each
 //      edge has two different faces, face[0] on the left of vertex[0] -> vertex[1]. V - E + F = 2.
@@ -73,7 +73,7 @@ class RoundPiece;
 /// Borrowed arrays of a convex piece. A round piece has no arrays, only `round`. REQUIRES: the
 /// owner stays in place while the view is used.
 struct ConvexView {
-  /// Round_piece.h; null for a polyhedron, a triangle or a point.
+  /// round_piece.h; null for a polyhedron, a triangle or a point.
   const RoundPiece* round = nullptr;
   const Vec3* vertices_m = nullptr;
   const double* xs_m = nullptr;  ///< x of all vertices, padded with vertex 0 to a multiple of four
@@ -147,8 +147,8 @@ class ConvexPolyhedron {
   double r_inner_m_ = 0;
 };
 
-/// Returns points' convex hull, in their frame. 60 points take some 0.1 ms, 500 some 6 ms: the time
-/// grows with points times faces.
+/// Returns the convex hull of points, in their frame. 60 points take some 0.1 ms, 500 some 6 ms:
+/// the time grows with points times faces.
 base::Result<ConvexPolyhedron, ShapeError> convex_hull(std::span<const Vec3> points_m);
 
 /// Returns the polyhedron with each vertex v moved to product(rotation, v) + shift_m. Faces and

@@ -1,7 +1,7 @@
 // The faces of two triangles at once, one in each half of a vector register.
 //
-// Idea. Deriving a face takes some hundred operations, the same for every triangle, so two
-// triangles take hardly longer than one. Each result has the same bits as scalar operations.
+// Idea. Deriving a face takes some hundred operations, the same for every triangle, so deriving two
+// at once takes hardly longer than one. Each result has the same bits as scalar operations.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -83,7 +83,8 @@ inline bool derive(const Corners& first_m, const Corners& second_m, MeshFace& fi
   side(0, a, ab);
   side(1, b, bc);
   side(2, c, ca);
-  // The greatest square's root is bitwise the greatest root. `area` is longest side times height.
+  // The greatest square's root is bitwise the greatest root. `area` is the longest side times its
+  // height.
   const Two longest = roots(greatest(greatest(dot(ab, ab), dot(bc, bc)), dot(ca, ca)));
   const Mask sound = (area > k_mesh_sliver * (longest * longest)) & (longest > k_mesh_point_m);
   return (sound[0] & sound[1]) != 0;

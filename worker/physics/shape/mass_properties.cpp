@@ -160,7 +160,7 @@ MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double d
   }
   result.mass_kg = density_kgpm3 * result.volume_m3;
   result.centre_m = first / result.volume_m3;
-  // Second moments about the common centre: x = d + y, where d leads from it to the part's centre.
+  // Second moments about the common centre: x = d + y, where d leads to the part's centre.
   Mat3 second = Mat3::Zero();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Moments& m = moments[i];

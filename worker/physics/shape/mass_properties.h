@@ -31,7 +31,8 @@ struct MassProperties {
   Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre of mass, in the parts' frame's axes
 };
 
-/// REQUIRES: at least one part; density > 0. Volume where parts overlap counts for each part.
+/// REQUIRES: at least one part; density > 0. Where parts overlap, their volume counts once for each
+/// part.
 MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double density_kgpm3);
 
 struct PrincipalAxes {
@@ -53,12 +54,12 @@ struct BodyShape {
 };
 
 /// Moves parts into the body's frame. The axes depend on the declared symmetry:
-///   spherical  axes of the given frame; the moments are set to their mean
+///   spherical  axes of the given frame; the moments are set to their mean.
 ///   axial      z along the odd moment's axis, in the direction whose largest component is
 ///   positive;
 ///              x as close as possible to the given x (or to y if z is near x);
-///              the two moments about x and y are set to their mean
-///   general    principal axes, in the order and with the signs closest to the given frame
+///              the two moments about x and y are set to their mean.
+///   general    principal axes, in the order and with the signs closest to the given frame.
 /// Fails with no_parts, dimension_not_positive (index 0: the density), not_spherical or not_axial.
 base::Result<BodyShape, ShapeError> in_body_frame(std::span<const ConvexPolyhedron> parts,
                                                   double density_kgpm3, InertiaSymmetry declared);

@@ -32,7 +32,7 @@ constexpr std::array<double, 8> k_weights{0.189450610455068496285, 0.18260341504
                                           0.124628971255533872052, 0.095158511682492784810,
                                           0.062253523938647892863, 0.027152459411754094852};
 
-/// Returns the integral of f over an interval. At the ends f may behave like a root.
+/// Returns the integral of f over an interval. At the ends, f may behave like a square root.
 template <class Function>
 double integral(double from, double to, const Function& f) {
   constexpr int k_panels = 4;

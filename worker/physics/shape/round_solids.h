@@ -2,15 +2,15 @@
 // coin, rounded box, bowling pin.
 //
 // Each body is centred at its centre of mass with z as its axis, so its frame serves as the body's.
-// Edges are rounded, a cylinder's by `edge_m` (round_piece.h explains why). Sizes include the
-// edges. A size that isn't positive and finite causes a ShapeError whose index is the argument's.
+// Edges are rounded by `edge_m` (round_piece.h explains why). Sizes include the edges. If a size
+// isn't positive and finite, the result is a ShapeError with the argument's index.
 //
 // Mass and moments are integrals over the profile r(z) with dm = density pi r^2 dz:
 //   about the axis r^2/2 dm, across it (r^2/4 + (z - centre)^2) dm.
-// They use the Gauss-Legendre rule between the profile's corners, in an angle, because a profile
-// begins and ends like a root. Relative errors are below 1e-9, or 1e-4 where pieces overlap whose
-// profiles cross between corners.
-// Thread safety: pure functions and values.
+// The integrals use the Gauss-Legendre rule between the profile's corners. Their variable is an
+// angle, because a profile begins and ends like a square root. Relative errors are below 1e-9, or
+// 1e-4 where pieces overlap whose profiles cross between corners. Thread safety: pure functions and
+// values.
 #pragma once
 
 #include <span>
@@ -47,9 +47,9 @@ RoundResult coin(double radius_m, double thickness_m, double density_kgpm3);
 RoundResult rounded_box(const Vec3& sides_m, double edge_m, double density_kgpm3);
 
 /// A ten-pin bowling pin standing along z. A cubic spline, level at 13.5 in, joins the heights and
-/// diameters of the United States Bowling Congress's equipment specifications. A dome of radius
-/// 1.273 in is above, and a rim of radius 5/32 in below, to 0.4 mm. The ten parts are the belly,
-/// eight parts of the neck, and the head. Mass and moments are the spline's.
+/// diameters of the United States Bowling Congress's equipment specifications. Above the spline is
+/// a dome of radius 1.273 in, and below it a rim of radius 5/32 in, to 0.4 mm. The ten parts are
+/// the belly, eight parts of the neck, and the head. Mass and moments are the spline's.
 RoundResult bowling_pin(double mass_kg);
 
 /// Returns the spline's radius at a height above the pin's foot, 0 outside; for pictures and tests.

@@ -1,9 +1,8 @@
 // Makers of common solids, and bodies of several convex parts.
 //
 // Each solid is centred at its centre of mass with principal axes along x, y, z, so its frame
-// serves as the body's. A size that isn't positive and finite causes a ShapeError whose index is
-// the argument's.
-// Thread safety: pure functions and values.
+// serves as the body's. If a size isn't positive and finite, the result is a ShapeError with the
+// argument's index. Thread safety: pure functions and values.
 #pragma once
 
 #include <optional>

@@ -1,10 +1,10 @@
 // Static triangle meshes, and their features that a sphere can touch.
 //
 // Idea. A sphere's centre keeps its distance from faces, edges and vertices, each in its own
-// region: above a face between its sides, beside an edge, beyond a vertex. The data for these tests
-// are derived once. An edge on a flat or concave surface can never be touched first, nor can a
-// vertex with only such edges, so they are marked. A world that draws its geometry again may move
-// vertices; then only data that depend on these vertices are derived again.
+// region: above a face between its sides, beside an edge, beyond a vertex. The data for testing
+// these regions are derived once. An edge on a flat or concave surface can never be touched first,
+// nor can a vertex with only such edges, so they are marked. A world that draws its geometry again
+// may move vertices; then only data that depend on these vertices are derived again.
 //
 // Invariants
 //   1. A mesh has passed all checks. Its vertices are finite, and no triangle is thinner than
@@ -124,8 +124,8 @@ class TriangleMesh {
 
   /// Moves vertices and derives the dependent data again, in some 0.1 us per adjacent triangle, or
   /// less if the last move had the same vertices. If a vertex occurs twice, the last move counts.
-  /// Doesn't allocate once the largest set of vertices has been moved. On an error, which names the
-  /// lowest triangle concerned, nothing changes. REQUIRES: the vertices exist.
+  /// Doesn't allocate once the largest set of vertices has been moved. On an error nothing changes;
+  /// the error names the lowest triangle concerned. REQUIRES: the vertices exist.
   [[nodiscard]] std::optional<MeshError> move_vertices(std::span<const VertexMove> moves);
   /// The triangles that the last move changed, their edges, and the edges' ends, each once,
   /// unordered.
