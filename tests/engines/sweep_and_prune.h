@@ -1,9 +1,9 @@
 // Sweep-and-prune as in the thesis (3.2.3, figures 3.3 and 3.5; after Cohen et al. 1995).
 //
-// Idea. There are three sorted lists of extents, a table of overlapping pairs for each axis, and a
-// table for space. When a box changes, its extents travel through the lists. A first point that
-// passes a last point changes an axis's table, and a pair in all three tables overlaps in space. A
-// small change costs little, but an extent passes all others between its old and new place in that
+// Idea. There are three sorted lists of extents, and tables of overlapping pairs for each axis and
+// for space. When a box changes, its extents travel through the lists. A first point that passes a
+// last point changes an axis's table, and a pair in all three tables overlaps in space. A small
+// change costs little, but an extent passes all others between its old and new place in that
 // direction. In a pile on a floor, an extent in height passes nearly all others (3.3.2). An axis's
 // table also holds far more pairs than really overlap, of the order of n^(5/3) in an evenly filled
 // cube.

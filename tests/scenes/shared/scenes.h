@@ -66,8 +66,7 @@ Setting wall(std::uint32_t bodies, std::uint64_t seed);
 /// Spheres and cubes of some 10 mm that fall between four walls onto a random height field, an open
 /// mesh of 288 triangles.
 Setting bumpy_floor(std::uint32_t bodies, std::uint64_t seed);
-/// The bodies of bumpy_floor, thrown at a tray with a raised rim, which is a closed mesh. Some miss
-/// the tray.
+/// The bodies of bumpy_floor, thrown at a tray with a raised rim (a closed mesh). Some miss it.
 Setting tray(std::uint32_t bodies, std::uint64_t seed);
 
 /// Marbles that slide and roll: a tilted floor between four leaning walls, a pedestal, and a sheet

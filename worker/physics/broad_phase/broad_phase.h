@@ -76,8 +76,8 @@ static_assert(OverlapSink<NoOverlapSink> && PairSink<NoPairSink>);
 /// remove    REQUIRES: the body is present. Reports the end of each overlap.
 /// move_all  Replaces the boxes of all present bodies at once, like a synchronous simulator
 ///           (thesis, Algorithm 3.4). REQUIRES one box per id; boxes of absent bodies aren't read.
-/// box Returns the last given box. REQUIRES: the body is present. Boxes have low <= high. Boxes may
-/// be points, and may be infinite.
+/// box       Returns the last given box. REQUIRES: the body is present.
+/// Boxes have low <= high. Boxes may be points, and may be infinite.
 template <class T>
 concept BroadPhase = std::constructible_from<T, const BroadPhaseOptions&> &&
     requires(T& structure, const T& constant, BodyId body, const Box& box,

@@ -12,8 +12,8 @@
 //
 // Invariants
 //   1. Block c is the first block of cell c, for c < cells(). The block's bodies fill its slots
-//      from the first one on, and the block is empty only if the cell is. Further blocks of the
-//      cell are full.
+//      from the first one on. A block is empty only if its cell is. Further blocks of a cell are
+//      full.
 //   2. place_[b] is block * 8 + slot of each body in a cell.
 //   3. So there are at most bodies / 8 further blocks; all memory is allocated at the start.
 // Thread safety: none.

@@ -89,8 +89,7 @@ constexpr bool holds(const CodedBox& outer, const CodedBox& inner) {
 /// Number of points of a ring.
 inline constexpr double k_ring = 0x1p32;
 
-/// Returns a float's place in the order of all floats; -0 and 0 have the same place. REQUIRES: not
-/// NaN.
+/// Returns a float's place in the order of all floats; -0 and 0 share one. REQUIRES: not NaN.
 constexpr std::uint32_t ordered(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);  // + 0 makes 0 of -0
   return bits ^ (bits >> 31 != 0 ? UINT32_MAX : 0x80000000U);

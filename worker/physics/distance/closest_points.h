@@ -28,13 +28,12 @@
 //   2. Overlapping pieces (gap_m <= 0): -gap_m is the depth, the length of the shortest shift along
 //      `normal` that separates the pieces. If the depth is small against the features, `normal` is
 //      the contact normal. One point is on its piece's feature; the other is its partner along the
-//      normal. Pieces with a positive gap below 8 * 2^-50 of the coordinates have results of this
-//      kind too, because the direction between two such points is noise. The gap is then a lower
-//      bound, right to that size.
+//      normal. Positive gaps below 8 * 2^-50 of the coordinates have such results too, because the
+//      direction between two such points is noise. The gap is then a lower bound, right to that
+//      size.
 //   3. closest_cold depends only on shapes and poses, bit for bit.
-//   4. closest_warm's gap differs from closest_cold's by at most the rounding of invariant 1. The
-//      features may differ if several pairs are equally close. For gap_m <= 0 both results are the
-//      same.
+//   4. closest_warm's gap differs from closest_cold's by at most the rounding of invariant 1.
+//      Features may differ if several pairs are equally close. For gap_m <= 0 both are the same.
 //   5. No allocation. At most k_gjk_iterations_max iterations, then step 3 or 4.
 // Thread safety: pure functions; only one thread at a time may use a SeparationCache.
 #pragma once
@@ -86,9 +85,8 @@ struct SeparationCache {
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 
-/// Returns the same result, bit for bit, given features found by any means. This is fast if these
-/// features are certainly the only closest ones; otherwise it computes from scratch. `search` may
-/// differ.
+/// Returns the same result, bit for bit, given features found by any means. Fast if these are
+/// certainly the only closest features, otherwise from scratch. `search` may differ.
 Closest closest_cold(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b, const SeparationCache& hint);
 

@@ -16,10 +16,9 @@ using math::product;
 constexpr double k_angle_rounding = 0x1p-49;
 // Below this sine two edges count as parallel, because the normal of both would be noise.
 constexpr double k_parallel_sine = 1e-13;
-// Margins of only_one. They affect only speed, because a search finds the same pair. In this order:
-// a gap's minimum in roundings; a minimum sine of two edges; how far points must be inside their
-// features, as a share of the gap; and by how many times the possible turn, rounding / gap,
-// features must fall away.
+// Margins of only_one, which affect only speed: minimum gap in roundings; minimum sine of two
+// edges; how far points must be inside their features, as a share of the gap; minimum angle by
+// which features fall away, in possible turns (rounding / gap).
 constexpr double k_sure_gap_roundings = 0x1p20;
 constexpr double k_sure_sine = 0x1p-7;
 constexpr double k_sure_inside_gaps = 0x1p-4;

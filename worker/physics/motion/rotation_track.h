@@ -5,8 +5,7 @@
 // expensive. A RotationTrack stores the current step, which makes calls in about time order cheap.
 //
 // Invariants
-//   1. The functions without a track are pure. A track always returns the same bits as these
-//      functions.
+//   1. The functions without a track are pure. A track returns the same bits.
 //   2. Only ticks since begin matter (free_flight.h, invariant 2). At begin, results are the
 //      flight's values.
 //   3. If moments coincide, closed forms and general steps agree up to rounding. An axial body with

@@ -31,8 +31,7 @@ struct MassProperties {
   Mat3 inertia_kgm2 = Mat3::Zero();  ///< about the centre of mass, in the parts' frame's axes
 };
 
-/// REQUIRES: at least one part; density > 0. Where parts overlap, their volume counts once for each
-/// part.
+/// REQUIRES: at least one part; density > 0. Overlaps of parts count once for each part.
 MassProperties mass_properties(std::span<const ConvexPolyhedron> parts, double density_kgpm3);
 
 struct PrincipalAxes {
