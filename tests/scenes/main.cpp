@@ -40,7 +40,6 @@ void save(const std::filesystem::path& path, const std::string& bytes) {
   std::filesystem::rename(beside, path);
 }
 
-/// One picture of the page.
 std::string figure_of(const scenes::SceneEntry& entry, const std::string& words) {
   return fmt::format(
       "<figure id=\"{0}\">\n<img src=\"{0}.svg\" alt=\"{1}\">\n<figcaption><b>{0}</b>: {1}; {2}"

@@ -17,7 +17,6 @@ namespace {
 using physics::Pose;
 using physics::Vec3;
 
-/// Corners of a round piece's outline.
 constexpr int k_outline_corners = 60;
 
 Vec3 in_world(const Pose& pose, const Vec3& local_m) {

@@ -30,7 +30,6 @@ class Camera {
   physics::Vec3 up_;
 };
 
-/// A patch of one brightness.
 struct Patch {
   std::vector<plot::Point> outline_m;
   double brightness = 1;  ///< 0 to 1
@@ -49,7 +48,6 @@ Look look_of(const physics::Shape& shape, const physics::Pose& pose, const Camer
 std::vector<Patch> faces_of(const physics::ConvexView& view, const physics::Pose& pose,
                             const Camera& camera);
 
-/// Returns a surface's brightness.
 double brightness_of(const physics::Vec3& normal);
 
 }  // namespace sleight::scene_pictures

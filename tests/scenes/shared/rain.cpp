@@ -38,7 +38,6 @@ Setting rain(std::uint32_t bodies, std::uint64_t seed) {
     }
   }
 
-  // A floor and four walls leaning outwards.
   const double lean = between(stream, 0, 0.3);
   const double length = std::sqrt(1 + lean * lean);
   scene.planes.push_back({.name = "floor", .outside = {.normal = {0, 0, 1}, .offset_m = 0}});

@@ -40,7 +40,6 @@ class BodyBoxes {
     CHECK(!contains(body));
   }
 
-  /// Prefetches a body's box.
   void fetch(BodyId body) const {
     __builtin_prefetch(&coded_[body]);
     __builtin_prefetch(&boxes_[body]);

@@ -46,7 +46,6 @@ class HierarchicalGrid {
 
   const Box& box(BodyId body) const { return boxes_.box(body); }
   bool contains(BodyId body) const { return boxes_.contains(body); }
-  /// Prefetches the data for a body's move.
   void fetch(BodyId body) const { boxes_.fetch(body); }
 
   template <OverlapSink Sink>
@@ -69,7 +68,6 @@ class HierarchicalGrid {
   /// Hits that are judged together: 8 blocks.
   static constexpr std::size_t k_batch = 64;
 
-  /// A level's division of an axis.
   struct Axis {
     double units_per_m = 0;    ///< on a non-repeating axis
     int shift = 0;             ///< on a repeating axis: a unit is 2^shift ring points
@@ -111,9 +109,7 @@ class HierarchicalGrid {
   Placement placement_of(const Box& box, const CodedBox& code) const;
   /// Puts a body that is in no level into a level.
   void place(BodyId body, const Placement& at);
-  /// Removes a body from its level.
   void displace(BodyId body);
-  /// Replaces a present body's box.
   void change(BodyId body, const Box& box, const CodedBox& code, const Placement& to);
   void widen_reach(Level& level, const Sketch& sketch);
 

@@ -95,7 +95,6 @@ constexpr std::uint32_t ordered(float value) {
   return bits ^ (bits >> 31 != 0 ? UINT32_MAX : 0x80000000U);
 }
 
-/// The periods of a world.
 class Periods {
  public:
   /// `length_m`: each axis's period, 0 if it doesn't repeat. REQUIRES: 0, or finite and >= 2^-100

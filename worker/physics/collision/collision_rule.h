@@ -52,7 +52,6 @@ inline bool collides(const GapAndRate& between, double touch_m = k_touch_m) {
 
 // ---- a sphere and a feature of static geometry, and two spheres ---------------------------------
 
-/// A point that moves along a parabola.
 struct MovingPoint {
   Vec3 position_m;
   Vec3 velocity_mps;
@@ -166,7 +165,6 @@ struct MovingPiece {
   double reach_m = 0;
 };
 
-/// Returns whether the piece is one of round_piece.h.
 inline bool is_round(const MovingPiece& piece) {
   return piece.view->round != nullptr;
 }
@@ -176,7 +174,6 @@ inline Vec3 velocity_of(const MovingPiece& piece, const Vec3& point_m) {
          math::cross(piece.angular_velocity_radps, point_m - piece.pose.position_m);
 }
 
-/// Gap, rate and closest points of two pieces at a tick.
 struct PieceContact {
   double gap_m = 0;
   double rate_mps = 0;          ///< of the gap, at the closest points

@@ -16,7 +16,6 @@ namespace sleight::physics {
 /// A pair without a search, whose predictions are closed forms.
 inline constexpr std::uint32_t k_no_search = UINT32_MAX;
 
-/// The search state of one pair of parts.
 struct PieceSearch {
   SeparationCache cache;
   PlacesOfPair clear_in = 0;  ///< while the bodies have these places, the parts can't meet
@@ -36,7 +35,6 @@ class PieceSearches {
       blocks.reserve(bodies * k_neighbours);
   }
 
-  /// Ends all searches.
   void clear() {
     searches_.clear();
     for (auto& blocks : free_)

@@ -32,7 +32,6 @@ struct Above {
   }
 };
 
-/// The points of a box, evaluated over a surface.
 class Points {
  public:
   using Allowed = std::array<double, 8>;  ///< by corner

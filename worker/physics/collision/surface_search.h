@@ -53,7 +53,6 @@ struct FaceLattice {
   std::int32_t across = 1;
 };
 
-/// All lattice points of a box.
 struct BoxLattice {
   std::array<EdgeLattice, 12> edges;
   std::array<FaceLattice, 6> faces;
@@ -64,7 +63,6 @@ struct BoxLattice {
   static constexpr std::int32_t k_steps_max = 1024;
 };
 
-/// The points of a box that are near a surface.
 struct NearPoints {
   static constexpr std::size_t k_most = 32;   ///< if there are more, each look finds them again
   std::array<Vec3, k_most> own_m{};           ///< in the box's frame

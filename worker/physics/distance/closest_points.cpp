@@ -28,7 +28,6 @@ Closest in_world(const PlacedPose& pose_a, const LocalClosest& local, Search sea
           .search = search};
 }
 
-// Up to three different vertices of a piece.
 struct Corners {
   std::array<std::uint16_t, 3> vertex{};
   std::size_t count = 0;

@@ -22,7 +22,6 @@ struct PiecePair {
             const PlacedPose& pose_b);
   Vec3 vertex_of_a(std::size_t index) const { return a.vertices_m[index]; }
   Vec3 vertex_of_b(std::size_t index) const { return to_world(b_in_a, b.vertices_m[index]); }
-  /// Transforms a direction from A's frame to B's.
   Vec3 in_b(const Vec3& direction) const { return transposed_product(b_in_a.rotation, direction); }
 };
 

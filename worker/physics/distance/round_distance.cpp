@@ -46,7 +46,7 @@ Vec3 support_of(const RoundPiece& piece, const Vec3& u, double margin_m) {
   return point;
 }
 
-/// The same for any piece.
+/// support_of for any piece.
 Vec3 core_support(const ConvexView& piece, const Vec3& u, double margin_m) {
   return piece.round != nullptr ? support_of(*piece.round, u, margin_m)
                                 : piece.vertices_m[furthest_vertex(piece, u)];

@@ -20,7 +20,6 @@ inline double rotational_energy_j(const Inertia& inertia, const Quat& orientatio
                 moments.z() * (w.z() * w.z()));
 }
 
-/// Returns the energy of translation and rotation.
 inline double kinetic_energy_j(const Inertia& inertia, const Quat& orientation,
                                const Twist& twist) {
   return 0.5 * inertia.mass_kg * math::dot(twist.velocity_mps, twist.velocity_mps) +

@@ -41,7 +41,6 @@
 
 namespace sleight::physics {
 
-/// A face that a sphere stays on.
 struct LastingContact {
   Vec3 normal = Vec3::Zero();   ///< unit, from the face to the centre
   double friction = 0;          ///< mu

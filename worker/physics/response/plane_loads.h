@@ -17,7 +17,6 @@ class LyingBody {
 
   LyingBody(const BodyOnPlane& body, double load_mps2);
 
-  /// Returns a support's slip velocity.
   Vec3 slip_mps(std::size_t support, const Vec3& velocity_mps, double spin_radps) const {
     return velocity_mps + spin_radps * across_m_[support];
   }

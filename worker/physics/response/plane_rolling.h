@@ -9,7 +9,6 @@
 
 namespace sleight::physics {
 
-/// The line on which a body of revolution lies.
 struct ContactLine {
   Vec3 along = Vec3::UnitX();   ///< unit: the axis's direction along the plane
   Vec3 across = Vec3::UnitY();  ///< n x along: the rolling direction

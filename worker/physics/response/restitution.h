@@ -65,7 +65,6 @@ enum class ImpactRegime : std::uint8_t {
   unresolved   ///< rounding destroyed the result, or it is NaN; nothing changed (rigid_impact.h)
 };
 
-/// Output of both kinds of impact.
 struct ImpactOutput {
   Twist a{};
   Twist b{};

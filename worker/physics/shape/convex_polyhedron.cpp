@@ -33,7 +33,6 @@ Vec3 loop_normal(std::span<const Vec3> vertices_m, std::span<const std::uint16_t
 
 }  // namespace
 
-/// A face's side with its direction.
 struct ConvexPolyhedron::DirectedEdge {
   std::uint16_t from, to;
   std::uint16_t face, side;

@@ -49,7 +49,6 @@ struct RoundDescription {
   std::vector<RoundBall> balls;
 };
 
-/// A ball or a ring in the form that supports need.
 struct RoundFeature {
   Vec3 centre_m = Vec3::Zero();
   double height_m = 0;  ///< height of the centre along the axis, from the piece's origin

@@ -340,7 +340,6 @@ RoundResult bowling_pin(double mass_kg) {
   for (std::size_t i = 0; i + 1 < k_neck_in.size(); ++i)
     pieces.push_back(pin_rings({k_neck_in[i], k_neck_in[i + 1]}));
   pieces.push_back(head);
-  // Mass and moments are the spline's.
   std::vector<double> heights_m{0, k_rim_in * k_inch_m};
   for (std::size_t i = 1; i < k_pin.size(); ++i)
     heights_m.push_back(k_pin[i].height_in * k_inch_m);

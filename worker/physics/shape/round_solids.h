@@ -22,7 +22,6 @@
 
 namespace sleight::physics {
 
-/// A body's parts and inertia.
 struct RoundSolid {
   std::vector<RoundPiece> parts;
   Inertia inertia;

@@ -21,7 +21,6 @@ bool finite(const Vec3& p) {
   return std::fabs(p.x()) < 1e60 && std::fabs(p.y()) < 1e60 && std::fabs(p.z()) < 1e60;
 }
 
-// A side of a triangle, by its vertices.
 struct DirectedSide {
   std::uint32_t low, high;
   std::uint32_t triangle;
