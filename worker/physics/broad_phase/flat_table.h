@@ -1,4 +1,4 @@
-// A hash table in one array, with open addressing and linear probing. It allocates only to grow.
+// A hash table in one array, with open addressing and linear probing. Allocates only to grow.
 //
 // Idea. A removal closes its gap (Knuth, The Art of Computer Programming, vol. 3, 6.4, Algorithm
 // R). So the table has no marks of removed entries; its speed depends only on present entries.

@@ -120,7 +120,7 @@ class HierarchicalGrid {
   /// holds only for bodies that overlap this box.
   template <class Test>
   void find_begun(const Box& box, const CodedBox& code, const Placement& at, const Test& test);
-  /// The same in the first `cells` cells of near_.
+  /// find_begun for the first `cells` cells of near_.
   template <class Test>
   void find_in_cells(std::size_t cells, const CellTable::Query& query, const Test& test);
   void begin_query();

@@ -17,7 +17,7 @@ namespace {
 using envelope::Envelope;
 using envelope::Line;
 
-/// Search margins. They affect only speed and how late a late collision is (piece_motion.h).
+/// These search margins affect only speed and how late a late collision is (piece_motion.h).
 /// Maximum corners of the envelope per look; a look may stop at any corner.
 constexpr int k_corners_max = 12;
 /// A gap computed from earlier looks' results differs from the gap computed from scratch by less
@@ -181,7 +181,7 @@ Vec3 turn_of_axis(const MovingPiece& a, const MovingPiece& b, const Closest& clo
   const bool with_b = closest.feature_b.kind == FeatureKind::face;
   const Vec3& spin_a = a.angular_velocity_radps;
   const Vec3& spin_b = b.angular_velocity_radps;
-  // Of two faces, choose the slower turning one, because far vertices would move most.
+  // Choose the slower turning face, because far vertices would move most.
   if (with_a && with_b)
     return math::dot(spin_a, spin_a) <= math::dot(spin_b, spin_b) ? spin_a : spin_b;
   if (with_b) return spin_b;

@@ -29,12 +29,12 @@
 //      in the cases that invariant 3 excludes.
 //   3. A look is skipped only under the bounds above, lowered by the rounding error of gaps at that
 //      distance from the origin. For touching pieces the bounds hold while the normal turns with
-//      the same face, whichever vertices touch. They also hold while the normal turns with the same
-//      two edges, if the edges cross at a sine of 0.01 or more. For pieces within k_touch_m of each
-//      other, the bounds don't cover the turn of three normals: between more nearly parallel edges,
-//      between two vertices, and between a vertex and an edge (about the edge). Normals of spheres
-//      are covered. In the uncovered cases a collision may be late, by at most comes_deeper_s
-//      (piece_motion.h).
+//      the same face, whichever vertices touch. The bounds also hold while the normal turns with
+//      the same two edges, if the edges cross at a sine of 0.01 or more. For pieces within
+//      k_touch_m of each other, the bounds don't cover the turn of three normals: between more
+//      nearly parallel edges, between two vertices, and between a vertex and an edge (about the
+//      edge). Normals of spheres are covered. In the uncovered cases a collision may be late, by at
+//      most comes_deeper_s (piece_motion.h).
 // Thread safety: pure functions, except for the cache passed in.
 #pragma once
 

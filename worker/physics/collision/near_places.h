@@ -83,8 +83,8 @@ class NearPlaces {
   }
 
  private:
-  /// A place's room as a share of the body's reach. It is small enough to separate bodies side by
-  /// side in a heap. Affects speed only.
+  /// A place's room as a share of the body's reach. Small enough to separate neighbours in a heap.
+  /// Affects speed only.
   static constexpr double k_room = 0.01;
   /// Margin for the touch and for rounding.
   static constexpr double k_margin_m = 1e-6;

@@ -10,7 +10,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Search margins. They affect only speed and how late a late collision is (piece_motion.h).
+/// These search margins affect only speed and how late a late collision is (piece_motion.h).
 /// Maximum chords on the way to the touch; the span is then good enough.
 constexpr int k_chords_max = 8;
 /// The first span tried, and its growth factor.

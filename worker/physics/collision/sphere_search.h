@@ -81,8 +81,8 @@ inline double first_fall_s(double place, double rate, double curvature) {
 inline constexpr double k_clear_margin_m = 1e-9;
 
 /// Quick check: returns true if a sphere certainly doesn't collide with a feature within `span_s`,
-/// because one of the three conditions fails throughout. False means unknown. It costs a fifth of
-/// examine and is inline because spheres in a box of many features mostly need only this check.
+/// because one of the three conditions fails throughout. False means unknown. The check costs a
+/// fifth of examine. It is inline because spheres in a box of many features rarely need more.
 inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide> sides,
                         const MovingPoint& centre, double radius_m, double span_s) {
   const double half_square = 0.5 * span_s * span_s;

@@ -48,7 +48,7 @@ class Look {
   /// Returns a time before which no point collides, at most the time for which the pace holds.
   /// Returns 0 if a point collides now; that point is contact().
   double failing_s() { return lowest_corner_counts() ? best_s_ : failing_of_all_s(); }
-  /// Does the same with points stored by earlier looks, and stores points for later looks.
+  /// Uses points stored by earlier looks, and stores points for later looks.
   double failing_s(NearPoints& near) {
     if (near.known && see_descent(near)) {
       note_all(near);
@@ -289,7 +289,7 @@ class Look {
     }
     return true;
   }
-  /// The same for a cell with a side on a box's edge, unless a point of the edge collides.
+  /// Returns whether a cell next to a box's edge is clear, unless a point of the edge collides.
   bool is_above_edge_until(const Cell& cell, double hollow_per_m, double until_s) const {
     for (std::size_t side = 0; side < 4; ++side) {
       if (!cell.is_outer(side)) continue;
@@ -334,7 +334,7 @@ class Look {
            is_above_edge_until(part, under.hollow_per_m, until_s);
   }
 
-  /// Returns the surface's bounds wherever the part is or moves until then.
+  /// Returns bounds of the surface under the part's whole path until then.
   template <class Part>
   SurfaceBounds bounds_under(const Part& part, double until_s) {
     const std::span<const Above> points = part.outermost();

@@ -4,8 +4,8 @@
 // faces. The lattice is so dense that no bump slips through (StaticSurface::point_spacing_m). Each
 // point's height above the surface, its rate and its second derivative are known now. The third
 // derivative has a bound, by the surface's derivatives near the box. So the height stays above a
-// line minus a parabola, as in convex_search.h. Three bounds rule out most lattice points. They use
-// the surface's maximum downward bend b and upward bend c, both per metre:
+// line minus a parabola, as in convex_search.h. Three bounds rule out most lattice points. The
+// bounds use the surface's maximum downward bend b and upward bend c, both per metre:
 //   - Between the corners of a cell of radius r, heights are at least the corners' least height
 //     minus b r^2 / 2.
 //   - Let p be the lowest corner and m = (-S_x, -S_y, 1) at p. A point p + d is higher than p by at

@@ -25,7 +25,7 @@ struct Simplex {
 
 /// Drops points that do not support the simplex's closest point to the origin, sets the weights and
 /// returns the closest point in `closest`. Returns false if the origin is inside a tetrahedron.
-/// REQUIRES: 1 to 4 points. They may be collinear or coplanar.
+/// REQUIRES: 1 to 4 points. The points may be collinear or coplanar.
 bool reduce(Simplex& simplex, Vec3& closest);
 
 enum class GjkOutcome : std::uint8_t { separated, overlapping };

@@ -17,8 +17,8 @@ std::uint16_t furthest_vertex(const ConvexView& piece, const Vec3& direction);
 std::uint16_t climbed_vertex(const ConvexView& piece, const Vec3& direction, std::uint16_t start);
 
 /// Returns a bound of the gap along a unit axis of the world: the least dot(axis, B) minus the
-/// greatest dot(axis, A). It is negative if the pieces' shadows on the axis overlap. The gap is at
-/// least this bound minus separation_error_m. REQUIRES: |axis| = 1 up to rounding.
+/// greatest dot(axis, A). The bound is negative if the pieces' shadows on the axis overlap. The gap
+/// is at least this bound minus separation_error_m. REQUIRES: |axis| = 1 up to rounding.
 double separation_along(const Vec3& axis, const ConvexView& a, const PlacedPose& pose_a,
                         const ConvexView& b, const PlacedPose& pose_b);
 

@@ -21,7 +21,7 @@ namespace sleight::physics {
 /// A margin of 2^-30 of each value covers rounding and drift.
 struct RotationBounds {
   double angular_speed_radps = 0;
-  /// Of the vector in the world's frame. 0 for spherical bodies.
+  /// Maximum |dw/dt| in the world's frame. 0 for spherical bodies.
   double angular_acceleration_radps2 = 0;
   /// Sum of the angular rates that closed forms multiply by time. An orientation s seconds after
   /// begin has a rounding error of about 2^-51 (4 + rate s) rad. 0 for general bodies, because

@@ -50,7 +50,7 @@ class RotationTrack {
   /// Returns rotation_horizon of the flight.
   Tick horizon() const;
 
-  /// The same as the functions above, with the same REQUIRES.
+  /// Like the functions above, with the same REQUIRES.
   Quat orientation_at(Tick t);
   Vec3 angular_velocity_at(Tick t);
 

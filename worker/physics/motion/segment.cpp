@@ -18,7 +18,7 @@ constexpr double k_steps_max = 100'000;
 Quat turned_unevenly(const Segment& segment, double s) {
   const Vec3& w = segment.flight.angular_velocity_radps;
   const Vec3& a = segment.angular_acceleration_radps2;
-  // The same at every step, because it is a x (w + a s).
+  // Equal at every step, because it is a x (w + a s).
   const Vec3 turn_of_axis = math::cross(a, w);
   const double size = math::norm(turn_of_axis);
   // Below rounding the axis doesn't turn, and one step covers the whole time.

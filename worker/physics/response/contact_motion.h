@@ -17,8 +17,8 @@
 // Here k = I / (m r^2) (2/5 for a solid ball), g_t is the part of gravity along the face, and N is
 // the load per mass. (Any text on mechanics derives this for one face; 5/7 and 2/7 for a ball
 // thrown without spin follow.) Rolling resistance decelerates a sphere rolling on one face by c N,
-// and in general by the power that this takes. It also brakes spin about the normal of one face, by
-// the moment c N r.
+// and in general by the power that this takes. Rolling resistance also brakes spin about the normal
+// of one face, by the moment c N r.
 //
 // A slip can turn, as for a ball thrown across a slope. Friction then acts against the slip's
 // direction half way, for as long as the slip turns by a 32nd of a radian (up to half a radian

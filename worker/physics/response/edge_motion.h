@@ -14,8 +14,8 @@
 //                   edge
 //
 // The acceleration a is the motion's on that plane (contact_motion.h), with the load reduced by the
-// turn: N = -g.n - v^2 / D. A rolling sphere keeps rolling. Its spin stays constant while the
-// normal turns, and the impulse of friction that follows takes no energy.
+// turn: N = -g.n - v^2 / D. A rolling sphere keeps rolling. The sphere's spin stays constant while
+// the normal turns, and the impulse of friction that follows takes no energy.
 //
 // Invariants
 //   1. The centre is never nearer to the edge than at the start, and at most `rise_max_m` further.

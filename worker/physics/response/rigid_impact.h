@@ -1,11 +1,11 @@
 // Impact of two rigid bodies at a point, with friction, that gains no energy for any inertia.
 //
 // Idea. The law is restitution.h's: against the slip if possible, otherwise Chatterjee and Ruina's.
-// It is computed in whitened coordinates y, six for each moving body: a body's velocity times the
-// root of its mass, and its angular velocity, in the body's frame, times the roots of its principal
-// moments. The kinetic energy is then |y|^2 / 2. An impulse adds G P, with one column of G for the
-// normal and two for tangents, and K = G^T G. The QR decomposition G = E R turns the law into a
-// statement about an orthonormal frame e_1, e_2, e_3 (symbols as in restitution.h):
+// The law is computed in whitened coordinates y, six for each moving body: a body's velocity times
+// the root of its mass, and its angular velocity, in the body's frame, times the roots of its
+// principal moments. The kinetic energy is then |y|^2 / 2. An impulse adds G P, with one column of
+// G for the normal and two for tangents, and K = G^T G. The QR decomposition G = E R turns the law
+// into a statement about an orthonormal frame e_1, e_2, e_3 (symbols as in restitution.h):
 //   y' = y - (1 + w/u) (e_1.y) e_1 - kappa ((e_2.y) e_2 + (e_3.y) e_3).
 // In words: reflect and shrink the component along e_1, and shrink the components along e_2 and
 // e_3. The inverse of the ill-conditioned K is never formed.
@@ -14,7 +14,7 @@
 // body collisions with friction", Proceedings of the Royal Society A 431, 1990). Neither law gains
 // energy, but this one has a closed form, whose proof also covers the rounded result, at 0.17 us. A
 // throwaway Runge-Kutta integration of Stronge's law with 64 steps of compression took 6 us for box
-// corners (e = 0.5, mu = 0.4). Its mean difference from an integration with 20,000 steps was 6e-3
+// corners (e = 0.5, mu = 0.4). The mean difference from an integration with 20,000 steps was 6e-3
 // m/s at speeds of 1 m/s. The price of the present law is that friction acts along one direction,
 // Q's, so the turn of the slip during the impact is not resolved. Also, where normal and tangential
 // motion are coupled (K_nt != 0), a sticking impact with e > 0 leaves some slip.
@@ -81,7 +81,7 @@ ImpactOutput rigid_impact(const RigidImpactInput& input);
 Twist rigid_hop(const RigidImpactBody& body, const Vec3& contact_m, const Vec3& normal,
                 double speed_mps);
 
-/// The same without the scaling of invariant 1. A test uses it to show that scaling is needed.
+/// rigid_impact without the scaling of invariant 1, for the test that shows the need for scaling.
 ImpactOutput rigid_impact_unguarded(const RigidImpactInput& input);
 
 }  // namespace sleight::physics

@@ -1,9 +1,9 @@
 // Convex polyhedra: vertices, faces, edges, and the data that distances and masses need.
 //
-// Idea. A ConvexPolyhedron is the convex hull of a set of points. It is built once and read many
-// times, so all derived data are stored in flat arrays. Outward planes and the sides' inward
-// normals show whether a point is above a face. Each vertex's neighbours serve to climb to the
-// furthest vertex in a direction, and coordinates by axis to scan all vertices.
+// Idea. A ConvexPolyhedron is the convex hull of a set of points. A polyhedron is built once and
+// read many times, so all derived data are stored in flat arrays. Outward planes and the sides'
+// inward normals show whether a point is above a face. Each vertex's neighbours serve to climb to
+// the furthest vertex in a direction, and coordinates by axis to scan all vertices.
 //
 // The hull is exact on a grid of 2^-52 of the extent (the longest side of the bounding box). Points
 // are rounded to the grid, and the sign of every volume is computed exactly in integers, so

@@ -2,8 +2,7 @@
 //
 // A ball has a centre and a radius. A ring is a torus: a circle about the piece's axis, with a
 // radius around the circle. A ring whose circle has radius 0 is a ball on the axis. The piece is
-// the convex hull of all its features. Its support, the distance it reaches in a unit direction u,
-// is
+// the convex hull of all its features. The piece's support, its reach in a unit direction u, is
 //   h(u) = max over its features of c.u + R |u across the axis| + r,
 // with c the centre, R the circle's radius (0 for a ball) and r the radius around it.
 //

@@ -7,7 +7,7 @@
 // may move vertices; then only data that depend on these vertices are derived again.
 //
 // Invariants
-//   1. A mesh has passed all checks. Its vertices are finite, and no triangle is thinner than
+//   1. A mesh has passed all checks. All vertices are finite, and no triangle is thinner than
 //      k_mesh_sliver. Every edge is in at most two triangles, which run it in opposite directions,
 //      so neighbours have the same outside. In a closed mesh every edge is in exactly two.
 //   2. Derived data depend only on vertices and triangles: after move_vertices they equal a fresh
