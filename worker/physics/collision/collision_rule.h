@@ -2,7 +2,7 @@
 //
 //   touch     gap <= k_touch.
 //   approach  rate < -k_approach; rate is the gap's rate of change along the contact normal.
-//   region    The closest point of static geometry is on the given feature, not on a neighbour.
+//   region    (static geometry only) The closest point is on the given feature, not on a neighbour.
 //
 // Two things collide at the first tick, from a given tick on, at which all these conditions hold.
 // The functions below compute gap and rate from scratch, from both positions and motions at that

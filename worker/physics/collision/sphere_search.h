@@ -131,7 +131,7 @@ inline bool keeps_clear(const SphereFeature& feature, std::span<const RegionSide
 struct Examined {
   bool collides = false;
   Tick next{};  ///< if there is no collision: the next tick at which one is possible, or k_never
-  double gap_m = 0;  ///< if there is no collision: lower bound of the gap, if known
+  double gap_m = 0;  ///< without collision: lower bound of the gap now, if known
 };
 
 /// Judges one tick for a sphere and a feature. `centre` is the centre's motion at that tick.

@@ -50,7 +50,8 @@ struct LastingContact {
 struct RoundBody {
   double radius_m = 0;
   double gyration = 0.4;  ///< k = I / (m r^2)
-  /// A slower slip has ended. A sideways pull turns a dying slip ever faster, through many pieces.
+  /// A slower slip has ended. A sideways pull turns a dying slip ever faster, in some thirty
+  /// pieces.
   double stick_mps = k_stick_mps;
 
   /// Permitted error of a slip whose direction is held for a while.
