@@ -34,7 +34,7 @@ function page(): Plugin {
     generateBundle() {
       let html = readFileSync(new URL("index.html", import.meta.url), "utf8");
       for (const [from, to] of [[MODULE, ""], ["<head>", HEAD], ["  </head>", FILES]] as const) {
-        if (html.split(from).length !== 2) throw new Error(`index.html: '${from.trim()}' isn't there once`);
+        if (html.split(from).length !== 2) throw new Error(`index.html: '${from.trim()}' must occur exactly once`);
         html = html.replace(from, () => to);
       }
       this.emitFile({ type: "asset", fileName: "index.html", source: html });

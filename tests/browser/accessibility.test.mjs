@@ -45,7 +45,7 @@ const views = {
   }],
   "plots of a chain": [`#run=${find(dice, "-n", "1").archives[0].run_id}&view=plots&plot=trace.log_constraint`,
     () => page.locator("#plot-place .u-over").waitFor()],
-  "nothing left": ["#view=list&q=in:rest_s+%3E+999", () => page.locator("#empty").waitFor()],
+  "no matches": ["#view=list&q=in:rest_s+%3E+999", () => page.locator("#empty").waitFor()],
   keys: ["", async () => {
     await page.locator("#show-keys").click();
     await page.locator("dialog#keys").waitFor();
@@ -67,7 +67,7 @@ for (const [name, [hash, reach]] of Object.entries(views)) {
   });
 }
 
-test("bars, and a table, among the plots", async () => {
+test("plots with bars and with a table", async () => {
   await visitor.open(`#run=${find(dice, "-n", "1").archives[0].run_id}&view=plots`);
   await page.locator("button[data-plot]").first().waitFor();
   for (const name of await page.locator("button[data-plot]").evaluateAll((all) => all.map(({ dataset }) => dataset.plot))) {
@@ -93,7 +93,7 @@ test("a narrow window", async () => {
   visitor.assertNoProblems();
 });
 
-test("a page with findings has them", async () => {
+test("axe-core finds the problems of a bad page", async () => {
   const bad = await visitor.context.newPage();
   await bad.setContent("<html lang=en><title>t</title><main><h1>x</h1><img src=a.png><button></button>" +
     "<p style='color:#bbb;background:#fff'>pale</p></main></html>");

@@ -48,7 +48,7 @@ function greatestAngle(a, b) {
   return greatest;
 }
 
-test("random segments lead to the same places and turns", () => {
+test("random segments yield the same positions and orientations", () => {
   assert.ok(existsSync(join(page, "node_modules/esbuild")),
     "clients/gallery/node_modules is missing: run deploy/install-deps");
   const folder = temporaryFolder("evaluation");

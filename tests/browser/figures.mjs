@@ -25,7 +25,7 @@ function tell(figure, asked, measured, unit, note = "") {
   isHeld &&= holds;
   const bound = most !== undefined ? `<= ${most}` : `>= ${least}`;
   rows.push([figure, `${bound} ${unit}`, `${measured.toFixed(measured < 10 ? 2 : 0)} ${unit}`,
-    holds ? "" : "NOT HELD", `load ${load()}`, note]);
+    holds ? "" : "NOT MET", `load ${load()}`, note]);
   console.log(rows.at(-1).join(" | "));
 }
 
@@ -58,7 +58,7 @@ const pageOf = async (gallery) => {
   const shown = (performance.now() - from) / 1000;
   await wallIsUsable(page);
   tell("wall usable, cold index", { most: 30 }, (performance.now() - from) / 1000, "s",
-    `all counted after ${shown.toFixed(1)} s`);
+    `counts shown after ${shown.toFixed(1)} s`);
   await page.context().close();
   await gallery.stop();
 }
@@ -89,8 +89,8 @@ const groupings = await postTimes(page, "/api/groups", asks);
 const { animations, of } = find(archive, "-n", "9");
 const part = Array.from({ length: Math.floor(0.4 * of) }, (_, i) => 2 * i);
 const [ofPart] = await postTimes(page, "/api/groups", [{ ...asks[0], entries: part }]);
-tell("groups anew", { most: 200 }, quantile(groupings, 0.5), "ms",
-  `of ${part.length} of them for the first time ${ofPart.toFixed(0)} ms`);
+tell("groups again", { most: 200 }, quantile(groupings, 0.5), "ms",
+  `for a new set of ${part.length} ${ofPart.toFixed(0)} ms`);
 
 // What is drawn.
 const names = animations.map(({ id }) => id);
@@ -110,10 +110,10 @@ tell("one animation", { least: 30 }, await playing(names.slice(0, 1)), "frames/s
 await open("view=list");
 await page.locator("#list canvas[data-thumbnail=drawn]").first().waitFor();
 const gaps = await scrollFrames(page, 5);
-tell("longest frame, the wall scrolled", { most: 100 }, Math.max(...gaps), "ms",
+tell("longest frame while scrolling the wall", { most: 100 }, Math.max(...gaps), "ms",
   `median ${quantile(gaps, 0.5).toFixed(0)} ms, p99 ${quantile(gaps, 0.99).toFixed(0)} ms`);
 const { tab, gpu } = await tabMemory(browser);
-tell("tab's memory", { most: 600 }, tab, "MB", `of the process that draws ${gpu.toFixed(0)} MB`);
+tell("tab's memory", { most: 600 }, tab, "MB", `GPU process ${gpu.toFixed(0)} MB`);
 tell("first load, compressed", { most: 250 }, (await firstLoadBytes(page, gallery.origin)) / 1000, "kB");
 const memory = serverMemory(gallery.pid);
 tell("server's memory", { most: 500 }, memory.now, "MB", `at most ${memory.most.toFixed(0)} MB`);

@@ -159,7 +159,7 @@ test("a foreign page reads nothing and changes nothing", async () => {
   }
 });
 
-test("names of files are text", async () => {
+test("names of files stay text", async () => {
   await visitor.open();
   assert.ok((await page.locator("nav[aria-label=Archives]").innerText()).includes(odd.slice(0, 30)));
   assert.ok((await page.locator("nav[aria-label=Archives]").innerText()).includes("<script>alert(3)<script>.h5 (damaged)"));
@@ -172,7 +172,7 @@ test("names of files are text", async () => {
   visitor.assertNoProblems(/status of 4\d\d|ERR_BLOCKED|Refused to|CORS|MIME type/);
 });
 
-test("the page keeps to its own policy", async () => {
+test("the page's security policy works", async () => {
   await visitor.open();
   const tried = await page.evaluate(async () => {
     const tries = {};

@@ -30,7 +30,7 @@ const view = (of) => of.evaluate(() => {
   return {
     counts: text("#counts"),
     archive: text("[aria-current=page]"),
-    crumbs: text("nav[aria-label='Where you are']"),
+    crumbs: text("nav.crumbs"),
     chips: [...document.querySelectorAll("#chips > li")].map((chip) => [chip.className, chip.querySelector(".chip-text").textContent]),
     sort: document.querySelector("#sort").value,
     view: document.querySelector("[id^=view-][aria-pressed=true]").id,
@@ -50,7 +50,7 @@ test("a copied link shows the same in another page", async () => {
     await page.locator("#query").fill(text);
     await page.locator("#query").press(key);
   }
-  await page.locator("#chips > li").nth(1).getByRole("button", { name: /Switch it off/ }).click();
+  await page.locator("#chips > li").nth(1).locator("[data-focus^='on-']").click();
   await page.locator("#sort").selectOption("-rest_s");
   await page.locator("#counts", { hasText: `${names.length} of 40 shown` }).waitFor();
   await page.locator("#list [data-index='1']").click();
@@ -63,7 +63,7 @@ test("a copied link shows the same in another page", async () => {
   await page.keyboard.press("Home");
   for (let i = 0; i < 4; ++i) await page.keyboard.press("PageUp");
   await page.getByRole("button", { name: "Turn left" }).click();
-  await page.getByRole("button", { name: "Nearer" }).click();
+  await page.getByRole("button", { name: "Zoom in" }).click();
   await page.waitForFunction(() => window.sleightGallery.player.isSettled);
   await page.waitForTimeout(400);
   await page.locator("#copy-link").click();
@@ -83,14 +83,14 @@ test("a copied link shows the same in another page", async () => {
   visitor.assertNoProblems();
 });
 
-test("links hold the archive, open groups, likeness and the plot; back and forward go through them", async () => {
+test("links contain the archive, open groups, likeness and the plot; back and forward restore them", async () => {
   await visitor.open();
   await page.getByRole("navigation", { name: "Archives" }).getByRole("button", { name: "dice.h5" }).click();
   await page.locator("#counts", { hasText: "of 24 shown" }).or(page.locator("[aria-current=page]", { hasText: "dice.h5" })).first().waitFor();
   await page.locator("#toolbar-words", { hasText: /group/ }).waitFor();
   await page.waitForFunction(() => document.querySelectorAll("#groups [role=gridcell]").length > 1);
   await page.locator("#groups [role=gridcell] canvas").first().click();
-  await page.locator("nav[aria-label='Where you are']", { hasText: "like " }).waitFor();
+  await page.locator("nav.crumbs", { hasText: "like " }).waitFor();
   await page.locator("#view-list").click();
   await page.locator("#list [data-index='0']").waitFor();
   const list = await view(page);
@@ -114,7 +114,7 @@ test("links hold the archive, open groups, likeness and the plot; back and forwa
   visitor.assertNoProblems();
 });
 
-test("from the wall into the player and back by the keyboard alone", async () => {
+test("from the wall to the player and back by keyboard", async () => {
   await visitor.open();
   await page.waitForFunction(() => document.querySelectorAll("#groups [role=gridcell]").length > 3);
   const focused = () => page.evaluate(() => {
@@ -126,14 +126,14 @@ test("from the wall into the player and back by the keyboard alone", async () =>
   do {
     await page.keyboard.press("Tab");
   } while (!(await page.evaluate(() => document.activeElement.getAttribute("role") === "gridcell")) && ++steps < 80);
-  assert.ok(steps < 80, "the wall can't be reached by Tab");
+  assert.ok(steps < 80, "the wall is not reachable by Tab");
   await page.keyboard.press("ArrowRight");
   await page.keyboard.press("ArrowRight");
   assert.equal(await focused(), "2");
   await page.keyboard.press("ArrowLeft");
   assert.equal(await focused(), "1");
   await page.keyboard.press("Enter");
-  await page.locator("nav[aria-label='Where you are']", { hasText: "like " }).waitFor();
+  await page.locator("nav.crumbs", { hasText: "like " }).waitFor();
   await page.keyboard.press("Backspace");
   await page.locator("#counts", { hasText: "40 of 40 shown" }).waitFor();
   await page.keyboard.press("2");
@@ -173,7 +173,7 @@ test("from the wall into the player and back by the keyboard alone", async () =>
   await page.keyboard.press("/");
   assert.equal(await focused(), "query");
   await page.keyboard.type("rest_s > 2");
-  await page.locator("#query-count", { hasText: "true of" }).waitFor();
+  await page.locator("#query-count", { hasText: "matches" }).waitFor();
   await page.keyboard.press("Enter");
   await page.locator("#counts", { hasText: `${namesFound(hi, "--where", "rest_s > 2").length} of 40 shown` }).waitFor();
   // Out of the field, onto a chip's button.

@@ -54,7 +54,7 @@ const place = () => page.evaluate(() => ({
   chosen: [...document.querySelectorAll("[aria-selected=true]")].map(({ dataset }) => dataset.key),
 }));
 
-test("what a run has added is offered, nothing jumps, and it is shown when asked for", async () => {
+test("new animations are offered, nothing moves, and a click shows them", async () => {
   let many = find(grown).of;
   await visitor.open("#view=list");
   await page.locator("#list [role=gridcell]").first().waitFor();
@@ -88,7 +88,7 @@ test("what a run has added is offered, nothing jumps, and it is shown when asked
   visitor.assertNoProblems();
 });
 
-test("a link from before the run grew still holds", async () => {
+test("a link from before the run grew still works", async () => {
   put(readFileSync(ages[0].path), grown);
   await visitor.open("#view=list");
   const before = find(ages[0].path);
@@ -108,22 +108,22 @@ test("a link from before the run grew still holds", async () => {
   visitor.assertNoProblems();
 });
 
-test("an archive that is cut off, or gone, stays as it was read; back, it is shown", async () => {
+test("a truncated or deleted archive stays visible, and recovers", async () => {
   const whole = readFileSync(ages[2].path);
   await visitor.open("#view=list");
   const counts = await text("#counts");
   put(whole.subarray(0, 40_000), grown);
-  await troubleIs(/truncated|damaged|can't/);
+  await troubleIs(/truncated|damaged|no longer readable/);
   assert.equal(await text("#counts"), counts);
   await page.locator("#query").fill("draw 0..50");
-  await page.locator("#query-count", { hasText: "By itself true of" }).waitFor();
+  await page.locator("#query-count", { hasText: "matches" }).waitFor();
   await page.locator("#list [data-index='0']").dblclick();
   await playerShows(page, 1);
   await page.locator("#close-player").click();
   put(whole, grown);
   await noTrouble();
   rmSync(grown);
-  await troubleIs(/gone/);
+  await troubleIs(/no longer exists/);
   assert.equal(await text("#counts"), counts);
   put(whole, grown);
   await noTrouble();
@@ -138,7 +138,7 @@ test("an archive that comes into the folder is there; a link out of it isn't", a
   renameSync(`${other}.tmp`, other);
   const button = page.getByRole("navigation", { name: "Archives" }).getByRole("button", { name: "other.h5" });
   await button.waitFor({ timeout: 10_000 });
-  await troubleIs(/left out \(outside\.h5: /);
+  await troubleIs(/\(outside\.h5: /);
   assert.equal(await page.getByRole("button", { name: /outside/ }).count(), 0);
   await button.click();
   await page.locator("#counts", { hasText: `of ${find(hi).of} shown` }).waitFor();
@@ -151,7 +151,7 @@ test("an archive that comes into the folder is there; a link out of it isn't", a
 const ofDeadServer =
   /status of (404|409|503) .*\/api\/find|ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE/;
 
-test("a server that comes back with a longer run offers what is new", async () => {
+test("a restarted server with a longer run offers the new animations", async () => {
   put(readFileSync(ages[1].path), grown);
   const { archives: [{ run_id: id }], of: many } = find(ages[1].path, "-n", "1");
   await visitor.open(`#run=${id}&view=list`);
@@ -164,7 +164,7 @@ test("a server that comes back with a longer run offers what is new", async () =
   const now = find(ages[2].path, "-n", "1").of;
   await page.locator("#take-new", { hasText: `${now - many} new` }).waitFor({ timeout: 10_000 });
   await page.locator("#view-groups").click();
-  await page.locator("#toolbar-words", { hasText: `groups of ${many} that` }).waitFor();
+  await page.locator("#toolbar-words", { hasText: `(${many} in all` }).waitFor();
   const words = await page.locator("#groups [role=gridcell]").allInnerTexts();
   const kept = words.map((card) => Number(/(\d+) kept/.exec(card)[1]));
   assert.equal(kept.reduce((a, b) => a + b), many, kept.join());
@@ -172,7 +172,7 @@ test("a server that comes back with a longer run offers what is new", async () =
   visitor.assertNoProblems(ofDeadServer);
 });
 
-test("a server that is killed is waited for; the page goes on by itself", async () => {
+test("the page waits for a killed server and reconnects", async () => {
   const id = find(grown, "-n", "1").archives[0].run_id;
   await visitor.open(`#run=${id}&view=list`);
   await cards(page);
@@ -186,7 +186,7 @@ test("a server that is killed is waited for; the page goes on by itself", async 
   await gallery.begin();
   await noTrouble();
   const found = namesFound(grown, "--where", "draw 0..50").length;
-  await page.locator("#query-count", { hasText: `true of ${found} of ${many}` }).waitFor();
+  await page.locator("#query-count", { hasText: `matches ${found} of ${many}` }).waitFor();
   assert.equal(await page.locator("#list [data-index='0']").getAttribute("data-key"), first);
   await page.locator("#list [data-index='1']").dblclick();
   assert.deepEqual((await playerShows(page, 1)).labels, [second]);

@@ -31,7 +31,7 @@ after(async () => {
 for (const [world, path] of Object.entries(paths))
   test(`${world}: bodies are where they should be`, () => judgeBodies({ visitor, world, path, asked, random }));
 
-test("bodies that are elsewhere would be noticed", async () => {
+test("misplaced bodies would be detected", async () => {
   const [one] = find(paths.ball).animations;
   await visitor.open(`#run=${one.run_id}&view=list&play=${one.id}&t=0.3`);
   await playerShows(page, 1);
@@ -43,7 +43,7 @@ test("bodies that are elsewhere would be noticed", async () => {
   assert.ok(Math.hypot((box.left + box.right) / 2 - x, (box.low + box.high) / 2 - y) > awayMaxPx);
 });
 
-test("what is shown on the screen is what was measured", async () => {
+test("the screen shows what was measured", async () => {
   const [one] = find(paths.hi).animations;
   await visitor.open(`#view=list&play=${one.id}&t=0.5`);
   await playerShows(page, 1);

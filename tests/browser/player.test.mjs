@@ -37,7 +37,7 @@ const picture = async () => {
 };
 const near = (a, b, within = 1e-3) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
 
-test("one animation: played from a card, through time and its events", async () => {
+test("one animation: played from a card, by time and by events", async () => {
   await visitor.open("#view=list");
   const first = page.locator("#list [data-index='0']");
   await first.locator("canvas").dblclick();
@@ -94,7 +94,7 @@ test("one animation: played from a card, through time and its events", async () 
   visitor.assertNoProblems();
 });
 
-test("trails, marks, cameras and the ghost change the picture, and back", async () => {
+test("trails, marks, cameras and the ghost change the picture reversibly", async () => {
   await visitor.open(`#view=list&play=${nine[0]},${nine[1]}&t=1.2`);
   await playerShows(page, 2);
   const plain = await picture();
@@ -140,7 +140,7 @@ test("trails, marks, cameras and the ghost change the picture, and back", async 
   visitor.assertNoProblems();
 });
 
-test("nine beside each other, in step by start, first contact and end", async () => {
+test("nine side by side, aligned by start, first contact and end", async () => {
   await visitor.open("#view=list");
   await page.locator("#list [data-index='0']").click();
   await page.locator("#list [data-index='8']").click({ modifiers: ["Shift"] });
@@ -197,7 +197,7 @@ test("nine beside each other, in step by start, first contact and end", async ()
   visitor.assertNoProblems();
 });
 
-test("a lost graphics context comes back", async () => {
+test("a lost graphics context is restored", async () => {
   await visitor.open(`#view=list&play=${nine[0]}&t=0.7`);
   await playerShows(page, 1);
   const before = await picture();

@@ -55,7 +55,7 @@ after(async () => {
   }
 });
 
-test("a job that runs: what it has is shown, what comes is offered", async () => {
+test("a running job: its animations are shown, and new ones are offered", async () => {
   let told = 0;
   watch = start(sleight, ["watch", String(job), "--json"], { home, env });
   createInterface({ input: watch.stdout }).on("line", (line) => {
@@ -98,7 +98,7 @@ test("a job that runs: what it has is shown, what comes is offered", async () =>
   visitor.assertNoProblems(ofGrowing);
 });
 
-test("the service is away and back; the job's end is shown", async () => {
+test("an unreachable service recovers, and the job's end is shown", async () => {
   daemon.kill("SIGKILL");
   await ended(daemon);
   await page.locator("#live", { hasText: /service|server/i }).waitFor();
@@ -125,7 +125,7 @@ test("the service is away and back; the job's end is shown", async () => {
   visitor.assertNoProblems(ofGrowing);
 });
 
-test("a job that there is not, and no service, are said at once", async () => {
+test("a missing job and a missing service are reported at once", async () => {
   const refused = (args, code) => {
     try {
       run(sleight, ["gallery", ...args, "--no-browser"], { home, env, codes: [] });

@@ -24,7 +24,7 @@ const listed = () => page.locator("#list [role=gridcell]").evaluateAll((cells) =
   .map((cell) => [Number(cell.dataset.index), cell.dataset.key]).sort(([a], [b]) => a - b)
   .map(([, key]) => key));
 
-test("groups hold all that is kept, each with a picture", async () => {
+test("groups contain all kept animations, each with a picture", async () => {
   for (const [name, path, told] of [["hi.h5", hi, "not in proportion"], ["dice.h5", dice, "share"],
     ["ball.h5", ball, "share"]]) {
     await visitor.open();
@@ -63,12 +63,12 @@ test("a group opens into its members, and closes again", async () => {
   await page.locator("#view-list").click();
   await page.locator("#list [role=gridcell]").first().waitFor();
   assert.equal((await listed()).length, Math.min(Number(kept), (await listed()).length));
-  await page.getByRole("navigation", { name: "Where you are" }).getByRole("button", { name: "All" }).click();
+  await page.locator("nav.crumbs").getByRole("button", { name: "All" }).click();
   await page.locator("#counts", { hasText: "40 of 40 shown" }).waitFor();
   visitor.assertNoProblems();
 });
 
-test("groups open and close by keyboard, and the focus goes along", async () => {
+test("groups open and close by keyboard, and the focus follows", async () => {
   // Goal: nobody without a mouse loses the place. Method: keys alone; the cards that have the focus.
   await visitor.open();
   await page.locator("#groups [role=gridcell]").nth(1).waitFor();
@@ -115,7 +115,7 @@ test("the list is sorted as `find` sorts", async () => {
   for (const [number, descending] of [["log_prior", true], ["rest_s", true], ["rest_s", false]]) {
     if (await page.locator("#sort").inputValue() !== `-${number}`) await page.locator("#sort").selectOption(`-${number}`);
     const turned = await text("#sort-turn");
-    if (turned.includes("greatest") !== descending) await page.locator("#sort-turn").click();
+    if (turned.includes("largest") !== descending) await page.locator("#sort-turn").click();
     const expected = namesFound(hi, "--sort", number, ...(descending ? ["--descending"] : []));
     await page.waitForFunction((first) =>
       document.querySelector("#list [data-index='0']")?.dataset.key === first, expected[0]);
@@ -126,17 +126,17 @@ test("the list is sorted as `find` sorts", async () => {
   const name = await first.getAttribute("data-key");
   await first.click();
   await page.locator("#more-like").click();
-  await page.locator("#toolbar-words", { hasText: `Most like ${name} first` }).waitFor();
+  await page.locator("#toolbar-words", { hasText: `Most similar to ${name} first` }).waitFor();
   // The words come with the click, the order with the answer.
   await page.waitForFunction((key) => document.querySelector("#list [data-index='0']")?.dataset.key === key, name);
   assert.equal((await listed())[0], name);
   await page.locator("#unlike").click();
-  await page.locator("#toolbar-words", { hasText: `Least like ${name} first` }).waitFor();
+  await page.locator("#toolbar-words", { hasText: `Least similar to ${name} first` }).waitFor();
   assert.notEqual((await listed())[0], name);
   visitor.assertNoProblems();
 });
 
-test("stars, tags and what is hidden are kept, and undone", async () => {
+test("stars, tags and hidden animations are stored, and can be undone", async () => {
   await visitor.open("#view=list");
   const cell = (index) => page.locator(`#list [data-index='${index}']`);
   await cell(0).waitFor();
@@ -194,7 +194,7 @@ test("stars, tags and what is hidden are kept, and undone", async () => {
   visitor.assertNoProblems();
 });
 
-test("a double click plays a card wherever it lies", async () => {
+test("a double-click plays any card", async () => {
   // The first click chooses it, and what can be done with those chosen comes up beneath the wall.
   await visitor.open("#view=list");
   await cards(page);
@@ -209,7 +209,7 @@ test("a double click plays a card wherever it lies", async () => {
   visitor.assertNoProblems();
 });
 
-test("what is noted right before the page goes is kept", async () => {
+test("notes made right before the page closes are stored", async () => {
   const notesOf = () => page.evaluate(async () =>
     Object.assign({}, ...Object.values((await (await fetch("/api/notes")).json()).notes)));
   await visitor.open("#view=list");
@@ -220,7 +220,7 @@ test("what is noted right before the page goes is kept", async () => {
   await visitor.open("#view=list");
   const notes = Object.values(await notesOf());
   const hidden = notes.filter(({ hidden: is }) => is).length;
-  assert.equal(notes.filter(({ star }) => star).length, many - hidden, "all that were shown");
+  assert.equal(notes.filter(({ star }) => star).length, many - hidden, "all animations shown");
 
   const [first] = namesFound(hi);
   await visitor.open(`#play=${first}`);
@@ -233,7 +233,7 @@ test("what is noted right before the page goes is kept", async () => {
   visitor.assertNoProblems();
 });
 
-test("pictures move, and stand still for those who want that", async () => {
+test("pictures move, or stand still with reduced motion", async () => {
   /** Whether the first picture changes; it is given so much time for it. */
   const changesIn = (ms) => page.locator("canvas[data-thumbnail=drawn]").first().evaluate(async (canvas, most) => {
     const picture = async () => {
@@ -260,7 +260,7 @@ test("pictures move, and stand still for those who want that", async () => {
   visitor.assertNoProblems();
 });
 
-test("light and dark, as the system says or as chosen", async () => {
+test("light and dark themes follow the system or the switch", async () => {
   await visitor.open();
   const theme = () => page.locator("html").getAttribute("data-theme");
   const shade = async () => {

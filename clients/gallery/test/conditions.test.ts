@@ -33,7 +33,7 @@ test("boxes, times and hits in their order", () => {
   );
 });
 
-test("where it rests, and numbers", () => {
+test("places of rest, and numbers", () => {
   assert.equal(
     queryOf({
       kind: "ends",
@@ -51,7 +51,7 @@ test("where it rests, and numbers", () => {
   assert.equal(queryOf({ kind: "number", name: "events", range: { low: null, high: 40 } }), "events ..40");
 });
 
-test("names stand in quotes where the language would read them otherwise", () => {
+test("names are quoted if the language would misread them", () => {
   assert.equal(quotedName("die 12"), "die 12");
   assert.equal(quotedName("west wall"), "west wall");
   for (const name of ["x", "balls in row", "3 balls", "ball  1", "a-b", "die 1b", "1", "", "über"])
@@ -59,18 +59,18 @@ test("names stand in quotes where the language would read them otherwise", () =>
   assert.equal(quotedName('say "hi" \\'), '"say \\"hi\\" \\\\"');
 });
 
-test("what is missing is said", () => {
+test("missing parts are reported", () => {
   const steps = (step: object): Condition => ({
     kind: "steps",
     steps: [{ kind: "in", who: die, box, during: openRange, ...step }],
   });
   assert.equal(missingIn(steps({})), "");
   assert.match(missingIn(steps({ box: openBox })), /box/);
-  assert.match(missingIn(steps({ during: { low: 2, high: 1 } })), /first end/);
-  assert.match(missingIn({ kind: "number", name: "a", range: openRange }), /end/);
+  assert.match(missingIn(steps({ during: { low: 2, high: 1 } })), /limit/);
+  assert.match(missingIn({ kind: "number", name: "a", range: openRange }), /limit/);
 });
 
-test("queries are joined with the strength of their words", () => {
+test("joined queries respect operator precedence", () => {
   assert.equal(joined([]), "");
   assert.equal(joined([{ text: "a < 1 or b < 1", isNot: false }]), "a < 1 or b < 1");
   assert.equal(
@@ -82,17 +82,17 @@ test("queries are joined with the strength of their words", () => {
   );
 });
 
-test("numbers are short and come back", () => {
+test("numbers are short and exact", () => {
   assert.equal(shortNumber(0.1 + 0.2), "0.3");
   assert.equal(shortNumber(-0), "0");
   assert.equal(shortNumber(1e-9), "1e-9");
 });
 
-test("kinds are names that several bodies have before a number", () => {
+test("kinds are shared names before a number", () => {
   assert.deepEqual(kindsOfBodies(["die 1", "die 2", "ball 1", "cube"]), ["die"]);
 });
 
-test("columns count characters, also those of two units", () => {
+test("columns count characters, including those of two UTF-16 units", () => {
   assert.equal(placeOfColumn("a😀b", 1), 0);
   assert.equal(placeOfColumn("a😀b", 3), 3);
   assert.equal(placeOfColumn("ab", 9), 2);

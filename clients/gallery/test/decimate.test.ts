@@ -33,14 +33,14 @@ test("each column keeps its lowest and highest", () => {
   for (let i = 1; i < thin.x.length; i++) assert.ok((thin.x[i] ?? 0) > (thin.x[i - 1] ?? 0));
 });
 
-test("few points stay as they are, with a neighbour on each side", () => {
+test("few points stay unchanged, with a neighbour on each side", () => {
   const { x } = decimated(line(1000), 100, 110, 500);
   assert.deepEqual([x[0], x[x.length - 1]], [99, 111]);
   assert.equal(decimated({ x: [], y: [] }, 0, 1, 10).x.length, 0);
   assert.equal(lowerBound([1, 2, 2, 3], 2), 1);
 });
 
-test("lines over one axis: undefined where a line has no point, null where a gap is", () => {
+test("lines over one axis: undefined without a point, null at a gap", () => {
   const a = { x: Float64Array.of(0, 2), y: Float64Array.of(1, NaN) };
   const b = { x: Float64Array.of(1, 2), y: Float64Array.of(5, 6) };
   assert.deepEqual(aligned([a, b]), [

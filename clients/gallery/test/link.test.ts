@@ -31,7 +31,7 @@ const full: Page = {
   plot: "trace.log_prior",
 };
 
-test("a full page comes back from its link", () => {
+test("a full page survives a round trip", () => {
   assert.deepEqual(pageOf(linkOf(full)), full);
   assert.deepEqual(pageOf(`#${linkOf(full)}`), full);
 });
@@ -50,7 +50,7 @@ test("a camera may look at the middle; sorting may be by likeness", () => {
   assert.deepEqual(pageOf(linkOf(page)), page);
 });
 
-test("broken parts are left out", () => {
+test("invalid parts are skipped", () => {
   const page = pageOf(
     "view=nonsense&q=in:&q=bad&q=in:a<1&groups=medoids-9999&sort=%&camera=1,2&t=soon" +
       "&selected=<b>,0.1&hidden=x&in=zzz",
@@ -69,7 +69,7 @@ test("broken parts are left out", () => {
   assert.deepEqual(pageOf("q=".repeat(300_000)), firstPage);
 });
 
-test("time, camera and selection are no steps of the browser's history", () => {
+test("time, camera and selection don't add to the browser's history", () => {
   const later: Page = { ...full, timeS: 1, camera: null, selected: [] };
   assert.equal(placeOf(full), placeOf(later));
   assert.notEqual(placeOf(full), placeOf({ ...full, view: "groups" }));

@@ -11,7 +11,7 @@ function near(value: number, expected: number, tolerance: number, what: string):
   assert.ok(Math.abs(value - expected) <= tolerance, `${what}: ${value} instead of ${expected}`);
 }
 
-test("a thrown body follows its parabola, and stays where its last segment says", () => {
+test("a thrown body follows its parabola and rests at its last segment", () => {
   // Goal: positions and velocities are the closed forms'. Method: a throw and a rest, by hand.
   const recording = recordingFrom([
     { start: 1, p: [0, 1, 2], v: [3, 0, 4], a: [0, 0, -10] },
@@ -29,7 +29,7 @@ test("a thrown body follows its parabola, and stays where its last segment says"
   assert.equal(recording.endS, 2);
 });
 
-test("at a border the later segment holds, the last of several that begin then", () => {
+test("at a border the later segment is in force, the last of several with the same start", () => {
   // Goal: common/motion/path.h's rule. Method: three segments, two of which begin at once.
   const recording = recordingFrom([
     { start: 0, p: [0, 0, 0] }, { start: 1, p: [1, 0, 0] }, { start: 1, p: [2, 0, 0] },
@@ -40,7 +40,7 @@ test("at a border the later segment holds, the last of several that begin then",
   assert.equal(at(0), 0);
 });
 
-test("a body that never enters is nowhere, and bodies find their own segments", () => {
+test("a body that never enters has no pose, and bodies use their own segments", () => {
   // Goal: the table of first segments. Method: bodies 0 and 2 of four enter.
   const recording = recordingFrom([{ body: 0, p: [1, 0, 0] }, { body: 2, start: 3, p: [2, 0, 0] }], 4);
   assert.deepEqual([0, 1, 2, 3].map((body) => recording.enters(body)), [true, false, true, false]);
@@ -51,7 +51,7 @@ test("a body that never enters is nowhere, and bodies find their own segments", 
   assert.equal(recording.startS, 0);
 });
 
-test("segments out of order, of no body or without a time are refused", () => {
+test("segments out of order, of no body, or without a time throw", () => {
   // Goal: what isn't a recording throws. Method: one fault each.
   assert.throws(() => recordingFrom([{ start: 1 }, { start: 0 }]));
   assert.throws(() => recordingFrom([{ body: 1 }, { body: 0 }], 2));
@@ -59,7 +59,7 @@ test("segments out of order, of no body or without a time are refused", () => {
   assert.throws(() => recordingFrom([{ start: NaN }]));
 });
 
-test("about an axis that stands still the turn is the angle's closed form", () => {
+test("around a fixed axis the rotation equals the closed form", () => {
   // Goal: w s + a s^2 / 2 about one axis. Method: about z, far beyond a full turn.
   const segments = segmentsFrom([{ w: [0, 0, 30], wa: [0, 0, -4] }]);
   for (const t of [0.001, 0.5, 2]) {
@@ -103,13 +103,13 @@ test("about an axis that turns, the turn is the differential equation's", () => 
   assert.ok(dot > 0.999 && 2 * off < 1e-6, `${2 * off} rad`);
 });
 
-test("a body that rests doesn't turn, whatever its segment says", () => {
+test("a resting body doesn't turn", () => {
   // Goal: the rule of segment.cpp. Method: a resting segment with an angular velocity.
   orientationInto(segmentsFrom([{ mode: "resting", w: [1, 2, 3] }]), 0, 9, pose);
   assert.deepEqual([pose.qw, pose.qx, pose.qy, pose.qz], [1, 0, 0, 0]);
 });
 
-test("events are in order, and a hit of two bodies is one", () => {
+test("events are in order, and a hit of two bodies is one event", () => {
   // Goal: one event to a hit. Method: body 0 and 1 meet at 1 s; body 1 hits a wall (feature 5) later.
   const recording = recordingFrom([
     { body: 0, v: [1, 0, 0] },
@@ -128,7 +128,7 @@ test("events are in order, and a hit of two bodies is one", () => {
   assert.equal(firstContactS(recordingFrom([{ start: 0 }, { start: 7, cause: "rest" }])), 7);
 });
 
-test("stepping from event to event never stands still", () => {
+test("stepping between events always advances", () => {
   // Goal: next and previous leave out times that are one with now. Method: steps to and fro.
   const times = [0, 1, 1, 1 + 1e-12, 2];
   assert.equal(nextTime(times, -1), 0);

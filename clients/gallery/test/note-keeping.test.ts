@@ -54,7 +54,7 @@ async function pageOf(server: Server, run = "a", source = server.asSource()) {
   return { store, keeping, show, window };
 }
 
-test("undo in another archive changes the archive where it was done", async () => {
+test("undo in another archive changes the original archive", async () => {
   const server = new Server();
   server.runs["b"]!["c0.1"] = { star: false, hidden: false, tags: [], note: "precious", changed: 1 };
   const { store, keeping, show } = await pageOf(server);
@@ -81,7 +81,7 @@ test("a note that was begun in another archive is that one's", async () => {
   assert.equal(noteOf(store.state.notes, "c0.1").note, "");
 });
 
-test("two people change one note, and both changes stay", async () => {
+test("two people change one note, and both changes are kept", async () => {
   const server = new Server();
   const ann = await pageOf(server);
   const bob = await pageOf(server);
@@ -104,7 +104,7 @@ test("two people change one note, and both changes stay", async () => {
   assert.equal(server.runs["a"]!["c0.1"]?.note, "this one");
 });
 
-test("what is noted while the server is away is kept when it is back", async () => {
+test("notes made while the server is unreachable are saved later", async () => {
   const server = new Server();
   const { store, keeping } = await pageOf(server);
   server.isAway = true;
@@ -113,7 +113,7 @@ test("what is noted while the server is away is kept when it is back", async () 
   keeping.edit("a", "c0.2", noteOf({}, "c0.2"), { note: "first" });
   keeping.edit("a", "c0.2", noteOf({}, "c0.2"), { note: "second" });
   await settle();
-  assert.match(store.state.notesWords, /can't be kept now/);
+  assert.match(store.state.notesWords, /not saved/);
   assert.equal(server.runs["a"]!["c0.1"], undefined);
   server.isAway = false;
   server.runs["a"]!["c0.1"] = { star: false, hidden: false, tags: [], note: "another's", changed: 4 };
@@ -125,7 +125,7 @@ test("what is noted while the server is away is kept when it is back", async () 
   assert.equal(noteOf(store.state.notes, "c0.1").note, "another's");
 });
 
-test("what waits for an answer is sent when the page goes away", async () => {
+test("unsaved changes are sent when the page closes", async () => {
   const server = new Server();
   const silent = server.asSource();
   const asked: (readonly [Readonly<Record<string, NotePatch>>, boolean])[] = [];
@@ -144,14 +144,14 @@ test("what waits for an answer is sent when the page goes away", async () => {
   window.dispatchEvent(new Event("pagehide"));
   assert.deepEqual(asked.slice(1), [[{ "c0.1": { hidden: false }, "c0.2": { star: true } }, true]]);
   // Where notes can't be kept, or are too many to be sent then, a person is asked before they are lost.
-  store.set({ notesWords: "can't be kept" });
+  store.set({ notesWords: "not saved" });
   assert.ok(!leaves());
   store.set({ notesWords: "" });
   keeping.toggle(Array.from({ length: 5000 }, (_, i) => `1.${i}`), "star");
   assert.ok(!leaves());
 });
 
-test("many notes are few questions, and one that is refused costs the others nothing", async () => {
+test("many notes need few requests, and one refused note doesn't affect the others", async () => {
   const server = new Server();
   const { store, keeping } = await pageOf(server);
   const names = Array.from({ length: 5000 }, (_, i) => `1.${i}`);
@@ -173,7 +173,7 @@ test("many notes are few questions, and one that is refused costs the others not
   assert.equal(server.runs["a"]!["c0.3"], undefined);
 });
 
-test("a slow answer takes nothing back that was kept meanwhile", async () => {
+test("a slow answer doesn't revert changes saved meanwhile", async () => {
   const server = new Server();
   const slow = server.asSource();
   const { notes } = slow;
@@ -207,7 +207,7 @@ test("a slow answer takes nothing back that was kept meanwhile", async () => {
   assert.deepEqual(store.state.gallery?.notes, { writable: true, words: "" });
 });
 
-test("silence is told", { skip: process.env["SLEIGHT_ALL"] !== "1" }, async () => {
+test("a missing answer is reported", { skip: process.env["SLEIGHT_ALL"] !== "1" }, async () => {
   const silent = new Server().asSource();
   silent.changeNotes = () => new Promise(() => undefined);
   const { store, keeping } = await pageOf(new Server(), "a", silent);
@@ -216,7 +216,7 @@ test("silence is told", { skip: process.env["SLEIGHT_ALL"] !== "1" }, async () =
   assert.notEqual(store.state.notesWords, "");
 });
 
-test("patches say what is between two notes, and one after the other is both", () => {
+test("patches contain the difference of two notes, and can be joined", () => {
   const notes: Note[] = [];
   for (const star of [false, true])
     for (const tags of [[], ["a"], ["b", "a"], ["c"]])

@@ -29,7 +29,7 @@ function withHead(json: string, tail: number): ArrayBuffer {
   return all.buffer;
 }
 
-test("what is packed is unpacked, bit for bit", () => {
+test("packing and unpacking preserves all bits", () => {
   // Goal: every type and odd length survives. Method: a round trip of columns of each type.
   const { head, columns } = unpack(bytes());
   assert.deepEqual(head, { name: "ä" });
@@ -41,7 +41,7 @@ test("what is packed is unpacked, bit for bit", () => {
   }
 });
 
-test("an answer that is cut off anywhere throws", () => {
+test("an answer truncated anywhere throws", () => {
   // Goal: nothing of a torn answer is handed on. Method: every shorter length but those that only
   // lack the padding after the last column.
   const whole = bytes();
@@ -50,7 +50,7 @@ test("an answer that is cut off anywhere throws", () => {
     assert.throws(() => unpack(whole.slice(0, length)), isTorn, `${length} bytes`);
 });
 
-test("an answer of another form throws", () => {
+test("an answer with an invalid head throws", () => {
   // Goal: no column reaches out of the answer or has a wrong type. Method: heads made by hand.
   const column = (text: string): string => `{"head":{},"columns":[${text}]}`;
   const heads = [
@@ -71,7 +71,7 @@ test("an answer of another form throws", () => {
   assert.equal(unpack(withHead(good, 16)).columns.size, 1);
 });
 
-test("animations are told apart by their prefix, and bad ones are refused", () => {
+test("prefixes distinguish animations, and invalid ones throw", () => {
   // Goal: recordings of one answer don't mix; numbers that are no recording throw. Method: two
   // animations of one segment each; then a body that the scene lacks.
   const columns = new Map<string, Column>();

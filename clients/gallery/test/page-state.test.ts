@@ -13,7 +13,7 @@ import { sortedByNumber, sortFromText, sortToText } from "../src/state/sorting";
 import { Store } from "../src/state/store";
 import { type History, redo, undo, undoStepsMax, withStep } from "../src/state/undo";
 
-test("clicks choose one by one, shift a stretch", () => {
+test("clicks select single cards, Shift a range", () => {
   const shown = ["a", "b", "c", "d", "e"];
   let selection = toggled(nothingSelected, "b");
   selection = extended(selection, "d", shown);
@@ -27,7 +27,7 @@ test("clicks choose one by one, shift a stretch", () => {
   assert.deepEqual(kept(selection, (name) => name !== "c" && name !== "a").anchor, null);
 });
 
-test("undo and redo go to and fro; a new step forgets what was undone", () => {
+test("undo and redo restore states; a new step drops undone ones", () => {
   const empty: History<number> = { done: [], undone: [] };
   let history = empty;
   for (let i = 0; i < undoStepsMax + 5; i++)
@@ -42,7 +42,7 @@ test("undo and redo go to and fro; a new step forgets what was undone", () => {
   assert.equal(undo(empty), null);
 });
 
-test("notes let through what the filter says", () => {
+test("the notes filter selects by notes", () => {
   const notes = {
     a: { star: true, hidden: false, tags: ["x", "y"], note: "" },
     b: { star: false, hidden: true, tags: ["x"], note: "" },
@@ -58,7 +58,7 @@ test("notes let through what the filter says", () => {
   assert.equal(allToggled(notes, ["a"], "star")["a"]?.star, false);
 });
 
-test("plausibility in words, all and none of all and none alone", () => {
+test("plausibility in words; all and none are exact", () => {
   const throws = Array.from({ length: 1000 }, (_, i) => i);
   assert.equal(throwsBelow(-1, throws), 0);
   assert.equal(throwsBelow(0.5, throws), 1);
@@ -70,7 +70,7 @@ test("plausibility in words, all and none of all and none alone", () => {
   assert.equal(plausibilityWords(719.5, throws), "more likely than 72 of 100 blind throws");
 });
 
-test("what has no number stands last, whichever way", () => {
+test("entries without a number are last in either direction", () => {
   const column = [3, NaN, 1, 3, 2];
   assert.deepEqual([...sortedByNumber(allEntries(5), column, false)], [2, 4, 0, 3, 1]);
   assert.deepEqual([...sortedByNumber(allEntries(5), column, true)], [0, 3, 4, 2, 1]);
@@ -78,7 +78,7 @@ test("what has no number stands last, whichever way", () => {
     assert.equal(sortToText(sortFromText(text)), text);
 });
 
-test("sets of entries against a slow way", () => {
+test("sets of entries equal those of a slow way", () => {
   for (let seed = 1; seed < 200; seed++) {
     const some = (factor: number): Uint32Array =>
       allEntries(40).filter((entry) => (entry * factor * seed) % 7 < 3);
@@ -96,7 +96,7 @@ test("sets of entries against a slow way", () => {
   assert.deepEqual([...ascending([5, 1, 3])], [1, 3, 5]);
 });
 
-test("export's command survives a shell", () => {
+test("the export command is quoted for a shell", () => {
   assert.equal(exportLine("hi.h5", ["c0.250"], []), "sleight export hi.h5 --ids c0.250 -o c0.250.glb");
   assert.equal(
     exportLine("it's.h5", ["c0.1", "find.2"], []),
@@ -110,7 +110,7 @@ test("export's command survives a shell", () => {
   assert.equal(shellWord("-rf"), "'-rf'");
 });
 
-test("the store tells once of changes that come together", async () => {
+test("simultaneous changes notify the store's listeners once", async () => {
   const store = new Store({ a: 1, b: 1 });
   const told: number[][] = [];
   const end = store.subscribe((state, before) => told.push([before.a, state.a, state.b]));

@@ -15,7 +15,7 @@ function sceneOf(kinds: readonly ("body" | "fixed" | "wanted")[]): Scene {
   return { features } as unknown as Scene;
 }
 
-test("wanted things that lie on the ground are places, seen from above", () => {
+test("wanted features on the ground are places, seen from above", () => {
   const looks: Looks = {
     generation: 1,
     own: [],
@@ -28,7 +28,7 @@ test("wanted things that lie on the ground are places, seen from above", () => {
   assert.deepEqual(boxOfPlace(places[0]!).z, { low: null, high: null });
 });
 
-test("names are as short as their numbers where these tell them apart", () => {
+test("labels are the names' numbers if these are distinct", () => {
   assert.deepEqual(numbersOf(["ball 1", "ball 12"]), ["1", "12"]);
   assert.equal(numbersOf(["ball 1", "die 1"]), null);
   assert.equal(numbersOf(["ball", "die 1"]), null);

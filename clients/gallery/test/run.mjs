@@ -15,7 +15,7 @@ const tests = readdirSync(here)
   .filter((name) => chosen.length === 0 || chosen.includes(basename(name, ".test.ts")))
   .sort();
 if (tests.length === 0) {
-  console.error(`there is no such test in ${here}`);
+  console.error(`no such test in ${here}`);
   process.exit(2);
 }
 const folder = mkdtempSync(join(tmpdir(), "sleight-gallery-test-"));

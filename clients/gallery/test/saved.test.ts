@@ -130,7 +130,7 @@ afterEach(() => {
   globalThis.sleightSaved = undefined;
 });
 
-test("each file is asked for once, by whoever asks", async () => {
+test("each file is loaded only once", async () => {
   // Goal: no file is loaded twice. Method: every question twice at once and once more later; the
   // addresses of the script elements, of which none is left in the page.
   const { source, page } = open();
@@ -148,7 +148,7 @@ test("each file is asked for once, by whoever asks", async () => {
   assert.equal(page.present, 0);
 });
 
-test("animations come from the files that have them, in the order of the names", async () => {
+test("animations come from the right files, in the order of the names", async () => {
   // Goal: file 32 K to 32 K + 31, and nothing of the others' bytes is kept. Method: names across
   // files' borders, one of them twice; where the ball lies says which it is.
   const { source, page } = open();
@@ -163,7 +163,7 @@ test("animations come from the files that have them, in the order of the names",
   await assert.rejects(source.animations(0, ["c0.5"], BODIES), isFailure("missing"));
 });
 
-test("queries, groups and likeness are answered by the page", async () => {
+test("the page answers queries, groups and likeness", async () => {
   // Goal: the same forms as a server's answers. Method: balls on a line, so that the answers are plain.
   const { source } = open();
   const at = { id: 0, generation: 1 };
@@ -183,7 +183,7 @@ test("queries, groups and likeness are answered by the page", async () => {
   await assert.rejects(source.find("draw 1", [{ id: 0, generation: 2 }]), isFailure("generation"));
 });
 
-test("a file that fails is told, and asked for anew by the next one", async () => {
+test("a failed file is reported, and loaded again at the next request", async () => {
   // Goal: SourceErrors of the right kind, never a promise that hangs. Method: scripts that fail in
   // each way, then the right file in their place.
   const faults: readonly (readonly [string, Script | "silent" | "hangs" | null])[] = [
@@ -209,7 +209,7 @@ test("a file that fails is told, and asked for anew by the next one", async () =
   await assert.rejects(source.gallery(), isFailure("torn"));
 });
 
-test("bytes that are cut off or changed are torn", async () => {
+test("truncated or changed bytes are detected", async () => {
   // Goal: nothing of a damaged file is handed on. Method: a table cut at many places (base64 stays
   // base64), and with a changed size at gzip's end, which might ask for any memory.
   const whole = Buffer.from(files().get("0/table")!.text, "base64");
@@ -226,7 +226,7 @@ test("bytes that are cut off or changed are torn", async () => {
   }
 });
 
-test("a call that nobody waits for does nothing", async () => {
+test("an unexpected call has no effect", async () => {
   // Goal: files can't take one another's place. Method: a script that names another file, and one
   // whose call has wrong types.
   const { source, page } = open();
@@ -237,7 +237,7 @@ test("a call that nobody waits for does nothing", async () => {
   assert.equal((await source.scene(0)).features.length, 1);
 });
 
-test("who no longer wants an answer is let go, and the file is there for the next one", async () => {
+test("an aborted request ends at once, and the file still loads for others", async () => {
   // Goal: an abort rejects at once and breaks nothing. Method: aborted before and meanwhile.
   const { source, page } = open();
   const ends = new AbortController();
@@ -249,7 +249,7 @@ test("who no longer wants an answer is let go, and the file is there for the nex
   assert.equal(page.asked.length, 1);
 });
 
-test("plots that were not saved have a sentence", async () => {
+test("plots that were not saved have an error message", async () => {
   // Goal: a chain that is left out and a missing diagnosis are told, without asking for the latter.
   const { source, page } = open();
   const error = await source.series(0, "trace.50% ä", { chain: "9" })
@@ -259,7 +259,7 @@ test("plots that were not saved have a sentence", async () => {
   assert.ok(!page.asked.some((src) => src.includes("diagnosis")));
 });
 
-test("notes are kept by the browser, or as long as the page", async () => {
+test("notes are stored by the browser, or last as long as the page", async () => {
   // Goal: notes never fail. Method: a storage that works, is opened anew, is full, or throws at once;
   // another page's notes stay.
   const note = (text: string): NotePatch => ({ star: true, hidden: false, tags_on: ["a"], note: text });
@@ -292,7 +292,7 @@ test("notes are kept by the browser, or as long as the page", async () => {
   assert.deepEqual((await open(undefined, () => storage).source.notes()).notes, { [RUN]: { "c0.30": old } });
 });
 
-test("it says once that it is here", () => {
+test("the source reports once that it is reachable", () => {
   // Goal: nothing is live. Method: a listener that counts.
   const { source } = open();
   const said: string[] = [];
@@ -302,7 +302,7 @@ test("it says once that it is here", () => {
   assert.equal(source.isLive, false);
 });
 
-test("of what is kept the longest unused goes first", async () => {
+test("the least recently used value is dropped first", async () => {
   // Goal: the bound holds, and one that is greater than the bound is kept while it is the newest.
   // Method: values that are their own sizes; makes are counted.
   const once = new Once<number>({ bytesMax: 10, bytesOf: (value) => value });
@@ -328,7 +328,7 @@ test("of what is kept the longest unused goes first", async () => {
   assert.equal(await get("d", 1), 1);
 });
 
-test("what fails is tried again after a pause, however often it is asked for", async () => {
+test("a failed load is repeated after a pause, regardless of the number of requests", async () => {
   // Goal: a page that asks anew at each failure doesn't have the browser look for a file all the time.
   // Method: three tries, which have two pauses between them.
   const pauseMs = 20;
@@ -339,7 +339,7 @@ test("what fails is tried again after a pause, however often it is asked for", a
   assert.ok(performance.now() - begun > 1.9 * pauseMs);
 });
 
-test("shares of groups are those of the server: by lineage, with the error between lineages", () => {
+test("shares of groups equal the server's", () => {
   // The case that tests/unit/clients/gallery_server/shares_test.cpp works out by hand: two lineages with
   // four draws (three and one of two animations) and one.
   const column = (values: number[]): Float64Array => Float64Array.from(values);

@@ -27,7 +27,7 @@ test("SHA-256 is SHA-256", () => {
   }
 });
 
-test("groups divide a set, whatever its order, and are made again from what is known", async () => {
+test("groups don't depend on a set's order, and known distances are reused", async () => {
   // Goal: groups of sets within and above the full matrix. Method: 700 random animations.
   const search = await searchOf(made(700));
   const some = [5, 3, 9, 250, 17, 44];
@@ -50,7 +50,7 @@ test("groups divide a set, whatever its order, and are made again from what is k
   await assert.rejects(search.groups(null, 0, "medoids"), SourceError);
 });
 
-test("long work gives way, and ends when it is no longer wanted", async () => {
+test("long work lets the page run, and can be aborted", async () => {
   // Goal: the page has its turn, a question can be called off. Method: timers count while 400 are grouped.
   const search = await searchOf(made(400));
   let turns = 0;

@@ -27,7 +27,7 @@ const KNOWN: MadeEntry = {
   numbers: [-3, 1.5, NaN, 1, 2, Math.PI / 2],
 };
 
-test("queries mean what they say", async () => {
+test("queries have the documented meaning", async () => {
   // Goal: the language's meaning. Method: one animation whose answers are known; the cases that
   // tests/unit/clients/browse/query_test.cpp has.
   const index = await indexOf([KNOWN]);
@@ -59,7 +59,7 @@ test("queries mean what they say", async () => {
   ]) assert.ok(!meets(text), text);
 });
 
-test("any text is an error or a query", async () => {
+test("any text yields an error or a query", async () => {
   // Goal: no text throws, no column lies outside. Method: random texts of the language's signs.
   const random = randomNumbers(26);
   const index = await indexOf([KNOWN]);
@@ -75,7 +75,7 @@ test("any text is an error or a query", async () => {
   }
 });
 
-test("an index file that is torn is refused", async () => {
+test("an invalid index file is refused", async () => {
   // Goal: nothing of a wrong file is used. Method: columns changed one at a time.
   const random = randomNumbers(1);
   const bytes = indexBytes([randomEntry(0, random), randomEntry(1, random)]);

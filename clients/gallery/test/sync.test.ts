@@ -16,7 +16,7 @@ function fall(start: number, end: number, to: readonly [number, number, number] 
   ];
 }
 
-test("animations in step agree at shared time 0", () => {
+test("aligned animations agree at shared time 0", () => {
   // Goal: what each mode says happens then. Method: two falls, one later and longer.
   const a = recordingFrom(fall(0.25, 2));
   const b = recordingFrom(fall(1, 4));
@@ -29,7 +29,7 @@ test("animations in step agree at shared time 0", () => {
   assert.deepEqual(sharedRange([], "end"), { from: 0, to: 0 });
 });
 
-test("two that move apart part when they are further apart than the tolerance", () => {
+test("animations differ once their distance exceeds the tolerance", () => {
   // Goal: the closed form's time. Method: after the hit one goes on at 1 m/s, the other at 2 m/s.
   const rows = (speed: number): Row[] => [
     { p: [0, 0, 1.25], a: [0, 0, G] }, { start: 0.5, cause: "hit", v: [speed, 0, 0] },
@@ -43,7 +43,7 @@ test("two that move apart part when they are further apart than the tolerance", 
   assert.equal(whereTheyPart(a, a, 1e-6), null);
 });
 
-test("a meeting of a moment is not missed", () => {
+test("a short difference is not missed", () => {
   // Goal: steps are no longer than speeds allow. Method: one body leaves for 4 ms by 5 mm and comes
   // back, an hour after nothing has happened.
   const still: Row[] = [{ mode: "resting" }, { start: 4000, mode: "resting" }];
@@ -58,7 +58,7 @@ test("a meeting of a moment is not missed", () => {
   assert.equal(whereTheyPart(of(still), of(jerk), 0.0051), null);
 });
 
-test("in step by the contact, the same falls don't part", () => {
+test("aligned by their contact, equal falls never differ", () => {
   // Goal: shifts are respected, also where rounding of them is not exact. Method: the same fall,
   // begun at odd times.
   const a = recordingFrom(fall(0.1, 2.1));
@@ -71,7 +71,7 @@ test("in step by the contact, the same falls don't part", () => {
   assert.ok(apart !== null && Math.abs(apart - 0.1 - Math.sqrt(2e-4)) < 3e-5, `${apart}`);
 });
 
-test("a body that only one has parts them once it moves", () => {
+test("a body that only one animation has makes them differ once it moves", () => {
   // Goal: such a body counts. Method: the second animation lacks it.
   const rows: Row[] = [{ body: 0, v: [1, 0, 0] }, { body: 0, start: 1, mode: "resting" }];
   const a = { recording: recordingFrom(rows, 2), shift: 0 };
@@ -80,7 +80,7 @@ test("a body that only one has parts them once it moves", () => {
   assert.ok(t !== null && Math.abs(t - 0.25) < 3e-5, `${t}`);
 });
 
-test("the clock holds the end, begins anew, and stops where it shall", () => {
+test("the clock pauses at the end, loops, and stops", () => {
   // Goal: playing, looping and ending. Method: time by hand, in pieces of at most a tenth.
   const clock = new Clock();
   clock.setRange({ from: -1, to: 1 });

@@ -45,7 +45,7 @@ export class Visitor {
       visitor.problems = [];
       visitor.page = await visitor.newPage();
       const answer = await visitor.page.goto(gallery.link);
-      assert.equal(answer.status(), 200, "the link lets in");
+      assert.equal(answer.status(), 200, "the link authorizes the browser");
       await cards(visitor.page);
     } catch (error) {
       // Nobody would close it, and Node waits for it.

@@ -12,8 +12,8 @@ export const source = resolve(dirname(fileURLToPath(import.meta.url)), "../../..
 function given() {
   const at = process.argv.indexOf("--bin");
   const path = process.env.SLEIGHT_BIN ?? (at > 0 ? process.argv[at + 1] : undefined);
-  if (path === undefined) throw new Error("say where the programs are: SLEIGHT_BIN=build/release_part/bin");
-  if (!existsSync(path)) throw new Error(`SLEIGHT_BIN: there is no ${path}; build the programs first`);
+  if (path === undefined) throw new Error("set SLEIGHT_BIN to the programs' folder: SLEIGHT_BIN=build/release_part/bin");
+  if (!existsSync(path)) throw new Error(`SLEIGHT_BIN: ${path} doesn't exist; build the programs first`);
   return resolve(statSync(path).isDirectory() ? join(path, "sleight") : path);
 }
 

@@ -67,7 +67,7 @@ function keepMeeting(page, hands, { xMm, yMm, atS }) {
     await hands.type(short(yMm + 5));
     hands.think();
     await hands.click(page.locator(".step summary"));
-    await fill("from from in s", atS - 0.1);
+    await fill("time from in s", atS - 0.1);
     await hands.press("Tab");
     await hands.type(short(atS + 0.1));
   }, page.locator("#built-in"));

@@ -13,28 +13,28 @@ import type {
 type Json = Readonly<Record<string, unknown>>;
 
 function objectOf(value: unknown, what: string): Json {
-  if (!isObject(value)) throw torn(`${what} is no object`);
+  if (!isObject(value)) throw torn(`${what} is not an object`);
   return value;
 }
 
 function listOf(value: unknown, what: string): readonly unknown[] {
-  if (!Array.isArray(value)) throw torn(`${what} is no list`);
+  if (!Array.isArray(value)) throw torn(`${what} is not a list`);
   return value;
 }
 
 function numberOf(value: unknown, what: string): number {
-  if (typeof value !== "number") throw torn(`${what} is no number`);
+  if (typeof value !== "number") throw torn(`${what} is not a number`);
   return value;
 }
 
 function textOf(value: unknown, what: string): string {
-  if (typeof value !== "string") throw torn(`${what} is no text`);
+  if (typeof value !== "string") throw torn(`${what} is not a string`);
   return value;
 }
 
 function indexOf(value: unknown, what: string): number {
   const index = numberOf(value, what);
-  if (!Number.isSafeInteger(index) || index < 0) throw torn(`${what} is no index`);
+  if (!Number.isSafeInteger(index) || index < 0) throw torn(`${what} is not an index`);
   return index;
 }
 
@@ -46,71 +46,71 @@ function placeOf(value: unknown, what: string): Place {
 /** The gallery's state; of its archives what the page relies on is checked. */
 export function galleryOf(value: unknown): GalleryState {
   const state = objectOf(value, "the gallery");
-  for (const archive of listOf(state["archives"], "the list of archives")) {
+  for (const archive of listOf(state["archives"], "'archives'")) {
     const of = objectOf(archive, "an archive");
-    indexOf(of["id"], "an archive's number");
-    numberOf(of["generation"], "a generation");
-    textOf(of["run"], "a run");
+    indexOf(of["id"], "an archive's id");
+    numberOf(of["generation"], "an archive's generation");
+    textOf(of["run"], "an archive's run");
     textOf(of["name"], "an archive's name");
     textOf(of["state"], "an archive's state");
   }
-  listOf(state["left_out"], "what was left out");
-  objectOf(state["notes"], "what is said of notes");
+  listOf(state["left_out"], "'left_out'");
+  objectOf(state["notes"], "'notes'");
   return value as GalleryState;
 }
 
 export function sceneOf(value: unknown): Scene {
   const scene = objectOf(value, "a scene");
   let bodiesEnd = false;
-  const features = listOf(scene["features"], "the list of features").map((item): Feature => {
+  const features = listOf(scene["features"], "'features'").map((item): Feature => {
     const feature = objectOf(item, "a feature");
     const kind = textOf(feature["kind"], "a feature's kind");
-    if (kind !== "body" && kind !== "fixed" && kind !== "wanted") throw torn(`'${kind}' is no kind`);
-    if (kind === "body" && bodiesEnd) throw torn("bodies don't come first");
+    if (kind !== "body" && kind !== "fixed" && kind !== "wanted") throw torn(`'${kind}' is not a kind of feature`);
+    if (kind === "body" && bodiesEnd) throw torn("a body follows another feature");
     bodiesEnd ||= kind !== "body";
     return {
       name: textOf(feature["name"], "a feature's name"),
       kind,
-      twin_of: numberOf(feature["twin_of"], "a twin"),
+      twin_of: numberOf(feature["twin_of"], "a feature's twin"),
       body: numberOf(feature["body"], "a feature's body"),
-      radius_m: numberOf(feature["radius_m"], "a radius"),
+      radius_m: numberOf(feature["radius_m"], "a feature's radius"),
     };
   });
   return {
-    generation: numberOf(scene["generation"], "a generation"),
-    view_low_m: placeOf(scene["view_low_m"], "the view"),
-    view_high_m: placeOf(scene["view_high_m"], "the view"),
+    generation: numberOf(scene["generation"], "a scene's generation"),
+    view_low_m: placeOf(scene["view_low_m"], "'view_low_m'"),
+    view_high_m: placeOf(scene["view_high_m"], "'view_high_m'"),
     offsets: scene["offsets"] === true,
     features,
-    numbers: listOf(scene["numbers"], "the list of numbers").map((item) => {
-      const of = objectOf(item, "a number's title");
+    numbers: listOf(scene["numbers"], "'numbers'").map((item) => {
+      const of = objectOf(item, "an entry of 'numbers'");
       return { name: textOf(of["name"], "a number's name"), unit: textOf(of["unit"], "a unit") };
     }),
-    prior_log_prior: listOf(scene["prior_log_prior"] ?? [], "blind throws").map((item) =>
-      numberOf(item, "a blind throw's number")),
+    prior_log_prior: listOf(scene["prior_log_prior"] ?? [], "'prior_log_prior'").map((item) =>
+      numberOf(item, "an entry of 'prior_log_prior'")),
     request: textOf(scene["request"], "the request"),
   };
 }
 
 export function looksOf(packed: Packed): Looks {
-  const head = objectOf(packed.head, "what things look like");
+  const head = objectOf(packed.head, "the header of looks");
   return {
-    generation: numberOf(head["generation"], "a generation"),
+    generation: numberOf(head["generation"], "the generation of looks"),
     meshes: meshesOf(head["meshes"], packed.columns),
-    own: listOf(head["own"] ?? [], "the list of own looks").map((item) => indexOf(item, "a feature")),
+    own: listOf(head["own"] ?? [], "'own'").map((item) => indexOf(item, "an entry of 'own'")),
   };
 }
 
 export function tableOf(packed: Packed): Table {
-  const head = objectOf(packed.head, "a table");
+  const head = objectOf(packed.head, "a table's header");
   const entries = indexOf(head["entries"], "the number of entries");
   const { columns } = packed;
   const numbers = new Map<string, Float64Array>();
-  listOf(head["numbers"], "the list of numbers").forEach((name, k) => {
+  listOf(head["numbers"], "'numbers'").forEach((name, k) => {
     numbers.set(textOf(name, "a number's name"), f64(columns, `number.${k}`, entries));
   });
   return {
-    generation: numberOf(head["generation"], "a generation"),
+    generation: numberOf(head["generation"], "a table's generation"),
     entries,
     isFind: u8(columns, "is_find", entries),
     chain: u32(columns, "chain", entries),
@@ -124,10 +124,10 @@ export function tableOf(packed: Packed): Table {
 
 /** Of an answer to `names=`; in the answer's order. */
 export function animationsOf(packed: Packed, bodies: number): Animation[] {
-  const head = objectOf(packed.head, "animations");
-  return listOf(head["animations"], "the list of animations").map((item) => {
+  const head = objectOf(packed.head, "the header of animations");
+  return listOf(head["animations"], "'animations'").map((item) => {
     const of = objectOf(item, "an animation");
-    return animationOf(of, packed.columns, textOf(of["columns"], "a prefix"), bodies);
+    return animationOf(of, packed.columns, textOf(of["columns"], "an animation's column prefix"), bodies);
   });
 }
 
@@ -176,25 +176,25 @@ export function segmentsOf(columns: ReadonlyMap<string, Column>, prefix: string)
 }
 
 function meshesOf(value: unknown, columns: ReadonlyMap<string, Column>): Mesh[] {
-  return listOf(value, "the list of meshes").map((item): Mesh => {
+  return listOf(value, "'meshes'").map((item): Mesh => {
     const mesh = objectOf(item, "a mesh");
-    const column = (key: string): Column | undefined => columns.get(textOf(mesh[key], "a column"));
+    const column = (key: string): Column | undefined => columns.get(textOf(mesh[key], "a mesh's column"));
     const places = column("places");
     const normals = column("normals");
     const corners = column("corners");
     if (!(places instanceof Float32Array) || !(normals instanceof Float32Array) ||
         !(corners instanceof Uint32Array))
-      throw torn("a mesh lacks a column");
+      throw torn("a column of a mesh is missing");
     if (places.length % 3 !== 0 || normals.length !== places.length || corners.length % 3 !== 0)
-      throw torn("a mesh's columns don't fit one another");
+      throw torn("a mesh's columns differ in length");
     const vertices = places.length / 3;
-    for (const corner of corners) if (corner >= vertices) throw torn("a mesh names a vertex it lacks");
-    const colour = textOf(mesh["colour"], "a colour");
-    if (!/^#[0-9a-f]{6}$/i.test(colour)) throw torn("a colour has another form");
+    for (const corner of corners) if (corner >= vertices) throw torn("a mesh refers to a missing vertex");
+    const colour = textOf(mesh["colour"], "a mesh's colour");
+    if (!/^#[0-9a-f]{6}$/i.test(colour)) throw torn("a mesh's colour is not #rrggbb");
     return {
       feature: indexOf(mesh["feature"], "a mesh's feature"),
       colour,
-      opacity: numberOf(mesh["opacity"] ?? 1, "an opacity"),
+      opacity: numberOf(mesh["opacity"] ?? 1, "a mesh's opacity"),
       doubleSided: mesh["double_sided"] === true,
       places,
       normals,
@@ -204,7 +204,7 @@ function meshesOf(value: unknown, columns: ReadonlyMap<string, Column>): Mesh[] 
 }
 
 export function seriesTitlesOf(value: unknown): SeriesTitle[] {
-  return listOf(value, "the list of plots").map((item) => {
+  return listOf(value, "the plots").map((item) => {
     const of = objectOf(item, "a plot");
     return {
       ...of,
@@ -222,31 +222,31 @@ export function seriesOf(packed: Packed): Series {
 
 function column(columns: ReadonlyMap<string, Column>, name: string, count: number): Column {
   const found = columns.get(name);
-  if (found === undefined) throw torn(`it has no column '${name}'`);
-  if (found.length !== count) throw torn(`column '${name}' has ${found.length} numbers instead of ${count}`);
+  if (found === undefined) throw torn(`column '${name}' is missing`);
+  if (found.length !== count) throw torn(`column '${name}' has ${found.length} values instead of ${count}`);
   return found;
 }
 
 function f64(columns: ReadonlyMap<string, Column>, name: string, count: number): Float64Array {
   const found = column(columns, name, count);
-  if (!(found instanceof Float64Array)) throw torn(`column '${name}' isn't f64`);
+  if (!(found instanceof Float64Array)) throw torn(`column '${name}' is not f64`);
   return found;
 }
 
 function u32(columns: ReadonlyMap<string, Column>, name: string, count: number): Uint32Array {
   const found = column(columns, name, count);
-  if (!(found instanceof Uint32Array)) throw torn(`column '${name}' isn't u32`);
+  if (!(found instanceof Uint32Array)) throw torn(`column '${name}' is not u32`);
   return found;
 }
 
 function i32(columns: ReadonlyMap<string, Column>, name: string, count: number): Int32Array {
   const found = column(columns, name, count);
-  if (!(found instanceof Int32Array)) throw torn(`column '${name}' isn't i32`);
+  if (!(found instanceof Int32Array)) throw torn(`column '${name}' is not i32`);
   return found;
 }
 
 function u8(columns: ReadonlyMap<string, Column>, name: string, count: number): Uint8Array {
   const found = column(columns, name, count);
-  if (!(found instanceof Uint8Array)) throw torn(`column '${name}' isn't u8`);
+  if (!(found instanceof Uint8Array)) throw torn(`column '${name}' is not u8`);
   return found;
 }

@@ -24,20 +24,20 @@ const ALIGNMENT = 8;
 const HEAD_BYTES_MAX = 64 * 1024 * 1024;
 
 export function torn(what: string): SourceError {
-  return new SourceError("torn", `an answer can't be read: ${what}`, "Reload the page.");
+  return new SourceError("torn", `invalid answer: ${what}`, "Reload the page.");
 }
 
 /** REQUIRES: a machine with little-endian numbers, as every browser's is. Throws SourceError. */
 export function unpack(buffer: ArrayBuffer): Packed {
-  if (buffer.byteLength < 4) throw torn("it has no head");
+  if (buffer.byteLength < 4) throw torn("the header is missing");
   const headBytes = new DataView(buffer).getUint32(0, true);
   const start = 4 + headBytes;
-  if (headBytes > HEAD_BYTES_MAX || start > buffer.byteLength) throw torn("its head is cut off");
-  if (start % ALIGNMENT !== 0) throw torn("its head isn't padded");
+  if (headBytes > HEAD_BYTES_MAX || start > buffer.byteLength) throw torn("the header is truncated");
+  if (start % ALIGNMENT !== 0) throw torn("the header is not padded");
   const json = parsed(new Uint8Array(buffer, 4, headBytes));
-  if (!isObject(json)) throw torn("its head is no object");
+  if (!isObject(json)) throw torn("the header is not an object");
   const descriptions = json["columns"];
-  if (!Array.isArray(descriptions)) throw torn("it lists no columns");
+  if (!Array.isArray(descriptions)) throw torn("'columns' is not a list");
   const columns = new Map<string, Column>();
   for (const description of descriptions) addColumn(columns, description, buffer, start);
   return { head: json["head"], columns };
@@ -73,20 +73,20 @@ function parsed(bytes: Uint8Array): unknown {
   try {
     return JSON.parse(new TextDecoder("utf-8", { fatal: true }).decode(bytes));
   } catch {
-    throw torn("its head is no JSON");
+    throw torn("the header is not JSON");
   }
 }
 
 function addColumn(
   columns: Map<string, Column>, description: unknown, buffer: ArrayBuffer, start: number,
 ): void {
-  if (!isObject(description)) throw torn("a column has no description");
+  if (!isObject(description)) throw torn("a column's description is not an object");
   const { name, type, offset, count } = description;
   if (typeof name !== "string" || !isType(type) || !isCount(offset) || !isCount(count))
-    throw torn("a column's description has another form");
-  if (columns.has(name)) throw torn(`two columns are called '${name}'`);
-  if (offset % ALIGNMENT !== 0) throw torn(`column '${name}' isn't aligned`);
-  if (start + offset + count * BYTES[type] > buffer.byteLength) throw torn(`column '${name}' is cut off`);
+    throw torn("a column's description is invalid");
+  if (columns.has(name)) throw torn(`two columns have the name '${name}'`);
+  if (offset % ALIGNMENT !== 0) throw torn(`column '${name}' is not aligned`);
+  if (start + offset + count * BYTES[type] > buffer.byteLength) throw torn(`column '${name}' is truncated`);
   columns.set(name, columnOf(type, buffer, start + offset, count));
 }
 

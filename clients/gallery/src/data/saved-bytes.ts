@@ -17,12 +17,12 @@ const TRAILER_CHARACTERS = 8;
 /** Throws SourceError("torn"); "other" where the browser can't do it. */
 export async function unzipped(base64: string): Promise<ArrayBuffer> {
   if (typeof DecompressionStream === "undefined")
-    throw new SourceError("other", "This browser is too old to read the animations.", "Use a newer one.");
+    throw new SourceError("other", "This browser is too old to read animations.", "Use a newer browser.");
   try {
     return await inflated(base64);
   } catch (error) {
     if (error instanceof SourceError) throw error;
-    throw torn("its bytes are damaged");
+    throw torn("the file is damaged");
   }
 }
 
@@ -39,16 +39,16 @@ async function inflated(base64: string): Promise<ArrayBuffer> {
     filled += value.length;
     if (turns.isDue()) await turns.take();
   }
-  if (filled !== bytes.length) throw torn("its bytes are cut off");
+  if (filled !== bytes.length) throw torn("the file is truncated");
   return bytes.buffer;
 }
 
 /** What gzip's end says. */
 function sizeOf(base64: string): number {
   const end = decoded(base64.slice(-TRAILER_CHARACTERS));
-  if (base64.length % 4 !== 0 || end.length < 4) throw torn("its bytes are cut off");
+  if (base64.length % 4 !== 0 || end.length < 4) throw torn("the file is truncated");
   const size = new DataView(end.buffer, end.length - 4).getUint32(0, true);
-  if (size > RATIO_MAX * base64.length) throw torn("its bytes are damaged");
+  if (size > RATIO_MAX * base64.length) throw torn("the file is damaged");
   return size;
 }
 

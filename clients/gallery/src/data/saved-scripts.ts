@@ -58,7 +58,7 @@ export class SavedScripts {
     const file = `data/${path}.js`;
     const script = this.document.createElement("script");
     const timer = setTimeout(() => {
-      end(new SourceError("other", `The file ${file} doesn't come.`, "Reload the page."));
+      end(new SourceError("other", `Loading the file ${file} timed out.`, "Reload the page."));
     }, this.timeoutMs);
     const end = (error: SourceError): void => {
       clearTimeout(timer);
@@ -68,10 +68,11 @@ export class SavedScripts {
       fail(error);
     };
     // A script that is cut off is no script, and ends as one that says nothing.
-    script.addEventListener("load", () => end(torn(`the file ${file} is cut off, or of another version`)));
+    script.addEventListener("load", () =>
+      end(torn(`the file ${file} is truncated, or from another version of sleight`)));
     script.addEventListener("error", () => {
-      const whatToDo = "Copy the whole folder, and reload the page.";
-      end(new SourceError("missing", `The file ${file} isn't there.`, whatToDo));
+      const whatToDo = "Copy the complete gallery folder and reload the page.";
+      end(new SourceError("missing", `The file ${file} is missing.`, whatToDo));
     });
     script.src = `data/${path.split("/").map(encodeURIComponent).join("/")}.js`;
     this.document.head.append(script);

@@ -32,7 +32,7 @@ export class SatisfiedDraws {
     const chain = columns.get("chain");
     const lineage = columns.get("lineage");
     if (chain?.length !== counts.length || lineage?.length !== counts.length)
-      throw torn("the index's columns don't fit one another");
+      throw torn("the index's columns differ in length");
     const entries = [...counts.keys()].filter((entry) => counts[entry]! > 0);
     // Sums go in this order, as the server's do.
     entries.sort((a, b) => chain[a]! - chain[b]! || lineage[a]! - lineage[b]! || a - b);

@@ -29,7 +29,7 @@ const SERIES_BYTES_MAX = 64 * 1024 * 1024;
 const INDEX_BYTES_MAX = 256 * 1024 * 1024;
 const PAUSE_MS = 3000;
 const NOT_KEPT =
-  "Stars and notes last until this page is closed: the browser keeps nothing for a page that is opened so.";
+  "Stars and notes last until this page closes, because the browser denies storage to this page.";
 
 /** An answer, and how many bytes it holds. */
 interface File {
@@ -126,7 +126,7 @@ class SavedSource implements GallerySource {
     const namesOf = new Map<number, AnimationName[]>();
     for (const name of new Set(names)) {
       const entry = entryOf.get(name);
-      if (entry === undefined) throw new SourceError("missing", `There is no animation ${name} here.`);
+      if (entry === undefined) throw new SourceError("missing", `There is no animation ${name} in this archive.`);
       const file = Math.floor(entry / ANIMATIONS_PER_FILE);
       namesOf.set(file, [...(namesOf.get(file) ?? []), name]);
     }
@@ -185,8 +185,8 @@ class SavedSource implements GallerySource {
     } catch (error) {
       if (!(error instanceof SourceError) || error.kind !== "missing" || chain === "0") throw error;
       throw new SourceError(
-        "missing", `The plots of chain ${chain} are not in this folder.`,
-        "A saved gallery has those of its first chains; sleight gallery shows all.");
+        "missing", `Plots of chain ${chain} are not in this saved gallery.`,
+        "Only plots of the first chains were saved; run `sleight gallery` to see all.");
     }
   }
 
@@ -219,17 +219,17 @@ class SavedSource implements GallerySource {
 
   private async json(path: string): Promise<unknown> {
     const { kind, text } = await this.scripts.load(path);
-    if (kind !== "json") throw torn(`data/${path}.js is no JSON`);
+    if (kind !== "json") throw torn(`data/${path}.js is not JSON`);
     try {
       return JSON.parse(text);
     } catch {
-      throw torn(`data/${path}.js is no JSON`);
+      throw torn(`data/${path}.js is not JSON`);
     }
   }
 
   private async file(path: string): Promise<File> {
     const { kind, text } = await this.scripts.load(path);
-    if (kind !== "gz") throw torn(`data/${path}.js isn't compressed`);
+    if (kind !== "gz") throw torn(`data/${path}.js is not compressed`);
     const buffer = await unzipped(text);
     return { packed: unpack(buffer), bytes: buffer.byteLength };
   }
@@ -254,7 +254,7 @@ class SavedSource implements GallerySource {
   private async searchOf({ id, generation }: ArchiveAt, options?: AskOptions): Promise<Searched> {
     const searched = await wanted(this.searched.get(`${id}`, () => this.readIndex(id)), options);
     if (searched.search.generation !== generation)
-      throw new SourceError("generation", "The gallery was saved anew.", "Reload the page.");
+      throw new SourceError("generation", "The gallery was saved again.", "Reload the page.");
     return searched;
   }
 
@@ -271,7 +271,7 @@ function onlyThese(packed: Packed, names: readonly AnimationName[]): Packed {
   const all: readonly unknown[] = Array.isArray(head?.animations) ? head.animations : [];
   const animations = names.map((name) => {
     const found = all.find((one): one is { name: string; columns: string } => isNamed(one, name));
-    if (found === undefined) throw torn(`animation ${name} is not in it`);
+    if (found === undefined) throw torn(`animation ${name} is missing`);
     return found;
   });
   const prefixes = animations.map(({ columns }) => columns);
@@ -292,9 +292,9 @@ function shareOf(share: Share | undefined): { value: number; error: number | nul
 /** Why groups have no shares; the first two are the server's own words. */
 function noShares(archive: ArchiveSummary | undefined): string {
   if (archive?.draws === 0)
-    return "They were found by search: how often the model has such animations is not known.";
+    return "Search found these animations; their probability in the model is unknown.";
   if (archive?.in_proportion === false) return "The draws are not in the model's proportions.";
-  return "No draw can be counted.";
+  return "No draws can be counted.";
 }
 
 /** What is loaded is everybody's, so it goes on where one no longer wants it. */
@@ -302,7 +302,7 @@ function wanted<T>(asked: Promise<T>, options?: AskOptions): Promise<T> {
   const signal = options?.signal;
   if (signal === undefined) return asked;
   return new Promise((resolve, reject) => {
-    const aborted = (): void => reject(new SourceError("aborted", "No longer wanted."));
+    const aborted = (): void => reject(new SourceError("aborted", "The request was cancelled."));
     if (signal.aborted) aborted();
     signal.addEventListener("abort", aborted, { once: true });
     asked.then(resolve, reject).finally(() => signal.removeEventListener("abort", aborted));

@@ -20,8 +20,8 @@ import type {
 const PAUSE_MS_MIN = 250;
 const PAUSE_MS_MAX = 4000;
 const AWAY = new SourceError(
-  "away", "The gallery's server doesn't answer.", "It is tried again by itself; nothing is lost.");
-const ABORTED = new SourceError("aborted", "No longer wanted.");
+  "away", "The gallery's server doesn't answer.", "The page reconnects automatically; nothing is lost.");
+const ABORTED = new SourceError("aborted", "The request was cancelled.");
 
 /** `base`: the page's address. */
 export function createServedSource(base: string = document.baseURI): GallerySource {
@@ -74,7 +74,7 @@ class ServedSource implements GallerySource {
     }
     return names.map((name) => {
       const animation = byName.get(name);
-      if (animation === undefined) throw torn(`animation ${name} is not in it`);
+      if (animation === undefined) throw torn(`animation ${name} is missing`);
       return animation;
     });
   }
@@ -108,14 +108,14 @@ class ServedSource implements GallerySource {
   }
   async notes(options?: AskOptions): Promise<Notes> {
     const answer = await this.json({ path: "notes", waits: true }, options);
-    if (!isObject(answer) || !isObject(answer["notes"])) throw torn("there are no notes in it");
+    if (!isObject(answer) || !isObject(answer["notes"])) throw torn("'notes' is missing");
     return answer as unknown as Notes;
   }
   async changeNotes(
     run: string, patches: Readonly<Record<AnimationName, NotePatch>>, options?: AskOptions,
   ): Promise<ChangedNotes> {
     const answer = await this.json({ path: "notes", body: { run, notes: patches }, waits: false }, options);
-    if (!isObject(answer) || !isObject(answer["notes"])) throw torn("there are no notes in it");
+    if (!isObject(answer) || !isObject(answer["notes"])) throw torn("'notes' is missing");
     return answer as unknown as ChangedNotes;
   }
 
@@ -138,7 +138,7 @@ class ServedSource implements GallerySource {
       try {
         return JSON.parse(text) as unknown;
       } catch {
-        throw torn("it is no JSON");
+        throw torn("the answer is not JSON");
       }
     });
   }
@@ -298,7 +298,7 @@ async function failureOf(response: Response): Promise<SourceError> {
   const error = isObject(said) && typeof said["error"] === "string" ? said["error"] : "";
   const toDo = isObject(said) && typeof said["what_to_do"] === "string" ? said["what_to_do"] : "";
   return new SourceError(
-    kindOf(response.status), error || `The server answers ${response.status}.`, toDo);
+    kindOf(response.status), error || `The server returned HTTP status ${response.status}.`, toDo);
 }
 
 function kindOf(status: number): FailureKind {
@@ -313,7 +313,7 @@ function kindOf(status: number): FailureKind {
 
 /** Checks that the answer's named fields are lists. */
 function withLists<T>(answer: unknown, ...lists: readonly (keyof T & string)[]): T {
-  if (!isObject(answer)) throw torn("it is no object");
+  if (!isObject(answer)) throw torn("the answer is not an object");
   for (const list of lists) if (!Array.isArray(answer[list])) throw torn(`it has no list '${list}'`);
   return answer as unknown as T;
 }

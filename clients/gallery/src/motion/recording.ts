@@ -97,10 +97,10 @@ function firstOf(segments: Segments, bodies: number): Uint32Array {
   const { count, body, startS } = segments;
   for (let i = 0; i < count; ++i) {
     const of = body[i]!;
-    if (of >= bodies) throw new Error(`it moves a body ${of + 1} of ${bodies}`);
-    if (!Number.isFinite(startS[i]!)) throw new Error("a segment's start is no number");
+    if (of >= bodies) throw new Error(`a segment is for body ${of + 1} of ${bodies}`);
+    if (!Number.isFinite(startS[i]!)) throw new Error("a segment's start is not a finite number");
     if (i > 0 && (of < body[i - 1]! || (of === body[i - 1] && startS[i]! < startS[i - 1]!)))
-      throw new Error("its segments are not in order");
+      throw new Error("segments are not in order");
     first[of + 1] = i + 1;
   }
   // Bodies that don't enter have none.

@@ -36,7 +36,7 @@ export function makeBarChart(data: PlotData, isDark: boolean): Chart {
       {},
       data.kind === "histograms" ? legendOf(data, isDark) : "",
       svg,
-      el("details", {}, el("summary", {}, "As a table"), tableOf(data)),
+      el("details", {}, el("summary", {}, "Show as table"), tableOf(data)),
     ),
     dispose: () => undefined,
   };

@@ -33,7 +33,7 @@ export function makeLineChart(data: PlotData, options: LineChartOptions): Chart 
     tabindex: 0,
     "aria-label":
       `${data.title}: ${data.lines.length} lines over ${data.xLabel}. ` +
-      "Arrow keys move, + and − zoom, 0 shows all.",
+      "Arrow keys scroll, + and − zoom, 0 shows all.",
   });
   const whole = wholeRange(data.lines);
   let { from, to } = whole;
@@ -128,14 +128,14 @@ export function makeLineChart(data: PlotData, options: LineChartOptions): Chart 
     act();
   });
   const filter = button(
-    "Dragging filters the wall",
+    "Drag to filter",
     () => {
       isFiltering = !isFiltering;
       filter.setAttribute("aria-pressed", String(isFiltering));
     },
     { "aria-pressed": "false", class: "small", id: "plot-filter", hidden: options.onRange === null },
   );
-  const shown = button("Filter the wall by what is seen", () => options.onRange?.(from, to), {
+  const shown = button("Filter by visible range", () => options.onRange?.(from, to), {
     class: "small",
     hidden: options.onRange === null,
     id: "plot-filter-seen",
@@ -149,8 +149,8 @@ export function makeLineChart(data: PlotData, options: LineChartOptions): Chart 
       el(
         "div",
         { class: "buttons" },
-        button("Nearer", () => zoom(0.5), { class: "small" }),
-        button("Further", () => zoom(2), { class: "small" }),
+        button("Zoom in", () => zoom(0.5), { class: "small" }),
+        button("Zoom out", () => zoom(2), { class: "small" }),
         button("All", () => show(whole.from, whole.to), { class: "small", id: "plot-all" }),
         filter,
         shown,

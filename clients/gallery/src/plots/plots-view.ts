@@ -37,7 +37,7 @@ export function makePlotsView(ui: Ui): PlotsView {
   const readList = async (loaded: Loaded): Promise<void> => {
     const isWanted = latestList.begin();
     let found: readonly SeriesTitle[] = [];
-    let why = "There is nothing to plot: the archive has no chains.";
+    let why = "There are no plots, because the archive has no chains.";
     try {
       found = await ui.source.seriesTitles(loaded.id);
     } catch (error) {
@@ -130,7 +130,7 @@ export function makePlotsView(ui: Ui): PlotsView {
     const many = archiveShown(ui.store.state)?.chains ?? 1;
     const isOne = ["levels", "rounds", "index"].includes(kind);
     setHidden(chainField, many < 2 || !(isOne || kind === "trace"));
-    const all = { value: "", label: many > chainsShownMax ? `the first ${chainsShownMax}` : "all" };
+    const all = { value: "", label: many > chainsShownMax ? `first ${chainsShownMax}` : "all" };
     const each = Array.from({ length: many }, (_, i) => ({ value: String(i), label: String(i) }));
     const value = isOne && chain.value === "" ? "0" : chain.value;
     setChoices(chain, isOne ? each : [all, ...each], value);
@@ -220,16 +220,16 @@ function openNearest(ui: Ui, loaded: Loaded, x: number, line: PlotLine): void {
   }
   const name = names[best];
   if (name === undefined) {
-    say(ui.store, "No animation of this chain is kept.");
+    say(ui.store, "This chain has no kept animations.");
     return;
   }
   ui.page.play([name]);
   const distance = away > 0 ? `, ${Math.round(away)} draws away` : "";
-  say(ui.store, `${name} is the kept animation nearest to draw ${Math.round(x)}${distance}.`);
+  say(ui.store, `Opened ${name}, the kept animation nearest to draw ${Math.round(x)}${distance}.`);
 }
 
 function filterDraws(ui: Ui, from: number, to: number): void {
   const text = `draw ${Math.max(0, Math.floor(from))}..${Math.ceil(to)}`;
   ui.page.addChip(text, false);
-  say(ui.store, `The wall shows ${text} alone; the query can be taken away among the filters.`);
+  say(ui.store, `The wall now shows only ${text}. To undo, delete this query in the filters.`);
 }

@@ -78,9 +78,9 @@ function traceOf(title: string, all: readonly Series[]): PlotData {
     return x && y ? [{ label: `chain ${chain}`, chain, x, y, isSteps: false }] : [];
   });
   const kinds = [
-    { name: "change_all", label: "changes everything, accepted" },
-    { name: "fall", label: "falls out of the goal" },
-    { name: "lineage", label: "another visit to the prior" },
+    { name: "change_all", label: "accepted change-all proposal" },
+    { name: "fall", label: "chain stops satisfying" },
+    { name: "lineage", label: "new lineage" },
   ];
   const marks = kinds.flatMap(({ name, label }) => {
     const x = merged(all.flatMap(({ columns }) => columns.get(name) ?? []));
@@ -88,7 +88,7 @@ function traceOf(title: string, all: readonly Series[]): PlotData {
   });
   const isThinned = heads.some((head) => head["is_thinned"] === true);
   const notices = isThinned
-    ? ["The archive has thinned these draws: what lies between them isn't known."]
+    ? ["This trace is thinned: draws between the points are not shown, but extremes are."]
     : [];
   const unit = textOf(heads[0]?.["unit"]);
   return {
@@ -119,7 +119,7 @@ function pairOf(title: string, { head, columns }: Series): PlotData {
     const height = columns.get(name);
     return x && height ? [{ label, x, height, error: null }] : [];
   });
-  const weighted = "Draws are weighted, and count here by their weights.";
+  const weighted = "Draws are weighted; the histogram uses the weights.";
   const notices = fields["is_weighted"] === true ? [weighted] : [];
   const unit = textOf(fields["unit"]);
   return {
@@ -145,8 +145,8 @@ function levelsOf(title: string, { head, columns }: Series): PlotData {
   const kinds = stringsOf(fields["kinds"]);
   const parts = [
     { name: "inverse_temperature", label: "inverse temperature" },
-    { name: "swap_acceptance", label: "swaps with the next cooler level that were accepted" },
-    ...kinds.map((kind, i) => ({ name: `acceptance.${i}`, label: `proposals that were accepted: ${kind}` })),
+    { name: "swap_acceptance", label: "accepted swaps with the next cooler level" },
+    ...kinds.map((kind, i) => ({ name: `acceptance.${i}`, label: `accepted proposals: ${kind}` })),
   ];
   const x = Float64Array.from(rows, (row) => levels[row] ?? NaN);
   const lines = parts.flatMap(({ name, label }) => {
@@ -186,9 +186,9 @@ function indexOf(title: string, { head, columns }: Series): PlotData {
     return there.length > 0 ? [line] : [];
   });
   const begins = columns.get("round");
-  const marks = begins ? [{ label: "a round begins: its ladder is spaced anew", x: begins }] : [];
+  const marks = begins ? [{ label: "start of a round, with new temperatures", x: begins }] : [];
   const every = (x[1] ?? 0) - (x[0] ?? 0);
-  const notices = every > 1 ? [`One scan in ${every} is shown: how replicas went between isn't known.`] : [];
+  const notices = every > 1 ? [`Only one scan in ${every} was recorded; replicas may have moved in between.`] : [];
   const yLabel = "level (0: the prior)";
   return {
     ...nothing, title, notices: [...notices, ...warningsOf([fields])], lines, marks, xLabel: "scan", yLabel,

@@ -67,15 +67,15 @@ export interface SearchIndex extends Columns {
 /** `view`: where the file's head doesn't have it. Throws SourceError. */
 export async function readIndex(packed: Packed, turns: Turns, view?: View): Promise<SearchIndex> {
   const head = packed.head;
-  if (!isObject(head)) throw torn("the index's head is no object");
+  if (!isObject(head)) throw torn("the index's header is not an object");
   const { generation, run, names, entries, bodies, features, numbers } = head;
   if (!isCount(generation) || typeof run !== "string" || !isCount(entries) || !isCount(bodies))
-    throw torn("the index's head has another form");
-  if (!isListOf(names, isText) || names.length !== entries) throw torn("the index has no names");
-  if (!isListOf(features, isFeature)) throw torn("the index has no features");
-  if (!isListOf(numbers, isNumberName)) throw torn("the index has no numbers");
+    throw torn("the index's header is invalid");
+  if (!isListOf(names, isText) || names.length !== entries) throw torn("the index's names are missing");
+  if (!isListOf(features, isFeature)) throw torn("the index's features are missing");
+  if (!isListOf(numbers, isNumberName)) throw torn("the index's numbers are missing");
   const firstThing = features.findIndex((feature) => feature.kind !== "body");
-  if ((firstThing < 0 ? features.length : firstThing) !== bodies) throw torn("the index's bodies are others");
+  if ((firstThing < 0 ? features.length : firstThing) !== bodies) throw torn("the index has a wrong number of bodies");
   const columns = columnsOf(packed, entries, bodies, numbers.length);
   await check(columns, bodies, features.length, turns);
   return {
@@ -117,7 +117,7 @@ async function check(columns: Columns, bodies: number, features: number, turns: 
   const pieces = columns.startS.length;
   const contacts = columns.contactTimeS.length;
   for (let track = 0; track < trackFirst.length; ++track)
-    if (trackFirst[track]! + trackCount[track]! > pieces) throw torn("a track has pieces that are not there");
+    if (trackFirst[track]! + trackCount[track]! > pieces) throw torn("a track refers to missing pieces");
   for (let entry = 1; entry < contactFirst.length; ++entry)
     if (contactFirst[entry]! < contactFirst[entry - 1]!) throw torn("contacts are no animation's");
   if (contactFirst[contactFirst.length - 1] !== contacts) throw torn("contacts are no animation's");
@@ -128,7 +128,7 @@ async function check(columns: Columns, bodies: number, features: number, turns: 
 
 async function checkRows(rows: Uint32Array, count: number, turns: Turns): Promise<void> {
   for (let at = 0; at < rows.length; ++at) {
-    if (rows[at]! >= count) throw torn("a row of the index is not there");
+    if (rows[at]! >= count) throw torn("the index refers to a missing row");
     if (at % CHECKED_AT_ONCE === 0 && turns.isDue()) await turns.take();
   }
 }
@@ -142,13 +142,13 @@ function column<T extends { readonly length: number }>(
   packed: Packed, name: string, type: ColumnClass<T>, count?: number,
 ): T {
   const found: unknown = packed.columns.get(name);
-  if (!(found instanceof type)) throw torn(`there is no column '${name}' of ${type.name}`);
-  if (count !== undefined && found.length !== count) throw torn(`column '${name}' has another length`);
+  if (!(found instanceof type)) throw torn(`column '${name}' of ${type.name} is missing`);
+  if (count !== undefined && found.length !== count) throw torn(`column '${name}' has a wrong length`);
   return found;
 }
 
 function missingView(): never {
-  throw torn("the index has no view");
+  throw torn("the index's view is missing");
 }
 
 function isListOf<T>(value: unknown, isOne: (one: unknown) => one is T): value is T[] {

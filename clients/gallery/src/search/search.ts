@@ -58,7 +58,7 @@ export class ArchiveSearch {
     entries: readonly number[] | null, groups: number, by: Grouping, options: AskOptions = {},
   ): Promise<AlikeGroups> {
     if (!Number.isInteger(groups) || groups < 1 || groups > GROUPS_MAX)
-      throw new SourceError("other", `There are 1 to ${GROUPS_MAX} groups.`);
+      throw new SourceError("other", `The number of groups must be 1 to ${GROUPS_MAX}.`);
     const meant = this.meant(entries);
     if (meant.length === 0) return { groups: [], approximate: false };
     const turns = new Turns(options.signal);
@@ -73,7 +73,7 @@ export class ArchiveSearch {
   ): Promise<Alike> {
     const chosen = this.meant(to);
     if (chosen.length === 0 || chosen.length > ALIKE_TO_MAX)
-      throw new SourceError("other", `One to ${ALIKE_TO_MAX} animations can be compared with.`);
+      throw new SourceError("other", `Sorting by likeness needs 1 to ${ALIKE_TO_MAX} animations.`);
     const meant = this.meant(entries);
     const turns = new Turns(options.signal);
     const comparison = new Comparison(this.index, coveredDurationS(this.index, allOf(this.index)));
@@ -97,7 +97,7 @@ export class ArchiveSearch {
   private meant(entries: readonly number[] | null): readonly number[] {
     if (entries === null) return allOf(this.index);
     if (entries.some((entry) => !Number.isInteger(entry) || entry < 0 || entry >= this.index.entries))
-      throw new SourceError("other", "One of the animations is none.");
+      throw new SourceError("other", "An animation's entry is invalid.");
     return [...new Set(entries)];
   }
 }

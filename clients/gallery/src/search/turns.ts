@@ -21,7 +21,7 @@ export class Turns {
   /** Lets the page go on. Throws SourceError("aborted") where the answer is no longer wanted. */
   async take(): Promise<void> {
     await pageTurn();
-    if (this.signal?.aborted) throw new SourceError("aborted", "No longer wanted.");
+    if (this.signal?.aborted) throw new SourceError("aborted", "The request was cancelled.");
     this.begun = performance.now();
   }
 }

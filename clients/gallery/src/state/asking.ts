@@ -158,7 +158,7 @@ export class Asking {
         this.store.set({ opened });
         return;
       }
-      say(this.store, `The group of ${step.representative} isn't there; the groups around it are shown.`);
+      say(this.store, `There is no group of ${step.representative}. The enclosing groups are shown instead.`);
       this.store.set({
         page: { ...state.page, path: state.page.path.slice(0, depth) },
         opened: state.opened.slice(0, depth),

@@ -62,8 +62,8 @@ export function kindsOfBodies(names: readonly string[]): string[] {
 /** What is still missing before the condition says something; "" when nothing is. */
 export function missingIn(condition: Condition): string {
   if (condition.kind === "number") {
-    if (condition.name === "") return "Choose a number.";
-    return missingInRange(condition.range) || (isOpen(condition.range) ? "Give an end of the range." : "");
+    if (condition.name === "") return "Select a number.";
+    return missingInRange(condition.range) || (isOpen(condition.range) ? "Enter a limit of the range." : "");
   }
   if (condition.kind === "ends") return missingInBox(condition.box);
   if (condition.steps.length === 0) return "Add a step.";
@@ -76,13 +76,13 @@ export function missingIn(condition: Condition): string {
 
 function missingInRange(range: Range): string {
   if (range.low !== null && range.high !== null && range.low > range.high)
-    return "The range's first end is above its second.";
+    return "The lower limit is above the upper limit.";
   return "";
 }
 
 function missingInBox(box: Box): string {
   const ranges = [box.x, box.y, box.z];
-  if (ranges.every(isOpen)) return "Draw a box, or give a range of x, y or z.";
+  if (ranges.every(isOpen)) return "Draw a box, or enter a range of x, y or z.";
   return ranges.map(missingInRange).find((words) => words !== "") ?? "";
 }
 

@@ -57,7 +57,7 @@ export class Loading {
     const { loaded, page } = this.store.state;
     const archive = wantedArchive(gallery, page.run, page.archive) ?? standIn(gallery, loaded);
     if (archive === undefined) {
-      this.store.set({ loadFailure: "There is no archive here." });
+      this.store.set({ loadFailure: "There are no archives to show." });
       return;
     }
     const isOther = loaded === null || loaded.run !== archive.run || loaded.id !== archive.id;
@@ -72,7 +72,7 @@ export class Loading {
     if (archive.state !== "ready") {
       // What was read of it stays on the page; the header says why it isn't as it was.
       if (isOther)
-        this.store.set({ loaded: null, loadFailure: archive.words || `${archive.name} can't be read.` });
+        this.store.set({ loaded: null, loadFailure: archive.words || `${archive.name} cannot be read.` });
       return;
     }
     if (isOther || loaded.generation !== archive.generation) void this.load(archive);
@@ -122,7 +122,7 @@ export class Loading {
   private begin(archive: ArchiveSummary, loaded: Loaded): void {
     const { page, selection } = this.store.state;
     const isAsked = page.run === "" || page.run === archive.run;
-    if (!isAsked) say(this.store, `Run ${page.run.slice(0, 8)} isn't here; ${archive.name} is shown.`);
+    if (!isAsked) say(this.store, `There is no run ${page.run.slice(0, 8)} here. ${archive.name} is shown instead.`);
     // Names are a run's own: another's are left behind.
     const sort = page.sort.by === "alike" ? asKept : page.sort;
     const ofOther = { archive: "", path: [], playing: [], timeS: null, plot: "", sort };

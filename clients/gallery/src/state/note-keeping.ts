@@ -87,14 +87,14 @@ export class NoteKeeping {
     if (names.length === 0) return;
     const changed = allToggled(this.store.state.notes, names, key);
     const isOn = Object.values(changed)[0]?.[key] ?? false;
-    const verb = key === "star" ? (isOn ? "starred" : "star taken off") : isOn ? "hidden" : "shown again";
+    const verb = key === "star" ? (isOn ? "starred" : "unstarred") : isOn ? "hidden" : "unhidden";
     this.change(changed, `${verb}: ${named(names)}`);
   }
 
   /** `before`: as the person saw it; `run`: whose animation it was then. */
   edit(run: string, name: string, before: Note, part: Partial<Note>): void {
     const after = { ...before, ...part };
-    const what = part.note === undefined ? "tags" : "note";
+    const what = part.note === undefined ? "changed tags" : "changed note";
     this.step(run, { [name]: patchBetween(after, before) }, { [name]: patchBetween(before, after) },
       `${what} of ${name}`);
   }
@@ -106,7 +106,7 @@ export class NoteKeeping {
     const changed: Record<string, Note> = {};
     for (const name of names)
       changed[name] = patched(noteOf(notes, name), isOn ? { tags_on: [tag] } : { tags_off: [tag] });
-    this.change(changed, `tag “${tag}” ${isOn ? "on" : "off"}: ${named(names)}`);
+    this.change(changed, `tag “${tag}” ${isOn ? "added" : "removed"}: ${named(names)}`);
   }
 
   setChips(chips: readonly Chip[], words: string): void {
@@ -121,23 +121,23 @@ export class NoteKeeping {
   undo(): void {
     const last = undo(this.store.state.history);
     if (last === null) {
-      say(this.store, "There is nothing to undo.");
+      say(this.store, "Nothing to undo.");
       return;
     }
     this.store.set({ history: last.history });
     this.put(last.step.before);
-    say(this.store, `Undone — ${last.step.words}.`);
+    say(this.store, `Undone: ${last.step.words}.`);
   }
 
   redo(): void {
     const next = redo(this.store.state.history);
     if (next === null) {
-      say(this.store, "There is nothing to redo.");
+      say(this.store, "Nothing to redo.");
       return;
     }
     this.store.set({ history: next.history });
     this.put(next.step.after);
-    say(this.store, `Done again — ${next.step.words}.`);
+    say(this.store, `Redone: ${next.step.words}.`);
   }
 
   private change(changed: NotesByName, words: string): void {
@@ -159,7 +159,7 @@ export class NoteKeeping {
       }),
     });
     this.putNotes(run, after);
-    say(this.store, `${words[0]?.toUpperCase() ?? ""}${words.slice(1)}. Ctrl+Z undoes it.`);
+    say(this.store, `${words[0]?.toUpperCase() ?? ""}${words.slice(1)}. Press Ctrl+Z to undo.`);
   }
 
   private put(undoable: Undoable): void {

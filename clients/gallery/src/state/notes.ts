@@ -42,5 +42,5 @@ export function allToggled(
 }
 
 export function notKept(why: string): string {
-  return `Notes can't be kept now; this page has them while it is open: ${why || "the server can't write them."}`;
+  return `Notes are not saved; this page keeps them while it is open. Reason: ${why || "the server cannot write them."}`;
 }

@@ -11,8 +11,8 @@ export function ofShownRun(source: GallerySource, store: Store<AppState>): Galle
     if (other === null) return;
     throw new SourceError(
       "missing",
-      `Another run is in ${other.name} now.`,
-      "Of the one before there is only what this page had read.",
+      `${other.name} now contains another run.`,
+      "Only data that this page has loaded is available.",
     );
   };
   const ask = async <Answer>(question: () => Promise<Answer>): Promise<Answer> => {

@@ -77,7 +77,7 @@ export class PageActions {
   addChip(text: string, isNot: boolean): void {
     const chip: Chip = { id: this.nextChip, text, isNot, isOn: true };
     this.nextChip += 1;
-    this.keeping.setChips([...this.store.state.page.chips, chip], `${isNot ? "not" : "in"}: ${text}`);
+    this.keeping.setChips([...this.store.state.page.chips, chip], `${isNot ? "removed" : "kept"} matches of: ${text}`);
   }
 
   changeChip(id: number, parts: Partial<Chip>, words: string): void {
@@ -90,7 +90,7 @@ export class PageActions {
     const gone = chips.find((chip) => chip.id === id);
     this.keeping.setChips(
       chips.filter((chip) => chip !== gone),
-      `taken away: ${gone?.text ?? ""}`,
+      `deleted query: ${gone?.text ?? ""}`,
     );
   }
 
@@ -119,7 +119,7 @@ export class PageActions {
 
   sortByLikeness(to: readonly string[], isUnlike: boolean): void {
     if (to.length === 0) {
-      say(this.store, "Choose the animations first: with a click, or Space on a card.");
+      say(this.store, "Select animations first: click a card, or press Space on it.");
       return;
     }
     // A like one may be in another group: the whole list is looked through.
@@ -133,7 +133,7 @@ export class PageActions {
     if (names.length > comparedMax)
       say(
         this.store,
-        `The first ${comparedMax} of ${names.length} are compared: so many fit beside one another.`,
+        `Comparing only the first ${comparedMax} of ${names.length} animations, the maximum.`,
       );
     this.change({ playing: names.slice(0, comparedMax), timeS: null });
   }

@@ -26,18 +26,18 @@ export function plausibilityWords(logPrior: number, blindThrows: readonly number
 }
 
 export const plausibilityHelp =
-  "Plausibility: the density p of this animation's random choices (log_prior), before the goal is " +
-  "looked at, beside those of throws that were made without any goal. Likelier than many blind " +
-  "throws: it looks as if chance alone had made it.";
+  "Plausibility compares the density p of this animation's random choices (log_prior), regardless of the " +
+  "goal, with blind throws, which are made without a goal. An animation that is more likely than many blind " +
+  "throws looks as if it happened by chance.";
 
 export const scoreHelp =
-  "Score (log_constraint): how well the goal is met, as the run's constraint counts it; the higher, " +
-  "the better. 0 is a full match where the constraint is a distance to the goal.";
+  "Score (log_constraint): how well the animation meets the goal by the run's constraint; higher is better. " +
+  "If the constraint is a distance to the goal, 0 is a perfect match.";
 
 export const proportionHelp =
-  "Not in proportion: these animations were found by search, or kept because they differ. How often " +
-  "one kind is among them says nothing about its probability.";
+  "Not in proportion: these animations were found by search, or kept because they differ. Their number " +
+  "doesn't show how probable one kind is.";
 
 export const shareHelp =
-  "Share: how much of all satisfied draws looks like this, with its standard error. The number kept is " +
-  "no such thing: what is kept is kept because it differs.";
+  "Share: fraction of all satisfied draws that look like this group, with its standard error. The number " +
+  "of kept animations isn't a share, because only distinct animations are kept.";

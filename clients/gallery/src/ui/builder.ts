@@ -32,8 +32,8 @@ export function makeBuilder(ui: Ui): Part {
   const body = el("div", { class: "builder-body" });
   const text = el("code", { class: "built", id: "built-query" });
   const hint = el("p", { class: "hint", id: "built-hint" });
-  const keep = button("Keep these", () => apply(false), { id: "built-in", class: "primary" });
-  const leave = button("Leave these out", () => apply(true), { id: "built-not" });
+  const keep = button("Keep matching", () => apply(false), { id: "built-in", class: "primary" });
+  const leave = button("Remove matching", () => apply(true), { id: "built-not" });
   const kindField = select(
     kinds,
     kind,
@@ -110,8 +110,8 @@ export function makeBuilder(ui: Ui): Part {
     return el(
       "div",
       { class: "buttons" },
-      button("then passes through …", add("in"), { class: "small" }),
-      button("then touches …", add("touches"), { class: "small" }),
+      button("Then passes through …", add("in"), { class: "small" }),
+      button("Then touches …", add("touches"), { class: "small" }),
     );
   };
   const beginNumber = (loaded: Loaded): void => {
@@ -138,7 +138,7 @@ export function makeBuilder(ui: Ui): Part {
     const column = state.loaded.table.numbers.get(number.name);
     const spread = column === undefined ? null : spreadOf(column, within(state));
     number.picture.replaceChildren(
-      spread === null ? "None of those shown has it." : histogram(spread, number.range.range, number.name),
+      spread === null ? "No animation shown has this number." : histogram(spread, number.range.range, number.name),
     );
   };
 
@@ -170,8 +170,8 @@ export function makeBuilder(ui: Ui): Part {
     const error = state.answers.get(now)?.error;
     const counts = now === "" ? null : countsOf(state, now, null);
     const known = counts?.alone != null;
-    setText(keep, known ? `Keep these: ${count(counts.asIn ?? 0)} left` : "Keep these");
-    setText(leave, known ? `Leave these out: ${count(counts.asNot ?? 0)} left` : "Leave these out");
+    setText(keep, known ? `Keep matching: ${count(counts.asIn ?? 0)} left` : "Keep matching");
+    setText(leave, known ? `Remove matching: ${count(counts.asNot ?? 0)} left` : "Remove matching");
     keep.disabled = now === "" || error != null;
     leave.disabled = keep.disabled;
     if (now === "") return;
@@ -180,7 +180,7 @@ export function makeBuilder(ui: Ui): Part {
       error
         ? error.message
         : known
-          ? `By itself true of ${count(counts.alone ?? 0)} of ${count(state.visible.length)}.`
+          ? `Alone, the condition matches ${count(counts.alone ?? 0)} of ${count(state.visible.length)}.`
           : "Counting …",
     );
   };
@@ -207,8 +207,8 @@ export function makeBuilder(ui: Ui): Part {
   const element = el(
     "section",
     { class: "builder", "aria-label": "Build a query" },
-    el("h2", {}, "Find by what happens"),
-    field("It", kindField),
+    el("h2", {}, "Build a query"),
+    field("Condition", kindField),
     body,
     text,
     hint,

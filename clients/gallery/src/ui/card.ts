@@ -72,7 +72,7 @@ export function animationCard(name: string): CardParts {
     el(
       "div",
       { class: "card-tools" },
-      act("select", `Choose ${name}`, iconOf("check")),
+      act("select", `Select ${name}`, iconOf("check")),
       act("star", `Star ${name}`, iconOf("star")),
       act("hide", `Hide ${name}`, iconOf("eyeOff")),
       act("play", `Play ${name}`, iconOf("play")),
@@ -150,7 +150,7 @@ export function groupCard(loaded: Loaded, group: ShownGroup): CardParts {
   canvas.dataset["name"] = name;
   const kept = `${count(group.members.length)} kept`;
   const spread =
-    group.members.length === 1 ? "the only one of its kind" : `${millimetres(group.mean_m)} apart on average`;
+    group.members.length === 1 ? "only one animation" : `${millimetres(group.mean_m)} apart on average`;
   const isInProportion = loaded.table.inProportion[group.representative] === 1;
   const plausibility = plausibilityOf(loaded, group.representative);
   const score = numberOf(loaded, group.representative, "log_constraint");
@@ -159,8 +159,8 @@ export function groupCard(loaded: Loaded, group: ShownGroup): CardParts {
     el(
       "div",
       { class: "card-tools" },
-      act("play", `Play ${name}, which stands for the group`, iconOf("play")),
-      act("like", `More like ${name}`, "≈"),
+      act("play", `Play ${name}, which represents the group`, iconOf("play")),
+      act("like", `Sort by likeness to ${name}`, "≈"),
     ),
     el(
       "div",

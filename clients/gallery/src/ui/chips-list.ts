@@ -9,10 +9,10 @@ import { count } from "./words";
 
 export function makeChipsList(ui: Ui, edit: (chip: Chip) => void): Part {
   const list = el("ul", { class: "chips", id: "chips" });
-  const none = el("p", { class: "hint" }, "No query yet: all are shown.");
+  const none = el("p", { class: "hint" }, "No queries applied.");
   const element = el(
     "section",
-    { "aria-label": "Queries that are applied" },
+    { "aria-label": "Applied queries" },
     el("h2", {}, "Queries"),
     none,
     list,
@@ -39,10 +39,10 @@ function chipItem(ui: Ui, state: AppState, chip: Chip, edit: (chip: Chip) => voi
   const left = chip.isNot ? asNot : asIn;
   const error = state.answers.get(chip.text)?.error;
   const counts = error
-    ? `not understood: ${error.message}`
+    ? `invalid: ${error.message}`
     : alone === null
       ? "counting …"
-      : `true of ${count(alone)}; ${count(left ?? 0)} ${chip.isOn ? "left" : "would be left"}`;
+      : `matches ${count(alone)}; ${count(left ?? 0)} ${chip.isOn ? "left" : "would be left"}`;
   const change = (parts: Partial<Chip>, words: string) => (): void =>
     ui.page.changeChip(chip.id, parts, `${words}: ${chip.text}`);
   return el(
@@ -51,10 +51,10 @@ function chipItem(ui: Ui, state: AppState, chip: Chip, edit: (chip: Chip) => voi
     el(
       "div",
       { class: "chip-line" },
-      button(chip.isNot ? "NOT IN" : "IN", change({ isNot: !chip.isNot }, "turned round"), {
+      button(chip.isNot ? "NOT IN" : "IN", change({ isNot: !chip.isNot }, "negated"), {
         class: "chip-sign",
-        title: "Turn it round: keep or leave out",
-        "aria-label": `${chip.isNot ? "NOT IN" : "IN"}: ${chip.text}. Turn it round`,
+        title: "Keep or remove matching animations",
+        "aria-label": `${chip.isNot ? "NOT IN" : "IN"}: ${chip.text}. Negate`,
         "data-focus": `sign-${chip.id}`,
       }),
       el("code", { class: "chip-text" }, chip.text),
@@ -67,13 +67,13 @@ function chipItem(ui: Ui, state: AppState, chip: Chip, edit: (chip: Chip) => voi
         chip.isOn ? "On" : "Off",
         change({ isOn: !chip.isOn }, chip.isOn ? "switched off" : "switched on"),
         {
-          "aria-label": `${chip.isOn ? "On" : "Off"}: ${chip.text}. Switch it ${chip.isOn ? "off" : "on"}`,
+          "aria-label": `${chip.isOn ? "On" : "Off"}: ${chip.text}. Switch ${chip.isOn ? "off" : "on"}`,
           class: chip.isOn ? "small is-on" : "small",
           "data-focus": `on-${chip.id}`,
         },
       ),
-      iconButton("pencil", `Change ${chip.text}`, () => edit(chip), { "data-focus": `edit-${chip.id}` }),
-      iconButton("close", `Take away ${chip.text}`, () => ui.page.removeChip(chip.id), {
+      iconButton("pencil", `Edit ${chip.text}`, () => edit(chip), { "data-focus": `edit-${chip.id}` }),
+      iconButton("close", `Delete ${chip.text}`, () => ui.page.removeChip(chip.id), {
         "data-focus": `remove-${chip.id}`,
       }),
     ),

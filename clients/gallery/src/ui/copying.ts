@@ -8,6 +8,6 @@ export async function copyText(store: Store<AppState>, text: string, what: strin
     await navigator.clipboard.writeText(text);
     say(store, `${what} copied.`);
   } catch {
-    say(store, `The browser doesn't let pages copy here. ${what}: ${text}`);
+    say(store, `The browser refused to copy. ${what}: ${text}`);
   }
 }

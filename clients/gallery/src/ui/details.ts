@@ -63,7 +63,7 @@ export function makeDetails(
       ),
     );
     const more = all.length - shown.length;
-    events.replaceChildren(...shown, ...(more > 0 ? [el("li", {}, `and ${count(more)} more`)] : []));
+    events.replaceChildren(...shown, ...(more > 0 ? [el("li", {}, `${count(more)} more events`)] : []));
   };
   const redraw = (state: AppState): void => {
     const { loaded } = state;

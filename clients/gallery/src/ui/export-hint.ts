@@ -14,7 +14,7 @@ export function makeExportHint(ui: Ui, namesOf: (state: AppState) => readonly st
     tabindex: 0,
     role: "textbox",
     "aria-readonly": "true",
-    "aria-label": "Command that exports",
+    "aria-label": "Export command",
   });
   const copy = button("Copy the command", () => void copyText(ui.store, line.textContent ?? "", "Command"), {
     class: "small",
@@ -35,7 +35,7 @@ export function makeExportHint(ui: Ui, namesOf: (state: AppState) => readonly st
       "details",
       { class: "export" },
       el("summary", {}, "Export"),
-      el("p", { class: "hint" }, "Models for Blender and others, tables, pictures and films are made by:"),
+      el("p", { class: "hint" }, "Run this command to write 3D models, tables, images or videos:"),
       line,
       copy,
       proportion,

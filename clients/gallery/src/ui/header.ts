@@ -28,7 +28,7 @@ export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => vo
     ],
     ui.theme.choice,
     (value) => ui.theme.choose(value as ThemeChoice),
-    { id: "theme", "aria-label": "Colours of the page", title: "Colours of the page" },
+    { id: "theme", "aria-label": "Colour theme", title: "Colour theme" },
   );
   const keys = button("Keys", showKeys, { id: "show-keys", title: "Keys (?)" });
   const warning = el("div", { class: "warning", id: "warning", role: "note" });
@@ -61,10 +61,10 @@ export function makeHeader(ui: Ui, showKeys: () => void, toggleFilters: () => vo
     setHidden(fresh, offered === 0);
     const offer = `${count(offered)} ${state.isBeginning ? "more" : "new"}`;
     setText(fresh, offer);
-    fresh.setAttribute("aria-label", `${offer}: show them`);
+    fresh.setAttribute("aria-label", `Show ${offer}`);
     const replaced = replacing(state);
     setHidden(other, replaced?.state !== "ready");
-    setText(other, replaced === null ? "" : `${replaced.name} now holds another run: show it`);
+    setText(other, replaced === null ? "" : `Show the new run in ${replaced.name}`);
     setText(warning, archive?.warning ? `Warning: ${archive.warning}` : "");
     setHidden(warning, !archive?.warning);
     const words = troubleWords(state, archive);
@@ -104,9 +104,9 @@ function archiveTabs(ui: Ui, state: AppState): HTMLElement[] {
 function archiveWords(archive: ArchiveSummary): string {
   const reading =
     archive.reading === null ? "" : ` ${count(archive.reading.done)} of ${count(archive.reading.of)}`;
-  const beingRead = ` (being read${reading})`;
+  const beingRead = ` (reading${reading})`;
   const states = {
-    ready: archive.is_beginning ? beingRead : "", reading: beingRead, gone: " (gone)", damaged: " (damaged)",
+    ready: archive.is_beginning ? beingRead : "", reading: beingRead, gone: " (missing)", damaged: " (damaged)",
   };
   return `${archive.name}${states[archive.state]}`;
 }
@@ -114,7 +114,7 @@ function archiveWords(archive: ArchiveSummary): string {
 /** How the run stands, where the server says it. */
 function liveWords(archive: ArchiveSummary & { readonly live_words?: unknown }): string {
   const words = archive.live_words;
-  return typeof words === "string" && words !== "" ? words : "The run goes on.";
+  return typeof words === "string" && words !== "" ? words : "The run is in progress.";
 }
 
 function countWords(state: AppState): string {
@@ -129,20 +129,20 @@ function troubleWords(state: AppState, archive: ArchiveSummary | null): string {
   const sentences: string[] = [];
   if (state.source === "away")
     sentences.push(
-      "The server doesn't answer. What is shown stays; the page goes on by itself when it is back.",
+      "The server doesn't answer. Loaded data stays visible, and the page reconnects automatically.",
     );
   if (state.source === "refused")
-    sentences.push("The server doesn't know this page any more: open the link that it prints.");
+    sentences.push("The server no longer accepts this page. Open the link that the server prints.");
   if (archive?.state === "gone")
-    sentences.push(archive.words || `${archive.name} is gone; what was read of it stays.`);
+    sentences.push(archive.words || `${archive.name} no longer exists; loaded data stays visible.`);
   if (archive?.state === "damaged")
-    sentences.push(archive.words || `${archive.name} is damaged; what was read of it stays.`);
+    sentences.push(archive.words || `${archive.name} is damaged; loaded data stays visible.`);
   if (state.hasNoPictures) sentences.push(noPictures);
   const other = replacing(state);
   if (other !== null)
     sentences.push(
-      `${other.name} now holds another run. What was read of run ${state.loaded?.run.slice(0, 8) ?? ""} stays; ` +
-        "queries, groups, plots and pictures that aren't there yet can't be had of it any more.",
+      `${other.name} now contains another run. Loaded data of run ${state.loaded?.run.slice(0, 8) ?? ""} stays ` +
+        "visible, but no further queries, groups, plots or animations of that run can be loaded.",
     );
   const notes = state.gallery?.notes;
   if (notes !== undefined && !notes.writable) sentences.push(notes.words);
@@ -154,7 +154,7 @@ function troubleWords(state: AppState, archive: ArchiveSummary | null): string {
       .map(({ name, reason }) => `${name}: ${reason}`)
       .join("; ");
     const more = left.length > 3 ? "; …" : "";
-    sentences.push(`${counted(left.length, "file is", "files are")} left out (${reasons}${more}).`);
+    sentences.push(`${counted(left.length, "file was", "files were")} skipped (${reasons}${more}).`);
   }
   return sentences.join(" ");
 }

@@ -31,7 +31,7 @@ export function makeNotesFilter(ui: Ui): Part {
     star.checked = notesFilter.star;
     const tags = new Set([...tagsOf(state.notes), ...(notesFilter.tag === "" ? [] : [notesFilter.tag])]);
     const choices = [
-      { value: "", label: "Any or none" },
+      { value: "", label: "Any" },
       ...[...tags].map((value) => ({ value, label: value })),
     ];
     if (document.activeElement !== tag) setChoices(tag, choices, notesFilter.tag);
@@ -40,9 +40,9 @@ export function makeNotesFilter(ui: Ui): Part {
       setChoices(
         hidden,
         [
-          { value: "without", label: `Not shown (${many})` },
-          { value: "with", label: "Shown too" },
-          { value: "only", label: "Shown alone" },
+          { value: "without", label: `Don't show (${many})` },
+          { value: "with", label: "Show" },
+          { value: "only", label: "Show only these" },
         ],
         notesFilter.hidden,
       );
@@ -53,11 +53,11 @@ export function makeNotesFilter(ui: Ui): Part {
   return {
     element: el(
       "section",
-      { class: "notes-filter", "aria-label": "By your notes" },
-      el("h2", {}, "By your notes"),
-      el("div", { class: "check" }, star, el("label", { for: "only-starred" }, "Starred alone")),
+      { class: "notes-filter", "aria-label": "Filter by notes" },
+      el("h2", {}, "Filter by notes"),
+      el("div", { class: "check" }, star, el("label", { for: "only-starred" }, "Only starred")),
       field("Tag", tag),
-      field("Hidden ones", hidden),
+      field("Hidden animations", hidden),
     ),
     update,
   };

@@ -31,7 +31,7 @@ export function bodySwatches(
     }
     return swatch;
   });
-  const group = { class: "swatches", role: "group", "aria-label": "Bodies by their colours" };
+  const group = { class: "swatches", role: "group", "aria-label": "Bodies by colour" };
   return el("div", group, ...swatches);
 }
 
@@ -45,7 +45,7 @@ export function placeMap(
   if (places.length === 0 || places.length > buttonsMax) return null;
   const [only] = places;
   if (places.length === 1 && only !== undefined)
-    return button(`Its place: ${only.name}`, () => onChoose(only), {
+    return button(`Place: ${only.name}`, () => onChoose(only), {
       class: "small",
       "data-place": only.name,
     });
@@ -54,7 +54,7 @@ export function placeMap(
   const right = Math.max(...places.map(({ x }) => x.high));
   const near = Math.min(...places.map(({ y }) => y.low));
   const far = Math.max(...places.map(({ y }) => y.high));
-  const map = el("div", { class: "place-map", role: "group", "aria-label": "Places, seen from above" });
+  const map = el("div", { class: "place-map", role: "group", "aria-label": "Places, from above" });
   map.style.aspectRatio = String(Math.min(4, Math.max(0.25, (right - left) / (far - near))));
   for (const [i, place] of places.entries()) {
     const of = button(numbers?.[i] ?? place.name, () => onChoose(place), {

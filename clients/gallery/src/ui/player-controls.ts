@@ -41,7 +41,7 @@ export function makeControls({ player, onSync, onCopyLink }: ControlsOptions): C
     (value) => onSync(value as SyncMode),
     { id: "sync" },
   );
-  const syncField = field("In step", sync);
+  const syncField = field("Align", sync);
   const ghost = select([], "", (value) => player.setGhost(value === "" ? null : Number(value)), {
     id: "ghost",
   });
@@ -56,12 +56,12 @@ export function makeControls({ player, onSync, onCopyLink }: ControlsOptions): C
   return {
     transport: el(
       "div",
-      { class: "transport", role: "group", "aria-label": "Playing" },
-      iconButton("eventBack", "To the event before ([)", () => player.toEvent(-1), { id: "event-before" }),
-      iconButton("frameBack", "A frame back (,)", () => player.step(-1), { id: "frame-back" }),
+      { class: "transport", role: "group", "aria-label": "Playback" },
+      iconButton("eventBack", "Previous event ([)", () => player.toEvent(-1), { id: "event-before" }),
+      iconButton("frameBack", "Previous frame (,)", () => player.step(-1), { id: "frame-back" }),
       play,
-      iconButton("frameOn", "A frame on (.)", () => player.step(1), { id: "frame-on" }),
-      iconButton("eventOn", "To the next event (])", () => player.toEvent(1), { id: "event-next" }),
+      iconButton("frameOn", "Next frame (.)", () => player.step(1), { id: "frame-on" }),
+      iconButton("eventOn", "Next event (])", () => player.toEvent(1), { id: "event-next" }),
       time,
       field("Speed", speed),
       syncField,
@@ -71,7 +71,7 @@ export function makeControls({ player, onSync, onCopyLink }: ControlsOptions): C
       { class: "player-more" },
       el(
         "div",
-        { class: "checks", role: "group", "aria-label": "What is drawn" },
+        { class: "checks", role: "group", "aria-label": "Show" },
         trails,
         marks,
         loop,
@@ -86,10 +86,10 @@ export function makeControls({ player, onSync, onCopyLink }: ControlsOptions): C
         preset("side", "Side"),
         button("◀", () => player.orbit(-turn, 0), { class: "small", "aria-label": "Turn left" }),
         button("▶", () => player.orbit(turn, 0), { class: "small", "aria-label": "Turn right" }),
-        button("▲", () => player.orbit(0, turn), { class: "small", "aria-label": "Look from higher" }),
-        button("▼", () => player.orbit(0, -turn), { class: "small", "aria-label": "Look from lower" }),
-        button("+", () => player.zoom(1.25), { class: "small", "aria-label": "Nearer" }),
-        button("−", () => player.zoom(0.8), { class: "small", "aria-label": "Further" }),
+        button("▲", () => player.orbit(0, turn), { class: "small", "aria-label": "Turn up" }),
+        button("▼", () => player.orbit(0, -turn), { class: "small", "aria-label": "Turn down" }),
+        button("+", () => player.zoom(1.25), { class: "small", "aria-label": "Zoom in" }),
+        button("−", () => player.zoom(0.8), { class: "small", "aria-label": "Zoom out" }),
       ),
       button("Copy link", onCopyLink, { class: "small", id: "copy-link" }),
     ),

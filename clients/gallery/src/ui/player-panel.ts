@@ -40,7 +40,7 @@ export function makePlayerPanel(
     id: "player-canvas",
     tabindex: 0,
     role: "img",
-    "aria-label": "The animations in 3D. Drag turns, the wheel zooms; buttons below do the same.",
+    "aria-label": "Animations in 3D. Drag to turn the camera; scroll to zoom. The buttons below do the same.",
   });
   const labels = el("div", { class: "player-labels", "aria-hidden": "true" });
   const player = new Player(canvas, renderer, { theme: ui.theme.shade });
@@ -264,9 +264,9 @@ export function makePlayerPanel(
       setText(
         hint,
         drawing.box
-          ? "Drag in the picture to draw a box, then pull its faces. Number fields do the same."
+          ? "Drag in the picture to draw a box, then pull its faces. Or type numbers in the form."
           : drawing.time
-            ? "Drag along the timeline to mark a stretch of time."
+            ? "Drag along the timeline to mark a time range."
             : "",
       );
     }

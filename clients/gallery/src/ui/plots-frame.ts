@@ -20,7 +20,7 @@ export function makePlotsFrame(ui: Ui): Part {
   let view: PlotsView | null = null;
   const begin = async (): Promise<void> => {
     const isWanted = latest.begin();
-    setText(words, "Fetching the plots …");
+    setText(words, "Loading plots …");
     setHidden(words, false);
     try {
       const { makePlotsView } = await import("../plots/plots-view");
@@ -30,7 +30,7 @@ export function makePlotsFrame(ui: Ui): Part {
       setHidden(words, true);
       view.update(ui.store.state, ui.store.state);
     } catch (error) {
-      setText(words, `The plots can't be fetched: ${sentenceOf(error)}`);
+      setText(words, `Cannot load plots: ${sentenceOf(error)}`);
     }
   };
   const update = (state: AppState, before: AppState): void => {

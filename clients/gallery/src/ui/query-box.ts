@@ -24,8 +24,8 @@ export function makeQueryBox(ui: Ui): QueryBox {
     "aria-describedby": "query-error query-help",
   });
   const error = el("div", { class: "query-error", id: "query-error" });
-  const addIn = button("Keep these", () => apply(false), { id: "query-in", class: "primary" });
-  const addNot = button("Leave these out", () => apply(true), { id: "query-not" });
+  const addIn = button("Keep matching", () => apply(false), { id: "query-in", class: "primary" });
+  const addNot = button("Remove matching", () => apply(true), { id: "query-not" });
   const words = el("p", { class: "hint", id: "query-count" });
   let edited: number | null = null;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -40,7 +40,7 @@ export function makeQueryBox(ui: Ui): QueryBox {
     putDraft();
     if (text === "" || ui.store.state.answers.get(text)?.error) return;
     if (edited === null) ui.page.addChip(text, isNot);
-    else ui.page.changeChip(edited, { text, isNot, isOn: true }, `changed: ${text}`);
+    else ui.page.changeChip(edited, { text, isNot, isOn: true }, `edited: ${text}`);
     edited = null;
     input.value = "";
     putDraft();
@@ -83,14 +83,14 @@ export function makeQueryBox(ui: Ui): QueryBox {
     input.setAttribute("aria-invalid", String(wrong !== null));
     const counts = isAsked ? countsOf(state, text, edited) : null;
     const known = counts !== null && counts.asIn !== null && counts.asNot !== null;
-    setText(addIn, known ? `Keep these: ${count(counts.asIn ?? 0)} left` : "Keep these");
-    setText(addNot, known ? `Leave these out: ${count(counts.asNot ?? 0)} left` : "Leave these out");
+    setText(addIn, known ? `Keep matching: ${count(counts.asIn ?? 0)} left` : "Keep matching");
+    setText(addNot, known ? `Remove matching: ${count(counts.asNot ?? 0)} left` : "Remove matching");
     addIn.disabled = text === "" || wrong !== null;
     addNot.disabled = addIn.disabled;
     setText(
       words,
       isAsked && counts?.alone != null
-        ? `By itself true of ${count(counts.alone)} of ${count(state.visible.length)}.`
+        ? `Alone, the query matches ${count(counts.alone)} of ${count(state.visible.length)}.`
         : "",
     );
   };
@@ -104,8 +104,8 @@ export function makeQueryBox(ui: Ui): QueryBox {
     el(
       "p",
       { class: "hint", id: "query-help" },
-      "Enter keeps what it is true of, Alt+Enter leaves it out, Escape leaves the field. and, or, not, then join " +
-        "conditions.",
+      "Enter keeps matching animations; Alt+Enter removes them; Escape leaves the field. " +
+        "Join conditions with and, or, not, then.",
     ),
   );
   return {

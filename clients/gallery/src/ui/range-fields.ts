@@ -22,7 +22,7 @@ export function rangeFields(
       type: "number",
       step: "any",
       "aria-label": `${label} ${end}${unit === "" ? "" : ` in ${unit}`}`,
-      placeholder: end === "from" ? "any" : "any",
+      placeholder: "any",
       on: { input: onChange },
     });
   const low = make("from");

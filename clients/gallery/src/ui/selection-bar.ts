@@ -17,7 +17,7 @@ export function makeSelectionBar(ui: Ui): Part {
   const compare = button("Compare", () => ui.page.play(chosen()), {
     id: "compare",
     class: "primary",
-    title: `Beside one another, up to ${comparedMax} (c)`,
+    title: `Play up to ${comparedMax} side by side (c)`,
   });
   const star = button("Star", () => ui.notes.toggle(chosen(), "star"), {
     id: "star-chosen",
@@ -31,7 +31,7 @@ export function makeSelectionBar(ui: Ui): Part {
   const tag = el("input", {
     type: "text",
     id: "tag-chosen",
-    "aria-label": "Tag for those chosen",
+    "aria-label": "Tag for the selected animations",
     placeholder: "tag",
     list: "known-tags",
     maxlength: 60,
@@ -48,7 +48,7 @@ export function makeSelectionBar(ui: Ui): Part {
   const exportHint = makeExportHint(ui, (state) => state.selection.names, "export-chosen");
   const element = el(
     "section",
-    { class: "selection-bar", id: "selection-bar", "aria-label": "Chosen animations" },
+    { class: "selection-bar", id: "selection-bar", "aria-label": "Selected animations" },
     words,
     el(
       "div",
@@ -59,15 +59,18 @@ export function makeSelectionBar(ui: Ui): Part {
       tag,
       tags,
       button("Tag", putTag, { id: "put-tag" }),
-      button("More like these", () => ui.page.sortByLikeness(chosen(), false), {
+      button("Most similar first", () => ui.page.sortByLikeness(chosen(), false), {
         id: "more-like",
-        title: "Nearest first (m)",
+        title: "Sort by likeness to the selected animations (m)",
       }),
-      button("Unlike these", () => ui.page.sortByLikeness(chosen(), true), {
+      button("Least similar first", () => ui.page.sortByLikeness(chosen(), true), {
         id: "unlike",
-        title: "Furthest first (u)",
+        title: "Sort by likeness to the selected animations, reversed (u)",
       }),
-      button("Choose none", () => ui.page.selectNone(), { id: "choose-none", title: "Choose none (Escape)" }),
+      button("Clear selection", () => ui.page.selectNone(), {
+        id: "choose-none",
+        title: "Clear selection (Escape)",
+      }),
     ),
     exportHint.element,
   );
@@ -87,13 +90,13 @@ export function makeSelectionBar(ui: Ui): Part {
     const shown = names.length <= 4 ? names.join(", ") : `${names.slice(0, 3).join(", ")} …`;
     setText(
       words,
-      names.length === 0 ? "" : `${counted(names.length, "animation", "animations")} chosen: ${shown}`,
+      names.length === 0 ? "" : `${counted(names.length, "animation", "animations")} selected: ${shown}`,
     );
     setText(compare, names.length === 1 ? "Play" : "Compare");
     const isAll = (key: "star" | "hidden"): boolean =>
       names.length > 0 && names.every((name) => noteOf(state.notes, name)[key]);
-    setText(star, isAll("star") ? "Take star off" : "Star");
-    setText(hide, isAll("hidden") ? "Show again" : "Hide");
+    setText(star, isAll("star") ? "Unstar" : "Star");
+    setText(hide, isAll("hidden") ? "Unhide" : "Hide");
     if (state === before || state.notes !== before.notes)
       tags.replaceChildren(...tagsOf(state.notes).map((value) => el("option", { value })));
     exportHint.update(state, before);

@@ -31,16 +31,17 @@ export function makeStatusLine(): Part {
 /** What is told because something around the page has changed. */
 function changeWords(state: AppState, before: AppState, source: AppState["source"]): string {
   if (source !== "away" && state.source === "away") return "The server doesn't answer.";
-  if (source === "away" && state.source === "here") return "The server is back.";
+  if (source === "away" && state.source === "here") return "The server answers again.";
   if (state.loaded === null || before.loaded === null || state.gallery === before.gallery) return "";
   const now = state.gallery?.archives.find(({ id }) => id === state.loaded?.id);
   const then = before.gallery?.archives.find(({ id }) => id === state.loaded?.id);
   if (now === undefined || then === undefined) return "";
-  if (now.run !== then.run && now.run === state.loaded.run) return `${now.name} holds this run again.`;
-  if (now.run !== then.run) return `${now.name} is another run's archive now.`;
+  if (now.run !== then.run && now.run === state.loaded.run) return `${now.name} contains this run again.`;
+  if (now.run !== then.run) return `${now.name} now contains another run.`;
   if (now.state !== then.state) {
-    if (now.state === "ready") return `${now.name} can be read again.`;
-    if (now.state !== "reading") return now.words || `${now.name} is ${now.state}.`;
+    if (now.state === "ready") return `${now.name} is readable again.`;
+    if (now.state === "gone") return now.words || `${now.name} no longer exists.`;
+    if (now.state === "damaged") return now.words || `${now.name} is damaged.`;
   }
   if (then.is_live && !now.is_live) return "The run has ended.";
   return "";

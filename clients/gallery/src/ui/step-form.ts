@@ -58,21 +58,21 @@ export function makeStepForm(options: StepOptions): StepForm {
   const axes = (["x", "y", "z"] as const).map((axis) =>
     rangeFields(axis, "mm", 1000, onChange, (initial?.kind === "in" ? initial.box : openBox)[axis]),
   );
-  const during = rangeFields("from", "s", 1, onChange, initial?.during ?? openRange);
+  const during = rangeFields("time", "s", 1, onChange, initial?.during ?? openRange);
 
   const boxOf = (): Box => {
     const [x, y, z] = axes.map((fields) => fields.range);
     return { x: x ?? openRange, y: y ?? openRange, z: z ?? openRange };
   };
   const swatches = bodySwatches(scene, looks, (name) => form.setWho(name));
-  const parts: HTMLElement[] = [field("Which", who), ...(swatches === null ? [] : [swatches])];
-  if (kind === "touches") parts.push(field("touches", partner));
+  const parts: HTMLElement[] = [field("Body", who), ...(swatches === null ? [] : [swatches])];
+  if (kind === "touches") parts.push(field("Touches", partner));
   else {
     const map = placeMap(scene, looks, (place) => form.setBox(boxOfPlace(place)));
     parts.push(
       ...(map === null ? [] : [map]),
       el("div", { class: "box-fields" }, ...axes.map(({ element }) => element)),
-      button("Draw the box in the player", () => options.onDrawBox(form), { class: "draw-box" }),
+      button("Draw box in player", () => options.onDrawBox(form), { class: "draw-box" }),
     );
   }
   if (kind !== "ends") {
@@ -80,14 +80,14 @@ export function makeStepForm(options: StepOptions): StepForm {
       el(
         "details",
         { open: initial !== null && !isOpen(initial.during) },
-        el("summary", {}, "At a certain time"),
+        el("summary", {}, "Limit the time"),
         during.element,
-        button("Mark it on the timeline", () => options.onMarkTime(form), { class: "mark-time" }),
+        button("Mark range on timeline", () => options.onMarkTime(form), { class: "mark-time" }),
       ),
     );
   }
   const { onRemove } = options;
-  if (onRemove !== null) parts.push(button("Take this step away", () => onRemove(form), { class: "small" }));
+  if (onRemove !== null) parts.push(button("Delete step", () => onRemove(form), { class: "small" }));
   const form: StepForm = {
     element: el(
       "fieldset",

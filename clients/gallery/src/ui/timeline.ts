@@ -198,10 +198,10 @@ export class Timeline {
     const near = item?.events.filter((other) => Math.abs(this.placeOf(other.sharedS) - x) <= hitPx) ?? [];
     const parted = this.data.parts.find(({ sharedS }) => Math.abs(this.placeOf(sharedS) - x) <= hitPx);
     const lines = near.slice(0, 4).map((other) => `${seconds(other.sharedS)}  ${other.words}`);
-    if (near.length > 4) lines.push(`and ${near.length - 4} more`);
+    if (near.length > 4) lines.push(`${near.length - 4} more events`);
     if (parted !== undefined) {
       const names = [parted.a, parted.b].map((i) => this.data.items[i]?.label ?? "");
-      lines.push(`${seconds(parted.sharedS)}  ${names.join(" and ")} part`);
+      lines.push(`${seconds(parted.sharedS)}  ${names.join(" and ")} start to differ`);
     }
     setHidden(this.tip, lines.length === 0);
     setText(this.tip, lines.join("\n"));

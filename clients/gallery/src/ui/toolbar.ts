@@ -47,10 +47,10 @@ export function makeToolbar(ui: Ui, focusedName: () => string | null): Part {
     (value) => ui.page.change({ grouping: { ...ui.store.state.page.grouping, by: value as GroupsBy } }),
     {
       id: "groups-by",
-      "aria-label": "How groups are made",
+      "aria-label": "Grouping method",
       title:
-        "Medoids: animations to which the others are near. " +
-        "Hierarchy: the nearest groups are joined; groups stay nested.",
+        "Medoids: best groups for this number. " +
+        "Hierarchy: groups that nest for all numbers.",
     },
   );
   const groupTools = el("div", { class: "tool-group" }, field("Groups", groups), by);
@@ -79,7 +79,7 @@ export function makeToolbar(ui: Ui, focusedName: () => string | null): Part {
   const moving = button("Moving", () => ui.theme.moveCards(ui.theme.areCardsStill), {
     id: "cards-moving",
     class: "small",
-    title: "Cards move, or stand at the end (e)",
+    title: "Animate cards, or show how animations end (e)",
   });
   const showMoving = (): void => setAttribute(moving, "aria-pressed", String(!ui.theme.areCardsStill));
   ui.theme.onChange(showMoving);
@@ -103,14 +103,14 @@ export function makeToolbar(ui: Ui, focusedName: () => string | null): Part {
     setHidden(turn, page.sort.by === "kept");
     const isDown =
       page.sort.by === "number" ? page.sort.isDescending : page.sort.by === "alike" && page.sort.isUnlike;
-    setText(turn, isDown ? "↓ greatest first" : "↑ least first");
+    setText(turn, isDown ? "↓ largest first" : "↑ smallest first");
     setText(words, toolbarWords(state));
   };
   return {
     element: el(
       "div",
       { class: "toolbar" },
-      el("nav", { "aria-label": "Where you are", class: "crumbs" }, crumbs),
+      el("nav", { "aria-label": "Breadcrumbs", class: "crumbs" }, crumbs),
       el("div", { class: "tool-group", role: "group", "aria-label": "View" }, ...tabs),
       groupTools,
       listTools,
@@ -144,8 +144,8 @@ function sortChoices(state: AppState) {
   const { sort } = state.page;
   const numbers = state.loaded?.scene.numbers ?? [];
   const choices = [
-    { value: "", label: "as kept" },
-    { value: "like", label: "likeness to those chosen" },
+    { value: "", label: "archive order" },
+    { value: "like", label: "likeness to the selection" },
     ...numbers.map(({ name, unit }) => ({ value: `-${name}`, label: words(name, unit) })),
   ];
   if (sort.by === "alike")
@@ -172,7 +172,7 @@ function toolbarWords(state: AppState): string {
   const { page, groups } = state;
   if (page.view === "list") {
     if (page.sort.by === "alike")
-      return `${page.sort.isUnlike ? "Least" : "Most"} like ${shortList(page.sort.to)} first.`;
+      return `${page.sort.isUnlike ? "Least" : "Most"} similar to ${shortList(page.sort.to)} first.`;
     return "";
   }
   if (page.view !== "groups") return "";
@@ -180,10 +180,10 @@ function toolbarWords(state: AppState): string {
   if (groups === null) return state.loaded === null ? "" : "Grouping …";
   const many = counted(groups.list.length, "group", "groups");
   const few =
-    groups.list.length < page.grouping.groups && groups.of.length > 0 ? "; there are no more kinds" : "";
+    groups.list.length < page.grouping.groups && groups.of.length > 0 ? "; no more are possible" : "";
   const approximate = groups.isApproximate
-    ? " Of many, the groups are those of 500; each other one goes to the nearest."
+    ? " Groups come from a sample of 200; the others join the nearest group."
     : "";
   const shares = groups.shareWords === "" ? "" : ` ${groups.shareWords}`;
-  return `${many} of ${count(within(state).length)} that look alike${few}.${approximate}${shares}`;
+  return `${many} of similar animations (${count(within(state).length)} in all${few}).${approximate}${shares}`;
 }

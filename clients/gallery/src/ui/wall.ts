@@ -55,7 +55,7 @@ export function makeWall(ui: Ui, renderer: SharedRenderer): Wall {
   const groups = new VirtualGrid({
     ...common,
     id: "groups",
-    label: "Groups of animations that look alike",
+    label: "Groups of similar animations",
     render: (key) => {
       const { loaded, groups: answer } = ui.store.state;
       const group = answer?.list[groupsOf.get(key) ?? -1];
@@ -243,8 +243,8 @@ function groupKeys(state: AppState): string[] {
 /** Of a run that isn't followed nobody knows here whether it has ended. */
 function noneKeptWords(state: AppState, isServed: boolean): string {
   if (archiveShown(state)?.is_live)
-    return "The archive has no kept animations yet; they will be offered here.";
-  const ifItGoesOn = isServed ? " Should its run go on, new ones are offered here." : "";
+    return "The archive has no kept animations yet. New ones will be offered here.";
+  const ifItGoesOn = isServed ? " If the run continues, new ones will be offered here." : "";
   return `The archive has no kept animations.${ifItGoesOn}`;
 }
 
@@ -255,5 +255,5 @@ function emptyWords(state: AppState, isServed: boolean): string {
   const nothing =
     state.page.view === "list" ? orderedNames(state).length === 0 : state.groups?.of.length === 0;
   if (!nothing || state.opened.includes(null)) return "";
-  return "None is left. Switch a query off, or take it away (Ctrl+Z undoes the last one).";
+  return "No animations match. Switch off or delete a query, or press Ctrl+Z to undo the last change.";
 }

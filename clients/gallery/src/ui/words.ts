@@ -3,7 +3,7 @@
 const counts = new Intl.NumberFormat("en", { maximumFractionDigits: 0 });
 
 export const noPictures =
-  "This browser shows no 3D (WebGL): animations can be chosen by their numbers alone.";
+  "This browser has no WebGL, so animations cannot be drawn. Their numbers are still available.";
 
 /** "12,000" */
 export function count(value: number): string {

@@ -85,13 +85,13 @@ export function wordsOf(event: MotionEvent, scene: Scene): string {
   switch (event.cause) {
     case "start": return `${body} enters`;
     case "hit": return `${body} hits ${name(event.partner)}`;
-    case "rest": return event.mode === "resting" ? `${body} rests` : `${body} is woken`;
+    case "rest": return event.mode === "resting" ? `${body} comes to rest` : `${body} starts to move`;
     case "mode":
       switch (event.mode) {
-        case "flying": return `${body} begins to fly`;
-        case "sliding": return `${body} begins to slide`;
-        case "rolling": return `${body} begins to roll`;
-        case "resting": return `${body} rests`;
+        case "flying": return `${body} starts to fly`;
+        case "sliding": return `${body} starts to slide`;
+        case "rolling": return `${body} starts to roll`;
+        case "resting": return `${body} comes to rest`;
       }
   }
 }
