@@ -31,7 +31,7 @@ web::Answer packed_answer(std::string bytes) {
 }
 
 [[noreturn]] void refuse_unknown() {
-  throw Refused(k_not_found, "There is nothing at this address.", "Load the page anew.");
+  throw Refused(k_not_found, "This address doesn't exist.", "Reload the page.");
 }
 
 /// Takes "/word" off the front of a path; none where it begins otherwise.
@@ -79,7 +79,7 @@ web::Answer Answers::operator()(const web::Ask& ask) const {
   } catch (const base::Error& error) {
     if (error.exit_code() == base::ExitCode::bad_archive) {
       return web::error_answer(k_damaged, error.what(),
-                               "The archive is damaged there; other parts of it can be seen.");
+                               "This part of the archive is damaged; other parts may be readable.");
     }
     return web::error_answer(k_bad_request, error.what(), "");
   }
@@ -100,7 +100,7 @@ web::Answer Answers::get(const web::Ask& ask) const {
 web::Answer Answers::of_archive(const web::Ask& ask, std::size_t archive,
                                 std::string_view what) const {
   if (archive >= gallery_.archives())
-    throw Refused(k_not_found, "There is no such archive.", "Load the page anew.");
+    throw Refused(k_not_found, "This archive doesn't exist.", "Reload the page.");
   // All but the index itself can be had of an outline.
   const auto snapshot =
       what == "index" ? gallery_.whole_snapshot(archive) : gallery_.snapshot(archive);
@@ -150,7 +150,7 @@ web::Answer Answers::notes_answer() const {
 web::Answer Answers::post(const web::Ask& ask) const {
   const json::Value question = json::Value::parse_or_null(ask.body);
   if (question.is_null())
-    throw Refused(k_bad_request, "The question is no JSON.", "Load the page anew.");
+    throw Refused(k_bad_request, "The request is not JSON.", "Reload the page.");
   if (ask.path == "/api/find") return json_answer(found(gallery_, question));
   if (ask.path == "/api/groups") return json_answer(grouped(gallery_, question));
   if (ask.path == "/api/alike") return json_answer(alike(gallery_, question));
@@ -158,7 +158,7 @@ web::Answer Answers::post(const web::Ask& ask) const {
   const auto text = [&](const char* name) -> std::string {
     const bool is_there = question.is_object() && question.contains(name);
     if (!is_there || !question[name].is_string())
-      throw Refused(k_bad_request, fmt::format("The question has no text \"{}\".", name), "");
+      throw Refused(k_bad_request, fmt::format("The request has no string \"{}\".", name), "");
     return question[name].get<std::string>();
   };
   runs_with_notes();  // where each is kept

@@ -19,7 +19,7 @@ using Json = json::Value;
 
 std::size_t required_entry(const Snapshot& snapshot, std::string_view name) {
   const auto entry = snapshot.entry_of(name);
-  if (!entry) throw Refused(k_not_found, "There is no such animation.", "Load the page anew.");
+  if (!entry) throw Refused(k_not_found, "This animation doesn't exist.", "Reload the page.");
   return *entry;
 }
 
@@ -69,8 +69,8 @@ std::string one_animation(const Snapshot& snapshot, std::string_view name) {
 std::string several_animations(const Snapshot& snapshot, std::span<const std::string> names) {
   if (names.empty() || names.size() > k_animations_at_once) {
     throw Refused(k_bad_request,
-                  fmt::format("1 to {} animations can be asked for at once.", k_animations_at_once),
-                  "Ask for fewer.");
+                  fmt::format("A request must name 1 to {} animations.", k_animations_at_once),
+                  "Request fewer at once.");
   }
   Packed packed;
   Json heads = Json::array();

@@ -133,9 +133,9 @@ void Gallery::look_at(std::size_t archive) {
     if (!file) {
       const bool was_known = shown.state == ArchiveState::gone;
       shown.state = ArchiveState::gone;
-      shown.words = shown.snapshot  ? "The archive's file is gone. This is what was read before."
-                    : shown.is_live ? "The job has committed nothing yet."
-                                    : "There is no such file (yet).";
+      shown.words = shown.snapshot ? "The archive file no longer exists; loaded data stays visible."
+                    : shown.is_live ? "The job has not committed anything yet."
+                                    : "The archive file doesn't exist (yet).";
       shown.tried.reset();
       if (was_known) return;
     } else if (shown.tried == file) {
@@ -169,7 +169,7 @@ void Gallery::look_at(std::size_t archive) {
     } catch (const base::Error& error) {
       fault = reason_of(error.what(), reading.path);
     } catch (const std::bad_alloc&) {
-      fault = "reading it takes more memory than there is";
+      fault = "there is not enough memory to read the archive";
     }
     show(archive, now, fault);
     // What was held while it was read is the system's again.
@@ -249,8 +249,8 @@ void Gallery::show(std::size_t archive, std::shared_ptr<const Snapshot> now,
   }
   shown.state = ArchiveState::damaged;
   shown.words = shown.snapshot ? fmt::format(
-                                     "The archive can't be read any more: {}. This is what was "
-                                     "read before.",
+                                     "The archive is no longer readable: {}. Loaded data stays "
+                                     "visible.",
                                      fault)
                                : fault;
 }

@@ -36,7 +36,7 @@ class JobFollower::Sink final : public rpc::WatchSink {
   bool happened(const rpc::WatchedEvent& event) override {
     if (!event.event) return true;
     if (const auto* progress = std::get_if<events::Progress>(&event.event->what)) {
-      const std::string name = fmt::format("job {} runs:", follower_.job_);
+      const std::string name = fmt::format("job {} is running:", follower_.job_);
       words_ = terminal::shown(events::progress_line(name, *progress));
       follower_.say(true, words_);
     }
@@ -54,8 +54,8 @@ class JobFollower::Sink final : public rpc::WatchSink {
   }
   bool lost(const std::string&) override {
     follower_.say(true,
-                  "The service is away. What it told is here; the page goes on by itself "
-                  "when it is back.");
+                  "The service is unreachable. Loaded data stays visible, and the page "
+                  "reconnects automatically.");
     return true;
   }
   bool found_again() override {

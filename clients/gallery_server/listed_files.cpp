@@ -43,7 +43,7 @@ ListedFiles listed_files(const std::vector<std::string>& paths) {
         listed.files.push_back({.path = file.string(), .name = name});
       } else {
         listed.left_out.push_back(
-            {.name = name, .reason = "it is a link that leads out of the folder"});
+            {.name = name, .reason = "a link that points outside the folder"});
       }
     }
   }

@@ -31,12 +31,12 @@ rpc::JobId job_of(const std::string& text, std::string& service,
   const auto names = service_client::job_names_of(std::span(&text, 1));
   if (!names) {
     throw base::Error(base::ExitCode::environment,
-                      fmt::format("{}: there is no such archive or folder", text));
+                      fmt::format("{}: no such archive or folder", text));
   }
   const auto* job = std::get_if<rpc::JobId>(&names.value().front());
   if (job == nullptr) {
     throw base::Error(base::ExitCode::usage,
-                      fmt::format("{}: names several jobs; name each by its number", text));
+                      fmt::format("{}: several jobs; give each job's number separately", text));
   }
   // Asked here, so that a job that isn't there, and no service, are said at once.
   if (service.empty()) service = service_called();
@@ -71,7 +71,7 @@ std::pair<std::string, base::Descriptor> new_folder(const std::string& temporary
     std::error_code failure;
     if (fs::exists(form, failure)) return {form, std::move(lock)};
   }
-  throw base::Error(fmt::format("{}: can't make a folder there", form));
+  throw base::Error(fmt::format("{}: cannot create this folder", form));
 }
 
 }  // namespace

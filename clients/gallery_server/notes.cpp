@@ -29,7 +29,7 @@ constexpr const char* k_shared_folder = "sleight-notes";
 constexpr std::size_t k_file_bytes_max = 64U << 20U;
 
 std::string checked_text(const Json& json, const char* key, std::size_t bytes_max) {
-  if (!json.is_string()) terminal::refuse_usage(fmt::format("{} is no text", key));
+  if (!json.is_string()) terminal::refuse_usage(fmt::format("{} is not a string", key));
   const auto& text = json.text();
   if (text.size() > bytes_max)
     terminal::refuse_usage(fmt::format("{} has more than {} bytes", key, bytes_max));
@@ -46,7 +46,7 @@ bool flag_of(const Json& note, const char* key) {
 
 /// As it is kept.
 Json checked(const Json& note) {
-  if (!note.is_object()) terminal::refuse_usage("the note is no object");
+  if (!note.is_object()) terminal::refuse_usage("the note is not an object");
   Json kept{{"star", flag_of(note, "star")},
             {"hidden", flag_of(note, "hidden")},
             {"tags", Json::array()},
@@ -54,7 +54,7 @@ Json checked(const Json& note) {
             {"changed", 0}};
   if (const auto* tags = note.find("tags"); tags) {
     if (!tags->is_array() || tags->size() > k_tags_max)
-      terminal::refuse_usage(fmt::format("tags are no list, or more than {}", k_tags_max));
+      terminal::refuse_usage(fmt::format("tags are not a list, or more than {}", k_tags_max));
     for (const Json& tag : tags->elements())
       kept["tags"].push_back(checked_text(tag, "a tag", k_tag_bytes_max));
   }
@@ -68,7 +68,7 @@ Json checked(const Json& note) {
 std::vector<std::string> tags_in(const Json& patch, const char* key) {
   const auto* found = patch.find(key);
   if (!found) return {};
-  if (!found->is_array()) terminal::refuse_usage(fmt::format("{} is no list", key));
+  if (!found->is_array()) terminal::refuse_usage(fmt::format("{} is not a list", key));
   std::vector<std::string> tags;
   for (const Json& tag : found->elements())
     tags.push_back(checked_text(tag, "a tag", k_tag_bytes_max));
@@ -76,7 +76,7 @@ std::vector<std::string> tags_in(const Json& patch, const char* key) {
 }
 
 Json patched(const Json& note, const Json& patch) {
-  if (!patch.is_object()) terminal::refuse_usage("the change is no object");
+  if (!patch.is_object()) terminal::refuse_usage("the change is not an object");
   Json whole = note;
   for (const char* key : {"star", "hidden", "note"})
     if (patch.contains(key)) whole[key] = patch[key];
@@ -143,7 +143,7 @@ std::string notes_folder(const std::string& archive) {
 
 Notes::Notes(std::string folder) : folder_(std::move(folder)) {
   if (folder_.empty())
-    trouble_ = "Stars and notes are kept until the gallery ends: there is no home folder.";
+    trouble_ = "Stars and notes last only until the gallery ends, because there is no home folder.";
 }
 
 Notes::Run& Notes::loaded(const std::string& run) {
@@ -159,7 +159,7 @@ Notes::Run& Notes::loaded(const std::string& run) {
   } catch (const std::exception&) {
     known.is_unreadable = true;
     trouble_ = fmt::format(
-        "The notes in {} can't be read; new ones of its run are kept until the gallery ends.",
+        "The notes in {} are unreadable; new notes of this run last only until the gallery ends.",
         file);
   }
   return known;
@@ -180,7 +180,7 @@ void Notes::write(const std::string& run, Run& to) {
         std::ranges::any_of(runs_, [](const auto& one) { return one.second.is_unreadable; });
     if (!is_any_unreadable) trouble_.clear();
   } catch (const base::Error& error) {
-    trouble_ = fmt::format("Stars and notes are kept until the gallery ends: {}.", error.what());
+    trouble_ = fmt::format("Stars and notes last only until the gallery ends: {}.", error.what());
   }
 }
 
@@ -196,8 +196,8 @@ void Notes::keep_in(const std::string& run, const std::string& folder) {
 }
 
 Json Notes::change(const std::string& run, const Json& patches) {
-  if (!is_run_word(run)) terminal::refuse_usage("there is no such run");
-  if (!patches.is_object()) terminal::refuse_usage("the changes are no object");
+  if (!is_run_word(run)) terminal::refuse_usage("no such run");
+  if (!patches.is_object()) terminal::refuse_usage("the changes are not an object");
   const std::lock_guard lock(mutex_);
   Run& of = loaded(run);
   std::uint64_t changed = 0;
@@ -207,14 +207,14 @@ Json Notes::change(const std::string& run, const Json& patches) {
   std::size_t more = 0;
   for (const auto& [animation, patch] : patches.items()) {
     const auto name = name_today(animation);
-    if (!name) terminal::refuse_usage("there is no such animation");
+    if (!name) terminal::refuse_usage("no such animation");
     Json& kept = now[*name];
     kept = patched(of.notes.value(*name, checked(Json::object())), patch);
     kept["changed"] = changed + 1;
     if (!says_nothing(kept) && !of.notes.contains(*name)) ++more;
   }
   if (more > 0 && of.notes.size() + more > k_notes_max)
-    terminal::refuse_usage(fmt::format("a run has at most {} notes", k_notes_max));
+    terminal::refuse_usage(fmt::format("a run can have at most {} notes", k_notes_max));
   for (const auto& [animation, kept] : now.items()) {
     if (says_nothing(kept)) {
       of.notes.erase(animation);

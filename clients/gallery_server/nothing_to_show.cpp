@@ -20,11 +20,11 @@ std::string nothing_to_show(const json::Value& state, const std::vector<std::str
     const std::string besides =
         left_out.empty()
             ? std::string()
-            : fmt::format(" (left out: {}: {})", left_out[0]["name"].template get<std::string>(),
+            : fmt::format(" (skipped: {}: {})", left_out[0]["name"].template get<std::string>(),
                           left_out[0]["reason"].template get<std::string>());
     return terminal::shown_on_one_line(fmt::format(
-        "{}: there is no archive (*.h5) to show{}; folders below are not searched: name "
-        "an archive or its own folder, or wait until one comes",
+        "{}: no archive (*.h5) to show{}; subfolders are not searched: name an archive or "
+        "its folder, or wait until an archive appears",
         fmt::join(paths, ", "), besides));
   }
   // What was read of a damaged one is shown, and a job's that isn't there yet may come.
@@ -36,8 +36,8 @@ std::string nothing_to_show(const json::Value& state, const std::vector<std::str
   const std::string more =
       archives.size() == 1 ? std::string() : fmt::format(" (and {} more)", archives.size() - 1);
   return terminal::shown_on_one_line(fmt::format(
-      "there is nothing to show: {}: {}{}; name an archive that "
-      "`sleight direct` made, or wait until it is replaced",
+      "nothing to show: {}: {}{}; name an archive that "
+      "`sleight direct` wrote, or wait until it is replaced",
       first["name"].template get<std::string>(), first["words"].template get<std::string>(), more));
 }
 

@@ -7,7 +7,7 @@ namespace sleight::gallery {
 namespace {
 
 constexpr std::size_t k_alignment = 8;
-static_assert(std::endian::native == std::endian::little, "columns are copied as they lie");
+static_assert(std::endian::native == std::endian::little, "columns are copied bytewise");
 
 }  // namespace
 

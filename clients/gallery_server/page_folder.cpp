@@ -17,14 +17,14 @@ std::string folder_of_page(const char* name) {
   const fs::path program = fs::read_symlink("/proc/self/exe", failure);
   if (failure) {
     throw base::Error(
-        fmt::format("/proc/self/exe: can't tell where this program is: {}", failure.message()));
+        fmt::format("/proc/self/exe: cannot find this program's folder: {}", failure.message()));
   }
   const fs::path folder = program.parent_path().parent_path() / "share" / "sleight" / name;
   if (!fs::exists(folder / "index.html", failure)) {
-    throw base::Error(fmt::format(
-        "{}: the gallery's page is not there; it is built where npm's packages are: run "
-        "deploy/install-deps and build again (cmake without -DSLEIGHT_GALLERY=OFF)",
-        folder.string()));
+    throw base::Error(
+        fmt::format("{}: the gallery's page is missing. Building it requires npm packages: run "
+                    "deploy/install-deps and build again (cmake without -DSLEIGHT_GALLERY=OFF)",
+                    folder.string()));
   }
   return folder.string();
 }

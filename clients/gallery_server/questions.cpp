@@ -25,26 +25,26 @@ constexpr unsigned k_other_generation = 409;
 constexpr std::size_t k_alike_to_max = 100;
 
 [[noreturn]] void refuse(const std::string& words) {
-  throw Refused(k_bad_request, words, "Load the page anew.");
+  throw Refused(k_bad_request, words, "Reload the page.");
 }
 
 const Question& field(const Question& ask, const char* name) {
-  if (!ask.is_object()) refuse("The question is no JSON object.");
+  if (!ask.is_object()) refuse("The request is not a JSON object.");
   const auto* found = ask.find(name);
-  if (!found) refuse(fmt::format("The question has no \"{}\".", name));
+  if (!found) refuse(fmt::format("The request has no \"{}\".", name));
   return *found;
 }
 
 std::uint64_t whole(const Question& ask, const char* name) {
   const Question& value = field(ask, name);
-  if (!value.is_whole()) refuse(fmt::format("\"{}\" is no whole number.", name));
+  if (!value.is_whole()) refuse(fmt::format("\"{}\" is not an integer.", name));
   return value.get<std::uint64_t>();
 }
 
 std::uint64_t archive_of(const Gallery& gallery, const Question& ask) {
   const std::uint64_t id = whole(ask, "id");
   if (id >= gallery.archives())
-    throw Refused(k_not_found, "There is no such archive.", "Load the page anew.");
+    throw Refused(k_not_found, "This archive doesn't exist.", "Reload the page.");
   return id;
 }
 
@@ -53,8 +53,8 @@ std::shared_ptr<const Snapshot> asked_for(const Gallery& gallery, const Question
                                           std::shared_ptr<const Snapshot> snapshot) {
   if (!snapshot) refuse_unread(gallery, archive_of(gallery, ask));
   if (snapshot->generation() != whole(ask, "generation")) {
-    throw Refused(k_other_generation, "The archive has been read anew since.",
-                  "Ask for its table again.");
+    throw Refused(k_other_generation, "The archive was read again since.",
+                  "Request its table again.");
   }
   return snapshot;
 }
@@ -71,12 +71,12 @@ std::shared_ptr<const Snapshot> whole_of(const Gallery& gallery, const Question&
 
 std::vector<std::size_t> entries_in(const Question& list, const Snapshot& snapshot) {
   const std::size_t count = snapshot.index().entries.size();
-  if (!list.is_array() || list.size() > count) refuse("The animations are no list.");
+  if (!list.is_array() || list.size() > count) refuse("The animations are not a list.");
   std::vector<std::size_t> entries;
   std::vector<bool> is_in(count);
   for (const Question& one : list.elements()) {
     if (!one.is_whole() || one.get<std::uint64_t>() >= count)
-      refuse("One of the animations is none.");
+      refuse("An animation's entry is invalid.");
     const auto entry = one.get<std::size_t>();
     if (!is_in[entry]) entries.push_back(entry);
     is_in[entry] = true;
@@ -136,11 +136,11 @@ browse::Groups groups_among(const Snapshot& snapshot, const std::vector<std::siz
 std::string why_no_shares(const Snapshot& snapshot) {
   const Facts& facts = snapshot.facts();
   if (facts.summary.chains * facts.summary.scans == 0)
-    return "They were found by search: how often the model has such animations is not known.";
+    return "Search found these animations; their probability in the model is unknown.";
   if (!facts.in_proportion) return "The draws are not in the model's proportions.";
   if (snapshot.is_beginning()) return "Not all animations have been read yet.";
   if (!facts.satisfied) return "There are too many draws to count.";
-  return "No draw can be counted.";
+  return "No draws can be counted.";
 }
 
 }  // namespace
@@ -148,8 +148,8 @@ std::string why_no_shares(const Snapshot& snapshot) {
 Json found(const Gallery& gallery, const Question& ask) {
   const Question& query = field(ask, "query");
   const Question& archives = field(ask, "archives");
-  if (!query.is_string()) refuse("The query is no text.");
-  if (!archives.is_array()) refuse("The archives are no list.");
+  if (!query.is_string()) refuse("The query is not a string.");
+  if (!archives.is_array()) refuse("The archives are not a list.");
   const auto& text = query.text();
   const bool is_all = text.find_first_not_of(" \t\r\n") == std::string::npos;
   Json answer{{"found", Json::array()}, {"errors", Json::array()}};
@@ -181,9 +181,9 @@ Json grouped(const Gallery& gallery, const Question& ask) {
   const std::vector<std::size_t> entries = meant(ask, *snapshot);
   const std::uint64_t groups = whole(ask, "groups");
   if (groups < 1 || groups > browse::k_full_matrix_max)
-    refuse(fmt::format("There are 1 to {} groups.", browse::k_full_matrix_max));
+    refuse(fmt::format("The number of groups must be 1 to {}.", browse::k_full_matrix_max));
   const Question& by = field(ask, "by");
-  if (by != "medoids" && by != "hierarchy") refuse("Groups are by medoids or by hierarchy.");
+  if (by != "medoids" && by != "hierarchy") refuse("\"by\" must be \"medoids\" or \"hierarchy\".");
   Json answer{{"approximate", false}, {"groups", Json::array()}, {"share_words", ""}};
   if (entries.empty()) return answer;
 
@@ -219,7 +219,7 @@ Json alike(const Gallery& gallery, const Question& ask) {
   const auto snapshot = whole_of(gallery, ask);
   const std::vector<std::size_t> to = entries_in(field(ask, "to"), *snapshot);
   if (to.empty() || to.size() > k_alike_to_max)
-    refuse(fmt::format("One to {} animations can be compared with.", k_alike_to_max));
+    refuse(fmt::format("Sorting by likeness needs 1 to {} animations.", k_alike_to_max));
   const std::vector<std::size_t> entries = meant(ask, *snapshot);
   const browse::AlikeSet& set = snapshot->alike();
   std::vector<std::pair<double, std::size_t>> nearest;

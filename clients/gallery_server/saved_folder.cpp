@@ -34,7 +34,7 @@ bool is_saved_name(const std::string& name) {
 }
 
 std::string manifest_of(const std::set<std::string>& names) {
-  const Json json{{"about", "files that `sleight gallery --save` wrote, and replaces"},
+  const Json json{{"about", "files that `sleight gallery --save` wrote and may replace"},
                   {"sleight_gallery", 1},
                   {"files", names}};
   return json.dump(1) + "\n";
@@ -87,7 +87,7 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
   if (!fs::is_directory(place)) {
     throw base::Error(
         base::ExitCode::conflict,
-        fmt::format("{}: is there already and is no folder; name another one", place.string()));
+        fmt::format("{}: already exists and is not a folder; choose another name", place.string()));
   }
   std::set<std::string> names = named_in_manifest(place);
   const std::vector<std::string> others = others_in(place, names, work);
@@ -98,11 +98,12 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
       std::ranges::any_of(others, [](const auto& name) { return name.starts_with(k_work); });
   throw base::Error(
       base::ExitCode::conflict,
-      fmt::format("{}: holds {}{} that no saved gallery wrote, so it isn't replaced; {}name a new "
-                  "folder, or move away what is in this one",
-                  place.string(), others.front(), more,
-                  has_work ? fmt::format("{}... is of a save that goes on or was killed; ", k_work)
-                           : std::string()));
+      fmt::format(
+          "{}: contains {}{}, which no saved gallery wrote, so nothing is replaced; {}choose "
+          "a new folder, or move the other files away",
+          place.string(), others.front(), more,
+          has_work ? fmt::format("{}... is from a running or killed save; ", k_work)
+                   : std::string()));
 }
 
 /// Absolute, where links lead, without a slash at its end.
@@ -114,7 +115,7 @@ fs::path resolved(const std::string& folder) {
 fs::path folder_of_our_own(const fs::path& parent) {
   std::string form = (parent / fmt::format("{}XXXXXX", k_work)).string();
   if (::mkdtemp(form.data()) == nullptr) {
-    throw base::Error(fmt::format("{}: can't make a folder there: {}", parent.string(),
+    throw base::Error(fmt::format("{}: cannot create a folder there: {}", parent.string(),
                                   std::generic_category().message(errno)));
   }
   return form;
@@ -208,9 +209,8 @@ void SavedFolder::exchange() {
       moves.move(work_ / "new" / name, place_ / name);
   } catch (const fs::filesystem_error& error) {
     if (moves.take_back()) throw;
-    throw base::Error(fmt::format("{}: {}; files of the gallery that was there are in {}",
-                                  place_.string(), error.code().message(),
-                                  (work_ / "old").string()));
+    throw base::Error(fmt::format("{}: {}; files of the old gallery are in {}", place_.string(),
+                                  error.code().message(), (work_ / "old").string()));
   }
   remove_old();
 }
@@ -230,7 +230,7 @@ void SavedFolder::remove_old() {
   fs::remove(work_ / "old", failure);
   if (!fs::exists(work_ / "old")) return;
   throw base::Error(base::ExitCode::conflict,
-                    fmt::format("{}: the gallery is saved, but files came to the old one "
+                    fmt::format("{}: the gallery was saved, but files were added to the old one "
                                 "meanwhile; they are in {}",
                                 place_.string(), (work_ / "old").string()));
 }

@@ -116,7 +116,7 @@ Json gallery_json(const std::vector<SavedArchive>& archives, const std::string& 
           {"left_out", Json::array()},
           {"notes",
            {{"writable", false},
-            {"words", "This is a saved gallery: stars and notes last until the page is closed."}}}};
+            {"words", "In a saved gallery, stars and notes last until the page closes."}}}};
 }
 
 constexpr std::size_t k_page_bytes_max = 16U << 20U;

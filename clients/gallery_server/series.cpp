@@ -32,10 +32,10 @@ using Json = json::Value;
 constexpr std::uint64_t k_histogram_draws_max = 1'000'000;
 constexpr std::string_view k_trace_prefix = "trace.";
 constexpr std::string_view k_pair_prefix = "pair.";
-constexpr const char* k_index_title = "index process: at which level each replica is";
+constexpr const char* k_index_title = "index process: level of each replica";
 
 [[noreturn]] void refuse_plot() {
-  throw Refused(k_not_found, "There is no such plot.", "Load the page anew.");
+  throw Refused(k_not_found, "This plot doesn't exist.", "Reload the page.");
 }
 
 const archive::DatasetSpec* spec_of(const archive::Source& source, std::string_view group,
@@ -195,7 +195,7 @@ std::string levels_of(const archive::Source& source, const archive::Summary& sum
   for (std::size_t kind = 0; kind < kinds.size(); ++kind)
     packed.add(fmt::format("acceptance.{}", kind), acceptance[kind]);
   return packed.finish({{"kind", "levels"},
-                        {"title", "the ladder, and how often its levels swap"},
+                        {"title", "the ladder and its swap rates"},
                         {"chain", chain},
                         {"chains", summary.chains},
                         {"rounds", count},
@@ -230,7 +230,7 @@ std::string rounds_table(const archive::Source& source, const archive::Summary& 
   add("restarts", "restarts", false);
   add("barrier", "barrier", false);
   return packed.finish({{"kind", "rounds"},
-                        {"title", "journeys from the prior and back, by round"},
+                        {"title", "round trips from the prior and back, by round"},
                         {"chain", chain},
                         {"chains", summary.chains},
                         {"rounds", all.size()}});
@@ -330,7 +330,7 @@ std::string pair_of(const archive::Source& source, const archive::Summary& summa
   packed.add("prior", histogram(prior, edges));
   packed.add("posterior", histogram(posterior, edges));
   return packed.finish({{"kind", "pair"},
-                        {"title", fmt::format("{}: prior against posterior", name)},
+                        {"title", fmt::format("{}: prior and posterior", name)},
                         {"unit", unit_of(source, archive::k_sample_stats, name)},
                         {"prior_draws", prior.values.size()},
                         {"draws", posterior.values.size()},
@@ -347,18 +347,18 @@ Json titles_in(const archive::Source& source, const archive::Summary& summary) {
   if (draws == 0 || draws > k_counted_draws_max) return titles;
   for (const std::string& name : traced(source))
     add(std::string(k_trace_prefix) + name, title_of(name), "trace", "along the chain");
-  add("trace.lineage", "lineage: which visit to the prior a draw descends from", "trace",
+  add("trace.lineage", "lineage: the visit to the prior that a draw descends from", "trace",
       "along the chain");
   if (!rounds(source, summary).empty()) {
-    add("ladder", "the ladder, and how often its levels swap", "levels", "ladder");
-    add("rounds", "journeys from the prior and back, by round", "rounds", "ladder");
+    add("ladder", "the ladder and its swap rates", "levels", "ladder");
+    add("rounds", "round trips from the prior and back, by round", "rounds", "ladder");
     if (spec_of(source, archive::k_tempering, "index_level") != nullptr)
       add("index", k_index_title, "index", "ladder");
   }
   for (const std::string& name : paired(source))
     add(std::string(k_pair_prefix) + name, title_of(name), "pair", "prior against posterior");
   if (analysis::why_not_diagnosed(source, summary).empty())
-    add("diagnosis", "have the chains mixed?", "table", "diagnosis");
+    add("diagnosis", "Have the chains mixed?", "table", "diagnosis");
   return titles;
 }
 
@@ -366,7 +366,7 @@ std::uint64_t chain_of(std::string_view text, const archive::Summary& summary) {
   std::uint64_t chain = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), chain);
   if (failure != std::errc() || end != text.data() + text.size() || chain >= summary.chains)
-    throw Refused(k_not_found, "There is no such chain.", "Chains are counted from 0.");
+    throw Refused(k_not_found, "This chain doesn't exist.", "Chains are counted from 0.");
   return chain;
 }
 
