@@ -22,7 +22,7 @@ std::chrono::steady_clock::duration seconds(double value) {
       std::chrono::duration<double>(value));
 }
 
-constexpr Refusal k_too_slow{408, "This request took too long to come.", "Try again."};
+constexpr Refusal k_too_slow{408, "The request took too long to arrive.", "Try again."};
 
 }  // namespace
 

@@ -72,7 +72,7 @@ std::optional<Refusal> judge_form(const Head& head, Passed& passed) {
        {"content-length", "transfer-encoding", "expect", "origin", "cookie", "sec-fetch-site",
         "sec-fetch-mode", "sec-fetch-dest", "content-type", "accept-encoding"}) {
     if (said(head, once).count > 1)
-      return Refusal{400, "This request says something twice.", k_again};
+      return Refusal{400, "The request repeats a header that must be unique.", k_again};
   }
   // Two readers must not take different bytes for the body: it has one length, told beforehand.
   const Said length = said(head, "content-length");
@@ -81,16 +81,16 @@ std::optional<Refusal> judge_form(const Head& head, Passed& passed) {
       !length.value.empty() && length.value.size() < 19 &&
       std::ranges::all_of(length.value, [](char c) { return c >= '0' && c <= '9'; });
   if (length.count > 0 && (!is_number || coding.count > 0))
-    return Refusal{400, "This request's length is not plain.", k_again};
+    return Refusal{400, "The request's Content-Length is invalid.", k_again};
   if (coding.count > 0)
-    return Refusal{411, "Content comes with its length here.",
-                   "Send Content-Length, and no chunks."};
+    return Refusal{411, "This server requires a Content-Length.",
+                   "Send Content-Length instead of chunks."};
   passed.has_body = length.value.find_first_not_of('0') != std::string_view::npos;
   if (passed.has_body && passed.ask.method != Method::post)
-    return Refusal{400, "Only a POST has content.", k_again};
+    return Refusal{400, "Only a POST may have content.", k_again};
   const Said expect = said(head, "expect");
   if (expect.count > 0 && !is_equal_but_for_case(expect.value, "100-continue"))
-    return Refusal{417, "This request expects what this server doesn't do.", k_again};
+    return Refusal{417, "This server doesn't support the request's Expect header.", k_again};
   passed.wants_continue = expect.count > 0 && head.version >= 11 && passed.has_body;
   return std::nullopt;
 }
@@ -117,13 +117,14 @@ struct Guard::Origins {
 std::optional<Refusal> Guard::judge_origins(const Head& head, Origins& origins) const {
   const Said host = said(head, "host");
   if (host.count != 1)
-    return Refusal{400, "A request names one host.", "Use a browser of today, or curl."};
+    return Refusal{400, "The request must have exactly one Host header.",
+                   "Use a current browser, or curl."};
   if (std::ranges::find(hosts_, host.value) == hosts_.end()) {
-    return Refusal{421, "This server doesn't go by that name.",
-                   "Open it as 127.0.0.1 with its port, or as localhost."};
+    return Refusal{421, "This server has another name.",
+                   "Open 127.0.0.1 or localhost with the server's port."};
   }
-  const Refusal foreign{403, "A page of another server asked for this.",
-                        "Close that page. Open this one by its link."};
+  const Refusal foreign{403, "A page of another server sent this request.",
+                        "Close that page, and open this server's own link."};
   const Said origin = said(head, "origin");
   constexpr std::string_view k_scheme = "http://";
   origins.has_origin = origin.count > 0;
@@ -168,11 +169,11 @@ base::Result<Passed, Refusal> Guard::judge(const Head& head) const {
     if (head.method == "POST") {
       passed.ask.method = Method::post;
     } else if (head.method != "GET" && !passed.is_head) {
-      return Refusal{405, "This server answers GET, HEAD and POST.", "Use one of these."};
+      return Refusal{405, "The method must be GET, HEAD or POST.", "Use one of these."};
     }
     auto target = parse_target(head.target);
     if (!target)
-      return Refusal{400, "This address has signs or parts that none here has.", "Correct it."};
+      return Refusal{400, "The address has invalid characters or parts.", "Correct the address."};
     passed.ask.path = std::move(target->path);
     passed.ask.parameters = std::move(target->parameters);
     if (const auto refusal = judge_form(head, passed)) return *refusal;
@@ -183,7 +184,7 @@ base::Result<Passed, Refusal> Guard::judge(const Head& head) const {
     passed.if_none_match = said(head, "if-none-match").value;
 
     const bool is_let_in = has_cookie(head);
-    const Refusal outside{403, "This browser was not let in, or its link was used before.",
+    const Refusal outside{403, "This browser is not authorized, or the link was already used.",
                           way_in_};
     const auto token = passed.ask.parameter("token");
     if (head.method == "GET" && passed.ask.path == "/" && token) {
@@ -195,21 +196,22 @@ base::Result<Passed, Refusal> Guard::judge(const Head& head) const {
       return passed;
     }
     if (!origins.is_from_here) {
-      return Refusal{403, "A page of another server led here.",
-                     "Click into the address bar and press Enter, to open this one by itself."};
+      return Refusal{403, "A page of another server opened this address.",
+                     "To open this page directly, click the address bar and press Enter."};
     }
     if (!is_let_in) return outside;
 
     const bool is_stream = passed.ask.path == events_path_;
     if (passed.ask.method == Method::post) {
       if (!origins.has_origin)
-        return Refusal{403, "A POST says which page sends it.", "Send Origin, as browsers do."};
+        return Refusal{403, "A POST must have an Origin header.", "Send Origin, as browsers do."};
       if (!is_json_type(said(head, "content-type").value))
-        return Refusal{415, "Content is taken as application/json alone.", "Send it as such."};
-      if (is_stream) return Refusal{405, "Events are read, not sent.", "Use GET."};
+        return Refusal{415, "Content must be application/json.",
+                       "Send Content-Type: application/json."};
+      if (is_stream) return Refusal{405, "Events can only be read.", "Use GET."};
     } else if (is_stream) {
       if (!origins.has_origin && !origins.says_same_origin)
-        return Refusal{403, "Who reads events says for which page.", "Send Origin."};
+        return Refusal{403, "Reading events requires an Origin header.", "Send Origin."};
       passed.way = Way::stream;
     }
     return passed;

@@ -35,10 +35,10 @@ Head head_of(const Parser::value_type& message) {
 
 Refusal refusal_of(const boost::beast::error_code& error) {
   if (error == http::error::header_limit || error == http::error::buffer_overflow)
-    return {431, "This request's head is too long.", "Delete this site's cookies, and try again."};
+    return {431, "The request's head is too long.", "Delete this site's cookies, and try again."};
   if (error == http::error::body_limit)
-    return {413, "This request's content is too long.", "Ask for less at once."};
-  return {400, "This is no request of HTTP/1.1 as it should be.", "Use a browser, or curl."};
+    return {413, "The request's content is too long.", "Send less at once."};
+  return {400, "The request is not valid HTTP/1.1.", "Use a browser, or curl."};
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ struct Intake::Impl {
     if (passed->has_body == parser->is_done()) return refuse(refusal_of(http::error::bad_value));
     if (parser->is_done()) return Step::whole;
     if (!hold(parser->content_length().value_or(0)))
-      return refuse({503, "This server has too much before it.", "Try again in a while."});
+      return refuse({503, "This server is busy.", "Try again later."});
     parser->eager(true);
     return std::nullopt;
   }

@@ -21,7 +21,7 @@ std::string new_secret() {
     const ssize_t count = ::getrandom(bits.data() + filled, bits.size() - filled, 0);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) {
-      throw base::Error(fmt::format("the system gives no random numbers: {}",
+      throw base::Error(fmt::format("cannot get random numbers from the system: {}",
                                     std::generic_category().message(errno)));
     }
     filled += static_cast<std::size_t>(count);
@@ -47,7 +47,7 @@ Keys::Keys(std::string secret, std::deque<std::string> tokens)
       secret_, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
   if (secret_.size() != k_secret_digits || !is_hex) {
     throw base::Error(
-        fmt::format("a page's secret is {} hexadecimal digits, in small letters", k_secret_digits));
+        fmt::format("a page's secret must be {} lower-case hexadecimal digits", k_secret_digits));
   }
 }
 

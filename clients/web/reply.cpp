@@ -106,9 +106,9 @@ Answer answer_of(Way way, const std::string& cookie) {
               .content =
                   "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">"
                   "<meta http-equiv=\"refresh\" content=\"0; url=/\">"
-                  "<title>Sleight</title><p><a href=\"/\">Go on</a></p></html>\n"};
+                  "<title>Sleight</title><p><a href=\"/\">Continue</a></p></html>\n"};
   } else {
-    answer = {.status = 303, .type = std::string(k_text), .content = "Go on to /\n"};
+    answer = {.status = 303, .type = std::string(k_text), .content = "Continue at /\n"};
     answer.fields.push_back({"Location", "/"});
   }
   if (way != Way::go_home) answer.fields.push_back({"Set-Cookie", cookie});

@@ -135,10 +135,11 @@ void Server::Impl::listen() {
     if (bound.error == EADDRINUSE) {
       throw base::Error(
           base::ExitCode::conflict,
-          fmt::format("port {} of this host is taken; name another one, or none", options.port));
+          fmt::format("port {} is already in use; choose another port or omit the option",
+                      options.port));
     }
-    throw base::Error(fmt::format("can't listen on 127.0.0.1, port {}: {}", options.port,
-                                  system_words(bound.error)));
+    throw base::Error(
+        fmt::format("cannot listen on 127.0.0.1:{}: {}", options.port, system_words(bound.error)));
   }
   port = port_of(bound.descriptor);
   listener = std::make_unique<Listener>(*this, std::move(bound.descriptor));
@@ -174,7 +175,7 @@ void Server::Impl::accept(Listener& from) {
     if (errno == EINTR || errno == ECONNABORTED) continue;
     if (errno == EAGAIN || errno == EWOULDBLOCK) break;
     if (!std::exchange(from.fails, true))
-      complain(fmt::format("no connection can be accepted: {}", system_words(errno)));
+      complain(fmt::format("cannot accept connections: {}", system_words(errno)));
     make_room();
     from.again.expires_after(k_accept_again);
     from.again.async_wait([this, &from](const SystemError& error) {
@@ -284,17 +285,17 @@ void Server::Impl::complain(const std::string& words) const {
 Answer Server::Impl::answer(const Ask& ask) const {
   const auto failed = [&](const std::string& words) {
     complain(words);
-    return error_answer(500, "This program has failed to answer.",
-                        "What it says in its terminal belongs into a report of this bug.");
+    return error_answer(500, "The program failed to answer.",
+                        "This is a bug: please report it with the program's terminal output.");
   };
   try {
     Answer answer = handler(ask);
-    if (!is_sound(answer)) return failed("an answer has a status or a field that can't be sent");
+    if (!is_sound(answer)) return failed("an answer has an invalid status or header");
     return answer;
   } catch (const std::exception& error) {
-    return failed(fmt::format("a page's question was not answered: {}", error.what()));
+    return failed(fmt::format("failed to answer a request: {}", error.what()));
   } catch (...) {
-    return failed("a page's question was not answered");
+    return failed("failed to answer a request");
   }
 }
 

@@ -66,9 +66,8 @@ struct ServerOptions {
   std::string events_path = "/api/events";
   /// Where a browser that is not let in is told to look.
   std::string way_in =
-      "Open the link that the program has printed: each lets in once. Where it was used already, "
-      "ask "
-      "the program for another one, or start it again.";
+      "Open the link that the program printed; each link authorizes one browser. If the link was "
+      "already used, get a new one from the program, or restart it.";
   /// Asks for one of these names, and for "/", are answered by it; may be null.
   std::shared_ptr<const StaticFiles> files{};
   std::size_t threads = 4;  ///< of the handler

@@ -59,7 +59,8 @@ std::string read_all(const base::Descriptor& file, const std::string& path, std:
     if (count == 0) break;
     filled += static_cast<std::size_t>(count);
   }
-  if (filled != size) fail(path, "is being written; start again once the page is built");
+  if (filled != size)
+    fail(path, "the file changed while it was read; start again once the page is built");
   text.resize(size);
   return text;
 }
@@ -87,7 +88,8 @@ struct StaticFiles::Reading {
 
 void StaticFiles::Reading::read_folder(const base::Descriptor& folder, const std::string& inside,
                                        int depth) {
-  if (depth > k_static_depth_max) fail(root + inside, "lies too deep for a page's files");
+  if (depth > k_static_depth_max)
+    fail(root + inside, "too deep; a page has fewer levels of folders");
   // By the descriptor, so that it is this very folder whatever its name now leads to.
   const base::PosixFileSystem system;
   for (const std::string& name : system.names_in(fmt::format("/proc/self/fd/{}", folder.get())))
@@ -99,12 +101,12 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
   if (name.starts_with('.')) return;
   const std::string path = inside + "/" + name;
   if (++entries > k_static_files_max)
-    fail(root, fmt::format("holds more than {} files; a page has fewer", k_static_files_max));
+    fail(root, fmt::format("contains more than {} files; a page has fewer", k_static_files_max));
   // Not through a link, and without waiting for the other end of a pipe.
   const base::Descriptor file(
       ::openat(folder.get(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK));
   if (!file && errno == ELOOP)
-    fail(root + path, "is a link; a page's folder holds files and folders alone");
+    fail(root + path, "is a link; a page's folder may only contain files and folders");
   if (!file) fail_as_system_says(root + path);
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) fail_as_system_says(root + path);
@@ -113,7 +115,7 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
   } else if (S_ISREG(status.st_mode)) {
     bytes += static_cast<std::size_t>(status.st_size);
     if (bytes > k_static_bytes_max)
-      fail(root, fmt::format("holds more than {} bytes; a page has fewer", k_static_bytes_max));
+      fail(root, fmt::format("contains more than {} bytes; a page has fewer", k_static_bytes_max));
     if (type_entry(name) != nullptr) {
       File& read = files[path];
       const std::string text =
@@ -127,7 +129,7 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
         if (auto packed = compress(text)) read.compressed = Content(std::move(*packed));
     }
   } else {
-    fail(root + path, "is neither file nor folder; a page's folder holds these alone");
+    fail(root + path, "is neither file nor folder; a page's folder may only contain these");
   }
 }
 
@@ -136,7 +138,7 @@ StaticFiles::StaticFiles(const std::string& folder) {
   if (!root) fail_as_system_says(folder);
   Reading reading{.files = files_, .root = folder};
   reading.read_folder(root, "", 0);
-  if (!files_.contains("/index.html")) fail(folder, "holds no index.html; build the page again");
+  if (!files_.contains("/index.html")) fail(folder, "has no index.html; build the page again");
 }
 
 std::optional<Answer> StaticFiles::find(std::string_view path, bool accepts_gzip) const {
