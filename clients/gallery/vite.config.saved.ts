@@ -1,16 +1,15 @@
-// Builds the page of a saved gallery: index.html, app.js and app.css, to which `sleight gallery --save`
-// adds the data.
+// Builds the page of a saved gallery: index.html, app.js and app.css. `sleight gallery --save` adds the data.
 //
-// It is also opened by double-click. Browsers load no module from a file, so all of it is one classic
-// script. The folder is SLEIGHT_GALLERY_SAVED_OUT, or `--outDir`, or dist-saved beside this file. Two
-// builds of the same sources give the same bytes.
+// The page also opens by double-click. Browsers don't load modules from files, so all code is one classic
+// script. The folder is SLEIGHT_GALLERY_SAVED_OUT, or `--outDir`, or dist-saved beside this file. Equal
+// sources build to equal bytes.
 import { readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
 
 const MODULE = '    <script type="module" src="/src/main.ts"></script>\n';
 
-// There is no server to send a policy, so the page brings it. Of files Chromium takes 'self' for all of
-// them; `file:` is for browsers that take each file for an origin of its own. Served pages load no files.
+// No server sends the policy, so the page contains it. Chromium treats all files as 'self'; `file:` is for
+// browsers in which each file is its own origin. Pages served by a web server load nothing from `file:`.
 const POLICY = [
   "default-src 'none'",
   "script-src 'self' file:",
@@ -20,14 +19,14 @@ const POLICY = [
   "form-action 'none'",
 ].join("; ");
 
-// The policy comes first: it counts for what stands behind it.
+// The policy comes first, because it applies only to what follows.
 const HEAD = `<head>
     <meta http-equiv="Content-Security-Policy" content="${POLICY}" />`;
 const FILES = `    <link rel="stylesheet" href="app.css" />
     <script src="app.js" defer></script>
   </head>`;
 
-/** The page is index.html's, with other files. */
+/** The page is index.html with other files. */
 function page(): Plugin {
   return {
     name: "saved-page",

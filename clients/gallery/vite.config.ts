@@ -1,7 +1,7 @@
-// Builds the page into one folder of static files that any web server, or a file manager, can hold.
+// Builds the page into a folder of static files for any web server.
 //
-// The folder is SLEIGHT_GALLERY_OUT, or `--outDir`, or dist beside this file. Two builds of the same
-// sources give the same bytes: names hold the content's hash and nothing holds the time or a path.
+// The folder is SLEIGHT_GALLERY_OUT, or `--outDir`, or dist beside this file. Equal sources build to equal
+// bytes: names contain the content's hash, and no file contains a time or path.
 import { defineConfig } from "vite";
 
 export default defineConfig({
@@ -14,10 +14,10 @@ export default defineConfig({
     target: "es2022",
     sourcemap: false,
     cssCodeSplit: true,
-    // Inlined files would be data: addresses, which the page's policy lets only images have.
+    // Inlined files would be data: addresses, which the page's policy allows only for images.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
-    // The budget is for what is sent, compressed; the browser tests hold it.
+    // The browser tests check the budget, which counts compressed bytes.
     chunkSizeWarningLimit: 1000,
     rollupOptions: {
       output: {
@@ -25,7 +25,7 @@ export default defineConfig({
         chunkFileNames: "assets/[name]-[hash].js",
         assetFileNames: "assets/[name]-[hash][extname]",
         manualChunks(id: string): string | undefined {
-          // Fetched by the plots' view alone.
+          // Loaded only by the plots' view.
           return id.includes("/node_modules/uplot/") ? "uplot" : undefined;
         },
       },

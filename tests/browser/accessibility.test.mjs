@@ -1,5 +1,5 @@
-// Goal: no view of the page has a serious or critical finding of axe-core, light or dark, wide or narrow.
-// Method: axe-core in Chromium on each view, and a page that is known to have findings.
+// Goal: axe-core finds no serious or critical problem in any view, light or dark, wide or narrow. Method:
+// axe-core in Chromium on each view, and on a page that has known problems.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -16,7 +16,7 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 before(async () => ({ visitor, page } = await visit([hi, dice])));
 after(leave);
 
-/** In words: rule, impact and the elements. */
+/** Each finding as text: rule, impact and elements. */
 async function findings(of = page) {
   await of.evaluate(axe);
   return of.evaluate(async () => {

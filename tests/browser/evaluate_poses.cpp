@@ -1,14 +1,18 @@
-// Where bodies are by the C++ code, for the page to be compared with (pixels.test.mjs,
+// Computes where bodies are by the C++ code, for comparison with the page (pixels.test.mjs,
 // evaluation.test.mjs).
 //
-//   sleight-evaluate-poses ARCHIVE.h5 < QUESTIONS    each line "NAME TIME_S"; answers each with a
-//   line
-//     of JSON: {"name", "time_s", "end_s", "bodies": [{"name", "radius_m", "centre_m": [x, y,
-//     z]}]}, centre_m null where the body isn't there yet
-//   sleight-evaluate-poses --segments COUNT SEED FOLDER    random segments of all modes as columns:
-//     segments.bin has them and a time of each, expected.bin where that leads
+//   sleight-evaluate-poses ARCHIVE.h5 < QUESTIONS
 //
-// Columns are those of the page's answers (clients/gallery_server/packed.h).
+// Each line of QUESTIONS is "NAME TIME_S". Each answer is a line of JSON, in which centre_m is null
+// if the body hasn't entered:
+//
+//   {"name", "time_s", "end_s", "bodies": [{"name", "radius_m", "centre_m": [x, y, z]}]}
+//   sleight-evaluate-poses --segments COUNT SEED FOLDER
+//
+// Writes random segments of all modes as columns. segments.bin has the segments and a time for
+// each; expected.bin has the positions, velocities and orientations at these times.
+//
+// Columns have the form of the page's answers (clients/gallery_server/packed.h).
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -75,7 +79,7 @@ Vec3 any_vector(random::Stream& stream, double size) {
           size * (2 * stream.uniform() - 1)};
 }
 
-/// Now and then nothing at all, as many recorded numbers are.
+/// Sometimes exactly zero, as many recorded numbers are.
 Vec3 vector_or_none(random::Stream& stream, double size) {
   const Vec3 vector = any_vector(stream, size);
   return stream.uniform() < 0.25 ? Vec3(0, 0, 0) : vector;
@@ -100,7 +104,7 @@ int write_segments(std::uint64_t count, std::uint64_t seed, const std::string& f
   for (std::uint64_t n = 0; n < count; ++n) {
     random::Stream stream({.seed = seed, .purpose = random::Purpose::scene}, n);
     const motion::Segment segment = any_segment(stream, n);
-    // From its very beginning to as long as rests are looked at.
+    // From the segment's start to as long as people look at a rest.
     const double t_s = segment.start_s + (n % 50 == 0 ? 0 : 0.5 * stream.uniform());
     all.push_back(segment);
     time.push_back(t_s);

@@ -1,4 +1,4 @@
-// Goal: the page's code evaluates segments as the C++ code does: places to 1e-9 m, velocities to 1e-9 m/s,
+// Goal: the page's code evaluates segments as the C++ code does: positions to 1e-9 m, velocities to 1e-9 m/s,
 // orientations to 1e-6 rad. Method: 100,000 random segments of all modes and causes, with and without
 // accelerations and spins, at random times; the page's own modules, bundled for Node.
 import assert from "node:assert/strict";
@@ -27,13 +27,13 @@ function greatestDifference(a, b) {
   let greatest = 0;
   for (let i = 0; i < a.length; ++i) {
     const difference = Math.abs(a[i] - b[i]);
-    // NaN is greater than all.
+    // The negated comparison also detects NaN.
     if (!(difference <= greatest)) greatest = difference;
   }
   return greatest;
 }
 
-/** Of unit quaternions; q and -q are the same turn. */
+/** Angle between unit quaternions; q and -q are the same rotation. */
 function greatestAngle(a, b) {
   let greatest = 0;
   for (let i = 0; i < a.length; i += 4) {
@@ -66,7 +66,7 @@ test("random segments yield the same positions and orientations", () => {
   console.log(`seed ${seed}: within ${position} m, ${velocity} m/s, ${turn} rad`);
   assert.equal(expected.get("position_m").length, 3 * count);
   assert.ok(position <= 1e-9 && velocity <= 1e-9 && turn <= 1e-6);
-  // It could have been otherwise: the segments move and turn.
+  // Check that the comparison isn't trivial: the segments move and turn.
   const began = doublesOf(join(folder, "segments.bin")).columns;
   assert.ok(greatestDifference(began.get("position_m"), expected.get("position_m")) > 1);
   assert.ok(greatestAngle(began.get("orientation"), expected.get("orientation")) > 1);

@@ -1,11 +1,11 @@
-// Goal: the gallery's figures, software rendering on this machine, beside what is asked of them.
-// Method: the program itself serves 5,000 real animations (hi.toml) and a chain of a million draws
-// (million.toml) to Debian's Chromium. It prints a table and ends with 1 where something asked isn't held.
-// It takes the machine for itself: run it by `deploy/soak gallery`, where nothing else runs.
+// Goal: measure the gallery's performance with software rendering on this machine, and compare it with the
+// limits. Method: the program serves 5,000 real animations (hi.toml) and a chain of a million draws
+// (million.toml) to Debian's Chromium. The script prints a table, and exits with 1 if a limit isn't met. It
+// needs the whole machine: run it by `deploy/soak gallery`, where nothing else runs.
 //
 //   SLEIGHT_BIN=build/release/bin node tests/browser/figures.mjs
 //
-// Archives that are there already may be given: SLEIGHT_WANTED, SLEIGHT_MILLION.
+// SLEIGHT_WANTED and SLEIGHT_MILLION can name existing archives.
 import { join } from "node:path";
 import { launch } from "./support/browser.mjs";
 import { Gallery } from "./support/gallery.mjs";
@@ -18,7 +18,7 @@ import {
 
 const rows = [];
 let isHeld = true;
-/** `asked`: {most} or {least}. */
+/** `asked`: a limit {most} or {least}. */
 function tell(figure, asked, measured, unit, note = "") {
   const { most, least } = asked;
   const holds = most !== undefined ? measured <= most : measured >= least;
@@ -49,7 +49,7 @@ const pageOf = async (gallery) => {
   return page;
 };
 
-// Starts: nothing is known of the archive, then all of it.
+// Start times: without stored data of the archive, then with all of it.
 {
   const from = performance.now();
   const gallery = await Gallery.start([archive], { home });
@@ -71,12 +71,12 @@ await wallIsUsable(page);
 tell("wall usable, warm index", { most: 1 }, (performance.now() - from) / 1000, "s",
   `first cards, without pictures, after ${carded.toFixed(1)} s`);
 
-// What the server answers.
+// Times of the server's answers.
 const random = new Random();
 const { generation } = await page.evaluate(async () => (await (await fetch("/api/gallery")).json()).archives[0]);
 const archives = [{ id: 0, generation }];
 const queries = Array.from({ length: 300 }, () => ({ query: randomQuery(random), archives }));
-// The first one waits for the motions, which are read once they are asked for.
+// The first request waits for the motions, which are read on demand.
 const [first] = await postTimes(page, "/api/find", queries.slice(0, 1));
 await page.waitForTimeout(2000);
 const finds = await postTimes(page, "/api/find", queries);
@@ -92,7 +92,7 @@ const [ofPart] = await postTimes(page, "/api/groups", [{ ...asks[0], entries: pa
 tell("groups again", { most: 200 }, quantile(groupings, 0.5), "ms",
   `for a new set of ${part.length} ${ofPart.toFixed(0)} ms`);
 
-// What is drawn.
+// Frame rates.
 const names = animations.map(({ id }) => id);
 const open = async (hash) => {
   await page.goto("about:blank");

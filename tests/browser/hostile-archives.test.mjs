@@ -1,7 +1,7 @@
-// Goal: words of an archive (names of things, of numbers and units, of its world, run and proposals, its
-// request) are text wherever the page shows them; what the reader refuses is refused in a sentence.
-// Method: an archive of dice with markup in each of these places (support/hostile_archives.py), looked at
-// in all views; a script or an attribute that ran, or an element that came of it, is found.
+// Goal: texts of an archive (names of features, numbers, units, world, run and proposals; its request) stay
+// text wherever the page shows them, and archives that the reader refuses are reported. Method: an archive of
+// dice with markup in each of these places (support/hostile_archives.py), shown in all views. The test
+// detects scripts and attributes that ran, and elements created from the markup.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
@@ -32,7 +32,7 @@ after(async () => {
 });
 
 const idOf = (name) => state.archives.find((archive) => archive.name === `${name}.h5`);
-/** No element of the page is one of an archive's words. */
+/** Fails if an element of the page was created from an archive's text. */
 const assertTextAlone = async (where) => {
   const bad = await page.evaluate(() => [...document.querySelectorAll("*")].filter((element) =>
     (element.tagName === "SCRIPT" && !element.src) || ["IMG", "B", "I", "IFRAME", "OBJECT"].includes(element.tagName) ||

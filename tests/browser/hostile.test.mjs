@@ -1,7 +1,7 @@
-// Goal: nobody but the page that was let in reads or changes anything: not another name of this address, not
-// a foreign page in the same browser, not another program of the host. Method: the real program, with Chromium
-// as the victim's browser (a host name that is mapped to loopback, a page of another port); what is refused must
-// not say what it was. Requests by hand are tests/unit/clients/web's.
+// Goal: only the authorized page can read or change anything. Another name of this address, a foreign page in
+// the same browser and another program of the host cannot. Method: the real program, with Chromium as the
+// victim's browser (a host name mapped to loopback, a page of another port). Refusals must not reveal the
+// content. Hand-made requests are tested in tests/unit/clients/web.
 import assert from "node:assert/strict";
 import { copyFileSync, mkdirSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -14,7 +14,7 @@ import { namesFound, temporaryFolder } from "./support/programs.mjs";
 
 const folder = temporaryFolder("hostile");
 const { hi } = archives();
-// A signs-ridden file name.
+// A file name full of special characters.
 const odd = `<img src=x onerror=alert(1)>"'&\u202e javascript:alert(2) %00..`;
 const shown = join(folder, "shown");
 mkdirSync(shown);
@@ -34,7 +34,7 @@ after(async () => {
 
 const notesNow = () => page.evaluate(async () => (await fetch("/api/notes")).text());
 
-/** A server of somebody else on this host; `pages`: path -> HTML. Keeps what it was asked. */
+/** Another person's server on this host; `pages`: path -> HTML. Records its requests. */
 async function foreignServer(pages) {
   const asked = [];
   const server = createServer((request, response) => {
@@ -52,7 +52,7 @@ test("another name of this address is refused", async () => {
   assert.ok([400, 403, 421].includes(answer.status()), `${answer.status()}`);
   const body = await answer.text();
   assert.doesNotMatch(body, /evil\.test|sleight-gallery-root|app"/);
-  // From such a page: same origin for the browser, and still refused.
+  // For the browser this page has the same origin; the server refuses it anyway.
   const tried = await other.evaluate(async () => {
     const status = async (path, options) => (await fetch(path, options)).status;
     return [await status("/api/gallery"), await status("/api/notes"), await status("/"),
@@ -76,7 +76,7 @@ test("a foreign page reads nothing and changes nothing", async () => {
       `<input name='${note.slice(0, -1).replaceAll("'", "&#39;")},"x":"' value='"}'></form>`,
   });
   try {
-    // Its host is the gallery's, its port isn't: the browser sends it the gallery's cookie.
+    // It has the gallery's host but another port, so the browser sends the gallery's cookie to it.
     const other = await visitor.context.newPage();
     await other.goto(`http://127.0.0.1:${foreign.port}/`);
     const said = await other.evaluate(async ([at, body]) => {
@@ -119,11 +119,11 @@ test("a foreign page reads nothing and changes nothing", async () => {
       const frame = document.createElement("iframe");
       frame.src = `${at}/`;
       document.body.append(frame);
-      /** Until something holds, or for 15 s: then what is asked afterwards fails. */
+      /** Waits until the condition holds, for at most 15 s. */
       const soon = async (holds) => {
         for (let i = 0; i < 300 && !holds(); ++i) await new Promise((resolve) => setTimeout(resolve, 50));
       };
-      // An empty page of one's own stands there until the other one comes.
+      // Until the other page loads, the frame contains an empty page of the same origin.
       await soon(() => frame.contentDocument === null);
       await attempt("frame", () => frame.contentDocument?.body.textContent ?? "refused");
       const opened = window.open(`${at}/`);
@@ -146,7 +146,7 @@ test("a foreign page reads nothing and changes nothing", async () => {
       }
       assert.match(String(result), /^refused|^nothing$/, `${what}: ${String(result).slice(0, 200)}`);
     }
-    // A page of it may not stand in one's frame: what is in it is Chromium's refusal.
+    // The gallery's page must not load in a foreign frame: the frame contains Chromium's refusal.
     for (const child of other.frames().slice(1))
       assert.equal(await child.locator("#counts").count().catch(() => 0), 0);
     await other.goto(`http://127.0.0.1:${foreign.port}/form`);
@@ -165,7 +165,7 @@ test("names of files stay text", async () => {
   assert.ok((await page.locator("nav[aria-label=Archives]").innerText()).includes("<script>alert(3)<script>.h5 (damaged)"));
   assert.equal(await page.locator("script:not([src]), [onerror], [onload], a[href^='javascript:']").count(), 0);
   assert.equal(await page.locator("img").count(), 0);
-  // Names in links and in what is chosen as well.
+  // The same for names in links and selections.
   await visitor.open(`#archive=${encodeURIComponent(`${odd}.h5`)}&q=in:${encodeURIComponent("<img src=x onerror=alert(4)>")}&tag=${encodeURIComponent("<b>")}`);
   assert.equal(await page.locator("#chips .chip-text").innerText(), "<img src=x onerror=alert(4)>");
   assert.equal(await page.locator("img, b").count(), 0);
@@ -176,7 +176,7 @@ test("the page's security policy works", async () => {
   await visitor.open();
   const tried = await page.evaluate(async () => {
     const tries = {};
-    // By a timer, as what a debugger says itself may evaluate.
+    // Uses a timer, because code from a debugger may evaluate strings.
     try { setTimeout("window.wasEvaluated = true"); } catch { /* refused */ }
     await new Promise((resolve) => setTimeout(resolve, 50));
     tries.evaluated = window.wasEvaluated ?? "refused";

@@ -1,5 +1,5 @@
-// Goal: a link shows another page, or the same one later, what it was taken from; all can be done by the
-// keyboard alone. Method: links are copied and opened in a page of another window of the same browser.
+// Goal: a link shows the same page in another window, and later; everything works by keyboard alone. Method:
+// links are copied and opened in another window of the same browser.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -20,7 +20,7 @@ after(async () => {
   await gallery?.stop();
 });
 
-/** What a page shows, as far as a link is to hold it. */
+/** The parts of a page's state that a link must contain. */
 const view = (of) => of.evaluate(() => {
   const text = (selector) => document.querySelector(selector)?.textContent ?? "";
   const cells = [...document.querySelectorAll("[role=grid]:not([hidden]) [role=gridcell]")]
@@ -108,7 +108,7 @@ test("links contain the archive, open groups, likeness and the plot; back and fo
   await other.waitForFunction((counts) => document.querySelector("#counts").textContent === counts, list.counts);
   assert.deepEqual(await view(other), list);
   await other.close();
-  // A broken link opens what can be opened.
+  // An invalid link still opens the page.
   await visitor.open("#run=zzz&view=wall&q=in:&play=../../etc/passwd,<b>&camera=1,2&t=x&sort=-nothing");
   assert.match(await page.locator("#counts").innerText(), /^40 of 40 shown/);
   visitor.assertNoProblems();
@@ -121,7 +121,7 @@ test("from the wall to the player and back by keyboard", async () => {
     const { id, dataset, tagName } = document.activeElement;
     return dataset.index ?? (id || tagName);
   });
-  // By Tab alone the wall is reached.
+  // Tab alone reaches the wall.
   let steps = 0;
   do {
     await page.keyboard.press("Tab");
@@ -176,7 +176,7 @@ test("from the wall to the player and back by keyboard", async () => {
   await page.locator("#query-count", { hasText: "matches" }).waitFor();
   await page.keyboard.press("Enter");
   await page.locator("#counts", { hasText: `${namesFound(hi, "--where", "rest_s > 2").length} of 40 shown` }).waitFor();
-  // Out of the field, onto a chip's button.
+  // Leave the field, to a chip's button.
   await page.keyboard.press("Shift+Tab");
   await page.keyboard.press("?");
   await page.locator("dialog#keys").waitFor();

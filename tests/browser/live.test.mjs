@@ -1,7 +1,7 @@
-// Goal: a page that is open goes on by itself: what a run has added is offered and nothing jumps;
-// archives that are damaged, deleted or new, and a server that is killed, are said and got over.
-// Method: a gallery in Chromium; its archives are replaced by longer ones of the same run, cut off, deleted
-// and put back; the server is killed with SIGKILL and started again on its port.
+// Goal: an open page stays up to date. New animations are offered without moving others; damaged, deleted and
+// new archives and a killed server are reported, and the page recovers. Method: a gallery in Chromium. Its
+// archives are replaced by longer ones of the same run, truncated, deleted and restored; the server is killed
+// with SIGKILL and restarted on its port.
 import assert from "node:assert/strict";
 import { copyFileSync, mkdirSync, readFileSync, renameSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -16,7 +16,7 @@ const shown = join(folder, "shown");
 const grown = join(shown, "grown.h5");
 const other = join(shown, "other.h5");
 const { hi } = archives();
-/** The same run's archives, ever longer. */
+/** Archives of the same run, increasingly long. */
 const ages = [100, 200, 400].map((scans) => ({ scans, path: join(folder, `${scans}.h5`) }));
 for (const { scans, path } of ages) {
   run(sleight, ["direct", join(source, "requests/ball_2d.toml"), "-o", join(folder, "run.h5"), "-q",
@@ -38,7 +38,7 @@ after(async () => {
   await gallery?.kill();
 });
 
-/** As the programs do it: written beside its place and renamed. */
+/** Writes as the programs do: beside the target, then renames. */
 function put(bytes, path) {
   writeFileSync(`${path}.tmp`, bytes);
   renameSync(`${path}.tmp`, path);
@@ -80,7 +80,7 @@ test("new animations are offered, nothing moves, and a click shows them", async 
     await page.locator("#take-new").click();
     await page.locator("#counts", { hasText: `${now} of ${now} shown` }).waitFor();
     await page.locator("#take-new").waitFor({ state: "hidden" });
-    // What was played still is, and what was chosen.
+    // The player and the selection haven't changed.
     assert.deepEqual((await playerState(page)).labels, [name]);
     assert.equal((await page.locator("#selection-words").innerText()).includes("1"), true);
     many = now;
@@ -147,7 +147,7 @@ test("an archive that comes into the folder is there; a link out of it isn't", a
   visitor.assertNoProblems();
 });
 
-/** What a page complains of while its server is dead. */
+/** Messages of a page while its server is dead. */
 const ofDeadServer =
   /status of (404|409|503) .*\/api\/find|ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE/;
 
@@ -180,7 +180,7 @@ test("the page waits for a killed server and reconnects", async () => {
   const [first, second] = namesFound(grown);
   await gallery.kill();
   await troubleIs("The server doesn't answer");
-  // What is there can still be looked at, and what is asked waits.
+  // Shown data stays usable, and requests wait.
   await page.locator("#list [data-index='1']").focus();
   await page.locator("#query").fill("draw 0..50");
   await gallery.begin();
@@ -190,7 +190,7 @@ test("the page waits for a killed server and reconnects", async () => {
   assert.equal(await page.locator("#list [data-index='0']").getAttribute("data-key"), first);
   await page.locator("#list [data-index='1']").dblclick();
   assert.deepEqual((await playerShows(page, 1)).labels, [second]);
-  // It hears of what changes again.
+  // The page is notified of changes again.
   put(readFileSync(ages[1].path), grown);
   put(readFileSync(ages[2].path), grown);
   await page.locator("#close-player").click();
@@ -198,7 +198,7 @@ test("the page waits for a killed server and reconnects", async () => {
   await page.locator("#list [data-index='0'] [data-act=star]").click();
   await page.locator("#list [data-index='0'].is-starred").waitFor();
   visitor.assertNoProblems(ofDeadServer);
-  // Another server of this port, that doesn't know the page, says so.
+  // Another server at this port doesn't accept the page, and the page reports this.
   await gallery.kill();
   await troubleIs("The server doesn't answer");
   gallery.home = temporaryFolder("other-home");

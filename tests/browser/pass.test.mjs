@@ -1,6 +1,7 @@
-// Goal: what would show first if the gallery broke: the wall has a picture of all that is kept, a query finds
-// what `sleight find` finds, the player plays, and bodies are drawn where the C++ code says. Method: one visit
-// of a gallery of one archive in Chromium; ten animations' pixels. The other files have the rest.
+// Goal: detect the most important failures of the gallery. The wall has a picture for each kept animation, a
+// query matches as `sleight find` does, the player plays, and bodies are drawn where the C++ code computes
+// them. Method: one visit to a gallery of one archive in Chromium; the pixels of ten animations. The other
+// files test the rest.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -16,7 +17,7 @@ const known = find(hi).animations;
 let gallery, visitor, page;
 before(async () => {
   gallery = await Gallery.start([hi]);
-  // The processor draws: a smaller window is quicker.
+  // A small window, because software rendering is slow.
   visitor = await Visitor.enter(gallery, { colorScheme: "dark", viewport: { width: 1100, height: 700 } });
   page = visitor.page;
 });

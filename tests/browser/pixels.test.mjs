@@ -1,7 +1,7 @@
-// Goal: each body is drawn where the C++ code says that it is. Method: random animations of each world, one
-// to nine side by side, at random times and seen from random sides; each body drawn alone; the middle of
-// its pixels against its centre by C++ (sleight-evaluate-poses) as the page's camera sees it. 40
-// animations of each world, with SLEIGHT_FULL=1 200.
+// Goal: each body is drawn where the C++ code computes it. Method: random animations of each world, one to
+// nine side by side, at random times and from random directions. Each body is drawn alone, and the middle of
+// its pixels is compared with its centre by C++ (sleight-evaluate-poses) in the page's projection. 40
+// animations per world; 200 with SLEIGHT_FULL=1.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -19,7 +19,7 @@ const paths = archives();
 
 before(async () => {
   gallery = await Gallery.start(Object.values(paths));
-  // Dark: no body is of that colour.
+  // Dark theme: no body has the background's colour.
   visitor = await Visitor.enter(gallery, { colorScheme: "dark", viewport: { width: 1600, height: 1000 } });
   page = visitor.page;
 });
@@ -36,7 +36,7 @@ test("misplaced bodies would be detected", async () => {
   await visitor.open(`#run=${one.run_id}&view=list&play=${one.id}&t=0.3`);
   await playerShows(page, 1);
   const [{ boxes: [box], t }] = await measured(page, 1);
-  // Where it was a fiftieth of a second before.
+  // The body's place 0.02 s earlier.
   const before = JSON.parse(run(testProgram("sleight-evaluate-poses"), [paths.ball], { input: `${one.id} ${t - 0.02}` }));
   const [{ centre_m, radius_m }] = before.bodies;
   const [{ x, y }] = await onScreen(page, [{ index: 0, centre: centre_m, radius: radius_m }]);
@@ -61,7 +61,7 @@ test("the screen shows what was measured", async () => {
     for (let i = 0; i < a.length; ++i) if (Math.abs(a[i] - b[i]) > 8) ++count;
     return count / a.length;
   }, image);
-  // Rounded corners and edges of the element alone differ.
+  // Only the element's rounded corners and edges differ.
   assert.ok(differing < 0.01, `${differing} of the pixels differ`);
   visitor.assertNoProblems();
 });

@@ -1,5 +1,6 @@
-// Goal: the player shows one to nine animations in step, goes to times and events, and says what it shows.
-// Method: a gallery in Chromium; times and events against the archive's own numbers; pictures of the canvas.
+// Goal: the player shows one to nine aligned animations, seeks to times and events, and reports its state.
+// Method: a gallery in Chromium; times and events compared with the archive's numbers; pictures of the
+// canvas.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -22,7 +23,7 @@ const time = async () => {
   await settled();
   return (await playerState(page)).time;
 };
-/** A number that stands for the canvas' picture. */
+/** A checksum of the canvas's picture. */
 const picture = async () => {
   await settled();
   return canvas().evaluate(async (element) => {
@@ -51,7 +52,7 @@ test("one animation: played from a card, by time and by events", async () => {
   await page.locator("#player-proportion").waitFor();
   assert.match(await page.locator("#numbers").innerText(), /log_prior/);
 
-  // Frames and events.
+  // Frames and events
   await page.locator("#timeline").focus();
   await page.keyboard.press("Home");
   near(await time(), 0);
@@ -78,7 +79,7 @@ test("one animation: played from a card, by time and by events", async () => {
   await page.keyboard.press("End");
   near(await time(), numbers.rest_s);
 
-  // It plays by itself, at the speed that was asked for, and stops at the end.
+  // The player plays at the selected speed, and stops at the end.
   await page.locator("#speed").selectOption("4");
   await page.keyboard.press("Home");
   const plays = page.waitForFunction(() => window.sleightGallery.player.isPlaying);
@@ -116,7 +117,7 @@ test("trails, marks, cameras and the ghost change the picture reversibly", async
   assert.equal(seen.size, 4);
   await page.locator("#camera-home").click();
   assert.equal(await picture(), plain);
-  // By the pointer.
+  // By the pointer
   const box = await canvas().boundingBox();
   await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2);
   await page.mouse.down();
@@ -128,7 +129,7 @@ test("trails, marks, cameras and the ghost change the picture reversibly", async
   await page.mouse.wheel(0, -240);
   await page.waitForFunction((before) => window.sleightGallery.player.frames > before, frames);
   assert.notEqual(await picture(), turned);
-  // A click on a body says which and where.
+  // A click on a body shows its name and place.
   await page.locator("#camera-home").click();
   await settled();
   const at = await page.evaluate(() => {
@@ -159,14 +160,14 @@ test("nine side by side, aligned by start, first contact and end", async () => {
   await page.locator("#timeline").focus();
   await page.keyboard.press("Home");
   for (const t of await ownTimes()) near(t, 0);
-  // By the end: at the shared end all are at rest.
+  // Aligned by the end: at the shared end, all animations are at rest.
   await page.locator("#sync").selectOption("end");
   await page.waitForFunction(() => window.sleightGallery.player.range.to < 1e-9);
   await page.locator("#timeline").focus();
   await page.keyboard.press("End");
   await settled();
   (await ownTimes()).forEach((t, i) => near(t, rests[i]));
-  // By the first contact: each is at its first hit.
+  // Aligned by the first contact: each animation is at its first hit.
   await page.locator("#sync").selectOption("contact");
   await page.waitForFunction(() => window.sleightGallery.player.range.to > 0.1);
   const hits = await page.evaluate(async (names) => {

@@ -1,5 +1,5 @@
-// Goal: all that the page can plot of an archive is drawn; a point of a chain opens its animation and a
-// stretch filters the wall. Method: a gallery of an archive of each world in Chromium.
+// Goal: all of an archive's plots are drawn; a click on a point opens its animation, and a range filters the
+// wall. Method: a gallery with an archive of each world in Chromium.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -26,7 +26,7 @@ async function drawAll(path) {
   for (const { name, title, kind } of titles) {
     await page.locator(`button[data-plot="${name}"]`).click();
     await page.locator("#plot-title", { hasText: title }).waitFor();
-    // The plot before stays until this one is read.
+    // The previous plot stays until this one is read.
     await page.waitForFunction(() => document.querySelector("#plot-words").hidden ||
       document.querySelector("#plot-words").textContent !== "Reading …");
     const words = await page.locator("#plot-words").innerText();
@@ -35,7 +35,7 @@ async function drawAll(path) {
       assert.ok(await page.locator("#plot-place td").count() > 3, name);
       continue;
     }
-    // Lines come with the frame after.
+    // Lines are drawn one frame later.
     await page.locator("#plot-place :is(.u-wrap, svg)").first().waitFor();
     if (kind !== "trace" && await page.locator("#plot-place .u-wrap").count() === 0) {
       const heights = await page.locator("#plot-place svg :is(rect, path, polyline)").evaluateAll((parts) =>
@@ -87,7 +87,7 @@ test("a search's archive has no chains and reports this", async () => {
 test("the table equals the output of `sleight diagnose`", async () => {
   await visitor.open(`#run=${runOf(dice)}&view=plots`);
   await page.locator("button[data-plot]").first().waitFor();
-  // 7: chains have not mixed, which isn't the question.
+  // Exit code 7 means that chains have not mixed, which is irrelevant here.
   const said = JSON.parse(run(sleight, ["diagnose", dice, "--json"], { codes: [0, 7] }));
   const own = await page.evaluate(async (id) => {
     const { archives: all } = await (await fetch("/api/gallery")).json();
@@ -121,7 +121,7 @@ test("a point opens its animation, and a range filters the wall", async () => {
   await page.keyboard.press("Escape");
   await page.locator("#player").waitFor({ state: "hidden" });
 
-  // What is seen, after zooming in by keys, becomes a query.
+  // After zooming by keys, the visible range becomes a query.
   await page.locator("#plot-place .chart").focus();
   await page.keyboard.press("+");
   await page.locator("#plot-filter-seen").click();

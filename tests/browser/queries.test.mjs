@@ -1,5 +1,5 @@
-// Goal: queries find what `sleight find` finds, are counted before they are applied, and are built by
-// fields, boxes and times as well as typed. Method: a gallery in Chromium; the same asked of the program.
+// Goal: queries match as `sleight find` does, are counted before they are applied, and can be typed or built
+// from fields, boxes and times. Method: a gallery in Chromium; the same queries to the program.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -14,7 +14,7 @@ before(async () => ({ visitor, page } = await visit([hi, dice])));
 after(leave);
 
 const many = find(hi).of;
-/** Names in the list, without scrolling: the first ones. */
+/** The first names in the list, without scrolling. */
 const listed = () => page.locator("#list [role=gridcell]").evaluateAll((cells) => cells
   .map((cell) => [Number(cell.dataset.index), cell.dataset.key]).sort(([a], [b]) => a - b).map(([, key]) => key));
 const shows = async (names) => {
@@ -34,7 +34,7 @@ const countsSay = (alone, inLeft, notLeft) => Promise.all([
   page.locator("#query-not", { hasText: `: ${notLeft} left` }).waitFor(),
 ]);
 
-// One that is true of some and not of all.
+// A query that matches some animations, but not all.
 const rests = find(hi).animations.map(({ numbers }) => numbers.rest_s).sort((a, b) => a - b);
 const middle = ((rests[many / 2 - 1] + rests[many / 2]) / 2).toFixed(4);
 const late = `rest_s > ${middle}`;
@@ -57,7 +57,7 @@ test("a typed query is counted, applied, negated, switched off, edited and delet
   await shows(namesFound(hi, "--where", late, "--not", touch));
   const chip = (index) => page.locator("#chips > li").nth(index);
   await chip(1).locator(".chip-counts", { hasText: `matches ${touching.length}; ${many / 2 - both.length} left` }).waitFor();
-  // Turned round.
+  // Negated
   await chip(1).locator(".chip-sign").click();
   await shows(both);
   await chip(0).locator("[data-focus^='on-']").click();
@@ -65,7 +65,7 @@ test("a typed query is counted, applied, negated, switched off, edited and delet
   await chip(0).locator("[data-focus^='on-']").click();
   await chip(1).locator("[data-focus^='remove-']").click();
   await shows(lateOnes);
-  // Changed.
+  // Edited
   await chip(0).locator("[data-focus^='edit-']").click();
   assert.equal(await page.locator("#query").inputValue(), late);
   await type(`not ${late}`);
@@ -157,7 +157,7 @@ test("a box drawn in the player is a query", async () => {
   const query = await page.locator("#built-query").innerText();
   const expected = namesFound(hi, "--where", query);
   await page.locator("#built-in", { hasText: `${expected.length} left` }).waitFor();
-  // A time is marked on the timeline.
+  // A time range is marked on the timeline.
   await page.locator("fieldset.step summary").click();
   await page.locator(".mark-time").click();
   const line = await page.locator("#timeline").boundingBox();

@@ -1,6 +1,6 @@
-// Goal: a gallery that was saved shows, finds and plays what the served one does, from any web server and as a
-// file, and asks for nothing else. Method: `sleight gallery --save`; opened by file: and from a plain static
-// server in Chromium; queries and groups against `sleight find` and the served page.
+// Goal: a saved gallery shows, finds and plays what the served one does, from any web server and as a file,
+// and loads nothing else. Method: `sleight gallery --save`; opened by file: and from a plain static server in
+// Chromium; queries and groups compared with `sleight find` and the served page.
 import assert from "node:assert/strict";
 import { createReadStream, existsSync, readdirSync, readFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -45,7 +45,7 @@ after(async () => {
   server?.close();
 });
 
-/** What a page says of the queries and its groups. */
+/** A page's answers to the queries, and its groups. */
 async function said(page) {
   const answers = {};
   await page.locator("#groups [role=gridcell]").first().waitFor();
@@ -87,7 +87,7 @@ for (const way of ["a file", "a static server"]) {
     assert.deepEqual(own.sorted, namesFound(hi, "--sort", "rest_s", "--descending").slice(0, 4));
 
     assert.deepEqual(own, served);
-    // It plays, plots, and holds links.
+    // It plays, plots, and opens links.
     const [first] = own.sorted;
     await page.locator(`#list [data-key='${first}']`).dblclick();
     const { range } = await playerShows(page, 1);
@@ -104,7 +104,7 @@ for (const way of ["a file", "a static server"]) {
     await page.locator("#counts", { hasText: `of ${find(dice).of} shown` }).waitFor();
     await page.locator("#view-plots").click();
     await page.locator("#plot-place .u-over").waitFor();
-    // Stars are this browser's.
+    // Stars are stored by the browser.
     await page.locator("#view-list").click();
     await page.locator("#list [data-index='0']").hover();
     await page.locator("#list [data-index='0'] [data-act=star]").click();

@@ -1,6 +1,6 @@
-// Goal: `sleight gallery JOB` shows what a job of the service has kept so far, offers what it keeps while it
-// runs, and says when the service is away and goes on when it is back. Method: a daemon in a folder of its
-// own, a job that finds animations one after the other, a gallery of it in Chromium.
+// Goal: `sleight gallery JOB` shows what a service's job has kept so far, offers new animations while the job
+// runs, reports an unreachable service and recovers. Method: a daemon in its own folder, a job that finds
+// animations one by one, and a gallery of the job in Chromium.
 import assert from "node:assert/strict";
 import { existsSync, mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -17,7 +17,7 @@ const home = join(folder, "home");
 
 let daemon, gallery, visitor, page, job, watch;
 
-/** The run grows as the page asks: a question of the reading before is answered 409, and asked again. */
+/** While the run grows, requests for an older generation are answered 409 and repeated. */
 const ofGrowing = /status of 409 .*\/api\/(find|groups|alike)\b/;
 
 async function serve() {
@@ -37,7 +37,7 @@ const ask = (...args) => JSON.parse(run(sleight, [...args, "--json"], { home, en
 before(async () => {
   mkdirSync(home, { recursive: true });
   await serve();
-  // Longer than the test: it is cancelled.
+  // The job runs longer than the test, which cancels it.
   job = ask("submit", join(source, "requests/die.toml"), "--set", "stop.rounds=9", "--set", "output.min_distance=0.1",
     "--cores", "1").id;
 });
@@ -46,7 +46,7 @@ after(async () => {
   await visitor?.close();
   await gallery?.stop();
   daemon?.kill("SIGKILL");
-  // What runs jobs outlives the daemon.
+  // Processes that run jobs outlive the daemon.
   const jobs = join(state, "jobs");
   for (const id of existsSync(jobs) ? readdirSync(jobs) : []) {
     try {
@@ -76,9 +76,9 @@ test("a running job: its animations are shown, and new ones are offered", async 
       Number(/(\d+) new/.exec(document.querySelector("#take-new").textContent)?.[1] ?? 0) > before, offered, { polling: 50 });
     offered = Number(/(\d+) new/.exec(await page.locator("#take-new").textContent())[1]);
   }
-  // Nothing has jumped.
+  // Nothing has moved.
   assert.equal(await page.locator("#counts").innerText(), counts);
-  // The question for the groups of what is new is one of the reading before, as if it came too late.
+  // Makes the request for the new groups one of an older generation, as if it came too late.
   await page.route("**/api/groups", (route) => {
     const asked = route.request().postDataJSON();
     return route.continue({ postData: JSON.stringify({ ...asked, generation: asked.generation - 1 }) });
@@ -88,7 +88,7 @@ test("a running job: its animations are shown, and new ones are offered", async 
   await tooLate;
   await page.waitForFunction((before) =>
     Number(/of ([\d,]+) shown/.exec(document.querySelector("#counts").textContent)[1]) > before, first);
-  // It was asked again: a card of each group, and together they have all that is shown.
+  // The request was repeated: the groups together contain all animations shown.
   await page.waitForFunction(() => {
     const shown = Number(/of ([\d,]+) shown/.exec(document.querySelector("#counts").textContent)[1].replace(",", ""));
     const kept = [...document.querySelectorAll("#groups [role=gridcell]")]

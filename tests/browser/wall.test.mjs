@@ -1,6 +1,6 @@
-// Goal: the wall shows what is kept, by groups and one by one, sorted as asked; what a person says of
-// animations is kept. Method: a gallery of an archive of each world in Chromium, acted on as people do;
-// what it says is compared with `sleight find`, its pictures with blank ones.
+// Goal: the wall shows kept animations in groups and as a sorted list, and stores a person's notes. Method: a
+// gallery with an archive of each world in Chromium, used as people do. The page's numbers are compared with
+// `sleight find`, its pictures with blank ones.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { archives } from "./support/archives.mjs";
@@ -47,7 +47,7 @@ test("groups contain all kept animations, each with a picture", async () => {
       assert.ok(colours > 20 && other > (width * height) / 100, `${name}: a picture has ${colours} colours`);
     }
   }
-  // Of independent draws the shares are of all.
+  // With independent draws, the shares add up to 100%.
   const shares = await page.locator("#groups .card-share").allInnerTexts();
   const total = shares.reduce((sum, words) => sum + Number(/share ([\d.]+)/.exec(words)[1]), 0);
   assert.ok(Math.abs(total - 100) < 3, shares.join("; "));
@@ -69,7 +69,7 @@ test("a group opens into its members, and closes again", async () => {
 });
 
 test("groups open and close by keyboard, and the focus follows", async () => {
-  // Goal: nobody without a mouse loses the place. Method: keys alone; the cards that have the focus.
+  // Goal: people without a mouse don't lose their place. Method: keys alone; the cards that have the focus.
   await visitor.open();
   await page.locator("#groups [role=gridcell]").nth(1).waitFor();
   const focused = (grid, index) => page.waitForFunction(([of, at]) =>
@@ -84,12 +84,12 @@ test("groups open and close by keyboard, and the focus follows", async () => {
   const name = await page.evaluate(() => document.activeElement.dataset.key);
   await page.keyboard.press("Enter");
   assert.deepEqual((await playerShows(page, 1)).labels, [name]);
-  // Out of the group while it plays: to the card of the group that was left.
+  // Leaving the group while an animation plays focuses the card of that group.
   await page.keyboard.press("Backspace");
   await focused("groups", 1);
   assert.equal(await page.evaluate(() => document.activeElement.dataset.key), key);
   await page.keyboard.press("Escape");
-  // Groups within a group have to be asked for, and so has what is around them.
+  // Subgroups must be loaded, and so must the enclosing groups.
   await page.keyboard.press("Home");
   await page.keyboard.press("Enter");
   await focused("list", 0);
@@ -99,7 +99,7 @@ test("groups open and close by keyboard, and the focus follows", async () => {
   await page.keyboard.press("Backspace");
   await page.locator("#counts", { hasText: "40 of 40 shown" }).waitFor();
   await focused("groups", 0);
-  // A field keeps it.
+  // A focused field keeps the focus.
   await page.locator("#query").focus();
   await page.goBack();
   await page.locator("#counts", { hasNotText: "40 of 40 shown" }).waitFor();
@@ -121,13 +121,13 @@ test("the list is sorted as `find` sorts", async () => {
       document.querySelector("#list [data-index='0']")?.dataset.key === first, expected[0]);
     assert.deepEqual(seen(await listed()), seen(expected), number);
   }
-  // Like the first: it comes first itself.
+  // Sorting by likeness to an animation puts that animation first.
   const first = page.locator("#list [data-index='0']");
   const name = await first.getAttribute("data-key");
   await first.click();
   await page.locator("#more-like").click();
   await page.locator("#toolbar-words", { hasText: `Most similar to ${name} first` }).waitFor();
-  // The words come with the click, the order with the answer.
+  // The text changes at the click, the order when the answer arrives.
   await page.waitForFunction((key) => document.querySelector("#list [data-index='0']")?.dataset.key === key, name);
   assert.equal((await listed())[0], name);
   await page.locator("#unlike").click();
@@ -153,7 +153,7 @@ test("stars, tags and hidden animations are stored, and can be undone", async ()
   await cell(1).locator("[data-act=hide]").click();
   await page.locator("#counts", { hasText: "39 of 40 shown, 1 hidden by you" }).waitFor();
   assert.ok(!(await listed()).includes(second));
-  // The server has them before the page says so, or soon after.
+  // The server stores notes soon after the page shows them.
   const isKept = (name, part) => page.waitForFunction(async ([of, what]) => {
     const { notes } = await (await fetch("/api/notes")).json();
     const note = Object.values(notes).map((run) => run[of]).find((found) => found !== undefined);
@@ -179,7 +179,7 @@ test("stars, tags and hidden animations are stored, and can be undone", async ()
   assert.deepEqual(await listed(), [second]);
   await page.locator("#filter-hidden").selectOption("without");
 
-  // Undone is only what was done since.
+  // Only actions since the page was opened are undone.
   await page.locator(`#list [data-key='${first}']`).hover();
   await page.locator(`#list [data-key='${first}'] [data-act=hide]`).click();
   await page.locator("#counts", { hasText: "38 of 40 shown, 2 hidden by you" }).waitFor();
@@ -195,7 +195,7 @@ test("stars, tags and hidden animations are stored, and can be undone", async ()
 });
 
 test("a double-click plays any card", async () => {
-  // The first click chooses it, and what can be done with those chosen comes up beneath the wall.
+  // The first click selects the card, which shows the selection bar beneath the wall.
   await visitor.open("#view=list");
   await cards(page);
   const grid = await page.locator("#list").boundingBox();
@@ -234,7 +234,7 @@ test("notes made right before the page closes are stored", async () => {
 });
 
 test("pictures move, or stand still with reduced motion", async () => {
-  /** Whether the first picture changes; it is given so much time for it. */
+  /** Whether the first picture changes within this time. */
   const changesIn = (ms) => page.locator("canvas[data-thumbnail=drawn]").first().evaluate(async (canvas, most) => {
     const picture = async () => {
       const bitmap = await createImageBitmap(canvas);

@@ -1,9 +1,8 @@
-// Goal: an animator finds the one animation that is wanted among thousands in under a minute, knowing only
-// what it looks like.
-// Method: random targets of an archive of real animations that spell HI; of each a coarse memory
-// (wanted/memories.mjs), by which a script with the page's controls alone (wanted/finder.mjs) finds it.
-// What it found is compared by name at the end. Time is counted by the keystroke-level model, 2 s for each
-// look at a picture, and what the page makes it wait. Four among 500 here; SLEIGHT_FULL=1: 50 among 5,000.
+// Goal: an animator who knows only what an animation looks like finds it among thousands in under a minute.
+// Method: random targets in an archive of real animations that spell HI. For each target, a script has a
+// coarse memory (wanted/memories.mjs) and uses only the page's controls (wanted/finder.mjs). The result is
+// compared by name at the end. Time is counted by the keystroke-level model, plus 2 s for each look at a
+// picture, plus the page's measured delays. Four searches among 500; with SLEIGHT_FULL=1, 50 among 5,000.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { test } from "node:test";
@@ -21,7 +20,7 @@ const [targetCount, animationCount] = isFull ? [50, 5000] : [4, 500];
 const medianMaxS = 60;
 const slowestMaxS = 180;
 
-/** An archive that is there already may be given by SLEIGHT_WANTED. */
+/** SLEIGHT_WANTED can name an existing archive. */
 function archiveOfMany() {
   if (process.env.SLEIGHT_WANTED !== undefined) return process.env.SLEIGHT_WANTED;
   const path = join(temporaryFolder("wanted"), "hi.h5");
@@ -30,7 +29,7 @@ function archiveOfMany() {
   return path;
 }
 
-/** "#rrggbb" of each ball, as the page's pictures have them. */
+/** "#rrggbb" of each ball, as in the page's pictures. */
 async function coloursOf(page, origin) {
   const bytes = await (await page.request.get(`${origin}/api/archives/0/looks`)).body();
   const { meshes } = JSON.parse(bytes.subarray(4, 4 + bytes.readUInt32LE(0)).toString()).head;
@@ -39,9 +38,9 @@ async function coloursOf(page, origin) {
   return Array.from({ length: balls }, (_, ball) => meshes.find(({ feature }) => feature === ball).colour);
 }
 
-/** Loads the gallery anew, as somebody does who comes to it: wall, no query, nothing chosen. */
+/** Opens the gallery as a new visitor sees it: wall, no query, no selection. */
 async function beginAnew(page, origin) {
-  // What was chosen of the cards is kept in the browser; each target pays for it.
+  // The browser stores settings of the cards; each search must pay for changing them.
   await page.evaluate(() => localStorage.clear());
   await page.goto("about:blank");
   await page.goto(origin);
@@ -70,7 +69,7 @@ test("a wanted animation is found by what it looks like", { timeout: 3_600_000 }
       await beginAnew(page, gallery.origin);
       const hands = new Hands(page);
       const isFound = await find(page, hands, memory);
-      // Only here it is told which one it was.
+      // Only here the script reads the animation's name.
       const found = isFound ? await page.evaluate(() => window.sleightGallery.player.labels[0]) : "none";
       searches.push({ name, found, seconds: hands.seconds, parts: hands.parts });
       const parts = Object.entries(hands.parts).map(([part, seconds]) => `${part} ${seconds.toFixed(1)}`);

@@ -1,4 +1,4 @@
-// The beginning of a saved gallery's page, which has no server (data/saved.ts).
+// Entry point of a saved gallery's page, which has no server (data/saved.ts).
 import "./styles/base.css";
 import "./styles/layout.css";
 import "./styles/filters.css";

@@ -1,4 +1,4 @@
-// The page's beginning.
+// Entry point of the page that `sleight gallery` serves.
 import "./styles/base.css";
 import "./styles/layout.css";
 import "./styles/filters.css";

@@ -1,4 +1,4 @@
-// Bundles evaluate.ts into one file that Node runs: node build-evaluate.mjs OUT.mjs
+// Bundles evaluate.ts into one file for Node: node build-evaluate.mjs OUT.mjs
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";

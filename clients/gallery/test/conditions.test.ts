@@ -1,5 +1,5 @@
-// Goal: what is built of fields reads as the query language wants it (docs/BROWSING.md).
-// Method: each kind of condition, names that need quotes, ranges with open ends.
+// Goal: conditions built from fields have the right text in the query language (docs/BROWSING.md). Method:
+// each kind of condition, names that need quotes, ranges with missing limits.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {

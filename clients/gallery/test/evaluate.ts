@@ -1,11 +1,11 @@
-// Evaluates segments as the page does, for tests that compare this with the C++ code:
+// Evaluates segments as the page does, for tests that compare the results with the C++ code:
 //
 //   node build-evaluate.mjs evaluate.mjs && node evaluate.mjs IN OUT
 //
-// IN is a packed file (src/data/packed.ts) of one row to a segment: the columns of an animation's
-// answer ("body", "start_s", "mode", ... without prefix; the rows need no order) and "t_s" f64, a time
-// no earlier than the segment's start. OUT is packed too: head {"segments": n}, columns "position_m"
-// f64 x3, "velocity_mps" f64 x3 and "orientation" f64 x4 (w x y z).
+// IN is a packed file (src/data/packed.ts) with one row per segment. It has the columns of an animation's
+// answer ("body", "start_s", "mode", ... without prefix, in any row order) and "t_s" f64, a time no earlier
+// than the segment's start. OUT is packed too: head {"segments": n}, columns "position_m" f64 x3,
+// "velocity_mps" f64 x3 and "orientation" f64 x4 (w x y z).
 import { readFileSync, writeFileSync } from "node:fs";
 import { segmentsOf } from "../src/data/decode";
 import { pack, unpack } from "../src/data/packed";

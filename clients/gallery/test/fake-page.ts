@@ -1,11 +1,10 @@
-// A page for tests without a browser: script elements that run files which are given as data, and a
-// storage.
+// A page for tests without a browser: script elements that run files given as data, and a storage.
 
-/** What a file's call says. */
+/** Arguments of a file's call. */
 export interface Script {
   readonly kind: string;
   readonly text: string;
-  /** Where it names another file than its own. */
+  /** Set if the file's call contains another path than its own. */
   readonly path?: string;
 }
 
@@ -19,13 +18,13 @@ class FakeScript extends EventTarget {
   }
 }
 
-/** "silent": a script that calls nothing; "hangs": one that never comes. */
+/** "silent": a script that calls nothing; "hangs": a script that never loads. */
 export type Fault = Script | "silent" | "hangs" | null;
 
 export class FakeDocument {
-  /** Addresses in the order in which they were asked for. */
+  /** Addresses in the order of requests. */
   readonly asked: string[] = [];
-  /** Script elements in the page. */
+  /** Number of script elements in the page. */
   present = 0;
   readonly head = { append: (script: FakeScript): void => this.run(script) };
   private readonly faults = new Map<string, Fault>();

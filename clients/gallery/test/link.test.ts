@@ -1,6 +1,5 @@
-// Goal: a link holds the page's whole state, and a broken one opens what can be opened.
-// Method: round trips of pages with every part set, names and queries with signs that addresses use
-// themselves, and links that were damaged by hand.
+// Goal: links contain the page's whole state, and invalid links still open. Method: round trips of pages with
+// every part set, names and queries with special characters, and links damaged by hand.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { linkOf, pageOf, placeOf } from "../src/state/link";

@@ -1,6 +1,6 @@
-// Goal: what comes of an archive waits until it is asked for, and an archive's beginning is shown while the
-// rest is read; nor does another run's archive in the place of the one that is shown take its place on the
-// page by itself. Method: a source whose archive grows, or is replaced, between two looks.
+// Goal: new animations stay hidden until requested; an archive's first animations are shown while the rest is
+// read; another run's archive doesn't replace the shown one by itself. Method: a source whose archive grows
+// or is replaced between two checks.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { GallerySource } from "../src/data/source";
@@ -38,7 +38,7 @@ function tableOf(entries: number, generation: number): Table {
 
 const settled = () => new Promise((resolve) => setTimeout(resolve, 5));
 
-/** The page's state as an archive's beginning, then the whole of it is told. */
+/** The page's state after the source reported an archive's beginning, then the whole archive. */
 async function seen(page: Page): Promise<{ first: number | null; then: number; offered: string }> {
   let archive = summary(beginning, true);
   const source = {
@@ -103,7 +103,7 @@ test("another run at the same path stays hidden until requested", async () => {
   page.select("c0.2", "toggle");
   const { loaded, visible, page: before, message } = store.state;
 
-  // Nothing of the page moves, and what is told of the archive is still what was read of it.
+  // The page's data and messages don't change.
   for (const generation of [2, 3]) await tell({ ...other, generation });
   assert.equal(store.state.loaded, loaded);
   assert.equal(store.state.visible, visible);
@@ -112,17 +112,17 @@ test("another run at the same path stays hidden until requested", async () => {
   assert.deepEqual(store.state.selection.names, ["c0.2"]);
   assert.equal(replacing(store.state)?.run, "cd");
   assert.equal(archiveShown(store.state)?.warning, "of ab");
-  // The other run has animations of the same names.
+  // The other run has animations with the same names.
   await assert.rejects(own.animations(0, ["c0.1"], 1), /a\.h5/);
   assert.equal(asked, 1);
 
-  // The run is back: it goes on.
+  // The old run returns, and is requested again.
   await tell({ ...shownRun, generation: 4 });
   assert.equal(replacing(store.state), null);
   assert.equal(store.state.loaded?.generation, 4);
   assert.deepEqual(store.state.page.playing, ["c0.1"]);
 
-  // Taken, the other run is shown, without the names of the one before.
+  // After a request the other run is shown, without the old run's names.
   await tell({ ...other, generation: 5 });
   page.showArchive("cd", "");
   await settled();
@@ -163,6 +163,6 @@ test("an archive that changes during loading is loaded again", async () => {
   new Loading(store, source).see(stateOf(summary(whole, false)));
   await settled();
   assert.equal(looks, 1);
-  // One run's names with another run's table would be wrong ones.
+  // Names of one run with another run's table would be wrong.
   assert.deepEqual([store.state.loaded?.run, store.state.loaded?.generation], ["cd", 3]);
 });

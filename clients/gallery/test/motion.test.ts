@@ -12,7 +12,7 @@ function near(value: number, expected: number, tolerance: number, what: string):
 }
 
 test("a thrown body follows its parabola and rests at its last segment", () => {
-  // Goal: positions and velocities are the closed forms'. Method: a throw and a rest, by hand.
+  // Goal: positions and velocities equal the closed forms. Method: a throw and a rest, by hand.
   const recording = recordingFrom([
     { start: 1, p: [0, 1, 2], v: [3, 0, 4], a: [0, 0, -10] },
     { start: 2, mode: "resting", cause: "rest", p: [3, 1, 1] },
@@ -30,7 +30,7 @@ test("a thrown body follows its parabola and rests at its last segment", () => {
 });
 
 test("at a border the later segment is in force, the last of several with the same start", () => {
-  // Goal: common/motion/path.h's rule. Method: three segments, two of which begin at once.
+  // Goal: the rule of common/motion/path.h. Method: three segments, two of which start at the same time.
   const recording = recordingFrom([
     { start: 0, p: [0, 0, 0] }, { start: 1, p: [1, 0, 0] }, { start: 1, p: [2, 0, 0] },
   ]);
@@ -52,7 +52,7 @@ test("a body that never enters has no pose, and bodies use their own segments", 
 });
 
 test("segments out of order, of no body, or without a time throw", () => {
-  // Goal: what isn't a recording throws. Method: one fault each.
+  // Goal: an invalid recording throws. Method: one fault each.
   assert.throws(() => recordingFrom([{ start: 1 }, { start: 0 }]));
   assert.throws(() => recordingFrom([{ body: 1 }, { body: 0 }], 2));
   assert.throws(() => recordingFrom([{ body: 1 }], 1));
@@ -60,7 +60,7 @@ test("segments out of order, of no body, or without a time throw", () => {
 });
 
 test("around a fixed axis the rotation equals the closed form", () => {
-  // Goal: w s + a s^2 / 2 about one axis. Method: about z, far beyond a full turn.
+  // Goal: w s + a s^2 / 2 around one axis. Method: around z, far beyond a full turn.
   const segments = segmentsFrom([{ w: [0, 0, 30], wa: [0, 0, -4] }]);
   for (const t of [0.001, 0.5, 2]) {
     orientationInto(segments, 0, t, pose);
@@ -110,7 +110,7 @@ test("a resting body doesn't turn", () => {
 });
 
 test("events are in order, and a hit of two bodies is one event", () => {
-  // Goal: one event to a hit. Method: body 0 and 1 meet at 1 s; body 1 hits a wall (feature 5) later.
+  // Goal: one event per hit. Method: bodies 0 and 1 meet at 1 s; body 1 hits a wall (feature 5) later.
   const recording = recordingFrom([
     { body: 0, v: [1, 0, 0] },
     { body: 0, start: 1, cause: "hit", partner: 1, p: [1, 0, 0], v: [-1, 0, 0] },
@@ -129,7 +129,7 @@ test("events are in order, and a hit of two bodies is one event", () => {
 });
 
 test("stepping between events always advances", () => {
-  // Goal: next and previous leave out times that are one with now. Method: steps to and fro.
+  // Goal: next and previous skip times that equal the present one. Method: steps in both directions.
   const times = [0, 1, 1, 1 + 1e-12, 2];
   assert.equal(nextTime(times, -1), 0);
   assert.equal(nextTime(times, 0), 1);

@@ -1,5 +1,6 @@
-// Goal: no note is lost or lands elsewhere: another archive's, another person's, one made while the server is
-// away. Method: two pages of one source that keeps notes in memory and can go away.
+// Goal: no note is lost or stored in the wrong place: another archive, another person's note, a note made
+// while the server doesn't answer. Method: two pages with one source that stores notes in memory and can be
+// unreachable.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { joined, noteOf, patchBetween, patched } from "../src/data/note-patch";
@@ -92,7 +93,7 @@ test("two people change one note, and both changes are kept", async () => {
   await settle();
   assert.deepEqual({ ...server.runs["a"]!["c0.1"], changed: 0 },
     { star: true, hidden: false, tags: ["film", "red"], note: "this one", changed: 0 });
-  // Bob's page has what Ann wrote, as the server answered it.
+  // Bob's page has Ann's note from the server's answer.
   assert.equal(noteOf(bob.store.state.notes, "c0.1").note, "this one");
   ann.window.dispatchEvent(new Event("focus"));
   await settle();
@@ -143,7 +144,7 @@ test("unsaved changes are sent when the page closes", async () => {
   assert.ok(leaves());
   window.dispatchEvent(new Event("pagehide"));
   assert.deepEqual(asked.slice(1), [[{ "c0.1": { hidden: false }, "c0.2": { star: true } }, true]]);
-  // Where notes can't be kept, or are too many to be sent then, a person is asked before they are lost.
+  // If notes cannot be saved, or are too many to send at the end, the person is asked before they are lost.
   store.set({ notesWords: "not saved" });
   assert.ok(!leaves());
   store.set({ notesWords: "" });
@@ -195,7 +196,7 @@ test("a slow answer doesn't revert changes saved meanwhile", async () => {
   await settle();
   assert.equal(noteOf(store.state.notes, "c0.1").star, true);
 
-  // What the server keeps no longer than it lives is said with the next change, and withdrawn.
+  // If the server doesn't store notes, the next change reports this, and a later one withdraws the message.
   store.set({ gallery: { version: "", archives: [], left_out: [], notes: { writable: true, words: "" } } });
   server.words = "The disk is full.";
   keeping.toggle(["c0.2"], "star");

@@ -4,7 +4,7 @@ import type { Looks, Mesh, Scene } from "../src/data/types";
 import { boxOfPlace, namedPlaces, numbersOf } from "../src/state/places";
 
 function flat(feature: number, low: [number, number], high: [number, number]): Mesh {
-  // y up: the scene's y is -z of a look.
+  // Looks have y up: the scene's y is the look's -z.
   const places = new Float32Array([low[0], 0, -low[1], high[0], 0, -low[1], high[0], 0, -high[1]]);
   const common = { colour: "#f4b8a0", opacity: 1, doubleSided: true };
   return { feature, ...common, places, normals: places, corners: new Uint32Array([0, 1, 2]) };

@@ -1,6 +1,6 @@
-// Runs the tests by Node's own runner: `npm test [-- NAME...]`, NAME.test.ts each.
+// Runs the unit tests with Node's own runner: `npm test [-- NAME...]` for NAME.test.ts files.
 //
-// They are bundled together into a folder that goes away, and run in one process; esbuild is Vite's.
+// The tests are bundled (with Vite's esbuild) into a temporary folder and run in one process.
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";

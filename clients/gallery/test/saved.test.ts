@@ -27,7 +27,7 @@ function names(): string[] {
   return Array.from({ length: ENTRIES }, (_, entry) => `c0.${10 * entry}`);
 }
 
-/** The columns that the table and the index have in common: draw 10 * entry of chain 0. */
+/** Columns shared by the table and the index: draw 10 * entry of chain 0. */
 function rows(): (readonly [string, Column])[] {
   return [
     ["is_find", new Uint8Array(ENTRIES)],
@@ -40,7 +40,7 @@ function rows(): (readonly [string, Column])[] {
   ];
 }
 
-/** Animations first, first + 1, ...: a ball that lies at x = entry. */
+/** Animations first, first + 1, ...: a ball at rest at x = entry. */
 function animations(first: number): Script {
   const heads: object[] = [];
   const columns: (readonly [string, Column])[] = [];
@@ -131,8 +131,8 @@ afterEach(() => {
 });
 
 test("each file is loaded only once", async () => {
-  // Goal: no file is loaded twice. Method: every question twice at once and once more later; the
-  // addresses of the script elements, of which none is left in the page.
+  // Goal: no file is loaded twice. Method: each request twice at once, and once more later. Checks the
+  // addresses of the script elements, all of which must be removed from the page.
   const { source, page } = open();
   const askAll = (): Promise<unknown> => Promise.all([
     source.gallery(), source.scene(0), source.looks(0), source.table(0), source.seriesTitles(0),
@@ -149,8 +149,8 @@ test("each file is loaded only once", async () => {
 });
 
 test("animations come from the right files, in the order of the names", async () => {
-  // Goal: file 32 K to 32 K + 31, and nothing of the others' bytes is kept. Method: names across
-  // files' borders, one of them twice; where the ball lies says which it is.
+  // Goal: file K has animations 32 K to 32 K + 31, and other animations' bytes aren't kept. Method: names
+  // across files' borders, one of them twice; the ball's place identifies the animation.
   const { source, page } = open();
   const entries = [64, 31, 32, 0, 69, 31];
   const found = await source.animations(0, entries.map((entry) => `c0.${10 * entry}`), BODIES);
@@ -164,7 +164,7 @@ test("animations come from the right files, in the order of the names", async ()
 });
 
 test("the page answers queries, groups and likeness", async () => {
-  // Goal: the same forms as a server's answers. Method: balls on a line, so that the answers are plain.
+  // Goal: answers have the same form as a server's. Method: balls on a line, so that answers are obvious.
   const { source } = open();
   const at = { id: 0, generation: 1 };
   const found = await source.find("ball in x 2.5m..5.5m", [at]);
@@ -184,8 +184,8 @@ test("the page answers queries, groups and likeness", async () => {
 });
 
 test("a failed file is reported, and loaded again at the next request", async () => {
-  // Goal: SourceErrors of the right kind, never a promise that hangs. Method: scripts that fail in
-  // each way, then the right file in their place.
+  // Goal: SourceErrors of the right kind, and no promise that hangs. Method: scripts that fail in each way,
+  // then the correct file.
   const faults: readonly (readonly [string, Script | "silent" | "hangs" | null])[] = [
     ["missing", null],
     ["torn", "silent"],
@@ -210,8 +210,8 @@ test("a failed file is reported, and loaded again at the next request", async ()
 });
 
 test("truncated or changed bytes are detected", async () => {
-  // Goal: nothing of a damaged file is handed on. Method: a table cut at many places (base64 stays
-  // base64), and with a changed size at gzip's end, which might ask for any memory.
+  // Goal: nothing of a damaged file is used. Method: a table truncated at many places (still valid base64),
+  // and one with a changed size in gzip's trailer, which could request any amount of memory.
   const whole = Buffer.from(files().get("0/table")!.text, "base64");
   const damaged: Buffer[] = [];
   for (let length = 0; length < whole.length; length += ofTier(70, 7)) damaged.push(whole.subarray(0, length));
@@ -227,8 +227,8 @@ test("truncated or changed bytes are detected", async () => {
 });
 
 test("an unexpected call has no effect", async () => {
-  // Goal: files can't take one another's place. Method: a script that names another file, and one
-  // whose call has wrong types.
+  // Goal: files cannot replace each other. Method: a script that names another file, and a call with wrong
+  // types.
   const { source, page } = open();
   page.set("0/table", { kind: "json", text: "{}", path: "0/scene" });
   await assert.rejects(source.table(0), isFailure("torn"));
@@ -238,7 +238,7 @@ test("an unexpected call has no effect", async () => {
 });
 
 test("an aborted request ends at once, and the file still loads for others", async () => {
-  // Goal: an abort rejects at once and breaks nothing. Method: aborted before and meanwhile.
+  // Goal: an abort rejects at once and breaks nothing. Method: abort before and during loading.
   const { source, page } = open();
   const ends = new AbortController();
   const asked = source.table(0, { signal: ends.signal });
@@ -250,7 +250,7 @@ test("an aborted request ends at once, and the file still loads for others", asy
 });
 
 test("plots that were not saved have an error message", async () => {
-  // Goal: a chain that is left out and a missing diagnosis are told, without asking for the latter.
+  // Goal: a missing chain and a missing diagnosis are reported, without loading the latter.
   const { source, page } = open();
   const error = await source.series(0, "trace.50% ä", { chain: "9" })
     .then(() => null, (failure: unknown) => failure);
@@ -260,8 +260,8 @@ test("plots that were not saved have an error message", async () => {
 });
 
 test("notes are stored by the browser, or last as long as the page", async () => {
-  // Goal: notes never fail. Method: a storage that works, is opened anew, is full, or throws at once;
-  // another page's notes stay.
+  // Goal: notes never fail. Method: a storage that works, is opened again, is full, or throws at once;
+  // another page's notes are kept.
   const note = (text: string): NotePatch => ({ star: true, hidden: false, tags_on: ["a"], note: text });
   const storage = new FakeStorage();
   const first = open(undefined, () => storage).source;
@@ -286,7 +286,7 @@ test("notes are stored by the browser, or last as long as the page", async () =>
   assert.equal((await none.gallery()).notes.writable, false);
 
   storage.isFull = false;
-  // What is no note is left out; a name as older galleries wrote it is read.
+  // Invalid notes are skipped; a name in an older form is read.
   const old = { star: true, hidden: false, tags: [], note: "", changed: 1 };
   storage.setItem(`sleight-notes.${RUN}`, JSON.stringify({ "0.1": { star: 1 }, "0.2": 5, "0.30": old }));
   assert.deepEqual((await open(undefined, () => storage).source.notes()).notes, { [RUN]: { "c0.30": old } });
@@ -303,8 +303,8 @@ test("the source reports once that it is reachable", () => {
 });
 
 test("the least recently used value is dropped first", async () => {
-  // Goal: the bound holds, and one that is greater than the bound is kept while it is the newest.
-  // Method: values that are their own sizes; makes are counted.
+  // Goal: the limit holds, and a value above the limit is kept while it is the newest. Method: values are
+  // their own sizes; loads are counted.
   const once = new Once<number>({ bytesMax: 10, bytesOf: (value) => value });
   const made: string[] = [];
   const get = (key: string, size: number): Promise<number> => once.get(key, () => {
@@ -329,8 +329,8 @@ test("the least recently used value is dropped first", async () => {
 });
 
 test("a failed load is repeated after a pause, regardless of the number of requests", async () => {
-  // Goal: a page that asks anew at each failure doesn't have the browser look for a file all the time.
-  // Method: three tries, which have two pauses between them.
+  // Goal: repeated requests after failures don't load a file all the time. Method: three tries, with two
+  // pauses between them.
   const pauseMs = 20;
   const once = new Once<number>({ pauseMs });
   const begun = performance.now();
@@ -340,8 +340,8 @@ test("a failed load is repeated after a pause, regardless of the number of reque
 });
 
 test("shares of groups equal the server's", () => {
-  // The case that tests/unit/clients/gallery_server/shares_test.cpp works out by hand: two lineages with
-  // four draws (three and one of two animations) and one.
+  // The case computed by hand in tests/unit/clients/gallery_server/shares_test.cpp: two lineages, one with
+  // four draws (three and one of two animations) and one with a single draw.
   const column = (values: number[]): Float64Array => Float64Array.from(values);
   const packed = {
     head: {},

@@ -20,7 +20,8 @@ function searchOf(entries: readonly MadeEntry[]): Promise<ArchiveSearch> {
 }
 
 test("SHA-256 is SHA-256", () => {
-  // Goal: the hash that chooses. Method: node's own, of all lengths about a block's end.
+  // Goal: the hash that selects animations is correct. Method: comparison with Node's, for all lengths around
+  // a block's end.
   for (let length = 0; length < 200; ++length) {
     const text = "é1f".repeat(length).slice(0, length);
     assert.equal(sha256Hex(text), createHash("sha256").update(text).digest("hex"), text);
@@ -51,7 +52,8 @@ test("groups don't depend on a set's order, and known distances are reused", asy
 });
 
 test("long work lets the page run, and can be aborted", async () => {
-  // Goal: the page has its turn, a question can be called off. Method: timers count while 400 are grouped.
+  // Goal: the page can run, and a request can be aborted. Method: timers count while 400 animations are
+  // grouped.
   const search = await searchOf(made(400));
   let turns = 0;
   const timer = setInterval(() => ++turns, 1);

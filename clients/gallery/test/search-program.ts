@@ -1,8 +1,10 @@
-// Answers questions as a saved page does, for tests/programs/test_gallery_search.py to compare with what
-// the C++ programs say.
+// Answers requests as a saved page does. tests/programs/test_gallery_search.py compares the answers with
+// those of the C++ programs.
 //
-//   search-program INDEX QUESTIONS: one JSON a line, {"find": "..."}, {"groups": {"entries", "groups",
-//   "by"}} or {"alike": {"to", "entries"}}; prints an answer a line, and times to stderr.
+//   search-program INDEX QUESTIONS
+//
+// QUESTIONS has one JSON per line: {"find": "..."}, {"groups": {"entries", "groups", "by"}} or {"alike":
+// {"to", "entries"}}. Prints one answer per line, and times to stderr.
 
 import { readFileSync, writeSync } from "node:fs";
 import { unpack } from "../src/data/packed";

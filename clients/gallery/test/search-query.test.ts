@@ -13,7 +13,7 @@ import { ofTier } from "./tiers";
 
 const THINGS = { features: FEATURES, numbers: NUMBERS };
 
-/** A ball thrown up from 1 m to the right, that rests at 1.5 s; it hits the table, then ball 2. */
+/** A ball thrown up from 1 m to the right; it hits the table, then ball 2, and rests at 1.5 s. */
 const KNOWN: MadeEntry = {
   draw: 0,
   end: 1.5,
@@ -28,8 +28,8 @@ const KNOWN: MadeEntry = {
 };
 
 test("queries have the documented meaning", async () => {
-  // Goal: the language's meaning. Method: one animation whose answers are known; the cases that
-  // tests/unit/clients/browse/query_test.cpp has.
+  // Goal: the language's meaning. Method: one animation with known answers; the cases of
+  // tests/unit/clients/browse/query_test.cpp.
   const index = await indexOf([KNOWN]);
   const meets = (text: string): boolean => {
     const condition = parseQuery(text, THINGS);
@@ -60,7 +60,8 @@ test("queries have the documented meaning", async () => {
 });
 
 test("any text yields an error or a query", async () => {
-  // Goal: no text throws, no column lies outside. Method: random texts of the language's signs.
+  // Goal: no text throws, and all columns are within the text. Method: random texts from the language's
+  // tokens.
   const random = randomNumbers(26);
   const index = await indexOf([KNOWN]);
   const signs = [
@@ -76,7 +77,7 @@ test("any text yields an error or a query", async () => {
 });
 
 test("an invalid index file is refused", async () => {
-  // Goal: nothing of a wrong file is used. Method: columns changed one at a time.
+  // Goal: nothing of an invalid file is used. Method: columns changed one at a time.
   const random = randomNumbers(1);
   const bytes = indexBytes([randomEntry(0, random), randomEntry(1, random)]);
   const packed = unpack(bytes.buffer as ArrayBuffer);

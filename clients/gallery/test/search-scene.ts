@@ -1,5 +1,5 @@
-// Made-up animations for the tests of the search: two twin balls, one other, a table, a wall, a goal; the
-// scene that tests/unit/clients/browse/random_index.h has.
+// Made-up animations for the tests of the search, in the scene of tests/unit/clients/browse/random_index.h:
+// two twin balls, one other ball, a table, a wall and a goal.
 import { pack, unpack } from "../src/data/packed";
 import type { Column } from "../src/data/types";
 import { readIndex, type SearchIndex } from "../src/search/search-index";
@@ -18,11 +18,11 @@ export interface MadeEntry {
   readonly draw: number;
   readonly isFind?: boolean;
   readonly end: number;
-  /** By body; none: it never enters. */
+  /** Paths by body; empty: the body never enters. */
   readonly paths: readonly (readonly MadePiece[])[];
-  /** Time, body, partner; in order. */
+  /** Time, body and partner, in the order of time. */
   readonly contacts: readonly Triple[];
-  /** Along NUMBERS. */
+  /** In the order of NUMBERS. */
   readonly numbers: readonly number[];
 }
 
@@ -37,7 +37,7 @@ export const NUMBERS = [
   { name: "face[0]", unit: "1" }, { name: "face[1]", unit: "1" }, { name: "turn", unit: "rad" },
 ] as const;
 
-/** The bytes of an index file of these animations. */
+/** The bytes of an index file with these animations. */
 export function indexBytes(entries: readonly MadeEntry[]): Uint8Array {
   const tracks = entries.flatMap((entry) => entry.paths);
   const pieces = tracks.flat();
@@ -60,7 +60,7 @@ export function indexBytes(entries: readonly MadeEntry[]): Uint8Array {
     ["piece_start_s", f64(pieces.map((piece) => piece.start))],
     ["piece_position_m", f64(pieces.flatMap((piece) => piece.p))],
     ["piece_velocity_mps", f64(pieces.flatMap((piece) => piece.v ?? none))],
-    // The file names each acceleration once; a row of its own for each is as right.
+    // The program stores each acceleration once; a row for each piece is equally valid.
     ["piece_acceleration", u32([...pieces.keys()])],
     ["accelerations_mps2", f64(pieces.flatMap((piece) => piece.a ?? none))],
     ["contact_first", u32([0, ...entries.map((entry) => (contact += entry.contacts.length))])],
@@ -80,7 +80,7 @@ export function indexOf(entries: readonly MadeEntry[]): Promise<SearchIndex> {
   return readIndex(unpack(indexBytes(entries).buffer as ArrayBuffer), new Turns());
 }
 
-/** Uniform in [0, 1): mulberry32, so that a test's cases are the same everywhere. */
+/** Uniform in [0, 1), by mulberry32, so that a test's cases are the same everywhere. */
 export function randomNumbers(seed: number): () => number {
   let state = seed >>> 0;
   return () => {
@@ -91,10 +91,8 @@ export function randomNumbers(seed: number): () => number {
   };
 }
 
-/**
- * Pieces are what recordings hold: parabolas, straight lines and rests, of which some begin where the
- * one before ended and some elsewhere; a body enters late or never.
- */
+/** Pieces as in recordings: parabolas, straight lines and rests. Some start where the previous piece ended,
+ *  others elsewhere. A body enters late or never. */
 export function randomEntry(draw: number, random: () => number): MadeEntry {
   const between = (low: number, high: number): number => low + (high - low) * random();
   const vector = (size: number): Triple => [between(-size, size), between(-size, size), between(-size, size)];

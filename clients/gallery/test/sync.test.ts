@@ -17,7 +17,7 @@ function fall(start: number, end: number, to: readonly [number, number, number] 
 }
 
 test("aligned animations agree at shared time 0", () => {
-  // Goal: what each mode says happens then. Method: two falls, one later and longer.
+  // Goal: each mode aligns the right events. Method: two falls, one later and longer.
   const a = recordingFrom(fall(0.25, 2));
   const b = recordingFrom(fall(1, 4));
   assert.deepEqual([shiftOf(a, "start"), shiftOf(b, "start")], [0, 0]);
@@ -30,7 +30,8 @@ test("aligned animations agree at shared time 0", () => {
 });
 
 test("animations differ once their distance exceeds the tolerance", () => {
-  // Goal: the closed form's time. Method: after the hit one goes on at 1 m/s, the other at 2 m/s.
+  // Goal: the time equals the closed form. Method: after the hit one body continues at 1 m/s, the other at 2
+  // m/s.
   const rows = (speed: number): Row[] => [
     { p: [0, 0, 1.25], a: [0, 0, G] }, { start: 0.5, cause: "hit", v: [speed, 0, 0] },
     { start: 5, cause: "rest", mode: "resting", p: [4.5 * speed, 0, 0] },
@@ -44,8 +45,8 @@ test("animations differ once their distance exceeds the tolerance", () => {
 });
 
 test("a short difference is not missed", () => {
-  // Goal: steps are no longer than speeds allow. Method: one body leaves for 4 ms by 5 mm and comes
-  // back, an hour after nothing has happened.
+  // Goal: steps are no longer than the speeds allow. Method: after an hour without events, one body moves
+  // away by 5 mm and back within 4 ms.
   const still: Row[] = [{ mode: "resting" }, { start: 4000, mode: "resting" }];
   const jerk: Row[] = [
     { mode: "resting" }, { start: 3600, v: [2.5, 0, 0] },
@@ -59,15 +60,15 @@ test("a short difference is not missed", () => {
 });
 
 test("aligned by their contact, equal falls never differ", () => {
-  // Goal: shifts are respected, also where rounding of them is not exact. Method: the same fall,
-  // begun at odd times.
+  // Goal: shifts are respected, even if rounding makes them inexact. Method: the same fall, started at odd
+  // times.
   const a = recordingFrom(fall(0.1, 2.1));
   const b = recordingFrom(fall(0.7, 2.7));
   const by = (mode: "start" | "contact") => whereTheyPart(
     { recording: a, shift: shiftOf(a, mode) }, { recording: b, shift: shiftOf(b, mode) }, 1e-3);
   assert.equal(by("contact"), null);
   const apart = by("start");
-  // One falls 1 mm while the other isn't there: sqrt(2 * 1e-3 / 10) s after its start.
+  // One body falls 1 mm before the other enters: sqrt(2 * 1e-3 / 10) s after its start.
   assert.ok(apart !== null && Math.abs(apart - 0.1 - Math.sqrt(2e-4)) < 3e-5, `${apart}`);
 });
 
@@ -81,7 +82,7 @@ test("a body that only one animation has makes them differ once it moves", () =>
 });
 
 test("the clock pauses at the end, loops, and stops", () => {
-  // Goal: playing, looping and ending. Method: time by hand, in pieces of at most a tenth.
+  // Goal: playing, looping and ending. Method: time by hand, in steps of at most 0.1 s.
   const clock = new Clock();
   clock.setRange({ from: -1, to: 1 });
   clock.seek(0.95);

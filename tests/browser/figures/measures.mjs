@@ -1,9 +1,9 @@
-// How the gallery's figures are measured, each with the page or the program itself.
+// Measures the gallery's performance, with the page or the program itself.
 import { readFileSync } from "node:fs";
 import { loadavg } from "node:os";
 import { gzipSync } from "node:zlib";
 
-/** The machine's load of the last minute, which each figure is told with. */
+/** The machine's load average of the last minute, printed with each result. */
 export const load = () => loadavg()[0].toFixed(1);
 
 export function quantile(values, share) {
@@ -11,7 +11,7 @@ export function quantile(values, share) {
   return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
 }
 
-/** Resolves when the first card has its picture and the wall has been scrolled. */
+/** Resolves when the first card has its picture and the wall was scrolled. */
 export async function wallIsUsable(page) {
   await page.locator("#groups canvas[data-thumbnail=drawn]").first().waitFor();
   await page.evaluate(async () => {
@@ -23,7 +23,7 @@ export async function wallIsUsable(page) {
   });
 }
 
-/** Queries of all kinds that the language has, at random. */
+/** A random query of any kind in the language. */
 export function randomQuery(random) {
   const ball = () => `ball ${1 + random.below(16)}`;
   const range = (low, high, widest, unit) => {
@@ -54,7 +54,7 @@ export function randomQuery(random) {
   ])();
 }
 
-/** Milliseconds of each POST, as the page sees it. */
+/** Duration of each POST in milliseconds, measured in the page. */
 export function postTimes(page, path, bodies) {
   return page.evaluate(
     async ([to, all]) => {
@@ -76,7 +76,7 @@ export function postTimes(page, path, bodies) {
   );
 }
 
-/** Pictures a second that the player draws. */
+/** Frames per second that the player draws. */
 export async function playerRate(page, seconds) {
   await page.waitForFunction(() => {
     const { player } = window.sleightGallery;
@@ -90,7 +90,7 @@ export async function playerRate(page, seconds) {
   }, seconds * 1000);
 }
 
-/** Turns the wheel over the list; returns the times between the browser's frames, in ms. */
+/** Scrolls the list with the wheel; returns the times between the browser's frames, in ms. */
 export async function scrollFrames(page, seconds) {
   const box = await page.locator("#list").boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
@@ -113,7 +113,7 @@ export async function scrollFrames(page, seconds) {
   return page.evaluate(() => window.scrollGaps.slice(2));
 }
 
-/** Zooms and moves a plot by keys; milliseconds until each is drawn. */
+/** Zooms and moves a plot by keys; returns the milliseconds until each frame is drawn. */
 export function zoomTimes(page) {
   return page.evaluate(async () => {
     const chart = document.querySelector("#plot-place .chart");
@@ -125,7 +125,7 @@ export function zoomTimes(page) {
       await frame();
       const from = performance.now();
       chart.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
-      // uPlot draws in a microtask; what is measured ends before the browser's own turn.
+      // uPlot draws in a microtask, so the measurement ends before the browser paints.
       await new Promise((resolve) => setTimeout(resolve, 0));
       times.push(performance.now() - from);
     }
@@ -133,7 +133,7 @@ export function zoomTimes(page) {
   });
 }
 
-/** Bytes of the page's own files at the first load, compressed. */
+/** Compressed bytes of the page's own files at the first load. */
 export async function firstLoadBytes(page, origin) {
   const files = [];
   const listen = (response) => {
@@ -149,7 +149,7 @@ export async function firstLoadBytes(page, origin) {
   return bodies.reduce((sum, body) => sum + gzipSync(body, { level: 9 }).length, 0);
 }
 
-/** The tab's share of memory and the GPU process', in MB. */
+/** Proportional memory of the tab and of the GPU process, in MB. */
 export async function tabMemory(browser) {
   const session = await browser.newBrowserCDPSession();
   const { processInfo } = await session.send("SystemInfo.getProcessInfo");
@@ -162,7 +162,7 @@ function proportional(pid) {
   return kilobytes(`/proc/${pid}/smaps_rollup`, "Pss");
 }
 
-/** Resident, now and at most, in MB. */
+/** Resident memory, now and at most, in MB. */
 export function serverMemory(pid) {
   const path = `/proc/${pid}/status`;
   return { now: kilobytes(path, "VmRSS"), most: kilobytes(path, "VmHWM") };

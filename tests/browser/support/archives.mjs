@@ -1,8 +1,7 @@
-// The archives that the tests look at, one of each world, made by real runs once for all: in the folder
-// SLEIGHT_BROWSER_DATA (of ctest's), else in one of the system's temporary ones. They are made anew when
-// the program or what is asked of it is another.
+// The test archives, one of each world, made once by real runs. They are in the folder SLEIGHT_BROWSER_DATA
+// (set by ctest), or in a temporary folder. They are made again when the program or the requests change.
 //
-//   node support/archives.mjs [NAME...]      makes them, or those
+//   node support/archives.mjs [NAME...]      makes all archives, or the named ones
 import { createHash } from "node:crypto";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, statSync } from "node:fs";
 import { tmpdir, userInfo } from "node:os";
@@ -12,13 +11,13 @@ import { besides, run, sleight, source } from "./programs.mjs";
 
 /** Arguments of `sleight direct`. */
 const runs = {
-  // In no proportion: found by search.
+  // Found by search, so not in proportion.
   hi: [join(source, "tests/browser/hi.toml"), "--set", "stop.found=40"],
-  // By a ladder, in proportion.
+  // Drawn by a ladder, in proportion.
   dice: [join(source, "requests/die.toml"), "--set", "stop.rounds=2", "--set", "output.min_distance=0.2"],
-  // Of a world that the installed programs don't know.
+  // A world that installed programs don't have.
   pucks: [join(source, "tests/browser/pucks.toml")],
-  // By four plain chains.
+  // Drawn by four plain chains.
   ball: [join(source, "requests/ball_2d.toml"), "--set", "stop.scans=400", "--set", "output.min_distance=0.05"],
 };
 
@@ -30,7 +29,7 @@ function folder() {
   return join(of, `${size}-${Math.round(mtimeMs)}-${asked.digest("hex").slice(0, 12)}`);
 }
 
-/** Paths by name of those that are asked for; nobody changes these files. */
+/** Paths of archives by name. REQUIRES: nobody changes these files. */
 export function archives(names = Object.keys(runs)) {
   const all = folder();
   mkdirSync(all, { recursive: true });
@@ -44,7 +43,7 @@ export function archives(names = Object.keys(runs)) {
     try {
       renameSync(making, place);
     } catch (error) {
-      // Another test was quicker.
+      // Another test made the archive first.
       rmSync(making, { recursive: true });
       if (!existsSync(place)) throw error;
     }

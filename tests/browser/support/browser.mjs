@@ -1,5 +1,5 @@
-// Debian's Chromium with a real, if slow, WebGL. A page that has none shows blank canvases and hides
-// it well, so each page that is opened here is asked for it.
+// Debian's Chromium with real but slow WebGL. A page without WebGL hides its blank canvases well, so each
+// page opened here is checked for WebGL.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 
@@ -13,14 +13,14 @@ try {
 }
 if (!existsSync(chromiumPath)) throw new Error(`${chromiumPath} is missing: run deploy/install-deps`);
 
-// Without the GL flags there is no WebGL; the others keep it from the network.
+// The GL flags enable WebGL; the other flags disable network access.
 const flags = [
   "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync",
   "--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist",
 ];
 
-/** `rules`: of --host-resolver-rules. */
+/** `rules`: for --host-resolver-rules. */
 export function launch({ rules } = {}) {
   const args = rules === undefined ? flags : [...flags, `--host-resolver-rules=${rules}`];
   return playwright.chromium.launch({ executablePath: chromiumPath, args });
@@ -28,10 +28,8 @@ export function launch({ rules } = {}) {
 
 const wide = { width: 1440, height: 900 };
 
-/**
- * A browser that was let into a gallery. Still pictures, unless a test is about moving ones: the
- * processor draws here.
- */
+/** A browser that is authorized for a gallery. Pictures stand still, unless a test is about moving ones,
+ *  because rendering is in software. */
 export class Visitor {
   static async enter(gallery, { rules, ...options } = {}) {
     const visitor = new Visitor();
@@ -41,21 +39,21 @@ export class Visitor {
       visitor.context = await visitor.browser.newContext({
         viewport: wide, reducedMotion: "reduce", colorScheme: "light", ...options,
       });
-      /** What went wrong on any page. */
+      /** Errors and warnings on any page. */
       visitor.problems = [];
       visitor.page = await visitor.newPage();
       const answer = await visitor.page.goto(gallery.link);
       assert.equal(answer.status(), 200, "the link authorizes the browser");
       await cards(visitor.page);
     } catch (error) {
-      // Nobody would close it, and Node waits for it.
+      // Close the browser, because Node waits for it.
       await visitor.close();
       throw error;
     }
     return visitor;
   }
 
-  /** A page that tells what it complains of; not yet at the gallery. */
+  /** A page that records its errors and warnings; the gallery isn't opened yet. */
   async newPage(context = this.context) {
     const page = await context.newPage();
     page.setDefaultTimeout(15_000);
@@ -67,9 +65,9 @@ export class Visitor {
     return page;
   }
 
-  /** The gallery again, at what stands behind '#' in a link. */
+  /** Opens the gallery with `hash` after '#' in the address. */
   async open(hash = "", page = this.page) {
-    // Else a browser takes another '#' for a place on the same page.
+    // Otherwise the browser would only change the address's '#' part.
     await page.goto("about:blank");
     await page.goto(`${this.gallery.origin}/${hash}`);
     await page.locator("#counts", { hasText: "shown" }).waitFor();
@@ -77,7 +75,7 @@ export class Visitor {
     return page;
   }
 
-  /** Problems so far must be none but those of the pattern. */
+  /** Fails if there are problems that don't match the pattern. */
   assertNoProblems(but = /^$/) {
     const bad = this.problems.filter((problem) => !but.test(problem));
     this.problems.length = 0;
@@ -87,7 +85,7 @@ export class Visitor {
   close() { return this.browser.close(); }
 }
 
-/** Waits until the pictures are drawn of those cards that are in view; returns how many these are. */
+/** Waits until the pictures of all visible cards are drawn; returns their number. */
 export async function cards(page) {
   await assertWebGl(page);
   const drawn = await page.waitForFunction(() => {
@@ -108,7 +106,7 @@ export async function assertWebGl(page) {
     "the browser has no WebGL: Chromium's flags for it no longer work here");
 }
 
-/** Waits until the player shows so many animations, drawn; returns what it says of itself. */
+/** Waits until the player has drawn this many animations; returns its state. */
 export async function playerShows(page, count) {
   await page.waitForFunction((wanted) => {
     const player = window.sleightGallery?.player;
@@ -125,7 +123,7 @@ export function playerState(page) {
   });
 }
 
-/** Of a canvas' pixels: how many colours it has, and how many are not the commonest one. */
+/** A canvas's number of colours, and of pixels without the most frequent colour. */
 export function inkOf(locator) {
   return locator.evaluate(async (canvas) => {
     const picture = await createImageBitmap(canvas);
@@ -139,7 +137,7 @@ export function inkOf(locator) {
   });
 }
 
-/** A picture for the documents, where SLEIGHT_SCREENSHOTS names a folder. */
+/** Takes a screenshot for the documents, if SLEIGHT_SCREENSHOTS names a folder. */
 export async function screenshotFor(page, name) {
   const folder = process.env.SLEIGHT_SCREENSHOTS;
   if (folder === undefined) return;

@@ -1,8 +1,8 @@
-// A gallery that runs: `sleight gallery` on a port of its own.
+// A running gallery: `sleight gallery` on its own port.
 import { createServer } from "node:net";
 import { ended, firstLine, sleight, start, temporaryFolder } from "./programs.mjs";
 
-/** A port that nobody has just now. */
+/** A free port. */
 export function freePort() {
   return new Promise((resolve, reject) => {
     const server = createServer();
@@ -15,7 +15,7 @@ export function freePort() {
 }
 
 export class Gallery {
-  /** `program`: another one than that which is tested, with other worlds. */
+  /** `program`: another program than the tested one, with other worlds. */
   static async start(paths, { home, port, args = [], program = sleight, cwd, env } = {}) {
     const gallery = new Gallery();
     gallery.home = home ?? temporaryFolder("home");
@@ -33,14 +33,14 @@ export class Gallery {
     this.errors = "";
     this.child.stderr.on("data", (data) => { this.errors += data; });
     const { link } = JSON.parse(await firstLine(this.child));
-    /** Lets one browser in, once. */
+    /** Authorizes one browser. */
     this.link = link;
   }
 
   get origin() { return `http://127.0.0.1:${this.port}`; }
   get pid() { return this.child.pid; }
 
-  /** Ends it as Ctrl-C does; returns its exit code. */
+  /** Ends the gallery as Ctrl-C does; returns its exit code. */
   async stop() {
     this.child.kill("SIGINT");
     return (await ended(this.child)).code;

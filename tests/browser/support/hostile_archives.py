@@ -1,6 +1,6 @@
-"""Archives whose own words would like to be a page's, for hostile.test.mjs:
+"""Writes archives with markup in their texts, for hostile-archives.test.mjs:
     hostile_archives.py ARCHIVE.h5 FOLDER
-copies an archive of dice into the folder, once for each place where it has words."""
+copies an archive of dice into the folder, once for each place that has text."""
 
 import pathlib
 import shutil
@@ -13,7 +13,7 @@ SIGNS = "<i onclick=a()>\"'&"
 
 
 def write_rows(dataset, texts):
-    """Into a table of single signs, by its own type: h5py's would leave the last sign of each out."""
+    """Writes texts into a table of characters by the table's own type: h5py's would drop the last characters."""
     table = dataset[()]
     for row, text in enumerate(texts):
         table[row] = [text[i:i + 1].encode() for i in range(table.shape[1])]
@@ -29,7 +29,7 @@ def world(file):
 
 
 def number(file):
-    # A slash would be a group's.
+    # A slash would create a group.
     file.move("animations/collisions", "animations/<img src=x onerror=alert(1)>")
 
 

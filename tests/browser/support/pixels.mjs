@@ -1,17 +1,15 @@
-// Where bodies are drawn, against where the C++ code says that they are.
+// Compares where bodies are drawn with where the C++ code computes them.
 import assert from "node:assert/strict";
 import { find, run, testProgram } from "./programs.mjs";
 
-/** How far the middle of a body's pixels may be from its centre. */
+/** Maximum distance of the middle of a body's pixels from its centre. */
 export const awayMaxPx = 3;
 
-/**
- * What the player shows: of each animation its own time, and of each body the box of the pixels that are
- * there when it is drawn alone and aren't when nothing is; null: there are none.
- */
+/** Measures the player's picture. For each animation: its own time, and for each body the box of pixels
+ *  that differ when only this body is drawn. null: no pixels differ. */
 export function measured(page, bodies) {
   return page.evaluate(async (count) => {
-    // A view of the moment: asked for anew each time.
+    // player is a snapshot, so it is requested again each time.
     const now = () => window.sleightGallery.player;
     const player = now();
     const canvas = document.querySelector("#player-canvas");
@@ -49,14 +47,13 @@ export function measured(page, bodies) {
   }, bodies);
 }
 
-/** Where places are on the picture: [{index, centre, radius}] -> [{x, y, radiusPx}]. */
+/** Projects places to the picture: [{index, centre, radius}] -> [{x, y, radiusPx}]. */
 export const onScreen = (page, places) => page.evaluate((list) => list.map(({ index, centre, radius }) =>
   window.sleightGallery.player.screenOfPlace(index, centre, radius)), places);
 
-/**
- * So many random animations of an archive, one to nine side by side, at random times and seen from random
- * sides: each body is where sleight-evaluate-poses says. The visitor's page is dark: no body is of that colour.
- */
+/** Checks that bodies of random animations are where sleight-evaluate-poses computes them: one to nine side
+ *  by side, at random times, from random directions. REQUIRES: the visitor's page is dark, because no body
+ *  has that colour. */
 export async function judgeBodies({ visitor, world, path, asked, random }) {
   const { page } = visitor;
   const known = find(path).animations;
@@ -66,7 +63,7 @@ export async function judgeBodies({ visitor, world, path, asked, random }) {
   const counts = { animations: 0, discs: 0, cut: 0, absent: 0 };
   while (counts.animations < asked) {
     const chosen = random.some(known, random.of([1, 3, 9, 9])).slice(0, asked - counts.animations);
-    // Some of them may rest already.
+    // Some animations may already be at rest.
     const t = random.between(0, Math.max(...chosen.map(({ numbers }) => numbers.rest_s)));
     const camera = [random.between(-3, 3), random.between(-0.2, 1.4), random.between(0.7, 1.3)];
     const link = new URLSearchParams({
@@ -125,7 +122,7 @@ export async function judgeBodies({ visitor, world, path, asked, random }) {
   }
   console.log(`${world}, seed ${random.seed}: ${JSON.stringify(counts)}; ${worst.away.toFixed(2)} px away at most, ` +
     `${worst.size.toFixed(2)} px larger than its ball`);
-  // Enough of them were to be seen whole.
+  // Enough bodies were completely visible.
   assert.ok(counts.discs >= 2 * counts.cut && counts.discs >= asked / 2, JSON.stringify(counts));
   visitor.assertNoProblems();
 }

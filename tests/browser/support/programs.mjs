@@ -1,5 +1,5 @@
-// Where the programs are, and how they are run: SLEIGHT_BIN, or `--bin`, is the program `sleight` or
-// the folder that it lies in. Programs get a home of their own, so that no test meets another's notes.
+// Finds and runs the programs. SLEIGHT_BIN, or `--bin`, is the program `sleight` or its folder. Programs get
+// their own home folder, so that tests don't share notes.
 import { spawn, spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -18,7 +18,7 @@ function given() {
 }
 
 export const sleight = given();
-/** Another program beside it. */
+/** Another program in the same folder. */
 export const besides = (name) => join(dirname(sleight), name);
 /** A program that is not installed. */
 export const testProgram = (name) => join(dirname(sleight), "../tests", name);
@@ -27,14 +27,14 @@ const temporary = [];
 process.on("exit", () => {
   for (const folder of temporary) rmSync(folder, { recursive: true, force: true });
 });
-/** A folder that goes when the tests have ended. */
+/** A folder that is removed when the tests end. */
 export function temporaryFolder(name = "test") {
   const folder = mkdtempSync(join(tmpdir(), `sleight-browser-${name}-`));
   temporary.push(folder);
   return folder;
 }
 
-/** The environment of programs with that home. Open MPI won't run as root unless told. */
+/** The environment of programs with this home. As root, Open MPI runs only if explicitly allowed. */
 export function environment(home, more = {}) {
   const { XDG_CACHE_HOME, XDG_DATA_HOME, XDG_STATE_HOME, XDG_RUNTIME_DIR, DISPLAY, WAYLAND_DISPLAY, ...rest } =
     process.env;
@@ -43,7 +43,7 @@ export function environment(home, more = {}) {
 }
 
 let homeOfRuns = null;
-/** Runs a program to its end; returns what it wrote. Throws where it ends with another code. */
+/** Runs a program to its end; returns its output. Throws if its exit code isn't in `codes`. */
 export function run(program, args, { input, home, cwd, env, codes = [0] } = {}) {
   homeOfRuns ??= temporaryFolder("home");
   const { status, signal, stdout, stderr, error } = spawnSync(program, args, {
@@ -54,11 +54,11 @@ export function run(program, args, { input, home, cwd, env, codes = [0] } = {}) 
   return stdout;
 }
 
-/** What `sleight find` says of an archive. */
+/** The JSON output of `sleight find` for an archive. */
 export function find(archive, ...args) {
   return JSON.parse(run(sleight, ["find", archive, ...args, "--json"]));
 }
-/** Names of animations that it finds. */
+/** Names of the animations that match. */
 export const namesFound = (archive, ...args) => find(archive, ...args).animations.map(({ id }) => id);
 
 for (const signal of ["SIGTERM", "SIGINT", "SIGHUP"]) process.on(signal, () => process.exit(1));
@@ -66,9 +66,9 @@ const running = new Set();
 process.on("exit", () => {
   for (const child of running) child.kill("SIGKILL");
 });
-/** Starts a program; it doesn't outlive the tests. */
+/** Starts a program, which ends with the tests. */
 export function start(program, args, { home, env, ...options }) {
-  // Nor does it outlive tests that are killed.
+  // It also ends if the tests are killed.
   const child = spawn("setpriv", ["--pdeathsig", "KILL", program, ...args], {
     env: environment(home, env), stdio: ["ignore", "pipe", "pipe"], ...options,
   });
@@ -77,7 +77,7 @@ export function start(program, args, { home, env, ...options }) {
   return child;
 }
 
-/** The first line that it writes; throws what it said instead where it ends before. */
+/** The program's first line; throws with its stderr if the program ends before. */
 export function firstLine(child) {
   return new Promise((resolveLine, reject) => {
     let text = "";
@@ -93,7 +93,7 @@ export function firstLine(child) {
   });
 }
 
-/** How it ended: {code, signal}. */
+/** How the program ended: {code, signal}. */
 export function ended(child) {
   if (child.exitCode !== null || child.signalCode !== null)
     return Promise.resolve({ code: child.exitCode, signal: child.signalCode });

@@ -1,4 +1,4 @@
-// Random numbers by a printed seed: SLEIGHT_SEED, else another one each time.
+// Random numbers from a printed seed: SLEIGHT_SEED, or a new one each time.
 export class Random {
   constructor(seed = Number(process.env.SLEIGHT_SEED ?? Math.floor(Math.random() * 2 ** 31))) {
     this.seed = seed;
@@ -16,7 +16,7 @@ export class Random {
   between(low, high) { return low + (high - low) * this.uniform(); }
   below(bound) { return Math.floor(bound * this.uniform()); }
   of(list) { return list[this.below(list.length)]; }
-  /** So many different ones. */
+  /** `count` different elements of the list. */
   some(list, count) {
     const rest = [...list];
     return Array.from({ length: Math.min(count, rest.length) }, () => rest.splice(this.below(rest.length), 1)[0]);

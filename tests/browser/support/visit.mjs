@@ -1,4 +1,4 @@
-// A gallery and a visitor of it, for a whole file of tests:
+// A gallery and a visitor for a whole file of tests:
 //
 //   before(async () => ({ gallery, visitor, page } = await visit([hi, dice])));
 //   after(leave);
@@ -15,7 +15,7 @@ export async function visit(archives) {
   return { gallery, visitor, page: visitor.page };
 }
 
-/** Ends all of them, the last one first. */
+/** Ends all visits, the last one first. */
 export async function leave() {
   while (visits.length > 0) await visits.pop()();
 }

@@ -1,4 +1,4 @@
-// What people call the colours of balls: few words, by hue, which shading leaves as it is.
+// People's words for the balls' colours: a few words by hue, which shading doesn't change.
 
 const words = [
   { word: "yellow", from: 40, to: 72 },
@@ -9,7 +9,7 @@ const words = [
   { word: "violet", from: 246, to: 330 },
 ];
 
-/** In degrees; red, green, blue are 0..255. */
+/** Hue in degrees; red, green and blue are 0..255. */
 export function hueOf([red, green, blue]) {
   const most = Math.max(red, green, blue);
   const spread = most - Math.min(red, green, blue);
@@ -20,7 +20,7 @@ export function hueOf([red, green, blue]) {
   return (60 * sixth + 360) % 360;
 }
 
-/** null: it is none of a ball's. */
+/** null: not a ball's colour. */
 export function wordOf(rgb) {
   const hue = hueOf(rgb);
   return words.find(({ from, to }) => hue >= from && hue < to)?.word ?? null;

@@ -1,16 +1,16 @@
-// Finds an animation by a memory of it, as a person does who works with such scenes daily: with the
-// page's own controls, and by looking at pictures. It never reads what an animation is called, and it
-// has the archive from nowhere else.
+// Finds an animation from a memory, as a person does who uses such scenes daily: with the page's own controls
+// and by looking at pictures. The script never reads an animation's name, and has no other access to the
+// archive.
 //
-// What such a person knows: balls fall in the order of their numbers, and their colours go from violet
-// to yellow in that order.
+// The person knows that balls fall in the order of their numbers, with colours from violet to yellow in that
+// order.
 import { looksLike } from "./looking.mjs";
 
 const ballCount = 16;
-/** So many pictures are looked through rather than asking again. */
+/** With at most this many pictures left, the script looks at them instead of adding conditions. */
 const looksMax = 12;
 
-/** Leaves the animation it has found playing in the player. False: it found none. */
+/** Returns true if the player shows a matching animation; false if none was found. */
 export async function find(page, hands, memory) {
   hands.think();
   await hands.choose(page.locator("#built-kind"), "ends");
@@ -22,10 +22,10 @@ export async function find(page, hands, memory) {
   return left > 0 && lookThrough(page, hands, memory, left);
 }
 
-/** Of which balls it is remembered surely where they lie: {ball, column, row}, the surest first. */
+/** Balls whose places are remembered reliably: {ball, column, row}, the most reliable first. */
 function restsKnown({ rests, first, last }) {
   const known = [{ ball: ballCount, ...last }, { ball: 1, ...first }];
-  // Of two yellow balls one fell last: the other is the one before it.
+  // Of two yellow balls one fell last, so the other one fell before it.
   const other = rests.find(({ word, ...bin }) => word === "yellow" && !isSame(bin, last));
   if (other !== undefined) known.push({ ball: ballCount - 1, ...other });
   return known;
@@ -35,7 +35,7 @@ function isSame(a, b) {
   return a.column === b.column && a.row === b.row;
 }
 
-/** Keeps those in which the ball ends there; returns how many are left. */
+/** Keeps animations in which the ball ends there; returns how many are left. */
 function keepEnding(page, hands, { ball, column, row }) {
   return keep(page, hands, async () => {
     hands.think();
@@ -49,7 +49,7 @@ function keepEnding(page, hands, { ball, column, row }) {
   }, page.locator("#built-in"));
 }
 
-/** Keeps those in which something is at that place at that time. */
+/** Keeps animations in which any body is at this place at this time. */
 function keepMeeting(page, hands, { xMm, yMm, atS }) {
   return keep(page, hands, async () => {
     hands.think();
@@ -77,7 +77,7 @@ function short(value) {
   return String(Math.round(value * 10) / 10);
 }
 
-/** Builds a condition and keeps what it is true of; returns how many are left. */
+/** Builds and applies a condition; returns how many animations are left. */
 async function keep(page, hands, build, button) {
   const before = await page.locator("#chips .chip").count();
   await build();
@@ -90,7 +90,7 @@ async function keep(page, hands, build, button) {
 }
 
 async function lookThrough(page, hands, memory, left) {
-  // Before the list is there: a card that was drawn moving would be looked at as it moves.
+  // Before the list appears, because a card drawn while moving would be looked at while it moves.
   if ((await page.locator("#cards-moving").getAttribute("aria-pressed")) === "true") {
     hands.think();
     await hands.click(page.locator("#cards-moving"));

@@ -1,11 +1,11 @@
-// A person's hands and eyes on the page, and how long they take by the keystroke-level model (Card,
-// Moran and Newell 1980): an expert who makes no mistakes. What the page makes them wait is measured.
+// A person's hands and eyes on the page, and their times by the keystroke-level model (Card, Moran and Newell
+// 1980) for an expert without mistakes. The page's delays are measured.
 
 const keyS = 0.28; // an average typist
 const pointS = 1.1;
 const buttonS = 0.1; // press or release
 const homeS = 0.4; // hand from mouse to keyboard or back
-const thinkS = 1.35; // gets ready, or remembers
+const thinkS = 1.35; // prepares or remembers
 const lookS = 2; // at one picture
 
 export class Hands {
@@ -25,7 +25,7 @@ export class Hands {
     return { ...this.#spent };
   }
 
-  /** One key, or several held together. */
+  /** Presses one key, or several together. */
   async press(keys) {
     this.#home("keyboard");
     this.#spent.keys += keyS * keys.split("+").length;
@@ -34,7 +34,7 @@ export class Hands {
 
   async type(text) {
     this.#home("keyboard");
-    // A capital or a sign above the digits is two keys.
+    // A capital, or a character that needs Shift, counts as two keys.
     for (const sign of text) this.#spent.keys += /[A-Z"()<>]/.test(sign) ? 2 * keyS : keyS;
     await this.#page.keyboard.type(text);
   }
@@ -45,7 +45,7 @@ export class Hands {
     await locator.click(options);
   }
 
-  /** Turns the wheel by a view's height: as a key. */
+  /** Scrolls by a view's height; takes as long as a key. */
   async turnWheel(locator, pixels) {
     this.#home("mouse");
     this.#spent.mouse += keyS;
@@ -53,7 +53,7 @@ export class Hands {
     await this.#page.mouse.wheel(0, pixels);
   }
 
-  /** Chooses in a list: it opens at a click, a second one takes the line. */
+  /** Selects in a list: one click opens it, another one selects the line. */
   async choose(locator, value) {
     this.#home("mouse");
     this.#spent.mouse += 2 * (pointS + 2 * buttonS);
@@ -68,7 +68,7 @@ export class Hands {
     this.#spent.looking += lookS;
   }
 
-  /** Waits until the page is so far. */
+  /** Waits until the page is ready. */
   async wait(until) {
     const from = performance.now();
     const value = await until();

@@ -1,11 +1,11 @@
-// Looks at a picture of how an animation ends: are balls of these colours where one remembers them?
+// Looks at a picture of an animation's end: are balls of these colours at the remembered places?
 //
-// The picture alone is used: the page is not asked where anything is. All cards show the scene from the
-// same side, so the bins that spell HI are always in the same places; in each the fullest patch of colour
-// is the ball, and what is thinner are the ways that balls went.
+// Only the picture is used, not the page's data. All cards show the scene from the same direction, so the
+// bins that spell HI are always at the same places. In each bin the densest patch of colour is the ball;
+// thinner patches are trails.
 import { wordOf } from "./colours.mjs";
 
-/** Of 16 balls so many may seem to be of a neighbouring colour. */
+/** Of 16 balls, this many may look like a neighbouring colour. */
 const mistakenMax = 1;
 
 const order = ["violet", "blue", "teal", "green", "lime", "yellow"];
@@ -22,7 +22,7 @@ export async function looksLike(canvas, rests) {
   return mistaken <= mistakenMax;
 }
 
-/** In shares of the picture's width and height, by rows from the furthest, each from the left. */
+/** Shares of the picture's width and height, by rows from the furthest, each row from the left. */
 const places = [
   [75, 68], [107, 70], [140, 76],
   [72, 81], [104, 85], [139, 89],
@@ -31,7 +31,7 @@ const places = [
   [60, 127], [97, 131], [133, 136],
 ].map(([x, y]) => [x / 207, y / 171]);
 
-/** Words for the balls in those places; null where one isn't seen. */
+/** Colour words of the balls at those places; null if no ball is visible. */
 async function ballsSeen(canvas) {
   const picture = await canvas.evaluate(async (element) => {
     const bitmap = await createImageBitmap(element);
@@ -44,10 +44,10 @@ async function ballsSeen(canvas) {
   return places.map(([x, y]) => ballAt(picture, Math.round(x * width), Math.round(y * height)));
 }
 
-/** Balls lie up to this from a bin's middle, and this is half of what is seen of one, in pixels. */
+/** In pixels: maximum distance of a ball from a bin's middle, and half of a ball's visible size. */
 const strayPx = 4;
 const halfPx = 3;
-/** Balls are coloured more strongly than anything else. */
+/** Balls have stronger colours than anything else. */
 const fullColour = 45;
 
 function ballAt({ width, height, bytes }, x, y) {

@@ -1,19 +1,20 @@
-// Makes memories of animations as people have them: what was seen, roughly. It knows the archive; who
-// searches has nothing but the memory (and knows the scene, as one who works with it does).
+// Makes rough memories of animations, as people have them. This code reads the archive; the search gets only
+// the memory, and knows the scene.
 //
-// A memory holds no name of an animation and no exact number:
-//   rests    in which bin what colour lies at the end, bins counted from the picture's left and bottom
-//   first    the bin of the ball that fell first, last: likewise
-//   contact  of one hit the ball's colour, its place to 10 mm and its time to 0.2 s
+// A memory contains no name and no exact number:
+//
+//   rests    the colour in each bin at the end; bins count from the picture's left and bottom
+//   first    the bin of the ball that fell first; last: the bin of the last ball
+//   contact  of one hit: the ball's colour, its place to 10 mm and its time to 0.2 s
 import { run, sleight } from "../support/programs.mjs";
 import { rgbOf, wordOf } from "./colours.mjs";
 
 const binPitchM = 0.022;
-/** A hit that nobody could overlook changes the velocity by this. */
+/** A hit that nobody could miss changes the velocity by this. */
 const plainHitMps = 0.5;
 const causeHit = 1;
 
-/** `count` targets at random: [{name, memory}]. `colours`: "#rrggbb" of each ball. */
+/** `count` random targets: [{name, memory}]. `colours`: "#rrggbb" of each ball. */
 export function makeTargets({ archive, colours, count, random }) {
   const names = run(sleight, ["find", archive, "--ids"]).trim().split(/\s+/);
   const chosen = random.some(names, count);
@@ -46,7 +47,7 @@ function memoryOf(rows, colours, random) {
   const falls = bodies.map((own, body) => ({ body, atS: own[0].startS })).sort((a, b) => a.atS - b.atS);
   const binOfBody = (body) => binOf(bodies[body].at(-1).place);
   return {
-    // By place: in whatever order they were made is nothing that is seen.
+    // Sorted by place, so that the order doesn't reveal invisible information.
     rests: rests.sort((a, b) => b.row - a.row || a.column - b.column),
     first: binOfBody(falls[0].body),
     last: binOfBody(falls.at(-1).body),
@@ -77,7 +78,7 @@ function changeAt(before, segment) {
   );
 }
 
-/** Column 1 is leftmost, row 1 nearest, of seven. */
+/** Column 1 is leftmost, row 1 is nearest, of seven each. */
 function binOf(place) {
   return { column: Math.round(place[0] / binPitchM) + 4, row: Math.round(place[1] / binPitchM) + 4 };
 }

@@ -1,7 +1,7 @@
-// From answers, which are JSON or packed bytes of whoever answered, to the page's types.
+// Decodes answers (JSON or packed bytes from any server) into the page's types.
 //
-// Everything that is used later is checked here, so that a wrong answer is one sentence instead of a
-// failure somewhere in the page. Functions throw SourceError("torn").
+// All values that the page uses are checked here, so an invalid answer becomes one error message instead of a
+// failure elsewhere. Functions throw SourceError("torn").
 
 import { Recording } from "../motion/recording";
 import type { Segments } from "../motion/segments";
@@ -43,7 +43,7 @@ function placeOf(value: unknown, what: string): Place {
   return [numberOf(x, what), numberOf(y, what), numberOf(z, what)];
 }
 
-/** The gallery's state; of its archives what the page relies on is checked. */
+/** The gallery's state. Of each archive, the fields that the page relies on are checked. */
 export function galleryOf(value: unknown): GalleryState {
   const state = objectOf(value, "the gallery");
   for (const archive of listOf(state["archives"], "'archives'")) {
@@ -122,7 +122,7 @@ export function tableOf(packed: Packed): Table {
   };
 }
 
-/** Of an answer to `names=`; in the answer's order. */
+/** Decodes an answer to `names=`, in the answer's order. */
 export function animationsOf(packed: Packed, bodies: number): Animation[] {
   const head = objectOf(packed.head, "the header of animations");
   return listOf(head["animations"], "'animations'").map((item) => {
@@ -154,7 +154,7 @@ function animationOf(
   };
 }
 
-/** `prefix` stands before each column's name. */
+/** `prefix` precedes each column's name. */
 export function segmentsOf(columns: ReadonlyMap<string, Column>, prefix: string): Segments {
   const body = columns.get(`${prefix}body`);
   if (!(body instanceof Uint32Array)) throw torn("an animation has no column 'body'");

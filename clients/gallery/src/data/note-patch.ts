@@ -1,4 +1,4 @@
-// What people change of notes, so that what others change meanwhile stays. Pure.
+// Changes to notes, recorded as patches so that other people's changes aren't overwritten. Pure functions.
 import type { Note, NotePatch } from "./types";
 
 export type NotesByName = Readonly<Record<string, Note>>;
@@ -32,7 +32,7 @@ export function patchBetween(before: Note, after: Note): NotePatch {
   };
 }
 
-/** One after the other. */
+/** The patch with the effect of `first`, then `then`. */
 export function joined(first: NotePatch, then: NotePatch): NotePatch {
   const without = (tags: readonly string[] = [], out: readonly string[] = []): string[] =>
     tags.filter((tag) => !out.includes(tag));

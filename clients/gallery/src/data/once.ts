@@ -1,6 +1,5 @@
-// What is loaded once and kept: who asks while it is under way waits for the same answer. What failed
-// is tried again for the next one who asks, but not at once: who asks anew at each failure would have
-// the browser look for a missing file all the time.
+// A cache of loaded values. Concurrent requests for one key share one load. A failed load is repeated at the
+// next request after a pause, so that a missing file isn't requested all the time.
 
 interface Held<T> {
   readonly value: Promise<T>;
@@ -9,19 +8,19 @@ interface Held<T> {
 }
 
 export interface OnceOptions<T> {
-  /** Of more bytes together, what was used longest ago goes; the newest one stays. */
+  /** Maximum bytes of all values. Above it, the least recently used values are dropped; the newest stays. */
   readonly bytesMax?: number;
   readonly bytesOf?: (value: T) => number;
-  /** Between a failure and the next try. */
+  /** Minimum pause between a failure and the next load. */
   readonly pauseMs?: number;
 }
 
 export class Once<T> {
-  /** In the order of last use, the longest ago first. */
+  /** From least to most recently used. */
   private readonly held = new Map<string, Held<T>>();
   private bytes = 0;
 
-  /** When what failed may be tried again: performance.now(). */
+  /** Earliest time of the next load after a failure, as performance.now(). */
   private readonly failed = new Map<string, number>();
 
   constructor(private readonly options: OnceOptions<T> = {}) {}

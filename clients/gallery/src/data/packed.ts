@@ -1,16 +1,16 @@
-// Packed answers: a head of JSON and columns of numbers in one piece of bytes.
+// Packed answers: a JSON header and columns of numbers in one block of bytes.
 //
-//   u32 H, little-endian | H bytes of JSON, padded with blanks so that 4 + H is a multiple of 8 | columns
-//   {"head": {...}, "columns": [{"name": "start_s", "type": "f64", "offset": 0, "count": 12}, ...]}
+//    u32 H, little-endian | H bytes of JSON, padded with blanks so that 4 + H is a multiple of 8 | columns
+//    {"head": {...}, "columns": [{"name": "start_s", "type": "f64", "offset": 0, "count": 12}, ...]}
 //
-// `offset` counts bytes from the end of the JSON and is a multiple of 8; `count` counts numbers, not
-// rows. Columns are views of the answer's bytes: nothing is copied. What is torn (cut off, moved or
-// of another form) throws; nothing of it is handed on.
+// `offset` counts bytes from the end of the JSON and is a multiple of 8. `count` counts numbers, not rows.
+// Columns are views of the answer's bytes, without copies. Truncated, misaligned or otherwise invalid answers
+// throw.
 
 import { SourceError } from "./source";
 import type { Column } from "./types";
 
-/** What unpack() makes of an answer. */
+/** The result of unpack(). */
 export interface Packed {
   readonly head: unknown;
   readonly columns: ReadonlyMap<string, Column>;
@@ -20,14 +20,14 @@ type ColumnType = "f64" | "f32" | "u32" | "i32" | "u16" | "u8";
 
 const BYTES: Readonly<Record<ColumnType, number>> = { f64: 8, f32: 4, u32: 4, i32: 4, u16: 2, u8: 1 };
 const ALIGNMENT = 8;
-/** A longer JSON is no head of ours. */
+/** Maximum size of the JSON header. */
 const HEAD_BYTES_MAX = 64 * 1024 * 1024;
 
 export function torn(what: string): SourceError {
   return new SourceError("torn", `invalid answer: ${what}`, "Reload the page.");
 }
 
-/** REQUIRES: a machine with little-endian numbers, as every browser's is. Throws SourceError. */
+/** REQUIRES: a little-endian machine, as all browsers have. Throws SourceError("torn"). */
 export function unpack(buffer: ArrayBuffer): Packed {
   if (buffer.byteLength < 4) throw torn("the header is missing");
   const headBytes = new DataView(buffer).getUint32(0, true);
@@ -43,7 +43,7 @@ export function unpack(buffer: ArrayBuffer): Packed {
   return { head: json["head"], columns };
 }
 
-/** The bytes that unpack() reads: for tests, and for programs that write answers. */
+/** Returns bytes that unpack() reads; for tests and for programs that write answers. */
 export function pack(head: unknown, columns: ReadonlyMap<string, Column>): Uint8Array {
   const list: object[] = [];
   let size = 0;

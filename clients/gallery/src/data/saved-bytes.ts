@@ -1,20 +1,19 @@
-// Bytes of a saved gallery's file: base64 of what gzip made of them.
+// Decodes a saved gallery's binary files: base64 of gzip data.
 //
-// It goes part by part, so that a large file neither stands in memory several times over nor holds up
-// the page.
+// Files are decoded in parts, to limit memory and to keep the page responsive.
 
 import { Turns } from "../search/turns";
 import { torn } from "./packed";
 import { SourceError } from "./source";
 
-/** Characters at once; a multiple of four, as four of them are three bytes. */
+/** Characters per part; a multiple of four, because four characters encode three bytes. */
 const PART = 1 << 18;
-/** Deflate makes no less of its bytes: a file that claims more is torn. */
+/** Deflate's maximum compression ratio: a file that claims a larger one is invalid. */
 const RATIO_MAX = 1032;
-/** gzip's end: the bytes' checksum and their number, four bytes each. */
+/** Characters that contain gzip's trailer: checksum and size, four bytes each. */
 const TRAILER_CHARACTERS = 8;
 
-/** Throws SourceError("torn"); "other" where the browser can't do it. */
+/** Throws SourceError("torn"), or "other" if the browser lacks DecompressionStream. */
 export async function unzipped(base64: string): Promise<ArrayBuffer> {
   if (typeof DecompressionStream === "undefined")
     throw new SourceError("other", "This browser is too old to read animations.", "Use a newer browser.");
@@ -34,7 +33,7 @@ async function inflated(base64: string): Promise<ArrayBuffer> {
   for (;;) {
     const { done, value } = await reader.read();
     if (done) break;
-    // Throws where there are more bytes than gzip's end says.
+    // set() throws if there are more bytes than the trailer declares.
     bytes.set(value, filled);
     filled += value.length;
     if (turns.isDue()) await turns.take();
@@ -43,7 +42,7 @@ async function inflated(base64: string): Promise<ArrayBuffer> {
   return bytes.buffer;
 }
 
-/** What gzip's end says. */
+/** The size of the unzipped bytes, from gzip's trailer. */
 function sizeOf(base64: string): number {
   const end = decoded(base64.slice(-TRAILER_CHARACTERS));
   if (base64.length % 4 !== 0 || end.length < 4) throw torn("the file is truncated");

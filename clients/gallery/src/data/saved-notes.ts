@@ -1,5 +1,5 @@
-// Stars and notes of a saved gallery: its files are nobody's to change, so they are kept by the
-// browser where it keeps anything for this page, and else until the page is closed.
+// Stars and notes of a saved gallery. Its files are read-only, so the browser's storage keeps the notes.
+// Without storage, notes last until the page closes.
 
 import { noteOf, patched } from "./note-patch";
 import { isObject } from "./packed";
@@ -11,14 +11,14 @@ const PREFIX = "sleight-notes.";
 
 export class SavedNotes {
   private readonly runs = new Map<string, OfRun>();
-  /** null: nothing can be kept. */
+  /** null: no storage is available. */
   private storage: Storage | null;
 
   constructor(storage: () => Storage) {
     this.storage = usable(storage);
   }
 
-  /** Whether notes outlive the page. */
+  /** Whether notes last longer than the page. */
   get areKept(): boolean {
     return this.storage !== null;
   }
@@ -33,7 +33,7 @@ export class SavedNotes {
   }
 
   change(run: string, patches: Readonly<Record<AnimationName, NotePatch>>): OfRun {
-    // The same gallery may be open twice: what the other page has noted stays.
+    // Merges notes from another page with the same gallery.
     const notes = { ...this.ofRun(run), ...this.read(run) };
     const changed = 1 + Object.values(notes).reduce((most, one) => Math.max(most, one.changed), 0);
     const kept = Object.fromEntries(Object.entries(patches).map(([name, patch]) =>
@@ -43,7 +43,7 @@ export class SavedNotes {
     try {
       this.storage?.setItem(PREFIX + run, JSON.stringify(now));
     } catch {
-      // Full, or taken away: from here on they last as long as the page.
+      // The storage is full or was disabled: from now on, notes last until the page closes.
       this.storage = null;
     }
     return kept;
@@ -62,7 +62,7 @@ export class SavedNotes {
   }
 }
 
-/** Browsers throw at the first touch where a page may keep nothing. */
+/** Browsers throw at the first access if a page may not use storage. */
 function usable(storage: () => Storage): Storage | null {
   try {
     const found = storage();

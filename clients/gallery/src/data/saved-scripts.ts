@@ -1,9 +1,9 @@
-// Files of a saved gallery. A page that is opened as a file may fetch nothing, but it may add script
-// elements; so each file is a script that hands over its text by one call:
+// Loads files of a saved gallery. A page opened from a file cannot fetch, but it can add script elements. So
+// each file is a script that passes its text to one function:
 //
-//   sleightSaved("0/looks", "gz", "H4sI...");
+//    sleightSaved("0/looks", "gz", "H4sI...");
 //
-// kind "json": the text is JSON; "gz": base64 of what gzip made of a packed answer (packed.ts).
+// Kind "json" is JSON text. Kind "gz" is base64 of a gzipped packed answer (packed.ts).
 
 import { SourceError } from "./source";
 import { torn } from "./packed";
@@ -16,11 +16,11 @@ export interface SavedText {
 }
 
 declare global {
-  // What the files call; they are classic scripts, whose names are the global object's.
+  // Called by the files, which are classic scripts: their functions are global.
   var sleightSaved: ((path: unknown, kind: unknown, text: unknown) => void) | undefined;
 }
 
-/** An index of a large archive has some hundred megabytes, and may come over a slow line. */
+/** Long enough for an index of some hundred megabytes over a slow connection. */
 const TIMEOUT_MS = 180_000;
 
 interface Awaited {
@@ -28,7 +28,7 @@ interface Awaited {
   take(said: SavedText): void;
 }
 
-/** REQUIRES: the page's only one. */
+/** REQUIRES: only one instance on the page. */
 export class SavedScripts {
   private readonly awaited = new Map<string, Awaited>();
 
@@ -38,12 +38,12 @@ export class SavedScripts {
   ) {
     globalThis.sleightSaved = (path, kind, text) => {
       if (typeof path !== "string" || typeof text !== "string") return;
-      // Anything else is told when the script has ended.
+      // Other kinds are reported when the script has ended.
       if (kind === "json" || kind === "gz") this.awaited.get(path)?.take({ kind, text });
     };
   }
 
-  /** `path` as in the call: "0/looks". Rejected with a SourceError: missing, torn or other. */
+  /** `path` as in the call, such as "0/looks". Rejects with SourceError "missing", "torn" or "other". */
   load(path: string): Promise<SavedText> {
     const under = this.awaited.get(path);
     if (under !== undefined) return under.text;
@@ -64,10 +64,10 @@ export class SavedScripts {
       clearTimeout(timer);
       script.remove();
       this.awaited.delete(path);
-      // Of a text that was taken this does nothing.
+      // Has no effect if the text has arrived.
       fail(error);
     };
-    // A script that is cut off is no script, and ends as one that says nothing.
+    // A truncated script doesn't parse: its load event comes without a call.
     script.addEventListener("load", () =>
       end(torn(`the file ${file} is truncated, or from another version of sleight`)));
     script.addEventListener("error", () => {

@@ -1,19 +1,19 @@
-// How large a share of a run's satisfied draws looks like a group's animations: what
-// clients/gallery_server/shares.h says, with the same numbers, from the index's columns.
+// Each group's share of a run's satisfied draws, from the index's columns. The results equal those of
+// clients/gallery_server/shares.h.
 
 import { type Packed, torn } from "./packed";
 import type { Entry } from "./types";
 
 export interface Share {
   readonly value: number;
-  /** Standard error, lineages being what is independent; NaN of fewer than two. */
+  /** Standard error with lineages as independent samples; NaN for fewer than two lineages. */
   readonly error: number;
 }
 
 interface Lineage {
-  /** Satisfied draws. */
+  /** Number of satisfied draws. */
   draws: number;
-  /** By the animation they are put to. */
+  /** Satisfied draws by the animation that they are assigned to. */
   readonly counts: { readonly entry: Entry; readonly draws: number }[];
 }
 
@@ -24,7 +24,7 @@ export class SatisfiedDraws {
     this.draws = lineages.reduce((sum, lineage) => sum + lineage.draws, 0);
   }
 
-  /** `packed`: the index. Without its column "satisfied_draws" nothing was counted: null. */
+  /** `packed` is the index. null if the index has no column "satisfied_draws". */
   static of(packed: Packed): SatisfiedDraws | null {
     const { columns } = packed;
     const counts = columns.get("satisfied_draws");
@@ -34,7 +34,7 @@ export class SatisfiedDraws {
     if (chain?.length !== counts.length || lineage?.length !== counts.length)
       throw torn("the index's columns differ in length");
     const entries = [...counts.keys()].filter((entry) => counts[entry]! > 0);
-    // Sums go in this order, as the server's do.
+    // Sums use this order, as the server's do.
     entries.sort((a, b) => chain[a]! - chain[b]! || lineage[a]! - lineage[b]! || a - b);
     const lineages: Lineage[] = [];
     entries.forEach((entry, i) => {
@@ -49,14 +49,14 @@ export class SatisfiedDraws {
     return new SatisfiedDraws(lineages, counts.length);
   }
 
-  /** Of groups of different entries; null: there is no draw. */
+  /** Shares of disjoint groups; null if there are no draws. */
   shares(groups: readonly (readonly Entry[])[]): readonly Share[] | null {
     if (this.draws === 0) return null;
     const groupOf = new Int32Array(this.entries).fill(-1);
     groups.forEach((members, group) => {
       for (const entry of members) groupOf[entry] = group;
     });
-    // Of each group those lineages that have any of it: their draws, and the group's among them.
+    // For each group, its lineages: their draws, and the group's draws among them.
     const parts = groups.map((): { size: number; own: number }[] => []);
     let squares = 0;
     for (const lineage of this.lineages) {
@@ -71,7 +71,7 @@ export class SatisfiedDraws {
     const count = this.lineages.length;
     return parts.map((part) => {
       const value = part.reduce((sum, { own }) => sum + own, 0) / this.draws;
-      // Lineages without any of the group deviate by value * size.
+      // In lineages without draws of the group, the deviation is value * size.
       let deviations = value * value * (squares - part.reduce((sum, { size }) => sum + size * size, 0));
       for (const { size, own } of part) deviations += (own - value * size) ** 2;
       const error = count < 2 ? NaN : Math.sqrt((count / (count - 1)) * deviations) / this.draws;

@@ -1,7 +1,7 @@
-// A gallery that was saved as static files: `sleight gallery --save`. There is no server, so the page
-// reads what was answered once (saved-scripts.ts says how) and searches, groups and compares by itself.
+// A gallery saved as static files (`sleight gallery --save`). There is no server: the page reads prepared
+// answers (saved-scripts.ts), and searches, groups and compares by itself.
 //
-// clients/gallery_server/saved_gallery.h says what the files are.
+// clients/gallery_server/saved_gallery.h describes the files.
 
 import { ArchiveSearch } from "../search/search";
 import {
@@ -21,17 +21,17 @@ import {
   type Table,
 } from "./types";
 
-/** In one file, along the table. */
+/** Animations per file, in the table's order. */
 const ANIMATIONS_PER_FILE = 32;
 const ANIMATIONS_BYTES_MAX = 64 * 1024 * 1024;
 const SERIES_BYTES_MAX = 64 * 1024 * 1024;
-/** Of two large archives the one that is not looked at has to go. */
+/** Room for one large archive's index: opening another archive drops it. */
 const INDEX_BYTES_MAX = 256 * 1024 * 1024;
 const PAUSE_MS = 3000;
 const NOT_KEPT =
   "Stars and notes last until this page closes, because the browser denies storage to this page.";
 
-/** An answer, and how many bytes it holds. */
+/** An answer and its size in bytes. */
 interface File {
   readonly packed: Packed;
   readonly bytes: number;
@@ -39,7 +39,7 @@ interface File {
 
 interface Searched {
   readonly search: ArchiveSearch;
-  /** Null where they weren't counted. */
+  /** null if draws weren't counted. */
   readonly satisfied: SatisfiedDraws | null;
   readonly bytes: number;
 }
@@ -51,15 +51,15 @@ interface Rows {
 
 export interface SavedPlace {
   readonly document: Pick<Document, "createElement" | "head">;
-  /** May throw. */
+  /** Returns the browser's storage, or throws. */
   readonly storage: () => Storage;
-  /** How long a file may take. */
+  /** Timeout for loading a file. */
   readonly timeoutMs?: number;
-  /** Between a failure and the next try. */
+  /** Minimum pause between a failure and the next load. */
   readonly pauseMs?: number;
 }
 
-/** REQUIRES: the page's only one. */
+/** REQUIRES: only one instance on the page. */
 export function createSavedSource(
   place: SavedPlace = { document, storage: () => localStorage },
 ): GallerySource {
@@ -99,7 +99,7 @@ class SavedSource implements GallerySource {
   async gallery(options?: AskOptions): Promise<GalleryState> {
     const asked = this.galleries.get("", async () => galleryOf(await this.json("gallery")));
     const state = await wanted(asked, options);
-    // Whether notes are kept is the browser's to say.
+    // The browser decides whether notes are stored.
     const words = this.kept.areKept ? "" : NOT_KEPT;
     return { ...state, notes: { writable: this.kept.areKept, words } };
   }
@@ -209,7 +209,7 @@ class SavedSource implements GallerySource {
     return { notes, words: this.kept.areKept ? "" : NOT_KEPT };
   }
 
-  /** Nothing changes here. */
+  /** Nothing changes: the files are static. */
   onChange(listener: SourceListener): () => void {
     listener.source("here");
     return () => {};
@@ -265,7 +265,7 @@ class SavedSource implements GallerySource {
   }
 }
 
-/** Without the others' bytes: who keeps one animation would keep its whole file. */
+/** Copies the named animations' bytes, so that one animation doesn't keep its whole file in memory. */
 function onlyThese(packed: Packed, names: readonly AnimationName[]): Packed {
   const head = packed.head as { readonly animations?: unknown } | null;
   const all: readonly unknown[] = Array.isArray(head?.animations) ? head.animations : [];
@@ -289,7 +289,7 @@ function shareOf(share: Share | undefined): { value: number; error: number | nul
   return { value: share.value, error: Number.isNaN(share.error) ? null : share.error };
 }
 
-/** Why groups have no shares; the first two are the server's own words. */
+/** Why groups have no shares. The first two texts equal the server's. */
 function noShares(archive: ArchiveSummary | undefined): string {
   if (archive?.draws === 0)
     return "Search found these animations; their probability in the model is unknown.";
@@ -297,7 +297,7 @@ function noShares(archive: ArchiveSummary | undefined): string {
   return "No draws can be counted.";
 }
 
-/** What is loaded is everybody's, so it goes on where one no longer wants it. */
+/** Rejects when the caller's signal aborts. The load itself continues, because other callers share it. */
 function wanted<T>(asked: Promise<T>, options?: AskOptions): Promise<T> {
   const signal = options?.signal;
   if (signal === undefined) return asked;

@@ -1,8 +1,8 @@
-// A gallery that a server answers: `sleight gallery`.
+// A gallery answered by a server: `sleight gallery`.
 //
-// While the server is away every question but changeNotes() waits, and is asked again once the server is
-// back; the listeners are told. The stream of events is the sign of life: it is opened anew with
-// growing pauses, so nobody has to reload the page.
+// While the server doesn't answer, all requests but changeNotes() wait, and are sent again once the server
+// answers; listeners are notified. The event stream detects the server: it is opened again with increasing
+// pauses, so nobody has to reload the page.
 
 import {
   animationsOf, galleryOf, looksOf, sceneOf, seriesOf, seriesTitlesOf, tableOf,
@@ -30,9 +30,9 @@ export function createServedSource(base: string = document.baseURI): GallerySour
 
 interface Question {
   readonly path: string;
-  /** Of a POST: becomes JSON. */
+  /** A POST request's body, sent as JSON. */
   readonly body?: unknown;
-  /** Whether to wait while the server is away. */
+  /** Whether the request waits while the server doesn't answer. */
   readonly waits: boolean;
 }
 
@@ -44,7 +44,7 @@ class ServedSource implements GallerySource {
   private stream: EventSource | null = null;
   private timer: ReturnType<typeof setTimeout> | null = null;
   private pauseMs = PAUSE_MS_MIN;
-  /** Questions that wait for the server. */
+  /** Requests that wait for the server. */
   private readonly waiting = new Set<() => void>();
 
   constructor(private readonly base: string) {}
@@ -130,7 +130,7 @@ class ServedSource implements GallerySource {
     };
   }
 
-  // ---- Questions
+  // ---- Requests
 
   private async json(question: Question, options: AskOptions | undefined): Promise<unknown> {
     return this.ask(question, options, async (response) => {
@@ -147,7 +147,7 @@ class ServedSource implements GallerySource {
     return this.ask(question, options, async (response) => unpack(await response.arrayBuffer()));
   }
 
-  /** Asks, and again when the server is back, until there is an answer or nobody wants it. */
+  /** Sends the request, and repeats it when the server returns, until it is answered or cancelled. */
   private async ask<T>(
     question: Question, options: AskOptions | undefined, read: (response: Response) => Promise<T>,
   ): Promise<T> {
@@ -160,7 +160,7 @@ class ServedSource implements GallerySource {
         return await read(response);
       } catch (error) {
         if (signal?.aborted) throw ABORTED;
-        // Everything but an answer that says why is the network's: fetch() or a body that broke off.
+        // All other errors are network errors: fetch() failed or the body broke off.
         if (error instanceof SourceError) {
           if (error.kind === "refused") this.lost("refused");
           throw error;
@@ -172,7 +172,7 @@ class ServedSource implements GallerySource {
     }
   }
 
-  /** Until the server is back. */
+  /** Resolves when the server answers again. */
   private back(signal: AbortSignal | undefined): Promise<void> {
     return new Promise((resolve, reject) => {
       const done = (): void => {
@@ -189,7 +189,7 @@ class ServedSource implements GallerySource {
     });
   }
 
-  // ---- The server's life
+  // ---- Connection to the server
 
   private listen(): void {
     this.timer = null;
@@ -198,7 +198,7 @@ class ServedSource implements GallerySource {
     stream.addEventListener("gallery", (event) => this.changed(event));
     stream.onopen = () => this.found();
     stream.onerror = () => {
-      // The browser's own retries tell nothing of refusals and don't back off.
+      // The browser's own retries neither report refusals nor back off.
       stream.close();
       if (this.stream !== stream) return;
       this.stream = null;
@@ -206,12 +206,12 @@ class ServedSource implements GallerySource {
     };
   }
 
-  /** Why the stream broke: the stream itself doesn't say. */
+  /** Finds out why the stream broke, because the stream doesn't report it. */
   private async probe(): Promise<void> {
     try {
       const response = await fetch(new URL("api/gallery", this.base), { cache: "no-store" });
       if (response.ok) {
-        // It is there; only the stream broke.
+        // The server answers; only the stream broke.
         this.tell(galleryOf(await response.json()));
         this.found();
       } else {
@@ -238,11 +238,11 @@ class ServedSource implements GallerySource {
   private lost(state: "away" | "refused"): void {
     this.become(state);
     if (this.listeners.size === 0) {
-      // Nobody follows events: who waits tries again.
+      // Nobody follows events, so no stream reports the server's return: retry after a pause.
       setTimeout(() => this.found(), PAUSE_MS_MAX);
       return;
     }
-    // A failed question can be the first sign; a stream opened anew tells when the server is back.
+    // The failed request may be the first sign of trouble. A new stream reports when the server returns.
     this.stream?.close();
     this.stream = null;
     this.again();
@@ -259,7 +259,7 @@ class ServedSource implements GallerySource {
     try {
       this.tell(galleryOf(JSON.parse(event.data)));
     } catch {
-      // A torn event is as good as none: the next one says all anew.
+      // Ignore an invalid event: the next event contains the whole state again.
     }
   }
 
@@ -293,7 +293,7 @@ async function failureOf(response: Response): Promise<SourceError> {
   try {
     said = await response.json();
   } catch {
-    // Of proxies and the like: the status has to do.
+    // The body isn't our JSON (from a proxy, for example): use the status alone.
   }
   const error = isObject(said) && typeof said["error"] === "string" ? said["error"] : "";
   const toDo = isObject(said) && typeof said["what_to_do"] === "string" ? said["what_to_do"] : "";

@@ -1,8 +1,7 @@
-// Where the page has its data from: a server (served.ts), or a saved folder of static files.
+// The source of the page's data: a server (served.ts) or a saved folder of static files (saved.ts).
 //
-// Every promise is rejected with a SourceError and with nothing else. A source answers of one
-// generation of an archive at a time: the answers name theirs, and questions that hold entries name
-// the one they mean.
+// Promises reject only with SourceError. A source answers for one generation of an archive at a time: answers
+// contain their generation, and requests with entries contain the generation of these entries.
 
 import type {
   AlikeAnswer, AlikeAsk, Animation, AnimationName, ArchiveAt, ArchiveId, ChangedNotes, FindAnswer,
@@ -10,21 +9,21 @@ import type {
 } from "./types";
 
 export type FailureKind =
-  /** The server doesn't answer; it is tried again. */
+  /** The server doesn't answer; the source retries. */
   | "away"
-  /** The server doesn't know this page (any more): its link has to be opened anew. */
+  /** The server doesn't accept this page (any more): the person must open the server's link again. */
   | "refused"
-  /** The archive has been read anew: ask for its table again. */
+  /** The archive was read again: request its table again. */
   | "generation"
-  /** The archive is still being read: ask again later. */
+  /** The archive is still being read: retry later. */
   | "reading"
-  /** There is no such archive, animation or plot. */
+  /** The archive, animation or plot doesn't exist. */
   | "missing"
-  /** The answer can't be read: torn or not of this version. */
+  /** The answer is invalid: truncated, or from another version. */
   | "torn"
   /** The caller's signal was aborted. */
   | "aborted"
-  /** Anything else that the server says. */
+  /** Any other error from the server. */
   | "other";
 
 export class SourceError extends Error {
@@ -39,52 +38,52 @@ export class SourceError extends Error {
   }
 }
 
-/** How the source is: "away" while it tries to reach its server again. */
+/** State of the source. "away": it tries to reach its server again. */
 export type SourceState = "here" | "away" | "refused";
 
 export interface SourceListener {
-  /** Something in the gallery has changed. */
+  /** Called when something in the gallery has changed. */
   gallery(state: GalleryState): void;
-  /** Called once at once, then at each change. */
+  /** Called at once, then at each change. */
   source(state: SourceState): void;
 }
 
 export interface AskOptions {
   readonly signal?: AbortSignal;
-  /** The browser sends it even where the page goes away at once; nobody may read the answer then. */
+  /** The browser sends the request even if the page closes; nobody may read the answer then. */
   readonly outlivesPage?: boolean;
 }
 
-/** Most names in one question: animations() splits what is longer. */
+/** Maximum names per request; animations() splits longer lists. */
 export const ANIMATIONS_PER_ASK = 32;
 
 export interface GallerySource {
-  /** Whether there is a server, so that runs grow and notes can be kept. */
+  /** Whether there is a server, so that archives can change. */
   readonly isLive: boolean;
   gallery(options?: AskOptions): Promise<GalleryState>;
   scene(archive: ArchiveId, options?: AskOptions): Promise<Scene>;
   looks(archive: ArchiveId, options?: AskOptions): Promise<Looks>;
   table(archive: ArchiveId, options?: AskOptions): Promise<Table>;
-  /** In the order of the names. `bodies`: how many the scene has. */
+  /** Returns animations in the order of the names. `bodies`: number of bodies in the scene. */
   animations(
     archive: ArchiveId, names: readonly AnimationName[], bodies: number, options?: AskOptions,
   ): Promise<Animation[]>;
-  /** An empty query finds all. */
+  /** An empty query matches all animations. */
   find(query: string, archives: readonly ArchiveAt[], options?: AskOptions): Promise<FindAnswer>;
   groups(ask: GroupsAsk, options?: AskOptions): Promise<GroupsAnswer>;
   alike(ask: AlikeAsk, options?: AskOptions): Promise<AlikeAnswer>;
   seriesTitles(archive: ArchiveId, options?: AskOptions): Promise<SeriesTitle[]>;
-  /** `of` are the question's parameters, such as {chain: "0"}. */
+  /** `of`: the request's parameters, such as {chain: "0"}. */
   series(
     archive: ArchiveId, name: string, of?: Readonly<Record<string, string>>, options?: AskOptions,
   ): Promise<Series>;
-  /** As `sleight diagnose --json` says it. */
+  /** The diagnosis, as `sleight diagnose --json` prints it. */
   diagnosis(archive: ArchiveId, options?: AskOptions): Promise<unknown>;
   notes(options?: AskOptions): Promise<Notes>;
   /** Changes some notes of a run: all of them or none. */
   changeNotes(
     run: string, patches: Readonly<Record<AnimationName, NotePatch>>, options?: AskOptions,
   ): Promise<ChangedNotes>;
-  /** Returns what ends it. */
+  /** Returns a function that removes the listener. */
   onChange(listener: SourceListener): () => void;
 }

@@ -1,17 +1,17 @@
-// What a gallery's source answers, as the page holds it.
+// Types of a gallery source's answers.
 //
-// Units are SI; names that end in `Low`, `High` or `places` are metres. Frames: everything but
-// meshes is in the scene's own frame (right-handed, z up); meshes have y up, as glTF has.
+// Units are SI. Names ending in `Low`, `High` or `places` are in metres. Meshes have y up, as glTF has. All
+// else is in the scene's frame (right-handed, z up).
 
 import type { Recording } from "../motion/recording";
 
-/** Numbers of one kind, tightly packed. */
+/** Numbers of one type. */
 export type Column = Float64Array | Float32Array | Uint32Array | Int32Array | Uint16Array | Uint8Array;
 
-/** An archive's number, for as long as its server runs. */
+/** An archive's number; valid while its server runs. */
 export type ArchiveId = number;
 
-/** A row of an archive's table, of one generation. */
+/** A row of an archive's table, within one generation. */
 export type Entry = number;
 
 export type ArchiveState = "ready" | "reading" | "gone" | "damaged";
@@ -19,17 +19,17 @@ export type ArchiveState = "ready" | "reading" | "gone" | "damaged";
 export interface ArchiveSummary {
   readonly id: ArchiveId;
   readonly name: string;
-  /** Outlives servers and generations: links hold it. */
+  /** Outlives servers and generations, so links contain it. */
   readonly run: string;
   readonly generation: number;
   readonly world: string;
   readonly state: ArchiveState;
-  /** Why, for people; empty where there is nothing to say. */
+  /** Reason for the state, for people; may be empty. */
   readonly words: string;
   readonly reading: { readonly done: number; readonly of: number } | null;
   readonly kept: number;
   readonly finds: number;
-  /** Kept and finds are those of the archive's beginning: the rest is being read. */
+  /** `kept` and `finds` count only the archive's first animations; the rest is being read. */
   readonly is_beginning: boolean;
   readonly keep_max: number;
   readonly chains: number;
@@ -40,9 +40,9 @@ export interface ArchiveSummary {
   readonly method: string;
   readonly in_proportion: boolean;
   readonly satisfied: { readonly draws: number; readonly of: number } | null;
-  /** Its run goes on, and is followed. */
+  /** The run is in progress, and the gallery follows it. */
   readonly is_live: boolean;
-  /** How that run stands, for people. */
+  /** Status of the run, for people. */
   readonly live_words: string;
 }
 
@@ -59,9 +59,9 @@ export interface Feature {
   readonly name: string;
   readonly kind: "body" | "fixed" | "wanted";
   readonly twin_of: number;
-  /** The body that a wanted place is meant for; -1: none, or any. */
+  /** The body that should reach a wanted place; -1: none, or any. */
   readonly body: number;
-  /** Of a ball about the body's centre that holds it; 0 of all else. */
+  /** Radius of a ball around the body's centre that contains the body; 0 for other features. */
   readonly radius_m: number;
 }
 
@@ -73,29 +73,29 @@ export interface Scene {
   /** Bodies come first. */
   readonly features: readonly Feature[];
   readonly numbers: readonly { readonly name: string; readonly unit: string }[];
-  /** Of blind throws, ascending; empty: not known. */
+  /** log_prior of blind throws, ascending; empty if unknown. */
   readonly prior_log_prior: readonly number[];
   readonly request: string;
 }
 
-/** Triangles of one material; y up; of bodies in the body's frame. */
+/** Triangles of one material, with y up; bodies are in their own frame. */
 export interface Mesh {
   readonly feature: number;
-  /** "#rrggbb". */
+  /** As "#rrggbb". */
   readonly colour: string;
   readonly opacity: number;
   readonly doubleSided: boolean;
-  /** Three numbers to a vertex. */
+  /** Three numbers per vertex. */
   readonly places: Float32Array;
   readonly normals: Float32Array;
-  /** Three vertices to a triangle, counter-clockwise from outside. */
+  /** Three vertices per triangle, counter-clockwise from outside. */
   readonly corners: Uint32Array;
 }
 
 export interface Looks {
   readonly generation: number;
   readonly meshes: readonly Mesh[];
-  /** Features whose look is an animation's own. */
+  /** Features whose look differs between animations. */
   readonly own: readonly number[];
 }
 
@@ -108,7 +108,7 @@ export interface Table {
   readonly inProportion: Uint8Array;
   readonly endS: Float64Array;
   readonly lineage: Float64Array;
-  /** By name; NaN: that animation has none. */
+  /** Columns by name; NaN where an animation has no value. */
   readonly numbers: ReadonlyMap<string, Float64Array>;
 }
 
@@ -119,9 +119,9 @@ export interface Animation {
   readonly name: AnimationName;
   readonly endS: number;
   readonly recording: Recording;
-  /** Of the features whose look is this animation's own. */
+  /** Meshes of the features whose look is specific to this animation. */
   readonly meshes: readonly Mesh[];
-  /** Named numbers, where the answer has them. */
+  /** Named numbers, if the answer has them. */
   readonly figures: Readonly<Record<string, number>>;
 }
 
@@ -132,12 +132,12 @@ export interface ArchiveAt {
 
 export interface FindAnswer {
   readonly found: readonly { readonly id: ArchiveId; readonly entries: readonly Entry[] }[];
-  /** `column` counts characters of the query from 1. */
+  /** `column` counts the query's characters from 1. */
   readonly errors: readonly { readonly id: ArchiveId; readonly column: number; readonly message: string }[];
 }
 
 export interface GroupsAsk extends ArchiveAt {
-  /** null: all. */
+  /** null: all animations. */
   readonly entries: readonly Entry[] | null;
   readonly groups: number;
   readonly by: "medoids" | "hierarchy";
@@ -148,7 +148,7 @@ export interface Group {
   readonly members: readonly Entry[];
   readonly mean_m: number;
   readonly greatest_m: number;
-  /** Of satisfied draws; null where draws are not in proportion. */
+  /** Share of the satisfied draws; null if draws aren't in proportion. */
   readonly share: { readonly value: number; readonly error: number | null } | null;
 }
 
@@ -170,16 +170,16 @@ export interface AlikeAnswer {
   readonly distance_m: readonly number[];
 }
 
-/** Something that can be plotted. */
+/** A plot that the source offers. */
 export interface SeriesTitle {
   readonly name: string;
   readonly title: string;
   readonly kind: string;
-  /** Plots of one group stand together. */
+  /** Plots of one group are listed together. */
   readonly group: string;
 }
 
-/** A plot's data: what the head says, and named columns. */
+/** A plot's data: header and named columns. */
 export interface Series {
   readonly head: unknown;
   readonly columns: ReadonlyMap<string, Column>;
@@ -192,7 +192,7 @@ export interface Note {
   readonly note: string;
 }
 
-/** What is changed of a note; what others change meanwhile stays. */
+/** Changes to a note. Other people's changes to the same note are kept. */
 export interface NotePatch {
   readonly star?: boolean;
   readonly hidden?: boolean;
@@ -201,28 +201,28 @@ export interface NotePatch {
   readonly tags_off?: readonly string[];
 }
 
-/** As kept: `changed` grows with every change. */
+/** A stored note; `changed` increases with each change. */
 export interface KeptNote extends Note {
   readonly changed: number;
 }
 
-/** By run, then by the animation's name. */
+/** Notes by run, then by animation name. */
 export interface Notes {
   readonly notes: Readonly<Record<string, Readonly<Record<AnimationName, KeptNote>>>>;
 }
 
-/** What was changed, whole; `words`: why it lasts no longer than the gallery, "" where it does. */
+/** The changed notes, complete. `words`: why notes last no longer than the gallery; "" if they do. */
 export interface ChangedNotes {
   readonly notes: Readonly<Record<AnimationName, KeptNote>>;
   readonly words: string;
 }
 
-/** A name as it is today: "0.250" is how older pages wrote "c0.250". */
+/** The name in its present form: older pages wrote "c0.250" as "0.250". */
 export function nameToday(name: string): AnimationName {
   return /^\d/.test(name) ? `c${name}` : name;
 }
 
-/** Of an archive's table row: what it is called. */
+/** The name of the animation in a table's row. */
 export function nameOf(table: Table, entry: Entry): AnimationName {
   const draw = String(table.draw[entry] ?? 0);
   return table.isFind[entry] ? `find.${draw}` : `c${String(table.chain[entry] ?? 0)}.${draw}`;

@@ -1,4 +1,4 @@
-// What happens in an animation, for timelines, marks and lists.
+// Events of an animation, for timelines, marks and lists.
 
 import type { Recording } from "./recording";
 import { type Cause, CAUSES, type Mode, MODES } from "./segments";
@@ -9,18 +9,16 @@ export interface MotionEvent {
   /** The feature that was hit; -1: none. */
   readonly partner: number;
   readonly cause: Cause;
-  /** How the body moves from then on. */
+  /** How the body moves after the event. */
   readonly mode: Mode;
-  /** Of the body's centre, in the scene's frame. */
+  /** The body's centre, in the scene's frame. */
   readonly place_m: readonly [number, number, number];
-  /** By how much the body's velocity changed: at a hit it points away from the partner. */
+  /** Change of the body's velocity. At a hit it points away from the partner. */
   readonly change_mps: readonly [number, number, number];
 }
 
-/**
- * In the order of time, then of bodies. Where two bodies hit one another the recording has a
- * segment of both; the event is the first body's.
- */
+/** Events in the order of time, then of bodies. When two bodies collide, the recording has a segment for
+ *  each; only the first body's becomes an event. */
 export function eventsOf(recording: Recording): MotionEvent[] {
   const events: MotionEvent[] = [];
   for (let body = 0; body < recording.bodies; ++body) {
@@ -55,7 +53,7 @@ function eventOf(recording: Recording, body: number, i: number, hasBefore: boole
   };
 }
 
-/** False of the second half of a hit of two bodies. */
+/** False for the second body's segment of a collision. */
 function isTold(recording: Recording, body: number, i: number): boolean {
   const { startS, partner, cause } = recording.segments;
   const other = partner[i]!;
@@ -68,7 +66,7 @@ function isTold(recording: Recording, body: number, i: number): boolean {
   return true;
 }
 
-/** When something is first hit; the end where nothing ever is. */
+/** Time of the first hit; the animation's end if there is none. */
 export function firstContactS(recording: Recording): number {
   const { count, cause, startS } = recording.segments;
   let first = recording.endS;
@@ -77,10 +75,10 @@ export function firstContactS(recording: Recording): number {
   return first;
 }
 
-/** Times closer than this are one: steps from event to event must not stand still. */
+/** Times closer than this count as equal, so that stepping between events always advances. */
 const SAME_S = 1e-9;
 
-/** The nearest time after `t`, of ascending times; null: there is none. */
+/** The nearest of the ascending `times` after `t`; null: there is none. */
 export function nextTime(times: ArrayLike<number>, t: number): number | null {
   let low = 0;
   let high = times.length;
@@ -92,7 +90,7 @@ export function nextTime(times: ArrayLike<number>, t: number): number | null {
   return low < times.length ? times[low]! : null;
 }
 
-/** The nearest time before `t`. */
+/** The nearest of the ascending `times` before `t`; null: there is none. */
 export function previousTime(times: ArrayLike<number>, t: number): number | null {
   let low = 0;
   let high = times.length;

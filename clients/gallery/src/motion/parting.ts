@@ -1,8 +1,8 @@
-// Where two animations part: the first shared time at which some body is not where the other's is.
+// Finds where two animations start to differ: the first shared time at which some body's places differ.
 //
-// Both centres are quadratic in time between the starts of segments, so their distance changes by
-// at most |v| h + |a| h^2 / 2 within h, and steps that this allows miss nothing. A body that is in
-// one animation alone has parted once it has left the place where it entered by the tolerance.
+// Between the starts of segments both centres are quadratic in time, so their distance changes by at most |v|
+// h + |a| h^2 / 2 within h. Steps within this bound miss nothing. A body that is in only one animation
+// differs once it is further than the tolerance from where it entered.
 
 import { Pose } from "./pose";
 import type { Recording } from "./recording";
@@ -10,13 +10,13 @@ import { positionInto, velocityInto } from "./segments";
 
 export interface Shifted {
   readonly recording: Recording;
-  /** Its own time = shared time + shift (sync.ts). */
+  /** Own time = shared time + shift (sync.ts). */
   readonly shift: number;
 }
 
-/** Steps are at least so long: that is how exact the answer is. */
+/** Minimum step, which is also the accuracy of the result. */
 const STEP_S_MIN = 1e-5;
-/** A bound on the work of a pair: what isn't found after so many steps of a body is not looked for. */
+/** Maximum steps per body of a pair; differences after that aren't found. */
 const STEPS_MAX = 200_000;
 
 const placeA = new Pose();
@@ -24,7 +24,7 @@ const placeB = new Pose();
 const velocityA = new Pose();
 const velocityB = new Pose();
 
-/** null: they never do. REQUIRES: toleranceM > 0. */
+/** null: the animations never differ. REQUIRES: toleranceM > 0. */
 export function whereTheyPart(a: Shifted, b: Shifted, toleranceM: number): number | null {
   const end = Math.max(a.recording.endS - a.shift, b.recording.endS - b.shift);
   let first = Infinity;
@@ -34,7 +34,7 @@ export function whereTheyPart(a: Shifted, b: Shifted, toleranceM: number): numbe
   return first === Infinity ? null : first;
 }
 
-/** Infinity: not by `until`. */
+/** Infinity: no difference by `until`. */
 function bodyParts(a: Shifted, b: Shifted, body: number, tolerance: number, until: number): number {
   const inA = body < a.recording.bodies && a.recording.enters(body);
   const inB = body < b.recording.bodies && b.recording.enters(body);
@@ -51,12 +51,13 @@ function bodyParts(a: Shifted, b: Shifted, body: number, tolerance: number, unti
   return advance(a, b, body, together, tolerance, until);
 }
 
-/** When a body is first further than `tolerance` from where it entered. */
+/** The time when a body is first further than `tolerance` from where it entered. */
 function leaves(of: Shifted, body: number, tolerance: number, until: number): number {
   return advance(of, null, body, of.recording.startOf(body) - of.shift, tolerance, until);
 }
 
-/** Distance from the other's body, or, without another, from where this one entered. */
+/** The time when the body is first further than `tolerance` from the other animation's body; if `b` is
+ *  null, from where the body entered. */
 function advance(
   a: Shifted, b: Shifted | null, body: number, from: number, tolerance: number, until: number,
 ): number {
@@ -64,7 +65,7 @@ function advance(
   const entry = 3 * a.recording.firstSegment(body);
   let t = from;
   for (let step = 0; step < STEPS_MAX && t <= until; ++step) {
-    // Rounding of t - shift + shift must not lead before the body's start.
+    // Rounding of t - shift + shift must not yield a time before the body's start.
     const ta = Math.max(t + a.shift, a.recording.startOf(body));
     const ia = a.recording.segmentAt(body, ta);
     positionInto(segments, ia, ta, placeA);
@@ -94,20 +95,20 @@ function advance(
       velocityA.x - velocityB.x, velocityA.y - velocityB.y, velocityA.z - velocityB.z,
     );
     const safe = timeFor(room, speed, Math.hypot(ax, ay, az));
-    // A segment's formula holds up to the next one's start, and no further. Rounding can leave t a
-    // hair before a border that it has reached.
+    // A segment's formula is valid only up to the next segment's start. Rounding can leave t just before a
+    // border that it has reached.
     t = border > t ? Math.min(t + Math.max(safe, STEP_S_MIN), border) : t + STEP_S_MIN;
   }
   return Infinity;
 }
 
-/** The shared time at which the segment ends; infinite of the last. */
+/** The shared time when the segment ends; infinite for the last segment. */
 function borderAfter(of: Shifted, body: number, index: number): number {
   const { recording, shift } = of;
   return index + 1 < recording.endSegment(body) ? recording.segments.startS[index + 1]! - shift : Infinity;
 }
 
-/** The least h > 0 with speed h + acceleration h^2 / 2 = distance. */
+/** The smallest h > 0 with speed h + acceleration h^2 / 2 = distance. */
 function timeFor(distance: number, speed: number, acceleration: number): number {
   if (distance <= 0) return 0;
   const root = Math.sqrt(speed * speed + 2 * acceleration * distance);

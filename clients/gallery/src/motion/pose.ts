@@ -1,6 +1,6 @@
-// Where a body is and how it is turned, in the scene's frame (right-handed, z up, metres).
+// Position and orientation of a body, in the scene's frame (right-handed, z up, metres).
 
-/** Written by whoever evaluates a motion; reused from frame to frame. */
+/** An output parameter of functions that evaluate motion; reused from frame to frame. */
 export class Pose {
   x = 0;
   y = 0;

@@ -1,23 +1,23 @@
-// The motion of a whole animation: of each body its segments, in the order of time.
+// The motion of a whole animation: each body's segments, in the order of time.
 //
-// A body is not there before its first segment; after its last one begins it stays what that
-// segment says. All of it can be asked often: nothing here allocates after construction.
+// A body doesn't exist before its first segment. Its last segment has no end. Methods don't allocate, so they
+// can be called at each frame.
 
 import type { Pose } from "./pose";
 import { orientationInto, positionInto, type Segments, velocityInto } from "./segments";
 
 export class Recording {
-  /** How many bodies the scene has, whether or not they enter. */
+  /** Number of the scene's bodies, including bodies that never enter. */
   readonly bodies: number;
-  /** When the last body came to rest; 0 if none enters. */
+  /** Time when the last body comes to rest; 0 if no body enters. */
   readonly endS: number;
-  /** When the first body enters; 0 if none does. */
+  /** Time when the first body enters; 0 if no body enters. */
   readonly startS: number;
   readonly segments: Segments;
-  /** Of body b: its segments are first[b] up to first[b + 1]. */
+  /** Body b has segments first[b] to first[b + 1] - 1. */
   private readonly first: Uint32Array;
 
-  /** Throws an Error that says what is wrong with numbers that are no recording. */
+  /** Throws an Error if the numbers aren't a valid recording. */
   constructor(segments: Segments, bodies: number) {
     this.segments = segments;
     this.bodies = bodies;
@@ -33,23 +33,23 @@ export class Recording {
     this.startS = start === Infinity ? 0 : start;
   }
 
-  /** The body's first segment, and the one after its last. */
+  /** The body's first segment, and the index after its last segment. */
   firstSegment(body: number): number { return this.first[body] ?? 0; }
   endSegment(body: number): number { return this.first[body + 1] ?? 0; }
 
   enters(body: number): boolean { return this.endSegment(body) > this.firstSegment(body); }
-  /** REQUIRES: it enters. */
+  /** Time when the body enters. REQUIRES: it enters. */
   startOf(body: number): number { return this.segments.startS[this.firstSegment(body)] ?? 0; }
-  /** When its last segment begins. REQUIRES: it enters. */
+  /** Start of the body's last segment. REQUIRES: the body enters. */
   restOf(body: number): number { return this.segments.startS[this.endSegment(body) - 1] ?? 0; }
 
-  /** The segment in force, the last if several begin then; -1 before the body enters. */
+  /** The segment in force at t, the last of several with the same start; -1 before the body enters. */
   segmentAt(body: number, t: number): number {
     const starts = this.segments.startS;
     const begin = this.firstSegment(body);
     let low = begin;
     let high = this.endSegment(body);
-    // The first that starts later than t.
+    // Binary search for the first segment that starts after t.
     while (low < high) {
       const middle = (low + high) >>> 1;
       if (t < starts[middle]!) high = middle;
@@ -58,7 +58,7 @@ export class Recording {
     return low === begin ? -1 : low - 1;
   }
 
-  /** False, and `out` as it was, where the body isn't there. */
+  /** If the body hasn't entered, returns false and leaves `out` unchanged. */
   poseAt(body: number, t: number, out: Pose): boolean {
     const index = this.segmentAt(body, t);
     if (index < 0) return false;
@@ -67,7 +67,7 @@ export class Recording {
     return true;
   }
 
-  /** x, y and z alone. */
+  /** Sets only x, y and z of `out`. */
   centreAt(body: number, t: number, out: Pose): boolean {
     const index = this.segmentAt(body, t);
     if (index < 0) return false;
@@ -75,7 +75,7 @@ export class Recording {
     return true;
   }
 
-  /** Into x, y and z. */
+  /** Stores the velocity in x, y and z of `out`. */
   velocityAt(body: number, t: number, out: Pose): boolean {
     const index = this.segmentAt(body, t);
     if (index < 0) return false;
@@ -83,7 +83,7 @@ export class Recording {
     return true;
   }
 
-  /** Whether nothing in it ever moves along y. */
+  /** Whether no body ever moves along y. */
   isPlanar(): boolean {
     const { count, velocity, acceleration } = this.segments;
     for (let i = 0; i < count; ++i)
@@ -103,7 +103,7 @@ function firstOf(segments: Segments, bodies: number): Uint32Array {
       throw new Error("segments are not in order");
     first[of + 1] = i + 1;
   }
-  // Bodies that don't enter have none.
+  // Bodies that don't enter have no segments.
   for (let b = 1; b <= bodies; ++b) first[b] = Math.max(first[b]!, first[b - 1]!);
   return first;
 }

@@ -1,21 +1,21 @@
-// Pieces of recorded motion in columns, and their evaluation: common/motion/segment.{h,cpp}, with the
-// same formulas in the same order, so that both agree to 1e-9 m and 1e-6 rad.
+// Segments of recorded motion in columns, and their evaluation. The formulas and their order equal those of
+// common/motion/segment.{h,cpp}, so that both agree to 1e-9 m and 1e-6 rad.
 //
-//   centre       c(t) = position + velocity s + acceleration s^2 / 2       s = t - start
-//   orientation  turned by the angular velocity w(t) = w + a s, in the scene's frame
+//    centre       c(t) = position + velocity s + acceleration s^2 / 2       s = t - start
+//    orientation  turned by the angular velocity w(t) = w + a s, in the scene's frame
 //
-// Nothing here allocates.
+// Functions don't allocate.
 
 import type { Pose } from "./pose";
 
-/** In the order of the numbers that stand for them. */
+/** Names of the numeric codes, in their order. */
 export const MODES = ["flying", "sliding", "rolling", "resting"] as const;
 export const CAUSES = ["start", "hit", "mode", "rest"] as const;
 export type Mode = (typeof MODES)[number];
 export type Cause = (typeof CAUSES)[number];
 const RESTING = 3;
 
-/** One row to a segment; vectors are three numbers, orientations four (w x y z). */
+/** One row per segment: vectors have three numbers, orientations four (w x y z). */
 export interface Segments {
   readonly count: number;
   readonly body: Uint32Array;
@@ -31,15 +31,15 @@ export interface Segments {
   readonly angularAcceleration: Float64Array;
 }
 
-/** The most that a step of Magnus' expansion may turn by its second term. */
+/** Maximum rotation per step by the second term of the Magnus expansion. */
 const SECOND_TERM_RAD = 1e-6;
-/** An axis that turns by less than this share is taken to stand still. */
+/** An axis that turns by less than this fraction counts as fixed. */
 const STRAIGHT = 2 ** -40;
 const TURN_STEPS_MAX = 100_000;
-/** Below this angle squared, sin(t/2)/t by its series. */
+/** Below this squared angle, sin(t/2)/t is computed by its series. */
 const SERIES_SQUARE_MAX = 1e-8;
 
-// REQUIRES of the following: index < count, t >= the segment's start.
+// The functions below REQUIRE: index < count, t >= the segment's start.
 
 export function positionInto(segments: Segments, index: number, t: number, out: Pose): void {
   const { position: p, velocity: v, acceleration: a } = segments;
@@ -51,7 +51,7 @@ export function positionInto(segments: Segments, index: number, t: number, out: 
   out.z = p[i + 2]! + s * v[i + 2]! + half * a[i + 2]!;
 }
 
-/** Into x, y and z of `out`. */
+/** Stores the velocity in x, y and z of `out`. */
 export function velocityInto(segments: Segments, index: number, t: number, out: Pose): void {
   const { velocity: v, acceleration: a } = segments;
   const i = 3 * index;
@@ -61,7 +61,7 @@ export function velocityInto(segments: Segments, index: number, t: number, out: 
   out.z = v[i + 2]! + s * a[i + 2]!;
 }
 
-/** Where the axis turns too, by Magnus' expansion to its second term in short steps. */
+/** If the axis turns, uses short steps of the Magnus expansion to its second term. */
 export function orientationInto(segments: Segments, index: number, t: number, out: Pose): void {
   const q = segments.orientation;
   const i = 4 * index;
@@ -79,7 +79,7 @@ function turn(segments: Segments, index: number, s: number, out: Pose): void {
   const i = 3 * index;
   const wx = w[i]!, wy = w[i + 1]!, wz = w[i + 2]!;
   const ax = a[i]!, ay = a[i + 1]!, az = a[i + 2]!;
-  // The same at every step: a x (w + a s) has no s in it.
+  // Constant over all steps: a x (w + a s) doesn't depend on s.
   const cx = ay * wz - az * wy;
   const cy = az * wx - ax * wz;
   const cz = ax * wy - ay * wx;
@@ -98,7 +98,7 @@ function turn(segments: Segments, index: number, s: number, out: Pose): void {
     const rx = h * (wx + middle * ax) + cube * cx;
     const ry = h * (wy + middle * ay) + cube * cy;
     const rz = h * (wz + middle * az) + cube * cz;
-    // The rotation by |r| about r, then composed: second * first.
+    // Composes the rotation by |r| around r: second * first.
     const square = rx * rx + ry * ry + rz * rz;
     const angle = Math.sqrt(square);
     const scale = square < SERIES_SQUARE_MAX ? 0.5 - square * (1 / 48) : Math.sin(0.5 * angle) / angle;

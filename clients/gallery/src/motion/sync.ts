@@ -1,11 +1,11 @@
-// Several animations in step: which moment of each is shown at a shared time.
+// Aligns several animations: maps shared time to each animation's own time.
 //
-// An animation's own time = shared time + its shift.
+// Own time = shared time + the animation's shift.
 
 import { firstContactS } from "./events";
 import type { Recording } from "./recording";
 
-/** What happens in all of them at shared time 0: they begin, something is first hit, all rests. */
+/** What happens at shared time 0: all start, all have their first contact, or all come to rest. */
 export type SyncMode = "start" | "contact" | "end";
 
 export function shiftOf(recording: Recording, mode: SyncMode): number {
@@ -21,7 +21,7 @@ export interface Range {
   readonly to: number;
 }
 
-/** The shared times between which anything happens in any of them. */
+/** The range of shared time that contains all animations. */
 export function sharedRange(recordings: readonly Recording[], mode: SyncMode): Range {
   let from = Infinity;
   let to = -Infinity;

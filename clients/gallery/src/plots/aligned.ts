@@ -1,5 +1,5 @@
-// Several thinned lines over one x axis, as uPlot takes them: undefined where a line has no point at
-// another one's x (it goes on over it), null where it has a gap.
+// Merges several thinned lines onto one x axis, as uPlot requires. undefined means no point at this x (the
+// line continues); null means a gap.
 import type { Thinned } from "./decimate";
 
 export type AlignedColumn = (number | null | undefined)[];

@@ -1,5 +1,4 @@
-// Bars of named things, and histograms over one another, as SVG: they are few, and each can be read
-// as text in the table below.
+// Draws bar charts and overlaid histograms as SVG. A table below contains the same numbers as text.
 import { el, svgEl } from "../ui/dom";
 import { number } from "../ui/words";
 import type { Chart } from "./line-chart";
@@ -141,7 +140,7 @@ function drawHistograms(
   });
   for (let i = 0; i <= 6; i++) {
     const value = low + ((high - low) * i) / 6;
-    // The last one would stand out of the picture.
+    // At the picture's edge, the last label ends at its tick instead of being centred.
     const place = i < 6 ? "tick-middle" : "tick-end";
     const x = i < 6 ? placeX(value) : width;
     svg.append(svgEl("text", { x, y: height - bottom + 16, class: `tick ${place}` }, number(value)));

@@ -1,9 +1,8 @@
-// Thinning of long series to what a screen can show, extremes kept: of each column of pixels the
-// first, lowest, highest and last point, in the order in which they came. A million points on 800
-// columns become at most 3,200 and no spike is lost.
+// Thins long series to what a screen can show, without losing extremes. For each column of pixels the first,
+// lowest, highest and last point stay, in their order. A million points on 800 columns become at most 3,200.
 
 export interface Series {
-  /** Ascending. */
+  /** In ascending order. */
   readonly x: ArrayLike<number>;
   readonly y: ArrayLike<number>;
 }
@@ -13,7 +12,7 @@ export interface Thinned {
   readonly y: Float64Array;
 }
 
-/** First index whose x is at least `value`. */
+/** The first index with x >= `value`. */
 export function lowerBound(x: ArrayLike<number>, value: number): number {
   let low = 0;
   let high = x.length;
@@ -25,8 +24,8 @@ export function lowerBound(x: ArrayLike<number>, value: number): number {
   return low;
 }
 
-/** What of the series is seen between `from` and `to` on so many columns; a neighbour on each side
- *  goes along, so that lines leave the picture where they should. NaN is a gap and is kept as one. */
+/** Thins the part of the series between `from` and `to` to this many columns. One neighbour on each side is
+ *  included, so that lines reach the picture's edges. NaN is a gap and is kept. */
 export function decimated(series: Series, from: number, to: number, columns: number): Thinned {
   const { x, y } = series;
   const begin = Math.max(0, lowerBound(x, from) - 1);
@@ -54,7 +53,7 @@ export function decimated(series: Series, from: number, to: number, columns: num
     let high = low;
     for (i += 1; i < end && columnOf(x[i] ?? NaN) === column; i++) {
       const value = y[i] ?? NaN;
-      // Written so that a first NaN is left for any number.
+      // The negated comparisons replace an initial NaN by any number.
       if (!(value >= low) && !Number.isNaN(value)) {
         low = value;
         lowest = i;

@@ -1,10 +1,10 @@
-// A JSON text as tables that can be read: objects in lists become rows, others become named values.
+// Shows JSON as tables: lists of objects become rows, other values become named rows.
 import { el } from "../ui/dom";
 import { number } from "../ui/words";
 
 const rowsMax = 1000;
 const depthMax = 6;
-/** Longer texts stand on a line of their own. */
+/** Longer texts get their own line. */
 const shortMax = 24;
 
 export function jsonTable(value: unknown, depth = 0): HTMLElement {

@@ -1,5 +1,4 @@
-// Lines along a chain, by uPlot: however many points there are, what is drawn is thinned to the
-// columns of pixels, anew at each zoom.
+// Draws lines along a chain with uPlot. At each zoom, long lines are thinned to the columns of pixels.
 import uPlot from "uplot";
 import { button, el } from "../ui/dom";
 import { count, counted, number } from "../ui/words";
@@ -10,9 +9,9 @@ import type { PlotData, PlotLine, PlotMark } from "./series-data";
 
 export interface LineChartOptions {
   readonly isDark: boolean;
-  /** A click: at which x, by the line that is nearest. */
+  /** Called on a click, with x and the nearest line. */
   readonly onPoint: ((x: number, line: PlotLine) => void) | null;
-  /** A range of x that was marked with dragging set to filter. */
+  /** Called with a range of x that was dragged while "drag to filter" is on. */
   readonly onRange: ((from: number, to: number) => void) | null;
 }
 
@@ -23,7 +22,7 @@ export interface Chart {
 
 const height = 380;
 const markLanePx = 9;
-/** A press that moves less is a click. */
+/** A press that moves less than this counts as a click. */
 const clickPx = 4;
 
 export function makeLineChart(data: PlotData, options: LineChartOptions): Chart {
@@ -101,7 +100,6 @@ export function makeLineChart(data: PlotData, options: LineChartOptions): Chart 
     plot.over.addEventListener("click", () => {
       if (plot !== null && plot.select.width < clickPx) clicked(plot, data.lines, options.onPoint);
     });
-    // Now that the width is known.
     show(from, to);
   };
   const sizes = new ResizeObserver(() => {
@@ -187,7 +185,7 @@ export function axisOf(label: string, isDark: boolean): uPlot.Axis {
   };
 }
 
-/** The line whose value at the pointer is nearest to it. */
+/** Calls `onPoint` with the line whose value is nearest to the pointer. */
 function clicked(u: uPlot, lines: readonly PlotLine[], onPoint: LineChartOptions["onPoint"]): void {
   const { left, top } = u.cursor;
   if (onPoint === null || left === undefined || top === undefined || left < 0) return;
@@ -206,7 +204,7 @@ function clicked(u: uPlot, lines: readonly PlotLine[], onPoint: LineChartOptions
   if (best !== null) onPoint(best.x, best.line);
 }
 
-/** Ticks in lanes beneath the top, a lane for each kind; one tick at most to a column of pixels. */
+/** Draws ticks in lanes below the top edge, one lane per kind, at most one tick per pixel column. */
 function drawMarks(u: uPlot, marks: readonly PlotMark[], isDark: boolean): void {
   const { ctx, bbox } = u;
   const lane = markLanePx * devicePixelRatio;

@@ -1,6 +1,6 @@
-// Chains differ by colour, by the stroke of their lines and by a name in the legend.
+// Line styles of chains: chains differ in colour and in dash pattern.
 
-/** Colours that people who see few colours tell apart (Okabe and Ito's), dark enough on light. */
+/** Colours that colour-blind people can distinguish (Okabe and Ito), dark enough on light. */
 const light = ["#005f9e", "#b34700", "#00745a", "#a03a7c", "#6b5b00", "#2f2f2f"];
 const dark = ["#6cb8f0", "#ff9d5c", "#3fd0a4", "#ef9bcb", "#e6d35c", "#dddddd"];
 
@@ -12,6 +12,6 @@ export function lineColour(index: number, isDark: boolean): string {
 }
 
 export function lineDash(index: number): number[] {
-  // The first six differ in both; of the next six none has a pair of theirs, and so on.
+  // The first six lines differ in colour and dashes. Later lines repeat both, but not the same pairs.
   return [...(dashes[(index + Math.floor(index / dashes.length)) % dashes.length] ?? [])];
 }

@@ -1,5 +1,5 @@
-// The plots of an archive: a list to choose from, and the one that is chosen. A click on a point
-// opens the animation that is nearest in its chain; a range of draws filters the wall.
+// The plots of an archive: a list of plots, and the selected plot. A click on a point opens the nearest
+// animation of the same chain. A range of draws filters the wall.
 import "uplot/dist/uPlot.min.css";
 import type { AppState, Loaded } from "../state/app-state";
 import { archiveShown } from "../state/derived";
@@ -16,7 +16,7 @@ import { chainsOf, plotDataOf, type PlotData, type PlotLine } from "./series-dat
 export type PlotsView = Part;
 
 const chainsShownMax = 6;
-/** It has an answer of its own. */
+/** The diagnosis is requested separately from other plots. */
 const diagnosis = "diagnosis";
 
 export function makePlotsView(ui: Ui): PlotsView {
@@ -80,7 +80,7 @@ export function makePlotsView(ui: Ui): PlotsView {
         return isNew ? [el("li", { class: "plot-group" }, heading), item] : [item];
       }),
     );
-    // What had the focus has been made anew.
+    // The focused button was replaced: focus the new one.
     for (const made of list.querySelectorAll("button")) if (had && made.dataset["plot"] === had) made.focus();
   };
   const clear = (): void => {
@@ -125,7 +125,7 @@ export function makePlotsView(ui: Ui): PlotsView {
       setText(words, sentenceOf(error));
     }
   };
-  /** Traces of all chains stand in one plot; of ladders there is one to each chain. */
+  /** Traces of all chains share one plot; plots of ladders show one chain. */
   const offerChains = (kind: string): void => {
     const many = archiveShown(ui.store.state)?.chains ?? 1;
     const isOne = ["levels", "rounds", "index"].includes(kind);
@@ -135,7 +135,7 @@ export function makePlotsView(ui: Ui): PlotsView {
     const value = isOne && chain.value === "" ? "0" : chain.value;
     setChoices(chain, isOne ? each : [all, ...each], value);
   };
-  /** Of a trace each chain's: only so many that their lines can be told apart. */
+  /** Reads a trace for each chain, up to the number of lines that people can distinguish. */
   const readAll = async (loaded: Loaded, name: string, kind: string): Promise<Series[]> => {
     const only = chain.value;
     if (kind === "pair") return [await ui.source.series(loaded.id, name)];
@@ -205,7 +205,7 @@ function headingOf(kind: string): string {
   return headings[kind] ?? "More";
 }
 
-/** The kept animation of the line's chain whose draw is nearest. */
+/** Opens the kept animation whose draw is nearest, in the line's chain. */
 function openNearest(ui: Ui, loaded: Loaded, x: number, line: PlotLine): void {
   const { table, names } = loaded;
   let best = -1;

@@ -1,13 +1,12 @@
-// What the server says of a plot, as a chart can show it. A part that is missing or of another kind is
-// left out, so that a newer server's plots are shown as far as they are known here. Kinds and columns:
-// clients/gallery_server.
+// Converts a plot's answer into chart data. Missing or unknown parts are skipped, so that an older page shows
+// the known parts of a newer server's plots. clients/gallery_server/series.h describes kinds and columns.
 import type { Column, Series } from "../data/types";
 
 export type PlotKind = "lines" | "bars" | "histograms";
 
 export interface PlotLine {
   readonly label: string;
-  /** -1: of no chain. */
+  /** -1: the line belongs to no chain. */
   readonly chain: number;
   readonly x: Column;
   readonly y: Column;
@@ -22,7 +21,7 @@ export interface PlotMark {
 
 export interface PlotBars {
   readonly label: string;
-  /** Edges, one more than heights; or middles, as many. */
+  /** Edges of bars (one more than heights), or their middles (as many as heights). */
   readonly x: Column;
   readonly height: Column;
   /** Standard errors; null: none. */
@@ -35,7 +34,7 @@ export interface PlotData {
   readonly notices: readonly string[];
   readonly xLabel: string;
   readonly yLabel: string;
-  /** What x is: only of draws (or scans) does a point have an animation, and a range a query. */
+  /** Meaning of x. Only for "draw" do points have animations, and ranges queries. */
   readonly xIs: "draw" | "other";
   readonly lines: readonly PlotLine[];
   readonly marks: readonly PlotMark[];
@@ -58,7 +57,7 @@ const nothing: PlotData = {
   names: [],
 };
 
-/** A trace is of one chain: `all` are the answers of each. */
+/** `all`: a trace has an answer for each chain; other plots have one answer. */
 export function plotDataOf(title: string, kind: string, all: readonly Series[]): PlotData {
   const first = all[0];
   if (first === undefined) return { ...nothing, title };
@@ -103,7 +102,7 @@ function traceOf(title: string, all: readonly Series[]): PlotData {
   };
 }
 
-/** Of all chains together, ascending. */
+/** Merges the chains' columns in ascending order. */
 function merged(columns: readonly Column[]): Float64Array {
   return Float64Array.from(columns.flatMap((column) => Array.from(column))).sort();
 }
@@ -133,7 +132,7 @@ function pairOf(title: string, { head, columns }: Series): PlotData {
   };
 }
 
-/** The last round, level by level: where the ladder stands now. */
+/** The ladder's last round, by level. */
 function levelsOf(title: string, { head, columns }: Series): PlotData {
   const fields = fieldsOf(head);
   const rounds = columns.get("round");
@@ -170,7 +169,7 @@ function roundsOf(title: string, { head, columns }: Series): PlotData {
   return { ...nothing, title, notices: warningsOf([fieldsOf(head)]), lines, xLabel: "round" };
 }
 
-/** A line to each replica: those that go all the way up and down bring new draws. */
+/** One line per replica. Replicas that travel all the way up and down bring new draws. */
 function indexOf(title: string, { head, columns }: Series): PlotData {
   const fields = fieldsOf(head);
   const x = columns.get("scan");
@@ -178,7 +177,7 @@ function indexOf(title: string, { head, columns }: Series): PlotData {
   const replicas = numberOf(fields["replicas"]) ?? 0;
   const lines = Array.from({ length: replicas }, (_, replica) => replica).flatMap((replica) => {
     const levels = columns.get(`level.${replica}`) ?? [];
-    // Some live for a part of the run only.
+    // Some replicas exist only for a part of the run.
     const there = [...levels.keys()].filter((moment) => Number.isFinite(levels[moment]));
     const ofThere = (column: Column | readonly number[]): Float64Array =>
       Float64Array.from(there, (moment) => column[moment] ?? NaN);
@@ -195,7 +194,7 @@ function indexOf(title: string, { head, columns }: Series): PlotData {
   };
 }
 
-/** How many chains a trace has, as the answer of one says. */
+/** Number of chains of a trace, from one chain's answer. */
 export function chainsOf(series: Series): number {
   return Math.max(1, numberOf(fieldsOf(series.head)["chains"]) ?? 1);
 }

@@ -1,7 +1,7 @@
-// Texts as the search has them: strings of which each sign is one byte of the UTF-8.
+// Texts for the search: strings in which each character is one byte of UTF-8.
 //
-// Queries are defined on bytes (clients/browse/query.h): how long they may be, where an error is, how
-// near two names are. Working on such strings gives the same answers without a second set of rules.
+// Queries are defined on bytes (clients/browse/query.h): their maximum length, positions of errors, and
+// similarity of names. With such strings the same rules yield the same answers.
 
 const PART = 4096;
 
@@ -17,7 +17,7 @@ export function textOf(bytes: string): string {
   return new TextDecoder().decode(Uint8Array.from(bytes, (sign) => sign.charCodeAt(0)));
 }
 
-/** The character, counted from 1, that stands at a byte: bytes that go on a character count nothing. */
+/** The character at a byte, counted from 1. Continuation bytes don't count. */
 export function characterAt(bytes: string, byte: number): number {
   let characters = 1;
   for (let at = 0; at < Math.min(byte, bytes.length); ++at)

@@ -1,5 +1,4 @@
-// Distances between animations of a set, made ready once: asking for another number of groups of the
-// same set computes no distance anew.
+// Distances between the animations of a set. They are computed once, also for different numbers of groups.
 
 import type { Matrix } from "./medoids";
 import { Resemblance } from "./resemblance";
@@ -8,34 +7,32 @@ import { sha256Hex } from "./sha256";
 import { type Sketch, sketchOf } from "./sketch";
 import type { Turns } from "./turns";
 
-/** Largest set whose full matrix is computed. */
+/** Maximum size of a set whose full matrix is computed. */
 export const FULL_MATRIX_MAX = 500;
-/** Of a larger set, so many stand for all, while no more groups than this are asked for. */
+/** Sample size for larger sets, up to this number of groups. */
 const SAMPLE = 200;
 const GROUPS_OF_SAMPLE_MAX = 100;
 
-/** How many of a set are compared with one another, for so many groups. */
+/** Number of animations to compare, for a set of `entries` animations. */
 export function sampleSize(entries: number, groups: number): number {
   if (entries <= FULL_MATRIX_MAX) return entries;
   return groups <= GROUPS_OF_SAMPLE_MAX ? SAMPLE : FULL_MATRIX_MAX;
 }
 
-/** In the order of their names: finds behind all others. */
+/** Compares entries by name; finds come last. */
 export function byName(index: SearchIndex, a: number, b: number): number {
   return index.isFind[a]! - index.isFind[b]! || index.chain[a]! - index.chain[b]! ||
     index.draw[a]! - index.draw[b]!;
 }
 
-/**
- * So many of the entries, chosen by a hash of their names: as even as a draw, and the same in whatever
- * order they are given. By name.
- */
+/** Selects `count` entries by a hash of their names: as even as a random draw, and independent of the
+ *  entries' order. Returns them in the order of names. */
 export async function evenlyChosen(
   index: SearchIndex, entries: readonly number[], count: number, turns: Turns,
 ): Promise<number[]> {
   const hashed: { hash: string; entry: number }[] = [];
   for (const entry of entries) {
-    // As names once were: "0.250".
+    // Hashes the old form of names, such as "0.250".
     hashed.push({ hash: sha256Hex(`${index.run}\n${index.names[entry]!.replace(/^c/, "")}`), entry });
     if (turns.isDue()) await turns.take();
   }
@@ -43,7 +40,7 @@ export async function evenlyChosen(
   return hashed.slice(0, count).map(({ entry }) => entry).sort((a, b) => byName(index, a, b));
 }
 
-/** Some entries of an index, compared up to the same time. */
+/** Compares entries of an index, up to a common time. */
 export class Comparison {
   private readonly resemblance: Resemblance;
   private readonly sketches = new Map<number, Sketch>();
@@ -52,22 +49,22 @@ export class Comparison {
     this.resemblance = new Resemblance(index);
   }
 
-  /** Keeps the sketch: of entries that are compared with many. */
+  /** Stores the entry's sketch; for entries that are compared with many. */
   keep(entry: number): void {
     if (!this.sketches.has(entry)) this.sketches.set(entry, this.sketch(entry));
   }
 
-  /** Not kept, unless it is already: sketches of thousands of animations are hundreds of megabytes. */
+  /** The entry's sketch, not stored: sketches of thousands of animations take hundreds of megabytes. */
   sketch(entry: number): Sketch {
     return this.sketches.get(entry) ?? sketchOf(this.index, entry, this.durationS);
   }
 
-  /** In metres. REQUIRES: a comes before b in the list that is compared. */
+  /** Distance in metres. REQUIRES: a comes before b in the compared list. */
   valueM(a: Sketch, b: Sketch): number {
     return this.resemblance.valueM(a, b);
   }
 
-  /** Of all pairs. Keeps their sketches. */
+  /** The distances of all pairs. Stores their sketches. */
   async matrix(entries: readonly number[], turns: Turns): Promise<Matrix> {
     const size = entries.length;
     const sketches: Sketch[] = [];

@@ -1,25 +1,25 @@
-// What a query means: the forms that clients/browse/query.h has.
+// The meaning of a query, with the same forms as clients/browse/query.h.
 
-/** Longest text, and deepest nesting of a query. */
+/** Limits of a query: length of the text and depth of nesting. */
 export const QUERY_BYTES_MAX = 20_000;
 export const QUERY_DEPTH_MAX = 100;
 
-/** Bodies of a scene, ascending: one of them must do what is asked, or each. */
+/** Bodies of a scene, ascending. One of them must meet the condition, or each. */
 export interface Bodies {
   readonly bodies: readonly number[];
   readonly isEvery: boolean;
-  /** By feature of the scene: 1 of these bodies. */
+  /** For each feature of the scene: 1 if it is one of these bodies. */
   readonly isAmong: Uint8Array;
 }
 
-/** Low x, y, z, then high x, y, z, in metres; its faces belong to it. */
+/** Low x, y, z, then high x, y, z, in metres; includes the faces. */
 export type Box = Float64Array;
 
 export function allOfSpace(): Box {
   return Float64Array.of(-Infinity, -Infinity, -Infinity, Infinity, Infinity, Infinity);
 }
 
-/** A stretch of time; its ends belong to it. */
+/** A time range; includes its ends. */
 export interface Stretch {
   readonly fromS: number;
   readonly toS: number;
@@ -36,7 +36,7 @@ export interface Inside {
 export interface Touches {
   readonly is: "touches";
   readonly who: Bodies;
-  /** A feature; null: whatever it is. */
+  /** A feature; null: any. */
   readonly partner: number | null;
   readonly when: Stretch;
 }
@@ -49,7 +49,7 @@ export interface EndsIn {
 
 export interface NumberIn {
   readonly is: "number";
-  /** Along the index's numbers. */
+  /** Index into the search index's numbers. */
   readonly number: number;
   readonly low: number;
   readonly high: number;
@@ -57,23 +57,23 @@ export interface NumberIn {
   readonly isHighOpen: boolean;
 }
 
-/** What happens at a moment. */
+/** A condition that holds at a moment. */
 export type Moment = Inside | Touches;
 
 export type Condition =
   | Moment
   | EndsIn
   | NumberIn
-  /** One after another. */
+  /** The steps hold one after another. */
   | { readonly is: "order"; readonly steps: readonly Moment[] }
   | { readonly is: "all" | "any"; readonly parts: readonly Condition[] }
   | { readonly is: "not"; readonly part: Condition };
 
-/** What is wrong with a query's text, and where; texts are bytes (bytes.ts). */
+/** An error in a query, with its position. Texts are bytes (bytes.ts). */
 export class QueryFault extends Error {
   override readonly name = "QueryFault";
   constructor(
-    /** Of the first byte that is wrong, from 0. */
+    /** Index of the first wrong byte, from 0. */
     readonly column: number,
     message: string,
   ) {

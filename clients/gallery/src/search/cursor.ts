@@ -1,4 +1,4 @@
-// Where the parser stands among a query's tokens, and what is read everywhere: ranges and units.
+// The parser's position among a query's tokens, and parsing of ranges and units.
 
 import { QueryFault, type Stretch, ALL_TIME } from "./condition";
 import type { Token } from "./tokens";
@@ -8,7 +8,7 @@ export type Dimension = "a pure number" | "a length" | "a time" | "an angle" | "
 interface Unit {
   readonly name: string;
   readonly dimension: Dimension;
-  /** What one of it is. */
+  /** Size of one unit in SI. */
   readonly si: number;
 }
 
@@ -29,7 +29,7 @@ const UNITS: readonly Unit[] = [
 const KEYWORDS: ReadonlySet<string> = new Set([
   "and", "or", "not", "in", "touches", "ends", "then", "during", "any", "every", "x", "y", "z"]);
 
-/** Of a number's unit as archives write it. */
+/** The dimension of a number's unit, as archives write it. */
 export function dimensionOf(unit: string): Dimension {
   switch (unit) {
     case "m": return "a length";
@@ -48,7 +48,7 @@ export function isKeyword(word: string): boolean {
   return KEYWORDS.has(word);
 }
 
-/** Ends of a range, in SI; one that is left out is infinite. */
+/** Limits of a range, in SI; a missing limit is infinite. */
 export interface Ends {
   readonly low: number;
   readonly high: number;
@@ -57,7 +57,7 @@ export interface Ends {
 export class Cursor {
   private at = 0;
 
-  /** REQUIRES: a token of kind "end" is the last one. */
+  /** REQUIRES: the last token has kind "end". */
   constructor(private readonly tokens: readonly Token[]) {}
 
   next(): Token {
@@ -66,7 +66,7 @@ export class Cursor {
   afterNext(): Token {
     return this.tokens[Math.min(this.at + 1, this.tokens.length - 1)]!;
   }
-  /** REQUIRES: the next one is not the end. */
+  /** REQUIRES: the next token isn't the end. */
   take(): Token {
     return this.tokens[this.at++]!;
   }
@@ -81,7 +81,7 @@ export class Cursor {
   isSign(sign: string): boolean {
     return this.next().kind === "sign" && this.next().text === sign;
   }
-  /** A word that is no keyword. */
+  /** Whether the next token is a word but no keyword. */
   isFreeWord(): boolean {
     return this.next().kind === "word" && !isKeyword(this.next().text);
   }
@@ -113,7 +113,7 @@ export class Cursor {
     }
     if (low === null && high === null)
       throw new QueryFault(column, "a range needs at least one end, as in 0.. or ..20");
-    // A unit behind the range is of both its ends.
+    // A unit after the range applies to both limits.
     const ends = {
       low: low === null ? -Infinity : low * (lowUnit ?? highUnit ?? 1),
       high: high === null ? Infinity : high * (highUnit ?? lowUnit ?? 1),
@@ -123,13 +123,13 @@ export class Cursor {
     return ends;
   }
 
-  /** What one of the unit is in SI; null where no unit stands. */
+  /** Consumes a unit and returns its size in SI; null if there is no unit. */
   takenUnit(dimension: Dimension): number | null {
     const token = this.next();
     if (token.kind !== "word") return null;
     const unit = UNITS.find((one) => one.name === token.text);
     if (unit === undefined) {
-      // Behind a blank it is the next word.
+      // After a blank it is the next word, not a unit.
       if (!token.isJoined) return null;
       this.fail(`'${token.text}' is not a unit; the units are ${UNITS.map((one) => one.name).join(", ")}`);
     }

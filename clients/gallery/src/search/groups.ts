@@ -1,6 +1,5 @@
-// Animations that look alike, in groups; each has a member that stands for it. What a group is, and why
-// of more than 500 animations a part is compared, is said in clients/browse/groups.h; the results here are
-// those of clients/browse/groups.cpp.
+// Groups of similar animations, each with a representative. clients/browse/groups.h defines groups, and the
+// sampling of sets above 500 animations. The results equal those of clients/browse/groups.cpp.
 
 import { byName, Comparison, evenlyChosen, FULL_MATRIX_MAX, sampleSize } from "./comparing";
 import { hierarchyOf } from "./hierarchy";
@@ -13,33 +12,33 @@ export type Grouping = "medoids" | "hierarchy";
 
 export interface AlikeGroup {
   readonly representative: number;
-  /** With the representative, by name. */
+  /** In the order of names, including the representative. */
   readonly members: readonly number[];
-  /** Of the members from their representative. */
+  /** Distances of the members from the representative. */
   readonly mean_m: number;
   readonly greatest_m: number;
 }
 
 export interface AlikeGroups {
-  /** The largest first; of equal ones by their representative. */
+  /** From largest to smallest; groups of equal size by representative. */
   readonly groups: readonly AlikeGroup[];
-  /** Of a part of the animations. */
+  /** Whether groups come from a sample. */
   readonly approximate: boolean;
 }
 
-/** A set that can be divided in many ways. */
+/** A set that can be grouped in different ways. */
 export class GroupedSet {
-  /** By their number. */
+  /** Samples by their size. */
   private readonly samples = new Map<number, Sample>();
 
   private constructor(
     private readonly index: SearchIndex,
     private readonly comparison: Comparison,
-    /** All of the set, by name. */
+    /** The whole set, in the order of names. */
     private readonly entries: readonly number[],
   ) {}
 
-  /** REQUIRES: different entries, at least one. */
+  /** REQUIRES: at least one entry; all entries are different. */
   static of(index: SearchIndex, entries: readonly number[]): GroupedSet {
     const sorted = [...entries].sort((a, b) => byName(index, a, b));
     return new GroupedSet(index, new Comparison(index, coveredDurationS(index, sorted)), sorted);
@@ -88,7 +87,7 @@ export class GroupedSet {
     return made;
   }
 
-  /** Everyone goes to a group: of the sample as the grouping says, the others to the nearest. */
+  /** Assigns all entries to groups: sampled ones by the grouping, the others to the nearest representative. */
   private async filled(
     representatives: readonly number[], groupOf: ReadonlyMap<number, number>, turns: Turns,
   ): Promise<Filled[]> {
@@ -119,15 +118,15 @@ export class GroupedSet {
   }
 }
 
-/** Those that are compared with one another. */
+/** Entries that are compared with one another. */
 interface Sample {
-  /** In `entries`; ascending. */
+  /** Indices in `entries`; ascending. */
   readonly places: readonly number[];
   readonly matrix: Matrix;
 }
 
 interface Filled {
-  /** Of the representative, along the set by name. */
+  /** The representative's index in the set. */
   readonly place: number;
   readonly members: number[];
   sumM: number;
@@ -140,7 +139,7 @@ function membersOf(groupOf: readonly number[], k: number): number[][] {
   return members;
 }
 
-/** The member from which the sum of distances to the others is least. */
+/** The member with the smallest sum of distances to the others. */
 function centralMember({ size, values }: Matrix, members: readonly number[]): number {
   let best = members[0]!;
   let bestSum = Infinity;

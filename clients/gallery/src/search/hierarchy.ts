@@ -1,6 +1,6 @@
-// Groups by hierarchy: the two nearest groups become one until k are left; between groups counts the
-// mean distance of their members (average linkage, by chains of nearest neighbours: F. Murtagh,
-// The Computer Journal 26, 1983). hierarchy_of of clients/browse/groups.cpp, with the same choices.
+// Grouping by hierarchy: the two nearest groups are joined until k groups are left. The distance of groups is
+// the mean distance of their members (average linkage by nearest-neighbour chains: F. Murtagh, The Computer
+// Journal 26, 1983). Same choices as hierarchy_of in clients/browse/groups.cpp.
 
 import type { Matrix } from "./medoids";
 
@@ -10,10 +10,10 @@ interface Merge {
   readonly b: number;
 }
 
-/** The group, 0 to k - 1, of each. REQUIRES: 1 <= k <= size. */
+/** The group (0 to k - 1) of each point. REQUIRES: 1 <= k <= size. */
 export function hierarchyOf(matrix: Matrix, k: number): number[] {
-  // Chains find the merges in another order than by distance; sorted by it, the first size - k are those
-  // that leave k groups. The sort is stable.
+  // Chains find the merges in another order. Sorted by distance, the first size - k merges leave k groups.
+  // The sort is stable.
   const merges = mergesOf(matrix).sort((a, b) => a.distance - b.distance);
   const root = Array.from({ length: matrix.size }, (_, point) => point);
   const rootOf = (from: number): number => {
@@ -50,7 +50,7 @@ function mergesOf({ size, values }: Matrix): Merge[] {
       chain.push(nearest);
       continue;
     }
-    // The last two are each other's nearest.
+    // The last two are each other's nearest neighbours.
     chain.length -= 2;
     const kept = Math.min(last, nearest);
     const gone = Math.max(last, nearest);
@@ -70,7 +70,7 @@ function mergesOf({ size, values }: Matrix): Merge[] {
   return merges;
 }
 
-/** The one before in the chain (-1: none) unless another is nearer; of others the first. */
+/** The previous one in the chain (-1: none), unless another is nearer; of equally near others the first. */
 function nearestTo(
   between: Float32Array, isThere: Uint8Array, last: number, before: number,
 ): { nearest: number; distance: number } {

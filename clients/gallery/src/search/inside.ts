@@ -1,7 +1,7 @@
-// When a body's centre is in a box: clients/browse/inside.cpp, the same operations in the same order.
+// Finds when a body's centre is in a box, with the operations of clients/browse/inside.cpp in the same order.
 //
-// On each axis a piece of path is a parabola in time, which has at most two stretches between two
-// bounds. The centre is in the box in the common part of the three axes' stretches. "Never" is NaN.
+// On each axis a piece of a path is a parabola in time, which is between two bounds in at most two time
+// ranges. The centre is in the box during the intersection of the three axes' ranges. NaN means never.
 
 import type { Box } from "./condition";
 import { blockEnd, blockOf } from "./reach";
@@ -9,11 +9,11 @@ import type { SearchIndex } from "./search-index";
 
 export const NEVER = NaN;
 
-/** Of each axis at most two stretches: from, to. Scratch of the function that is running. */
+/** At most two ranges (from, to) per axis; scratch memory of the running function. */
 const held = new Float64Array(12);
 const counts = new Uint8Array(3);
 
-/** The piece in force, the last if several begin then; -1 before the first. */
+/** The piece in force, the last of several with the same start; -1 before the first piece. */
 export function pieceAt(startS: Float64Array, first: number, end: number, timeS: number): number {
   let low = first;
   let high = end;
@@ -25,7 +25,7 @@ export function pieceAt(startS: Float64Array, first: number, end: number, timeS:
   return low > first ? low - 1 : -1;
 }
 
-/** The first moment between two at which a body is in the box. */
+/** The first moment between two times when the body is in the box. */
 export function firstInside(
   index: SearchIndex, track: number, box: Box, fromS: number, toS: number,
 ): number {
@@ -49,13 +49,13 @@ export function firstInside(
   return NEVER;
 }
 
-/** Whether a box, row by row in a list of them, has nothing in common with another. */
+/** Whether row `at` of `boxes` doesn't intersect the box. */
 export function misses(boxes: Float32Array | Float64Array, at: number, box: Box): boolean {
   return !(boxes[at]! <= box[3]! && boxes[at + 1]! <= box[4]! && boxes[at + 2]! <= box[5]! &&
     box[0]! <= boxes[at + 3]! && box[1]! <= boxes[at + 4]! && box[2]! <= boxes[at + 5]!);
 }
 
-/** Of one piece, in force until `endS`. */
+/** As above for one piece, which is in force until `endS`. */
 export function firstInsidePiece(
   index: SearchIndex, piece: number, endS: number, box: Box, fromS: number, toS: number,
 ): number {
@@ -74,7 +74,7 @@ export function firstInsidePiece(
   return first === first ? startS + first : NEVER;
 }
 
-/** The first moment of what the three axes' stretches have in common. */
+/** The first moment in the intersection of the three axes' ranges. */
 function firstCommon(): number {
   let first = NEVER;
   for (let x = 0; x < counts[0]!; ++x) {
@@ -89,7 +89,7 @@ function firstCommon(): number {
   return first;
 }
 
-/** Adds the stretches of p + v s + a s^2 / 2 that are between the bounds. */
+/** Adds the ranges in which p + v s + a s^2 / 2 is between the bounds. */
 function between(
   axis: number, p: number, v: number, a: number, low: number, high: number, s0: number, s1: number,
 ): void {
@@ -106,7 +106,7 @@ function between(
   }
 }
 
-/** Adds the stretch of a rising or falling branch from s0 to s1 that is between the bounds. */
+/** Adds the range in which a monotonic branch from s0 to s1 is between the bounds. */
 function addBranch(
   axis: number, p: number, v: number, a: number, low: number, high: number, s0: number, s1: number,
 ): void {
@@ -120,7 +120,7 @@ function addBranch(
   add(axis, from, max(from, to));
 }
 
-/** Two branches that meet within the bounds make one stretch. */
+/** Two branches that meet within the bounds form one range. */
 function add(axis: number, from: number, to: number): void {
   const count = counts[axis]!;
   const at = 4 * axis + 2 * count;
@@ -133,14 +133,14 @@ function add(axis: number, from: number, to: number): void {
   }
 }
 
-/** Where a branch from s0 to s1, of which one end lies below and one above c, passes c. */
+/** Where a branch from s0 to s1 crosses c. REQUIRES: one end is below c, the other above. */
 function crossing(p: number, v: number, a: number, c: number, s0: number, s1: number): number {
   const below = p - c;
   let s: number;
   if (a === 0) {
     s = -below / v;
   } else {
-    // The two roots of a/2 s^2 + v s + below, in the form that does not cancel.
+    // The roots of a/2 s^2 + v s + below, in the form without cancellation.
     const root = Math.sqrt(max(0, v * v - 2 * a * below));
     const isNegative = v < 0 || (v === 0 && 1 / v < 0);
     const q = -(v + (isNegative ? -root : root));
@@ -154,7 +154,7 @@ function crossing(p: number, v: number, a: number, c: number, s0: number, s1: nu
   return s < s0 ? s0 : s1 < s ? s1 : s;
 }
 
-// As std::max and std::min: of equals the first, which Math.max and Math.min don't say of 0 and -0.
+// As std::max and std::min: of equal values the first. Math.max and Math.min differ for 0 and -0.
 function max(a: number, b: number): number {
   return a < b ? b : a;
 }

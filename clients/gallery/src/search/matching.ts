@@ -1,8 +1,8 @@
-// The assignment problem, solved by shortest augmenting paths (R. Jonker and A. Volgenant,
-// Computing 38, 1987): cheapest_matching of clients/browse/resemblance.cpp, which of equally cheap
-// matchings chooses the same.
+// Solves the assignment problem by shortest augmenting paths (R. Jonker and A. Volgenant, Computing 38,
+// 1987). Of equally cheap matchings it chooses the same as cheapest_matching in
+// clients/browse/resemblance.cpp.
 
-/** Scratch that matchings share: most are of a few bodies, and there are hundreds of thousands. */
+/** Scratch memory shared by all matchings: there are hundreds of thousands, mostly of a few bodies. */
 let room = 0;
 let u = new Float64Array(0);
 let v = new Float64Array(0);
@@ -22,20 +22,18 @@ function makeRoom(size: number): void {
   isDone = new Uint8Array(room);
 }
 
-/**
- * Sets the column of each row, so that the sum of costs is least. REQUIRES: size^2 finite costs, row by
- * row.
- */
+/** Sets the column of each row so that the sum of costs is minimal. REQUIRES: size^2 finite costs, row by
+ *  row. */
 export function cheapestMatching(costs: Float64Array, size: number, columnOf: Int32Array): void {
   makeRoom(size);
-  // Rows and columns count from 1, 0 is none: rowOf[column] is matched, and the potentials keep every
-  // cost[row][column] - u[row] - v[column] at 0 or above, 0 where matched.
+  // Rows and columns count from 1; 0 means none. rowOf[column] is the matched row. The potentials keep
+  // cost[row][column] - u[row] - v[column] >= 0, with 0 for matched pairs.
   u.fill(0, 0, size + 1);
   v.fill(0, 0, size + 1);
   rowOf.fill(0, 0, size + 1);
   for (let row = 1; row <= size; ++row) {
     let column = freeColumn(costs, size, row);
-    // Turn the path round.
+    // Invert the path.
     while (column !== 0) {
       rowOf[column] = rowOf[cameFrom[column]!]!;
       column = cameFrom[column]!;
@@ -44,7 +42,7 @@ export function cheapestMatching(costs: Float64Array, size: number, columnOf: In
   for (let column = 1; column <= size; ++column) columnOf[rowOf[column]! - 1] = column - 1;
 }
 
-/** Grows a tree of shortest paths from the row until it reaches a column that is free. */
+/** Grows a tree of shortest paths from the row until it reaches an unmatched column. */
 function freeColumn(costs: Float64Array, size: number, row: number): number {
   shortest.fill(Infinity, 0, size + 1);
   isDone.fill(0, 0, size + 1);

@@ -1,7 +1,7 @@
-// Medoids: k members so that the sum of everyone's distance to the nearest is small. Chosen one by one,
-// then exchanged as long as an exchange helps (clients/browse/groups.h names the papers). Of equal
-// choices the first is taken; sums are in the order of clients/browse/groups.cpp, so that a saved page
-// makes the groups that a served one makes.
+// Finds medoids: k members with a small sum of distances from all members to the nearest medoid. Medoids are
+// chosen one by one, then exchanged while this lowers the sum (references: clients/browse/groups.h). Of equal
+// choices the first is taken, and sums have the order of clients/browse/groups.cpp, so that saved pages form
+// the same groups as served ones.
 
 import type { Turns } from "./turns";
 
@@ -11,10 +11,10 @@ export interface Matrix {
   readonly values: Float32Array;
 }
 
-/** Ascending. REQUIRES: 1 <= k <= size. */
+/** In ascending order. REQUIRES: 1 <= k <= size. */
 export async function medoidsOf(matrix: Matrix, k: number, turns: Turns): Promise<number[]> {
   const medoids = await firstMedoids(matrix, k, turns);
-  // With one medoid there is no second nearest, and the first choice is the best.
+  // A single medoid has no second nearest, and the first choice is optimal.
   while (k > 1 && k < matrix.size && exchange(matrix, medoids)) if (turns.isDue()) await turns.take();
   return medoids.sort((a, b) => a - b);
 }
@@ -49,7 +49,8 @@ async function firstMedoids({ size, values }: Matrix, k: number, turns: Turns): 
   return medoids;
 }
 
-/** Of each point its nearest medoid, as a place in their list, and how far that and the second are. */
+/** For each point: the index of its nearest medoid in the list, and the distances to this and the second
+ *  nearest. */
 interface Nearest {
   readonly medoid: Uint32Array;
   readonly distance: Float32Array;
@@ -75,15 +76,13 @@ function nearestOf({ size, values }: Matrix, medoids: readonly number[]): Neares
   return { medoid, distance, second };
 }
 
-/**
- * Exchanges one medoid for another point where that lowers the sum of distances most; false if no
- * exchange does.
- */
+/** Performs the exchange of a medoid for another point that lowers the sum of distances most; returns false
+ *  if no exchange lowers it. */
 function exchange(matrix: Matrix, medoids: number[]): boolean {
   const { size, values } = matrix;
   const nearest = nearestOf(matrix, medoids);
   const { medoid, distance, second } = nearest;
-  // What the sum rises by if a medoid alone goes.
+  // Increase of the sum if a medoid is removed without replacement.
   const loss = new Float64Array(medoids.length);
   for (let point = 0; point < size; ++point)
     loss[medoid[point]!] = loss[medoid[point]!]! + (second[point]! - distance[point]!);
@@ -103,14 +102,15 @@ function exchange(matrix: Matrix, medoids: number[]): boolean {
       [bestOut, bestIn] = [least, candidate];
     }
   }
-  // Rounding must not exchange for ever.
+  // Ignore changes of the size of rounding errors, which could repeat for ever.
   const total = distance.reduce((sum, one) => sum + one, 0);
   if (bestIn < 0 || -bestChange <= 1e-9 * total) return false;
   medoids[bestOut] = bestIn;
   return true;
 }
 
-/** What a candidate changes whichever medoid goes; adds what beyond that each medoid's going changes. */
+/** The candidate's change of the sum for any removed medoid; adds each medoid's additional change to
+ *  `change`. */
 function changes(values: Float32Array, row: number, nearest: Nearest, change: Float64Array): number {
   const { medoid, distance, second } = nearest;
   let common = 0;

@@ -1,20 +1,20 @@
-// What a query calls bodies, things and numbers, and what is said where nothing is called so.
+// Names of bodies, features and numbers in queries, and the errors for unknown names.
 
 import { bytesOf } from "./bytes";
 import { type Bodies, QueryFault } from "./condition";
 import { type Cursor, isKeyword, isUnit } from "./cursor";
 import { nearest } from "./nearest";
 
-/** What queries can speak of; bodies come first. */
+/** Names that queries can use; bodies come first. */
 export interface NamedThings {
   readonly features: readonly { readonly name: string; readonly kind: "body" | "fixed" | "wanted" }[];
   readonly numbers: readonly { readonly name: string; readonly unit: string }[];
 }
 
-/** Names in one message, at most. */
+/** Maximum number of names in a message. */
 const SHOWN = 12;
 const DIGITS = /^[0-9]*$/;
-/** What the page calls some numbers, and what they are called in a query. */
+/** The page's words for numbers, and the numbers' names in queries. */
 const OTHER_WORDS: ReadonlyMap<string, string> =
   new Map([["score", "log_constraint"], ["plausibility", "log_prior"]]);
 
@@ -32,14 +32,14 @@ export class Names {
     this.bodies = end < 0 ? things.features.length : end;
   }
 
-  /** Words and plain numbers behind them, or one name in quotes. */
+  /** Consumes a name: words with an optional plain number, or a quoted name. */
   taken(cursor: Cursor): string {
     if (cursor.next().kind === "quoted") return cursor.take().text;
     if (!cursor.isFreeWord()) cursor.fail("expected a body, 'any', 'every' or the name of a number");
     let name = cursor.take().text;
     for (;;) {
       const after = cursor.afterNext();
-      // Of "die 3 in" the 3 is of the name; of "bounces 3..5" it is not.
+      // In "die 3 in", 3 belongs to the name; in "bounces 3..5" it doesn't.
       const isItsNumber = cursor.next().kind === "number" && DIGITS.test(cursor.next().text) &&
         !(after.kind === "sign" && after.text === "..") &&
         !(after.kind === "word" && (after.isJoined || isUnit(after.text)));
@@ -48,7 +48,7 @@ export class Names {
     }
   }
 
-  /** "any", "every", and the kind of body that may stand behind. */
+  /** Consumes "any" or "every", and an optional kind of body. */
   bodiesOfKind(cursor: Cursor): Bodies {
     const isEvery = cursor.take().text === "every";
     const token = cursor.next();
@@ -57,12 +57,12 @@ export class Names {
     const bodies: number[] = [];
     for (let body = 0; body < this.bodies; ++body) {
       const name = this.features[body]!;
-      // "die" stands for "die 1", "die 2", ...
+      // "die" matches "die 1", "die 2", ...
       const isOfKind = kind === "" || name === kind ||
         (name.startsWith(`${kind} `) && DIGITS.test(name.slice(kind.length + 1)));
       if (isOfKind) bodies.push(body);
     }
-    // "any body" says the same as "any", unless some are called so.
+    // "any body" means "any", unless bodies have that name.
     if (bodies.length === 0 && kind === "body")
       for (let body = 0; body < this.bodies; ++body) bodies.push(body);
     if (bodies.length === 0)
@@ -77,7 +77,7 @@ export class Names {
     return { bodies, isEvery, isAmong };
   }
 
-  /** Whom a body touches; null: whatever it is. */
+  /** Consumes the partner of a contact; null: any. */
   partner(cursor: Cursor): number | null {
     if (cursor.takeWord("any")) return null;
     const column = cursor.next().column;

@@ -1,11 +1,11 @@
-// What a mistyped name was probably meant to be: common/request/nearest.cpp, on bytes (bytes.ts).
+// Suggests a known name for a mistyped one, as common/request/nearest.cpp does, on bytes (bytes.ts).
 
-/** No name of ours is near a longer one. */
+/** Longer texts match no name. */
 const LENGTH_MAX = 64;
-/** Shorter fronts fit too many names. */
+/** Minimum length of a prefix: shorter ones match too many names. */
 const FRONT_MIN = 3;
 
-/** Edits that turn `a` into `b`: put in, left out, replaced, or two neighbours swapped. */
+/** Number of edits that turn `a` into `b`: insertions, deletions, replacements, swaps of neighbours. */
 export function editDistance(a: string, b: string): number {
   let before2: number[] = [];
   let before: number[] = [];
@@ -22,7 +22,7 @@ export function editDistance(a: string, b: string): number {
   return now[b.length]!;
 }
 
-/** The known name that `written` most likely stands for; the earlier of equals. */
+/** The known name that `written` most likely means; of equally near names the earlier one. */
 export function nearest(written: string, known: readonly string[]): string | null {
   if (written.length > LENGTH_MAX) return null;
   const wanted = folded(written);
@@ -30,7 +30,7 @@ export function nearest(written: string, known: readonly string[]): string | nul
   let least = 0;
   for (const name of known) {
     const edits = editDistance(wanted, folded(name));
-    // A name of which every character is replaced is not a slip of the finger.
+    // A name with every character replaced isn't a typing error.
     if (edits > 1 + Math.floor(name.length / 4) || edits >= Math.min(wanted.length, name.length)) continue;
     if (best === null || edits < least) [best, least] = [name, edits];
   }

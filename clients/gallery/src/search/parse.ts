@@ -1,5 +1,5 @@
-// The parser of queries: clients/browse/parse.cpp, rule by rule, with the same errors at the same
-// places. A rule leaves the next token in place.
+// The parser of queries. Its rules and errors equal those of clients/browse/parse.cpp. After a rule, the next
+// token is at the cursor.
 
 import { bytesOf, characterAt, textOf } from "./bytes";
 import {
@@ -11,7 +11,7 @@ import { type NamedThings, Names } from "./names";
 import { tokensOf } from "./tokens";
 
 export interface QueryError {
-  /** Characters of the text before the place that is wrong, and 1. */
+  /** Position of the error in characters, from 1. */
   readonly column: number;
   readonly message: string;
 }
@@ -20,7 +20,7 @@ const THEN_JOINS = "'then' can only join '... in BOX' and '... touches ...'";
 const AXES: readonly string[] = ["x", "y", "z"];
 const COMPARISONS: readonly string[] = ["<", "<=", ">", ">=", "="];
 
-/** The meaning of a text for an index with these things in it. */
+/** Parses a text for an index with these names. */
 export function parseQuery(text: string, things: NamedThings): Condition | QueryError {
   const bytes = bytesOf(text);
   try {

@@ -1,11 +1,11 @@
-// Which animations of an index are meant: clients/browse/query.cpp.
+// Finds the animations of an index that match a query, as clients/browse/query.cpp does.
 
 import { type Bodies, type Condition, type Inside, type Moment, type Touches } from "./condition";
 import { firstInside, misses, NEVER } from "./inside";
 import type { SearchIndex } from "./search-index";
 import type { Turns } from "./turns";
 
-/** The entries that are meant, ascending. REQUIRES: a condition for this index. */
+/** Matching entries, ascending. REQUIRES: the condition was parsed for this index. */
 export async function find(condition: Condition, index: SearchIndex, turns: Turns): Promise<number[]> {
   const found: number[] = [];
   for (let entry = 0; entry < index.entries; ++entry) {
@@ -24,7 +24,7 @@ export function isMet(condition: Condition, index: SearchIndex, entry: number): 
       return firstOf(condition.who, index, entry, (track) => restIn(index, track, condition.box)) !== null;
     case "number": {
       const number = index.numbers[condition.number]![entry]!;
-      // False of NaN: what doesn't apply is in no range.
+      // Comparisons with NaN are false: animations without the number don't match.
       const isAbove = condition.isLowOpen ? number > condition.low : number >= condition.low;
       const isBelow = condition.isHighOpen ? number < condition.high : number <= condition.high;
       return isAbove && isBelow;
@@ -40,17 +40,15 @@ export function isMet(condition: Condition, index: SearchIndex, entry: number): 
   }
 }
 
-/**
- * What a step follows: it is not met before that moment, and a hit is later than the last hit, as one
- * hit is one event.
- */
+/** The previous step: the next step isn't met before its time, and a hit must be later than the last hit,
+ *  because one hit is one event. */
 interface After {
   readonly timeS: number;
   readonly hitS: number;
 }
 const FROM_THE_BEGINNING: After = { timeS: -Infinity, hitS: -Infinity };
 
-/** When it is is not asked: the first body that does it is enough. */
+/** Time doesn't matter; stop at the first matching body. */
 function isEverMet(moment: Moment, index: SearchIndex, entry: number): boolean {
   if (moment.is === "touches" || moment.who.isEvery)
     return firstMet(moment, index, entry, FROM_THE_BEGINNING) !== null;
@@ -60,10 +58,7 @@ function isEverMet(moment: Moment, index: SearchIndex, entry: number): boolean {
   });
 }
 
-/**
- * The earliest moment of each step that the steps before leave: none can be met earlier by choosing
- * another moment for those.
- */
+/** Finds the earliest moment of each step in turn. Choosing later moments for earlier steps can never help. */
 function isMetInOrder(steps: readonly Moment[], index: SearchIndex, entry: number): boolean {
   let after = FROM_THE_BEGINNING;
   for (const step of steps) {
@@ -78,7 +73,7 @@ function firstMet(moment: Moment, index: SearchIndex, entry: number, after: Afte
   const { who } = moment;
   if (moment.is === "inside")
     return firstOf(who, index, entry, (track) => insideOf(moment, index, track, after));
-  // Hits are in the order of time: the first that is one of the bodies' is the earliest.
+  // Hits are in the order of time, so the first match is the earliest.
   if (!who.isEvery) return hitOf(moment, who.isAmong, index, entry, after);
   const isIt = new Uint8Array(who.isAmong.length);
   return firstOf(who, index, entry, (_, body) => {
@@ -88,7 +83,7 @@ function firstMet(moment: Moment, index: SearchIndex, entry: number, after: Afte
   });
 }
 
-/** The earliest of what one or each of the bodies says: each, then the latest of their earliest. */
+/** The earliest time for one of the bodies. For "every": the latest of the bodies' earliest times. */
 function firstOf(
   who: Bodies, index: SearchIndex, entry: number, firstOfBody: (track: number, body: number) => number,
 ): number | null {
@@ -111,7 +106,7 @@ function insideOf(inside: Inside, index: SearchIndex, track: number, after: Afte
   return firstInside(index, track, inside.box, fromS, inside.when.toS);
 }
 
-/** When one of these bodies, that enters, first hits what is asked. */
+/** The time when one of these bodies first makes the requested hit. */
 function hitOf(
   touches: Touches, isAmong: Uint8Array, index: SearchIndex, entry: number, after: After,
 ): number | null {
@@ -124,7 +119,7 @@ function hitOf(
   for (; at < end; ++at) {
     const body = contactBody[at]!;
     const partner = contactPartner[at]!;
-    // A hit of two bodies is both's, whichever of them it is recorded of.
+    // A hit of two bodies counts for both, whichever body it is recorded for.
     const isOfBody = isAmong[body] === 1 && (asked === null || asked === partner);
     const isOfPartner = isAmong[partner] === 1 && (asked === null || asked === body);
     const isHit = (isOfBody && enters(index, entry, body)) || (isOfPartner && enters(index, entry, partner));
@@ -138,7 +133,7 @@ function enters(index: SearchIndex, entry: number, body: number): boolean {
   return index.trackCount[index.bodies * entry + body] !== 0;
 }
 
-/** When a body comes to rest in the box: the last piece begins there. */
+/** The time when a body comes to rest in the box: the start of its last piece. */
 function restIn(index: SearchIndex, track: number, box: Float64Array): number {
   const last = index.trackFirst[track]! + index.trackCount[track]! - 1;
   for (let axis = 0; axis < 3; ++axis) {

@@ -1,28 +1,25 @@
-// Boxes that paths never leave: of each body of each animation, and of each few pieces.
+// Bounding boxes of paths: one per body of each animation, and one per block of pieces.
 //
-// Boxes of bodies are those of measure_reach (clients/browse/index.cpp), bit for bit: a query that
-// misses one is answered there and then, here as there. Boxes of pieces are this page's own: they only
-// spare looking at pieces whose exact answer would be no.
+// Boxes of bodies equal those of measure_reach (clients/browse/index.cpp) bit for bit, because they decide
+// answers. Boxes of blocks exist only on this page: they skip pieces that cannot match.
 
 import type { Columns } from "./search-index";
 import type { Turns } from "./turns";
 
-/** Relative to the size of numbers, what rounding may put a place beyond the box of its piece. */
+/** Relative rounding error by which a place may be outside its piece's box. */
 const ROUNDING = 1e-12;
-/** Pieces that share a box. */
+/** Log2 of the number of pieces per block. */
 const BLOCK_SHIFT = 3;
-/** The same in single precision, of boxes that are kept so. */
+/** Relative rounding error of boxes stored in single precision. */
 const SINGLE_ROUNDING = 1e-6;
-/**
- * Sizes of a path's terms (metres) up to which their rounding, 1e-16 of them, is far below
- * SINGLE_ROUNDING. Pieces beyond, which no real path has, have all of space as their blocks' box.
- */
+/** Maximum size (metres) of a path's terms for which rounding (1e-16 of the terms) is far below
+ *  SINGLE_ROUNDING. Larger pieces, which no real path has, get a block box of all space. */
 const TERM_MAX_M = 1e6;
 
 export interface Reach {
-  /** Of each track: low x, y, z, high x, y, z; empty (infinity to -infinity) where it has no piece. */
+  /** Per track: low x, y, z, high x, y, z; empty (infinity to -infinity) if the track has no pieces. */
   readonly tracks: Float64Array;
-  /** Of pieces 8 k to 8 k + 7, whosever they are. */
+  /** Box of pieces 8 k to 8 k + 7, regardless of their bodies. */
   readonly blocks: Float32Array;
 }
 
@@ -62,13 +59,11 @@ function emptyBoxes<T extends Float64Array | Float32Array>(boxes: T): T {
   return boxes;
 }
 
-/** What reachOf() found: low, high. */
+/** Result of reachOf(): low, high. */
 const span = new Float64Array(2);
 
-/**
- * What one coordinate of a piece comes to until it ends after `durationS`, and a margin; false where
- * its terms are so large that rounding may be larger.
- */
+/** Computes one coordinate's range, with a margin, until the piece ends after `durationS`. Returns false if
+ *  the terms are so large that rounding may exceed the margin. */
 function reachOf(columns: Columns, piece: number, axis: number, durationS: number): boolean {
   const p = columns.positionM[3 * piece + axis]!;
   const v = columns.velocityMps[3 * piece + axis]!;
@@ -77,7 +72,7 @@ function reachOf(columns: Columns, piece: number, axis: number, durationS: numbe
   span[1] = -Infinity;
   include(p, p);
   if (v === 0 && a === 0) return Math.abs(p) <= TERM_MAX_M;
-  // The last piece has no end; where it moves, neither has its reach.
+  // The last piece has no end, so its range is unlimited if it moves.
   const end = durationS < Infinity ? p + durationS * (v + 0.5 * a * durationS)
     : (a !== 0 ? a : v) < 0 ? -Infinity : Infinity;
   include(end < p ? end : p, p < end ? end : p);

@@ -1,18 +1,18 @@
-// How much two animations look alike, by their recordings alone: clients/browse/resemblance.h has the
-// formula and its reasons. The same operations in the same order give the same bits here.
+// Resemblance of two animations, from their recordings alone. clients/browse/resemblance.h has the formula
+// and its reasons. The same operations in the same order yield the same bits.
 
 import { cheapestMatching } from "./matching";
 import type { SearchIndex } from "./search-index";
 import { FIRST_CONTACTS_MAX, keyOf, MATCHING_TIMES, type Sketch, TIMES } from "./sketch";
 
 export class Resemblance {
-  /** Classes of bodies that may take each other's place. */
+  /** Classes of interchangeable bodies. */
   private readonly twins: readonly Uint32Array[];
-  /** How far a body that enters is from one that never does. */
+  /** Distance between a body that enters and one that never enters. */
   private readonly apartM: number;
   private readonly bodies: number;
   private readonly features: number;
-  /** Scratch: the body of b that takes the place of each of a's. */
+  /** Scratch memory: b's body that is matched with each of a's bodies. */
   private readonly partnerOf: Uint32Array;
   private readonly columnOf: Int32Array;
   private readonly costs: Float64Array;
@@ -37,7 +37,7 @@ export class Resemblance {
     this.costs = new Float64Array(most * most);
   }
 
-  /** In metres. Of two animations a is the one that comes first in the list that is compared. */
+  /** Distance in metres. REQUIRES: a comes before b in the compared list. */
   valueM(a: Sketch, b: Sketch): number {
     this.match(a, b);
     let meanM = 0;
@@ -59,12 +59,12 @@ export class Resemblance {
     return 0.5 * (meanM + greatestM) * (1 + this.orderBetween(a, b));
   }
 
-  /** Of two places of a body over the times: the sum of distances and the greatest. */
+  /** Distances between two bodies over the times: their sum and their maximum. */
   private apartOf(p: Float32Array, ofP: number, q: Float32Array, ofQ: number): readonly [number, number] {
     const apart = this.apart;
     for (let i = 0; i < TIMES; ++i) apart[i] = distanceM(p, ofP + i, q, ofQ + i);
     let greatest = apart[TIMES - 1]!;
-    // Sums by place modulo four, as the service's processor has them side by side.
+    // Four partial sums by index modulo four, as the server's SIMD code has them.
     let [s0, s1, s2, s3] = [0, 0, 0, 0];
     for (let i = 0; i + 4 <= TIMES; i += 4) {
       s0 += apart[i]!;
@@ -104,12 +104,12 @@ export class Resemblance {
     return cost;
   }
 
-  /** The share of first contacts that doesn't come in the same order. */
+  /** The share of first contacts that are not in the same order. */
   private orderBetween(a: Sketch, b: Sketch): number {
     const longer = Math.max(a.keys.length, b.keys.length);
     if (longer === 0) return 0;
-    // Where each of b's contacts stands. No two of a list are equal, so that the longest common
-    // subsequence is the longest one of a's whose places in b rise.
+    // Find the places of a's contacts in b. Contacts in a list are distinct, so the longest common
+    // subsequence is the longest ascending subsequence of these places.
     let length = 0;
     for (let at = 0; at < a.contacts.length; at += 2) {
       const one = this.inB(a.contacts[at]!);
@@ -126,10 +126,10 @@ export class Resemblance {
   }
 }
 
-/** tails[n]: the least value at which a rising subsequence of n + 1 values ends. */
+/** tails[n]: the smallest last value of an ascending subsequence of n + 1 values. */
 const tails = new Uint32Array(FIRST_CONTACTS_MAX);
 
-/** Takes one more value; returns the length of the longest rising subsequence. */
+/** Adds a value; returns the length of the longest ascending subsequence. */
 function withTail(value: number, length: number): number {
   const at = lowerBound(tails, length, value);
   tails[at] = value;
@@ -147,7 +147,7 @@ function lowerBound(values: Float64Array | Uint32Array, count: number, value: nu
   return low;
 }
 
-/** In single precision throughout. */
+/** Computed in single precision. */
 function distanceM(a: Float32Array, p: number, b: Float32Array, q: number): number {
   const dx = Math.fround(a[p]! - b[q]!);
   const dy = Math.fround(a[p + TIMES]! - b[q + TIMES]!);

@@ -1,50 +1,49 @@
-// What is searched and compared of an archive: columns of its animations' paths, contacts and numbers.
+// The index of an archive for searching and comparing: columns of paths, contacts and numbers.
 //
-// Columns are views of the file's bytes, and stay so: a large archive has millions of pieces, and an
-// object for each would take more memory than the page may have. clients/gallery_server/index_columns.h
-// says what is in the file.
+// Columns stay views of the file's bytes: a large archive has millions of pieces, and an object for each
+// would take too much memory. clients/gallery_server/index_columns.h describes the file.
 
 import { isObject, type Packed, torn } from "../data/packed";
 import type { Place } from "../data/types";
 import { measureReach, type Reach } from "./reach";
 import type { Turns } from "./turns";
 
-/** Rows between two looks at the clock. */
+/** Rows between two checks of the clock. */
 const CHECKED_AT_ONCE = 65_536;
 
 export interface IndexFeature {
   readonly name: string;
   readonly kind: "body" | "fixed" | "wanted";
-  /** The first of the bodies that may take each other's place; itself where there is none. */
+  /** The first of the interchangeable bodies; the body itself if it isn't interchangeable. */
   readonly twin_of: number;
 }
 
-/** A box about all that bodies do: the scene's view_low_m and view_high_m. */
+/** A box around all motion: the scene's view_low_m and view_high_m. */
 export interface View {
   readonly view_low_m: Place;
   readonly view_high_m: Place;
 }
 
-/** The columns, by animation, by piece of path and by contact; n animations of b bodies. */
+/** Columns by animation, by piece of path and by contact, for n animations of b bodies. */
 export interface Columns {
   readonly isFind: Uint8Array;
   readonly chain: Uint32Array;
   readonly draw: Float64Array;
-  /** When the last body came to rest. */
+  /** Time when the last body comes to rest. */
   readonly endS: Float64Array;
-  /** Along the head's numbers. */
+  /** In the order of the header's numbers. */
   readonly numbers: readonly Float64Array[];
-  /** The pieces of body k of animation i, in the order of time: row i b + k. */
+  /** Row i b + k: the pieces of body k of animation i, in the order of time. */
   readonly trackFirst: Uint32Array;
   readonly trackCount: Uint32Array;
-  /** A piece is position + velocity s + acceleration s^2 / 2 with s from its start on. */
+  /** A piece is position + velocity s + acceleration s^2 / 2, with s counted from the piece's start. */
   readonly startS: Float64Array;
   readonly positionM: Float64Array;
   readonly velocityMps: Float64Array;
-  /** Rows of accelerations. */
+  /** Rows of accelerationsMps2. */
   readonly acceleration: Uint32Array;
   readonly accelerationsMps2: Float64Array;
-  /** Contacts of animation i, in the order of (time, body, partner): from [i] to [i + 1]. */
+  /** Contacts of animation i are rows [i] to [i + 1] - 1, in the order of (time, body, partner). */
   readonly contactFirst: Uint32Array;
   readonly contactTimeS: Float64Array;
   readonly contactBody: Uint32Array;
@@ -54,7 +53,7 @@ export interface Columns {
 export interface SearchIndex extends Columns {
   readonly generation: number;
   readonly run: string;
-  /** What animations are called: "c0.250", "find.3". */
+  /** Names of animations, such as "c0.250" or "find.3". */
   readonly names: readonly string[];
   readonly entries: number;
   readonly bodies: number;
@@ -64,7 +63,7 @@ export interface SearchIndex extends Columns {
   readonly reach: Reach;
 }
 
-/** `view`: where the file's head doesn't have it. Throws SourceError. */
+/** `view`: used if the file's header has none. Throws SourceError. */
 export async function readIndex(packed: Packed, turns: Turns, view?: View): Promise<SearchIndex> {
   const head = packed.head;
   if (!isObject(head)) throw torn("the index's header is not an object");
@@ -111,7 +110,7 @@ function columnsOf(packed: Packed, entries: number, bodies: number, numbers: num
   };
 }
 
-/** Rows that lead nowhere would be found much later, as numbers that are none. */
+/** Checks row numbers, because wrong ones would cause NaN much later. */
 async function check(columns: Columns, bodies: number, features: number, turns: Turns): Promise<void> {
   const { trackFirst, trackCount, contactFirst } = columns;
   const pieces = columns.startS.length;

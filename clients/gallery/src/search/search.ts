@@ -1,10 +1,9 @@
-// The search of a saved page: what a server answers to queries, groups and "more like this", answered
-// by the page itself from an archive's index file.
+// The search of a saved page: the page itself answers queries, groups and likeness from an archive's index
+// file.
 //
-// Answers are those of clients/browse, bit for bit (tests/programs/test_gallery_search.py compares
-// them). Questions may be asked while others are worked at; no part of the work holds up the page.
-// All functions throw SourceError: "aborted" where the signal says so, "torn" of a file that is none,
-// "other" of questions that are none.
+// Answers equal those of clients/browse bit for bit (compared by tests/programs/test_gallery_search.py).
+// Requests may overlap, and no part of the work blocks the page. Functions throw SourceError: "aborted" if
+// the signal is aborted, "torn" for an invalid file, "other" for an invalid request.
 
 import type { Packed } from "../data/packed";
 import { type AskOptions, SourceError } from "../data/source";
@@ -20,23 +19,23 @@ export type { AlikeGroup, AlikeGroups, Grouping } from "./groups";
 export type { QueryError } from "./parse";
 export type { View } from "./search-index";
 
-/** As the server has it. */
+/** The server's limits. */
 const GROUPS_MAX = 500;
 const ALIKE_TO_MAX = 100;
 
 export interface Alike {
-  /** Nearest first; of several the distance to the nearest counts. */
+  /** Nearest first; for several targets, by the distance to the nearest. */
   readonly entries: readonly number[];
   readonly distance_m: readonly number[];
 }
 
 export class ArchiveSearch {
-  /** The set whose groups were asked for last. */
+  /** The set of the last request for groups. */
   private grouped: GroupedSet | null = null;
 
   private constructor(private readonly index: SearchIndex) {}
 
-  /** `view`: the scene's box, where the file's head doesn't have it. */
+  /** `view`: the scene's box, used if the file's header has none. */
   static async of(packed: Packed, view?: View, options: AskOptions = {}): Promise<ArchiveSearch> {
     return new ArchiveSearch(await readIndex(packed, new Turns(options.signal), view));
   }
@@ -45,7 +44,7 @@ export class ArchiveSearch {
     return this.index.generation;
   }
 
-  /** The entries that are meant, ascending; an empty query means all. */
+  /** Matching entries, ascending; an empty query matches all. */
   async find(query: string, options: AskOptions = {}): Promise<readonly number[] | QueryError> {
     if (/^[ \t\r\n]*$/.test(query)) return allOf(this.index);
     const condition = parseQuery(query, { features: this.index.features, numbers: this.index.numberNames });
@@ -53,7 +52,7 @@ export class ArchiveSearch {
     return find(condition, this.index, new Turns(options.signal));
   }
 
-  /** Of the entries, or of all. */
+  /** Groups of the entries, or of all. */
   async groups(
     entries: readonly number[] | null, groups: number, by: Grouping, options: AskOptions = {},
   ): Promise<AlikeGroups> {
@@ -67,7 +66,7 @@ export class ArchiveSearch {
     return set.divided(groups, by, turns);
   }
 
-  /** The entries, or all, by their distance to the nearest of some. */
+  /** The entries, or all, by distance to the nearest of `to`. */
   async alike(
     to: readonly number[], entries: readonly number[] | null, options: AskOptions = {},
   ): Promise<Alike> {
@@ -93,7 +92,7 @@ export class ArchiveSearch {
     return { entries: found.map((one) => one.entry), distance_m: found.map((one) => one.distanceM) };
   }
 
-  /** Each once. */
+  /** The entries without duplicates. */
   private meant(entries: readonly number[] | null): readonly number[] {
     if (entries === null) return allOf(this.index);
     if (entries.some((entry) => !Number.isInteger(entry) || entry < 0 || entry >= this.index.entries))

@@ -1,6 +1,5 @@
-// SHA-256 (FIPS 180-4) of short texts, as the C++ has it of OpenSSL: the hash by which animations are
-// chosen must not differ between a served page and a saved one. crypto.subtle is not there for pages
-// that are opened from files.
+// SHA-256 (FIPS 180-4) of short texts. Served and saved pages select animations by this hash, so it must
+// equal that of the C++ code (OpenSSL). Pages opened from files have no crypto.subtle.
 
 /** The first 32 bits of the fractional parts of roots of the first primes (FIPS 180-4, 4.2.2, 5.3.3). */
 const PRIMES = firstPrimes(64);
@@ -8,10 +7,10 @@ const ROUND_WORDS = Uint32Array.from(PRIMES, (prime) => fractionOf(Math.cbrt(pri
 const FIRST_STATE = Uint32Array.from(PRIMES.slice(0, 8), (prime) => fractionOf(Math.sqrt(prime)));
 const BLOCK_BYTES = 64;
 
-/** Lower-case hexadecimal, 64 digits. */
+/** 64 lower-case hexadecimal digits. */
 export function sha256Hex(text: string): string {
   const bytes = new TextEncoder().encode(text);
-  // A one, zeros, and the length in bits fill the last block.
+  // A one bit, zeros, and the length in bits fill the last block.
   const padded = new DataView(new ArrayBuffer(Math.ceil((bytes.length + 9) / BLOCK_BYTES) * BLOCK_BYTES));
   bytes.forEach((byte, at) => padded.setUint8(at, byte));
   padded.setUint8(bytes.length, 0x80);

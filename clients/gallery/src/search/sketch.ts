@@ -1,45 +1,43 @@
-// Of an animation what is compared: where its bodies are at equal times, and who met first.
-// clients/browse/resemblance.h has the definition; numbers are the same, bit for bit.
+// Sketches of animations, for comparison: the bodies' places at equal times, and the first contacts.
+// clients/browse/resemblance.h has the definition; the numbers are the same bit for bit.
 
 import { pieceAt } from "./inside";
 import type { SearchIndex } from "./search-index";
 
-/** Equal times at which bodies are compared; one more at rest. */
+/** Number of equal times at which bodies are compared; rest is one more. */
 export const EQUAL_TIMES = 64;
 export const TIMES = EQUAL_TIMES + 1;
-/** Of the equal times and the rest, those at which bodies are matched: every eighth. */
+/** Number of these times at which bodies are matched: every eighth. */
 export const MATCHING_TIMES = 9;
 const MATCHING_STEP = (TIMES - 1) / (MATCHING_TIMES - 1);
-/** First contacts that are compared, at most. */
+/** Maximum number of compared first contacts. */
 export const FIRST_CONTACTS_MAX = 256;
-/** Of all rest times, the part that the equal times reach. */
+/** Fraction of the animations that are at rest by the last equal time. */
 const COVERED = 0.95;
-/**
- * Places beyond it are taken for it, so that squares of their distances are finite in single precision: no
- * scene is so large.
- */
+/** Larger coordinates are clamped to this, so that squared distances are finite in single precision. No
+ *  scene is so large. */
 const PLACE_MAX_M = 1e18;
 
 export interface Sketch {
-  /** Of each body its x at all times, then y, then z: single precision is what is compared. */
+  /** For each body, x at all times, then y, then z, in single precision. */
   readonly places: Float32Array;
   readonly enters: Uint8Array;
-  /** Of each body x, y and z at one of these times after another: those at which bodies are matched. */
+  /** For each body, x, y and z at each matching time. */
   readonly matched: Float64Array;
   /** First contacts in the order of time: two features each, the lower one first. */
   readonly contacts: Uint32Array;
-  /** keyOf() of the same, ascending, and where each stands among them. */
+  /** keyOf() of the contacts, ascending, and each key's place in `contacts`. */
   readonly keys: Float64Array;
   readonly placeOfKey: Uint32Array;
 }
 
-/** When 19 in 20 of the animations are at rest. */
+/** The time when 95% of the animations are at rest. */
 export function coveredDurationS(index: SearchIndex, entries: readonly number[]): number {
   const ends = Float64Array.from(entries, (entry) => index.endS[entry]!).sort();
   return ends.length === 0 ? 0 : ends[Math.ceil(COVERED * (ends.length - 1))]!;
 }
 
-/** Two features as one number, in the order of (low, high). */
+/** Encodes two features as one number, in the order of (low, high). */
 export function keyOf(low: number, high: number, features: number): number {
   return low * features + high;
 }
@@ -56,7 +54,7 @@ export function sketchOf(index: SearchIndex, entry: number, durationS: number): 
   return { places, enters, matched: matchedOf(places, index.bodies), ...contactsOf(index, entry) };
 }
 
-/** The same numbers, close to one another: matching looks at each of them hundreds of times. */
+/** The same numbers in contiguous memory, because matching reads each of them hundreds of times. */
 function matchedOf(places: Float32Array, bodies: number): Float64Array {
   const matched = new Float64Array(3 * MATCHING_TIMES * bodies);
   let to = 0;
@@ -78,7 +76,7 @@ function addPlaces(
     const timeS = durationS * i / (EQUAL_TIMES - 1);
     const piece = pieceAt(startS, first, end, timeS);
     if (piece < 0) {
-      // It has not entered: it is where it will.
+      // Before a body enters, use the place where it enters.
       for (let axis = 0; axis < 3; ++axis) places[at + axis * TIMES + i] = placeOf(positionM[3 * first + axis]!);
       continue;
     }
@@ -104,7 +102,7 @@ function contactsOf(
 ): { contacts: Uint32Array; keys: Float64Array; placeOfKey: Uint32Array } {
   const { contactBody, contactPartner } = index;
   const features = index.features.length;
-  /** In the order of insertion: that of time. */
+  /** Insertion order is the order of time. */
   const seen = new Map<number, number>();
   for (let at = index.contactFirst[entry]!; at < index.contactFirst[entry + 1]!; ++at) {
     if (seen.size === FIRST_CONTACTS_MAX) break;

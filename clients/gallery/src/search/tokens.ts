@@ -1,31 +1,31 @@
-// The words, numbers and signs of a query's text: clients/browse/tokens.cpp, with the same errors.
+// Tokens of a query's text, with the same errors as clients/browse/tokens.cpp.
 
 import { QUERY_BYTES_MAX, QueryFault } from "./condition";
 
 export interface Token {
-  /** word: letters, digits and _, beginning with a letter; quoted: a name in double quotes. */
+  /** word: letters, digits and _, starting with a letter; quoted: a name in double quotes. */
   readonly kind: "word" | "quoted" | "number" | "sign" | "end";
-  /** Of its first byte, from 0. */
+  /** Index of the first byte, from 0. */
   readonly column: number;
-  /** Of a quoted one what is between the quotes. */
+  /** For a quoted name, the text between the quotes. */
   readonly text: string;
-  /** Of a number; 0 of all else. */
+  /** The value of a number; 0 for other tokens. */
   readonly number: number;
-  /** Directly behind the one before: the unit in "20mm". */
+  /** Directly after the previous token, as the unit in "20mm". */
   readonly isJoined: boolean;
 }
 
-// Sticky: each reads at its lastIndex and nowhere else.
+// Sticky: each expression matches only at its lastIndex.
 const BLANKS = /[ \t\n]*/y;
-/** A unit such as "mm/s" is one word: the only ones with a sign in them. */
+/** A unit such as "mm/s" is one word; only units contain a slash. */
 const WORD = /(?:mm?\/[A-Za-z_]+|[A-Za-z_][A-Za-z_0-9]*)/y;
 const IS_WORD = /[A-Za-z_]/y;
 const IS_NUMBER = /[-+]?(?:[0-9]|\.[0-9])/y;
-/** "0..20" is 0, then "..": no point belongs to a number if a second one follows it. */
+/** "0..20" is 0, then "..": a point followed by a second point isn't part of the number. */
 const NUMBER = /[-+]?[0-9]*(?:\.(?!\.)[0-9]*)?(?:[eE][-+]?[0-9]+)?/y;
 const SIGN = /\.\.|<=|>=|[<>=():,[\]]/y;
 
-/** The tokens, with one of kind "end" behind them. Throws QueryFault. */
+/** The tokens, ending with one of kind "end". Throws QueryFault. */
 export function tokensOf(bytes: string): Token[] {
   if (bytes.length > QUERY_BYTES_MAX)
     throw new QueryFault(QUERY_BYTES_MAX, `the query is longer than ${QUERY_BYTES_MAX} bytes`);
@@ -66,7 +66,7 @@ function tokenAt(bytes: string, column: number, isJoined: boolean): { token: Tok
     ? `unexpected character '${sign}'` : "unexpected character");
 }
 
-/** \" and \\ stand for the signs. */
+/** \" and \\ stand for the characters " and \. */
 function quotedAt(bytes: string, column: number): { text: string; end: number } {
   let text = "";
   for (let at = column + 1; at < bytes.length; ++at) {
@@ -79,7 +79,7 @@ function quotedAt(bytes: string, column: number): { text: string; end: number } 
 
 function numberOf(text: string, column: number): number {
   const number = Number(text);
-  // Beyond what a double can hold, or so small that nothing is left of it.
+  // The number is too large for a double, or so small that it becomes 0.
   const isLost = number === 0 && /[1-9]/.test(text.replace(/[eE].*/, ""));
   if (!Number.isFinite(number) || isLost)
     throw new QueryFault(column, `the number '${text}' is too large or too small`);

@@ -1,11 +1,11 @@
-// Long work in parts: between two of them the page has its turn.
+// Splits long work into parts and lets the page run between them.
 //
-// A saved page may be opened from a file, where browsers give it no worker of its own; so its search
-// runs beside all else, some milliseconds at a time.
+// Saved pages may be opened from files, for which browsers don't allow workers. So the search runs in the
+// page's own thread, some milliseconds at a time.
 
 import { SourceError } from "../data/source";
 
-/** Work between two turns of the page: a small part of what a frame may take. */
+/** Maximum work between two turns of the page: a small part of a frame. */
 const WORK_MS = 10;
 
 export class Turns {
@@ -13,12 +13,12 @@ export class Turns {
 
   constructor(private readonly signal?: AbortSignal) {}
 
-  /** Whether the work has gone on for long enough. */
+  /** Whether the present part has taken long enough. */
   isDue(): boolean {
     return performance.now() - this.begun >= WORK_MS;
   }
 
-  /** Lets the page go on. Throws SourceError("aborted") where the answer is no longer wanted. */
+  /** Lets the page run. Throws SourceError("aborted") if the request was cancelled. */
   async take(): Promise<void> {
     await pageTurn();
     if (this.signal?.aborted) throw new SourceError("aborted", "The request was cancelled.");
@@ -26,7 +26,7 @@ export class Turns {
   }
 }
 
-/** A message comes back after what waits already, and, other than a timer, without a pause. */
+/** A message arrives after everything that waits already and, unlike a timer, without delay. */
 function pageTurn(): Promise<void> {
   return new Promise((resolve) => {
     const { port1, port2 } = new MessageChannel();

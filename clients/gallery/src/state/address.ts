@@ -1,11 +1,11 @@
-// Keeps the page's address in step with its state. Steps that a person would take back make an entry
-// of the browser's history; time, camera and selection change the entry that is there.
+// Keeps the page's address equal to its state. Changes that a person may want to undo with "back" add an
+// entry to the browser's history. Changes of time, camera and selection replace the current entry.
 import type { AppState } from "./app-state";
 import { linkOf, placeOf } from "./link";
 import type { Page } from "./page";
 import type { Store } from "./store";
 
-/** Browsers refuse more than some hundred changes of the address in half a minute. */
+/** Browsers refuse more than some hundred changes of the address in 30 seconds. */
 const replaceDelayMs = 300;
 
 export class Address {
@@ -30,7 +30,7 @@ export class Address {
   private follow(state: AppState): void {
     const place = placeOf(state.page);
     const isStep = place !== this.place;
-    // The run that is filled in at the beginning is no step.
+    // Filling in the run at the start doesn't add to the history.
     const isFirst = isStep && placeOf({ ...state.page, run: "" }) === this.place;
     this.place = place;
     clearTimeout(this.timer);

@@ -1,5 +1,4 @@
-// All that the page knows: what the link holds (`page`), what the source has answered, and what is
-// being done at the moment.
+// The page's whole state: what links contain (`page`), the source's answers, and activities in progress.
 import type { NotesByName } from "../data/note-patch";
 import type { SourceState } from "../data/source";
 import type { ArchiveId, ArchiveSummary, GalleryState, GroupsAsk, Looks, NotePatch, Scene, Table } from "../data/types";
@@ -14,21 +13,21 @@ export interface Loaded {
   readonly id: ArchiveId;
   readonly run: string;
   readonly generation: number;
-  /** What was said of it then. */
+  /** The archive's summary at the time of loading. */
   readonly archive: ArchiveSummary;
   readonly scene: Scene;
   readonly looks: Looks;
   readonly table: Table;
-  /** By entry. */
+  /** Names by entry. */
   readonly names: readonly string[];
   readonly entryOf: ReadonlyMap<string, number>;
-  /** How many features are bodies: the first ones. */
+  /** Number of bodies, which are the first features. */
   readonly bodies: number;
 }
 
-/** What a query's text is true of. */
+/** The animations that match a query's text. */
 export interface QueryAnswer {
-  /** null: not answered yet, or the text is wrong. */
+  /** null: not answered yet, or the query is invalid. */
   readonly entries: Entries | null;
   readonly error: { readonly column: number; readonly message: string } | null;
 }
@@ -42,7 +41,7 @@ export interface ShownGroup {
 }
 
 export interface ShownGroups {
-  /** Of which entries, into how many and how (to know whether it is to be asked again). */
+  /** The entries that were grouped, and how; compared to find out whether groups are out of date. */
   readonly of: Entries;
   readonly ask: Pick<GroupsAsk, "groups" | "by">;
   readonly list: readonly ShownGroup[];
@@ -53,16 +52,16 @@ export interface ShownGroups {
 export interface Distances {
   readonly to: readonly string[];
   readonly byEntry: Float64Array;
-  /** Measured of this generation; of an earlier one: what is new in this one has none yet. */
+  /** Generation of the distances. Entries that are newer have no distance yet. */
   readonly generation: number;
 }
 
-/** What undo puts back: notes by name, or the chips. */
+/** What undo restores: notes by name, or the chips. */
 export type Undoable =
   | { readonly kind: "notes"; readonly run: string; readonly notes: Readonly<Record<string, NotePatch>> }
   | { readonly kind: "chips"; readonly chips: readonly Chip[] };
 
-/** A sentence of the page; the same words again are another message. */
+/** A message of the page. The same words again are a new message. */
 export interface Message {
   readonly words: string;
   readonly number: number;
@@ -74,15 +73,15 @@ export interface AppState {
   readonly gallery: GalleryState | null;
   readonly source: SourceState;
   readonly loaded: Loaded | null;
-  /** Why there is nothing to show; "" where there is, or while it is being loaded. */
+  /** Why nothing can be shown; "" if loading succeeded or is in progress. */
   readonly loadFailure: string;
-  /** Entries that are shown: those that have come since wait until they are asked for. */
+  /** Entries that are shown. New entries stay hidden until a person requests them. */
   readonly visible: Entries;
   readonly asOf: string;
-  /** They are an archive's beginning: what waits was there before, and has been read since. */
+  /** The entries are the archive's first animations; the others are old too, but read later. */
   readonly isBeginning: boolean;
   readonly answers: ReadonlyMap<string, QueryAnswer>;
-  /** The query that is being written, and the one that is being built; "": none. */
+  /** The query being typed, and the query being built; "": none. */
   readonly draft: string;
   readonly built: string;
   readonly notes: NotesByName;
@@ -92,12 +91,12 @@ export interface AppState {
   readonly history: History<Undoable>;
   readonly groups: ShownGroups | null;
   readonly groupsFailure: string;
-  /** Members of the groups of page.path, once they are known. */
+  /** Members of the groups in page.path; null: not loaded yet. */
   readonly opened: readonly (Entries | null)[];
-  /** Distances of entries to those of page.sort; null while they are not known. */
+  /** Distances to the animations of page.sort; null: not loaded yet. */
   readonly distances: Distances | null;
   readonly message: Message;
-  /** What the player is asked to let a person draw for the builder. */
+  /** What a person shall draw in the player for the builder. */
   readonly drawing: { readonly box: boolean; readonly time: boolean };
   readonly drawnBox: DrawnBox | null;
   readonly drawnRange: Range | null;

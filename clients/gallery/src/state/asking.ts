@@ -1,5 +1,5 @@
-// Asks the source for whatever the state needs and does not have: answers of queries, groups,
-// distances. It looks at each change; answers that come after the question has changed are dropped.
+// Requests from the source what the state needs and lacks: query answers, groups and distances. Each change
+// of the state is checked. Answers that are out of date are dropped.
 import { noteOf } from "../data/note-patch";
 import { SourceError, type GallerySource } from "../data/source";
 import { noEntries, type AppState, type Loaded, type QueryAnswer, type ShownGroups } from "./app-state";
@@ -10,11 +10,11 @@ import { isLetThrough } from "./notes";
 import type { PathStep } from "./page";
 import { Latest, type Store } from "./store";
 
-/** Answers that are kept though nothing on the page has their query any more. */
+/** Maximum number of cached answers. */
 const answersMax = 300;
 const groupsDelayMs = 60;
 
-/** One query's answer of one generation. */
+/** Requests one query's answer for one generation. */
 export async function askFind(source: GallerySource, loaded: Loaded, text: string): Promise<QueryAnswer> {
   const answer = await source.find(text, [{ id: loaded.id, generation: loaded.generation }]);
   const error = answer.errors.find(({ id }) => id === loaded.id);
@@ -35,7 +35,7 @@ export class Asking {
   constructor(
     private readonly store: Store<AppState>,
     private readonly source: GallerySource,
-    /** Called where an answer says that the archive has been read anew. */
+    /** Called when an answer reports that the archive was read again. */
     private readonly lookAgain: () => void,
   ) {}
 
@@ -61,7 +61,7 @@ export class Asking {
       if (this.store.state.loaded !== loaded) return;
       this.keep(text, answer);
     } catch (error) {
-      // Without an answer it would be asked again at each change.
+      // Without a stored answer, each change of the state would repeat the request.
       if (!mayPass(error) && this.store.state.loaded === loaded) this.keep(text, { entries: null, error: null });
       this.failed(error);
     } finally {
@@ -76,7 +76,7 @@ export class Asking {
     });
   }
 
-  // Groups.
+  // Groups
 
   private lookAtGroups(state: AppState, loaded: Loaded): void {
     if (state.page.view !== "groups" || state.opened.includes(null) || !areAnswered(state)) return;
@@ -90,7 +90,7 @@ export class Asking {
     clearTimeout(this.groupsTimer);
     this.groupsTimer = setTimeout(
       () => void this.group(loaded, of, state.page.grouping, isWanted),
-      // The first ones are waited for.
+      // No delay for the first groups, which a person waits for.
       state.groups === null ? 0 : groupsDelayMs,
     );
   }
@@ -128,7 +128,7 @@ export class Asking {
     return { ...base, list, isApproximate: answer.approximate, shareWords: answer.share_words };
   }
 
-  // Groups that a link says are open.
+  // Open groups from a link
 
   private lookAtPath(state: AppState, loaded: Loaded): void {
     const depth = state.opened.indexOf(null);
@@ -169,7 +169,7 @@ export class Asking {
     }
   }
 
-  // Distances to those that a list is sorted by.
+  // Distances for sorting by likeness
 
   private lookAtDistances(state: AppState, loaded: Loaded): void {
     const { sort } = state.page;
@@ -213,17 +213,17 @@ export class Asking {
   }
 }
 
-/** Whether the same question may be answered later; others are asked again when something changes. */
+/** Whether the same request may succeed later. Other requests are repeated only after a change. */
 function mayPass(error: unknown): boolean {
   return !(error instanceof SourceError && (error.kind === "missing" || error.kind === "other"));
 }
 
-/** Not one that passes by itself: away, refused and aborted are told elsewhere. */
+/** Whether the error needs a message here. "away", "refused" and "aborted" are reported elsewhere. */
 function isOfServer(error: unknown): boolean {
   return error instanceof SourceError && ["missing", "torn", "other"].includes(error.kind);
 }
 
-/** Every query that something on the page needs. */
+/** All queries that the page needs. */
 function textsOf(state: AppState): Set<string> {
   const texts = new Set(state.page.chips.map(({ text }) => text));
   for (const { query } of state.page.path) if (query !== "") texts.add(query);

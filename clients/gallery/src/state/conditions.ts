@@ -1,8 +1,8 @@
-// What the builder can say, and how it reads in the query language (docs/BROWSING.md). Lengths are
-// metres and times seconds here; the text has millimetres, which people think in.
+// Conditions that the builder can express, and their text in the query language (docs/BROWSING.md). Here
+// lengths are in metres and times in seconds; the text has millimetres, which people prefer.
 import { isBareName, quotedName, shortNumber } from "./query-text";
 
-/** An end that is left out is open. */
+/** null: no limit on this side. */
 export interface Range {
   readonly low: number | null;
   readonly high: number | null;
@@ -16,7 +16,7 @@ export interface Box {
 
 export type Who =
   | { readonly kind: "body"; readonly name: string }
-  /** Of all bodies, or of those called `of` and a number. */
+  /** All bodies (`of` is ""), or the bodies named `of` and a number. */
   | { readonly kind: "any" | "every"; readonly of: string };
 
 export interface InsideStep {
@@ -29,7 +29,7 @@ export interface InsideStep {
 export interface TouchStep {
   readonly kind: "touches";
   readonly who: Who;
-  /** A feature's name; "": whatever it is. */
+  /** A feature's name; "" means any feature. */
   readonly partner: string;
   readonly during: Range;
 }
@@ -37,7 +37,7 @@ export interface TouchStep {
 export type Step = InsideStep | TouchStep;
 
 export type Condition =
-  /** One step, or several of which each comes after the one before it. */
+  /** One step, or several steps in the order of time. */
   | { readonly kind: "steps"; readonly steps: readonly Step[] }
   | { readonly kind: "ends"; readonly who: Who; readonly box: Box }
   | { readonly kind: "number"; readonly name: string; readonly range: Range };
@@ -49,7 +49,7 @@ export function isOpen(range: Range): boolean {
   return range.low === null && range.high === null;
 }
 
-/** The kinds of bodies that `any die` can speak of: names that several bodies have before a number. */
+/** Kinds for queries such as `any die`: words before a number in several bodies' names. */
 export function kindsOfBodies(names: readonly string[]): string[] {
   const counts = new Map<string, number>();
   for (const name of names) {
@@ -59,7 +59,7 @@ export function kindsOfBodies(names: readonly string[]): string[] {
   return [...counts].filter(([, count]) => count > 1).map(([kind]) => kind);
 }
 
-/** What is still missing before the condition says something; "" when nothing is. */
+/** What the condition still lacks, as a message; "" if it is complete. */
 export function missingIn(condition: Condition): string {
   if (condition.kind === "number") {
     if (condition.name === "") return "Select a number.";
@@ -86,7 +86,7 @@ function missingInBox(box: Box): string {
   return ranges.map(missingInRange).find((words) => words !== "") ?? "";
 }
 
-/** REQUIRES: nothing is missing. */
+/** REQUIRES: missingIn(condition) is "". */
 export function queryOf(condition: Condition): string {
   switch (condition.kind) {
     case "number":
@@ -108,7 +108,7 @@ function stepText(step: Step): string {
 function whoText(who: Who): string {
   if (who.kind === "body") return quotedName(who.name);
   if (who.of === "") return who.kind;
-  // A kind is one token.
+  // A kind is a single token.
   const isOneWord = isBareName(who.of) && !who.of.includes(" ");
   return `${who.kind} ${isOneWord ? who.of : quotedName(who.of, true)}`;
 }
@@ -120,17 +120,17 @@ function boxText(box: Box): string {
     .join(" ");
 }
 
-/** "0..20mm", "..20mm", "0mm..": a unit behind the range is of both ends. */
+/** "0..20mm", "..20mm" or "0mm..": a unit after the range applies to both ends. */
 export function rangeText(range: Range, scale: number, unit: string): string {
   const low = range.low === null ? "" : shortNumber(range.low * scale);
   const high = range.high === null ? "" : shortNumber(range.high * scale);
   return high === "" ? `${low}${unit}..` : `${low}..${high}${unit}`;
 }
 
-/** A number's name: elements stand behind it in brackets, never in quotes. */
+/** A number's name. Its subscripts follow in brackets, outside of quotes. */
 function numberName(name: string): string {
   const parts = /^(.*?)((?:\[[-+0-9.,]*\])*)$/.exec(name);
   const base = parts?.[1] ?? name;
-  // Behind "ball 3" a range would be read with the 3.
+  // Quoted, because the range's first number after "ball 3" would be ambiguous.
   return `${quotedName(base, / \d+$/.test(base))}${parts?.[2] ?? ""}`;
 }

@@ -1,4 +1,4 @@
-// What follows from the state. Each is computed once for the parts that it depends on.
+// Values derived from the state. Each is computed again only when the parts that it depends on change.
 import { noteOf } from "../data/note-patch";
 import type { ArchiveSummary } from "../data/types";
 import { noEntries, type AppState, type QueryAnswer } from "./app-state";
@@ -8,10 +8,10 @@ import type { Chip } from "./page";
 import { joined, type SignedQuery } from "./query-text";
 import { sortedByNumber } from "./sorting";
 
-/** How many states are looked at in turn: the one that is shown and the one before it. */
+/** Number of cached results: two states (shown and previous) are used in turn. */
 const rememberedMax = 3;
 
-/** Remembers the last results for as long as the parts stay the same things. */
+/** Caches results by the identity of the parts. */
 function remembered<Parts extends readonly unknown[], Result>(
   partsOf: (state: AppState) => Parts,
   compute: (state: AppState) => Result,
@@ -27,13 +27,13 @@ function remembered<Parts extends readonly unknown[], Result>(
   };
 }
 
-/** What the queries' chips that are on let through, of what is shown at all. */
+/** The visible entries that match all chips that are on. */
 export const queried = remembered(
   (state) => [state.visible, state.page.chips, state.answers] as const,
   (state) => withChips(state.visible, state.page.chips, state.answers),
 );
 
-/** Chips that aren't answered, or are wrong, let all through. */
+/** Chips without an answer, or with an error, match all entries. */
 export function withChips(
   entries: Entries,
   chips: readonly Chip[],
@@ -47,7 +47,7 @@ export function withChips(
   return left;
 }
 
-/** ... and what the filter of notes lets through. */
+/** The entries of queried() that the notes filter shows. */
 export const passed = remembered(
   (state) => [queried(state), state.notes, state.page.notesFilter, state.loaded] as const,
   (state) => notesPassed(state, queried(state)),
@@ -60,7 +60,7 @@ function notesPassed(state: AppState, entries: Entries): Entries {
   );
 }
 
-/** Of what is shown at all, how many the notes' filter hides because they are marked as hidden. */
+/** How many visible entries the notes filter hides because they are marked as hidden. */
 export const hiddenCount = remembered(
   (state) => [state.visible, state.notes, state.loaded] as const,
   (state) => {
@@ -69,7 +69,7 @@ export const hiddenCount = remembered(
   },
 );
 
-/** ... and is in the group that is open: what the wall shows. */
+/** The entries of passed() in the open group: the wall's content. */
 export const within = remembered(
   (state) => [passed(state), state.opened] as const,
   (state) => {
@@ -79,7 +79,7 @@ export const within = remembered(
   },
 );
 
-/** The same in the order that is asked for. */
+/** The entries of within() in the requested order. */
 export const ordered = remembered(
   (state) => [within(state), state.page.sort, state.distances, state.loaded] as const,
   (state): Entries => {
@@ -95,7 +95,7 @@ export const ordered = remembered(
   },
 );
 
-/** The names in that order. */
+/** The names of ordered(). */
 export const orderedNames = remembered(
   (state) => [ordered(state), state.loaded] as const,
   (state): readonly string[] => {
@@ -104,7 +104,7 @@ export const orderedNames = remembered(
   },
 );
 
-/** Whether the groups are those of what is shown, made as is asked for. */
+/** Whether the groups are those of the shown entries, with the requested grouping. */
 export function areGroupsThere(state: AppState): boolean {
   const { groups: shown, page } = state;
   const { groups, by } = page.grouping;
@@ -116,14 +116,14 @@ function isSame(a: Entries, b: Entries): boolean {
 }
 
 export interface ChipCounts {
-  /** That are meant by it alone; null: not answered yet. */
+  /** Matches of the query alone; null: not answered yet. */
   readonly alone: number | null;
-  /** Left if it is applied to all that the others let through, as IN and as NOT-IN. */
+  /** Entries left if the query is applied together with the other chips, as IN and as NOT IN. */
   readonly asIn: number | null;
   readonly asNot: number | null;
 }
 
-/** Of a text that is not applied yet, or of a chip (`id`), which then isn't counted among the others. */
+/** Counts for a text that isn't applied yet, or for chip `id`, which is then not counted among the others. */
 export function countsOf(state: AppState, text: string, id: number | null): ChipCounts {
   const found = state.answers.get(text)?.entries ?? null;
   if (found === null) return { alone: null, asIn: null, asNot: null };
@@ -137,12 +137,12 @@ export function signedQueries(chips: readonly Chip[]): SignedQuery[] {
   return chips.filter((chip) => chip.isOn).map(({ text, isNot }) => ({ text, isNot }));
 }
 
-/** All chips that are on, as one query; "" of none. */
+/** All chips that are on, as one query; "" if there are none. */
 export function wholeQuery(chips: readonly Chip[]): string {
   return joined(signedQueries(chips));
 }
 
-/** Where the archive's run is still there as it is now, else as it was when it was read last. */
+/** The archive's present summary if it still contains this run; else the summary from when it was read. */
 export function archiveShown(state: AppState): ArchiveSummary | null {
   const { gallery, loaded } = state;
   if (loaded === null) return null;
@@ -150,20 +150,20 @@ export function archiveShown(state: AppState): ArchiveSummary | null {
   return gallery?.archives.find(({ id }) => id === loaded.id) ?? null;
 }
 
-/** Another run's archive that has come to be in the place of the one that is shown. */
+/** The archive that replaced the shown one with another run; null: none. */
 export function replacing({ gallery, loaded }: AppState): ArchiveSummary | null {
   const archive = gallery?.archives.find(({ id }) => id === loaded?.id);
-  // Of one that is read for the first time since a server began the run isn't known yet.
+  // The run is unknown while an archive is first read after a server's start.
   const isOther = archive !== undefined && archive.run !== "" && archive.run !== loaded?.run;
   return isOther ? archive : null;
 }
 
-/** How many animations have come that are not shown yet. */
+/** Number of animations that wait to be shown. */
 export function offeredCount(state: AppState): number {
   return Math.max(0, (state.loaded?.names.length ?? 0) - state.visible.length);
 }
 
-/** What is chosen, else nothing: what keys and buttons act on. */
+/** What keys and buttons act on: the selection, else the focused animation. */
 export function actedOn(state: AppState, focused: string | null): readonly string[] {
   if (state.selection.names.length > 0) return state.selection.names;
   return focused === null ? [] : [focused];

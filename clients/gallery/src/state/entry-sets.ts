@@ -8,7 +8,7 @@ export function allEntries(count: number): Entries {
   return all;
 }
 
-/** What both have. */
+/** Entries in both sets. */
 export function intersection(a: Entries, b: Entries): Entries {
   const both = new Uint32Array(Math.min(a.length, b.length));
   let count = 0;
@@ -27,7 +27,7 @@ export function intersection(a: Entries, b: Entries): Entries {
   return both.slice(0, count);
 }
 
-/** What `a` has and `b` has not. */
+/** Entries of `a` that are not in `b`. */
 export function difference(a: Entries, b: Entries): Entries {
   const rest = new Uint32Array(a.length);
   let count = 0;
@@ -41,7 +41,6 @@ export function difference(a: Entries, b: Entries): Entries {
   return rest.slice(0, count);
 }
 
-/** Those of which `keep` is true. */
 export function filtered(a: Entries, keep: (entry: number) => boolean): Entries {
   return a.filter(keep);
 }

@@ -1,13 +1,13 @@
-// The command line that exports what is chosen: `sleight export` makes the files, the page makes none.
+// The `sleight export` command for the selected animations. The page itself doesn't write files.
 import { joined, type SignedQuery } from "./query-text";
 
-/** As a shell takes it: in single quotes where it has other signs than plain ones. */
+/** Quotes a word for the shell if it contains special characters. */
 export function shellWord(word: string): string {
   if (/^[A-Za-z0-9_@%+=:,./-]+$/.test(word) && !word.startsWith("-")) return word;
   return `'${word.replaceAll("'", `'\\''`)}'`;
 }
 
-/** Of what is chosen; where nothing is, of all that the queries let through. */
+/** Exports the selected animations; without a selection, all that match the queries. */
 export function exportLine(
   archive: string,
   chosen: readonly string[],

@@ -1,5 +1,5 @@
-// The page's state as the part of its address behind '#', and back. Unknown and broken parts of an
-// address are left out, so that an old or a hand-written link opens what can be opened.
+// Converts the page's state to the part of its address after '#', and back. Unknown and invalid parts are
+// skipped, so that old or hand-written links still open.
 import {
   firstPage,
   groupsMax,
@@ -17,12 +17,12 @@ import { nameToday } from "../data/types";
 import { shortNumber } from "./query-text";
 import { sortFromText, sortToText } from "./sorting";
 
-/** Longer ones are no links of ours; browsers' own limits lie above. */
+/** Longer links aren't ours. Browsers' own limits are higher. */
 export const linkSignsMax = 500_000;
 
 const signs = { in: "in:", not: "not:", offIn: "off-in:", offNot: "off-not:" };
 
-/** Without '#'. What is as at the beginning is left out. */
+/** The link without '#'. Default values are omitted. */
 export function linkOf(page: Page): string {
   const parts = new URLSearchParams();
   const put = (name: string, value: string, initial = ""): void => {
@@ -84,7 +84,7 @@ export function pageOf(link: string): Page {
   };
 }
 
-/** What decides whether a change is a step for the browser's "back": time and camera are not. */
+/** The part of the state whose changes add to the browser's history: all but time, camera and selection. */
 export function placeOf(page: Page): string {
   return linkOf({ ...page, camera: null, timeS: null, selected: [] });
 }

@@ -1,7 +1,7 @@
-// Reads archives and keeps what is shown up to date. A run that grows brings a new generation: its
-// table is read at once (questions are answered of the newest generation alone), but what has come
-// waits until it is asked for, so that nothing jumps. So does another run's archive that has taken the
-// place of the one that is shown: what was read of that one stays (replacing() in derived.ts).
+// Loads archives and keeps the page up to date. When a run grows, the page reads the table of the new
+// generation at once, because only the newest generation is answered. New animations stay hidden until a
+// person requests them, so that the wall doesn't jump. If another run's archive replaces the shown one, the
+// loaded data stays (replacing() in derived.ts).
 import { SourceError, type GallerySource } from "../data/source";
 import { nameOf, type ArchiveSummary, type GalleryState, type Table } from "../data/types";
 import type { AppState, Distances, Loaded, QueryAnswer, ShownGroups } from "./app-state";
@@ -26,7 +26,7 @@ export class Loading {
     private readonly source: GallerySource,
   ) {}
 
-  /** Begins to listen; returns what ends it. */
+  /** Starts to listen; returns a function that stops it. */
   start(): () => void {
     const end = this.source.onChange({
       gallery: (gallery) => this.see(gallery),
@@ -51,7 +51,7 @@ export class Loading {
     }
   }
 
-  /** Reads whatever archive the page is now about. */
+  /** Loads the archive that the page shows, if necessary. */
   see(gallery: GalleryState): void {
     this.store.set({ gallery });
     const { loaded, page } = this.store.state;
@@ -61,16 +61,16 @@ export class Loading {
       return;
     }
     const isOther = loaded === null || loaded.run !== archive.run || loaded.id !== archive.id;
-    // page.run is the one that is shown until a person wants another.
+    // The shown run stays until a person opens another one.
     if (page.run === loaded?.run && replacing(this.store.state)?.id === archive.id) return;
     if (isOther && (archive.state === "reading" || (archive.is_beginning && hasNames(page)))) {
       this.store.set({ loadFailure: "" });
       return;
     }
-    // Where a gallery was started again, what is shown is more.
+    // After a gallery's restart, the page shows more than the archive's first animations.
     if (!isOther && archive.is_beginning && !this.store.state.isBeginning) return;
     if (archive.state !== "ready") {
-      // What was read of it stays on the page; the header says why it isn't as it was.
+      // Loaded data stays on the page; the header shows the reason.
       if (isOther)
         this.store.set({ loaded: null, loadFailure: archive.words || `${archive.name} cannot be read.` });
       return;
@@ -78,7 +78,7 @@ export class Loading {
     if (isOther || loaded.generation !== archive.generation) void this.load(archive);
   }
 
-  /** Shows all that has come. */
+  /** Shows all new animations. */
   takeOffered(): void {
     const { loaded, gallery } = this.store.state;
     if (loaded === null) return;
@@ -105,7 +105,7 @@ export class Loading {
       ]);
       if (!isWanted()) return;
       if (table.generation !== archive.generation) {
-        // It was read anew in the meantime, perhaps as another run's.
+        // The archive was read again meanwhile, perhaps with another run.
         void this.lookAgain();
         return;
       }
@@ -123,7 +123,7 @@ export class Loading {
     const { page, selection } = this.store.state;
     const isAsked = page.run === "" || page.run === archive.run;
     if (!isAsked) say(this.store, `There is no run ${page.run.slice(0, 8)} here. ${archive.name} is shown instead.`);
-    // Names are a run's own: another's are left behind.
+    // Names are only valid within a run: drop those of another run.
     const sort = page.sort.by === "alike" ? asKept : page.sort;
     const ofOther = { archive: "", path: [], playing: [], timeS: null, plot: "", sort };
     const kept = isAsked ? page : { ...page, ...ofOther };
@@ -142,7 +142,7 @@ export class Loading {
     });
   }
 
-  /** The same animations stay on the page under their new entries. */
+  /** Keeps the same animations on the page, with their new entries. */
   private async goOn(before: Loaded, loaded: Loaded, isWanted: () => boolean): Promise<void> {
     const texts = [...this.store.state.answers.keys()];
     const answers = new Map<string, QueryAnswer>();
@@ -169,7 +169,7 @@ export class Loading {
   private failed(error: unknown): void {
     const failure = error instanceof SourceError ? error : null;
     if (failure?.kind === "aborted") return;
-    // "away" ends by itself: the source says when it is back.
+    // "away" ends by itself: the source reports when the server answers.
     if (this.store.state.loaded === null)
       this.store.set({ loadFailure: failure?.kind === "reading" ? "" : sentenceOf(error) });
     if (failure?.kind === "away" || failure?.kind === "refused") return;
@@ -178,22 +178,20 @@ export class Loading {
   }
 }
 
-/**
- * Of the run that is asked for: the one of this name, else one that can be read. One that never could be
- * read has no run, and is asked for by its name alone.
- */
+/** The archive to show: the requested run's archive with this name, else one that is readable. An archive
+ *  that was never readable has no run, and is found by its name alone. */
 export function wantedArchive(gallery: GalleryState, run: string, name: string): ArchiveSummary | undefined {
   const ofRun = gallery.archives.filter((archive) => (run === "" ? archive.name === name : archive.run === run));
   return ofRun.find((archive) => archive.name === name) ?? ofRun.find(isReady) ?? ofRun[0];
 }
 
-/** What has come to be in the place of the archive that was shown, else the first that can be read. */
+/** The archive at the place of the shown one, else the first readable archive. */
 function standIn(gallery: GalleryState, loaded: Loaded | null): ArchiveSummary | undefined {
   const { archives } = gallery;
   return archives.find(({ id }) => id === loaded?.id) ?? archives.find(isReady) ?? archives[0];
 }
 
-/** Of animations that may come behind an archive's beginning. */
+/** Whether the page names animations that may not be among the archive's first ones. */
 function hasNames(page: Page): boolean {
   const { playing, path, selected, sort } = page;
   return playing.length + path.length + selected.length > 0 || sort.by === "alike";
@@ -222,7 +220,7 @@ function loadedOf(
   return { id, run, generation, archive, scene, looks, table, names, entryOf, bodies };
 }
 
-/** By old entry its new one, -1 where it is gone. */
+/** New entries by old entry; -1 if the animation was removed. */
 function movedEntries(before: Loaded, now: Loaded): Int32Array {
   return Int32Array.from(before.names, (name) => now.entryOf.get(name) ?? -1);
 }

@@ -1,4 +1,4 @@
-// Sentences that the page says in its live region.
+// Messages in the page's live region.
 import { SourceError } from "../data/source";
 import type { AppState } from "./app-state";
 import type { Store } from "./store";
@@ -16,7 +16,7 @@ export function sentenceOf(error: unknown): string {
     .join(" ");
 }
 
-/** With a capital and a stop. */
+/** The words as a sentence, with a capital and a full stop. */
 function sentence(words: string): string {
   const text = `${words.slice(0, 1).toUpperCase()}${words.slice(1)}`;
   return /[.!?:…]$/.test(text) ? text : `${text}.`;

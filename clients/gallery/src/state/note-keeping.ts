@@ -1,5 +1,5 @@
-// Changes notes and chips so that they can be undone, and has the source keep the notes. What can't be kept
-// now waits in the page and is sent again; one sentence says so.
+// Changes notes and chips with undo, and saves notes through the source. Notes that cannot be saved yet wait
+// in the page and are sent again; a message reports this.
 import { joined, noteOf, patchBetween, patched, type NotesByName } from "../data/note-patch";
 import { SourceError, type GallerySource } from "../data/source";
 import type { Note, NotePatch } from "../data/types";
@@ -12,19 +12,19 @@ import { redo, undo, withStep } from "./undo";
 
 type Patches = Readonly<Record<string, NotePatch>>;
 
-/** In one question. */
+/** Maximum patches per request. */
 const patchesMax = 2000;
-/** Browsers send 64 kB at most for a page that is going. */
+/** Browsers send at most 64 kB for a page that closes. */
 const leavingBytesMax = 60_000;
-/** An answer that takes longer is told. */
+/** A save that takes longer is reported. */
 const lateMs = 2000;
 const noAnswer = "the gallery's server doesn't answer.";
 
 export class NoteKeeping {
   private readonly latest = new Latest();
-  /** What is not kept yet, by run and name. */
+  /** Patches that aren't saved yet, by run and name. */
   private readonly waiting = new Map<string, Map<string, NotePatch>>();
-  /** Counts what is changed here, and what of that was kept. */
+  /** Counts local changes and completed saves. */
   private changes = 0;
   private isSending = false;
   private atOnce = patchesMax;
@@ -34,11 +34,9 @@ export class NoteKeeping {
     private readonly source: GallerySource,
   ) {}
 
-  /**
-   * Reads the notes of each run that comes to be shown, and again when a person comes back to the page.
-   * `window` tells of that, and of the page's end: what waits is sent then. Where it can't be kept, or is more
-   * than a page may send while it goes, the browser asks before it leaves.
-   */
+  /** Reads the notes of each run that is shown, and again when a person returns to the page. `window`
+   *  reports this return and the page's closing; waiting changes are sent when it closes. If they cannot be
+   *  sent then, the browser asks the person before it leaves the page. */
   start(window: EventTarget): () => void {
     const again = (): void => {
       const { loaded } = this.store.state;
@@ -72,7 +70,7 @@ export class NoteKeeping {
     try {
       const all = await this.source.notes();
       if (!isWanted()) return;
-      // What was kept in the meantime may not be in the answer.
+      // The answer may lack changes that were saved meanwhile.
       if (changes !== this.changes) return await this.read(run);
       const notes: Record<string, Note> = { ...all.notes[run] };
       for (const [name, patch] of this.waiting.get(run) ?? []) notes[name] = patched(noteOf(notes, name), patch);
@@ -91,7 +89,7 @@ export class NoteKeeping {
     this.change(changed, `${verb}: ${named(names)}`);
   }
 
-  /** `before`: as the person saw it; `run`: whose animation it was then. */
+  /** `before`: the note that the person saw; `run`: the run of the animation then. */
   edit(run: string, name: string, before: Note, part: Partial<Note>): void {
     const after = { ...before, ...part };
     const what = part.note === undefined ? "changed tags" : "changed note";
@@ -99,7 +97,7 @@ export class NoteKeeping {
       `${what} of ${name}`);
   }
 
-  /** Gives all of them the tag, or takes it from all where all have it. */
+  /** Adds the tag to all animations; if all have the tag, removes it from all. */
   toggleTag(names: readonly string[], tag: string): void {
     const { notes } = this.store.state;
     const isOn = !names.every((name) => noteOf(notes, name).tags.includes(tag));
@@ -180,7 +178,7 @@ export class NoteKeeping {
     void this.send();
   }
 
-  /** Has all that waits kept. */
+  /** Saves all waiting patches. */
   private async send(): Promise<void> {
     if (this.isSending) return;
     this.isSending = true;
@@ -192,7 +190,7 @@ export class NoteKeeping {
         const isAlone = Object.keys(patches).length === 1;
         const answer = await this.source.changeNotes(run, patches).catch((error: unknown) => {
           if (!(error instanceof SourceError) || error.kind !== "other") throw error;
-          // One will never be kept. Of several it is found by sending each alone.
+          // The source refuses a patch for good. Sending patches one by one finds which.
           if (isAlone) words = notKept(sentenceOf(error));
           return null;
         });
@@ -210,7 +208,7 @@ export class NoteKeeping {
     if (this.store.state.notesWords !== words) this.store.set({ notesWords: words });
   }
 
-  /** As they were kept, but for those that have been changed again. */
+  /** Shows the notes as they were saved, except notes that were changed again meanwhile. */
   private show(run: string, kept: NotesByName, why: string): void {
     const { notes, loaded, gallery } = this.store.state;
     if (gallery !== null && gallery.notes.words !== why)
@@ -220,10 +218,8 @@ export class NoteKeeping {
     this.store.set({ notes: { ...notes, ...Object.fromEntries(settled) } });
   }
 
-  /**
-   * As the page goes away: also what an answer is awaited for, which the browser may have cut off. Patches may
-   * come twice; where the page comes back, they stay in wait until a usual answer.
-   */
+  /** Sends all waiting patches as the page closes, including patches in a request that the browser may have
+   *  cut off. So a patch may arrive twice. If the page stays open, the patches wait for a regular answer. */
   private sendAtOnce(): void {
     for (const [run, ofRun] of this.waiting) {
       if (ofRun.size > 0)
@@ -235,14 +231,14 @@ export class NoteKeeping {
     return this.nextWaiting() !== null;
   }
 
-  /** Some of one run's. */
+  /** Some waiting patches of one run. */
   private nextWaiting(): { run: string; patches: Patches } | null {
     for (const [run, ofRun] of this.waiting)
       if (ofRun.size > 0) return { run, patches: Object.fromEntries([...ofRun].slice(0, this.atOnce)) };
     return null;
   }
 
-  /** Takes them out of those that wait, but where more of the same note has come. */
+  /** Removes saved patches from the waiting ones, unless the note was changed again. */
   private sent(run: string, patches: Patches): void {
     this.changes += 1;
     const ofRun = this.waiting.get(run);

@@ -1,4 +1,4 @@
-// What a person notes about animations. Pure.
+// Functions on a person's notes. Pure.
 import { noteOf, type NotesByName } from "../data/note-patch";
 import type { Note } from "../data/types";
 import type { NotesFilter } from "./page";
@@ -17,7 +17,7 @@ export function tagsOf(notes: NotesByName): string[] {
   return [...counts].sort((a, b) => b[1] - a[1] || (a[0] < b[0] ? -1 : 1)).map(([tag]) => tag);
 }
 
-/** "red, long throw" -> its tags, each once. */
+/** Splits "red, long throw" into distinct tags. */
 export function tagsOfText(text: string): string[] {
   return [
     ...new Set(
@@ -29,7 +29,7 @@ export function tagsOfText(text: string): string[] {
   ];
 }
 
-/** If all have it, none has it then; else all. */
+/** Clears the key if all animations have it; else sets it for all. */
 export function allToggled(
   notes: NotesByName,
   names: readonly string[],

@@ -1,5 +1,5 @@
-// The source as the parts of the page ask it. Once another run's archive has taken the place of the one
-// that is shown, the same names and entries are other animations there: nothing is asked of it then.
+// Wraps the source for the page's parts. If another run's archive replaces the shown one, its names and
+// entries mean other animations; then all requests fail.
 import { SourceError, type GallerySource } from "../data/source";
 import type { AppState } from "./app-state";
 import { replacing } from "./derived";
@@ -18,7 +18,7 @@ export function ofShownRun(source: GallerySource, store: Store<AppState>): Galle
   const ask = async <Answer>(question: () => Promise<Answer>): Promise<Answer> => {
     refuseOther();
     const answer = await question();
-    // It may have come in the meantime.
+    // The replacement may have happened meanwhile.
     refuseOther();
     return answer;
   };
@@ -35,7 +35,7 @@ export function ofShownRun(source: GallerySource, store: Store<AppState>): Galle
     seriesTitles: (...of) => ask(() => source.seriesTitles(...of)),
     series: (...of) => ask(() => source.series(...of)),
     diagnosis: (...of) => ask(() => source.diagnosis(...of)),
-    // Notes are by run.
+    // Notes are stored by run.
     notes: (options) => source.notes(options),
     changeNotes: (...of) => source.changeNotes(...of),
     onChange: (listener) => source.onChange(listener),

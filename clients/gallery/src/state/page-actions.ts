@@ -1,4 +1,4 @@
-// What a person does to the page, but for notes: views, groups, chips, selection, player.
+// A person's actions on the page, except notes: views, groups, chips, selection, player.
 import { noEntries, type AppState, type ShownGroup } from "./app-state";
 import { orderedNames, wholeQuery } from "./derived";
 import { pageOf } from "./link";
@@ -15,11 +15,11 @@ export class PageActions {
   constructor(
     private readonly store: Store<AppState>,
     private readonly keeping: NoteKeeping,
-    /** Called where the page has come to be about another run. */
+    /** Called when the page switches to another run. */
     private readonly lookAgain: () => void,
   ) {}
 
-  /** Makes the page what a link says. */
+  /** Sets the page's state from a link. */
   applyLink(link: string): void {
     const before = this.store.state.page;
     const page = pageOf(link);
@@ -55,7 +55,7 @@ export class PageActions {
     this.change({ view });
   }
 
-  // Groups.
+  // Groups
 
   openGroup(group: ShownGroup): void {
     const { page, loaded, opened } = this.store.state;
@@ -66,13 +66,13 @@ export class PageActions {
     this.change({ path: [...page.path, step], view: "list" });
   }
 
-  /** Back to what contains the group: `depth` groups stay open. */
+  /** Closes open groups until `depth` remain. */
   closeTo(depth: number): void {
     this.store.set({ opened: this.store.state.opened.slice(0, depth) });
     this.change({ path: this.store.state.page.path.slice(0, depth), view: "groups" });
   }
 
-  // Queries.
+  // Queries
 
   addChip(text: string, isNot: boolean): void {
     const chip: Chip = { id: this.nextChip, text, isNot, isOn: true };
@@ -94,7 +94,7 @@ export class PageActions {
     );
   }
 
-  // Selection.
+  // Selection
 
   select(name: string, how: "toggle" | "only" | "extend"): void {
     const { state } = this.store;
@@ -122,12 +122,12 @@ export class PageActions {
       say(this.store, "Select animations first: click a card, or press Space on it.");
       return;
     }
-    // A like one may be in another group: the whole list is looked through.
+    // Similar animations may be in other groups, so the whole list is sorted.
     this.store.set({ opened: [] });
     this.change({ sort: { by: "alike", to: [...to], isUnlike }, view: "list", path: [] });
   }
 
-  // Player.
+  // Player
 
   play(names: readonly string[]): void {
     if (names.length > comparedMax)

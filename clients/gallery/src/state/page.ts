@@ -1,5 +1,5 @@
-// What a link to the page holds: the part of the state that a person would want to find again. It
-// names things by what outlives a server: the run, and animations' names.
+// The part of the state that links contain. Links identify things by names that outlive a server: the run and
+// the animations' names.
 import type { Box } from "./conditions";
 import { asKept, type SortKey } from "./sorting";
 
@@ -8,7 +8,7 @@ export type GroupsBy = "medoids" | "hierarchy";
 export type SyncMode = "start" | "contact" | "end";
 
 export interface Chip {
-  /** Tells chips apart while the page is open; links don't hold it. */
+  /** Distinguishes chips while the page is open; links don't contain it. */
   readonly id: number;
   readonly text: string;
   readonly isNot: boolean;
@@ -17,7 +17,7 @@ export interface Chip {
 
 export interface NotesFilter {
   readonly star: boolean;
-  /** "": any or none. */
+  /** "": any tag or none. */
   readonly tag: string;
   readonly hidden: "without" | "with" | "only";
 }
@@ -27,7 +27,7 @@ export interface Grouping {
   readonly by: GroupsBy;
 }
 
-/** A group that was opened: of those that `query` let through, the one that has this animation. */
+/** An open group: the group of animations matching `query` that contains `representative`. */
 export interface PathStep extends Grouping {
   readonly representative: string;
   readonly query: string;
@@ -43,7 +43,7 @@ export interface Camera {
 
 export interface Page {
   readonly run: string;
-  /** The archive's name, where several are of the run; "": any of them. */
+  /** The archive's name, if several archives contain the run; "": any archive. */
   readonly archive: string;
   readonly view: View;
   readonly chips: readonly Chip[];
@@ -59,7 +59,7 @@ export interface Page {
   readonly plot: string;
 }
 
-/** How many groups can be asked for. */
+/** Limits of the number of groups. */
 export const groupsMin = 2;
 export const groupsMax = 60;
 
@@ -82,13 +82,13 @@ export const firstPage: Page = {
   plot: "",
 };
 
-/** A box as the player draws it, in metres of the scene's frame. */
+/** A box drawn in the player, in metres of the scene's frame. */
 export interface DrawnBox {
   readonly low: readonly [number, number, number];
   readonly high: readonly [number, number, number];
 }
 
-/** To whole tenths of a millimetre: a hand is no finer, and the query's text stays short. */
+/** Rounds to 0.1 mm: people don't draw more exactly, and the query's text stays short. */
 export function boxOfDrawn(drawn: DrawnBox): Box {
   const range = (axis: 0 | 1 | 2): { low: number; high: number } => ({
     low: Math.round(drawn.low[axis] * 1e4) / 1e4,

@@ -1,34 +1,34 @@
-// Places of the scene that have a name of their own: where something is wanted. A box may be one of them.
+// Named places of the scene, where bodies are wanted. Boxes of queries can be set to them.
 import type { Looks, Scene } from "../data/types";
 import { openRange, type Box, type Range } from "./conditions";
 
 export interface NamedPlace {
   readonly name: string;
-  /** As seen from above, in metres. */
+  /** Extent seen from above, in metres. */
   readonly x: Range & { readonly low: number; readonly high: number };
   readonly y: Range & { readonly low: number; readonly high: number };
 }
 
-/** Thinner ones are no ground that something rests on. */
+/** Thinner features aren't something to rest on. */
 const thinM = 1e-3;
 
-/** Those that all animations have, with an extent along x and y. */
+/** Places that all animations share, with an extent along x and y. */
 export function namedPlaces(scene: Scene, looks: Looks): NamedPlace[] {
   return scene.features.flatMap(({ name, kind }, feature) => {
     if (kind !== "wanted") return [];
-    // A look is y up: (x, y, z) of the scene is (x, z, -y).
+    // Looks have y up: the scene's (x, y, z) is the look's (x, z, -y).
     const x = extent(looks, feature, 0, 1);
     const y = extent(looks, feature, 2, -1);
     return x === null || y === null ? [] : [{ name, x, y }];
   });
 }
 
-/** Of whatever height. */
+/** A box of unlimited height above the place. */
 export function boxOfPlace({ x, y }: NamedPlace): Box {
   return { x, y, z: openRange };
 }
 
-/** What the names end in, where each ends in a number: short enough for a button. */
+/** The names' final numbers, as short labels for buttons; null if a name has none. */
 export function numbersOf(names: readonly string[]): string[] | null {
   const numbers = names.map((name) => /\d+$/.exec(name)?.[0] ?? "");
   return numbers.includes("") || new Set(numbers).size < numbers.length ? null : numbers;
@@ -45,7 +45,7 @@ function extent(
   for (const mesh of looks.meshes) {
     if (mesh.feature !== feature) continue;
     for (let i = component; i < mesh.places.length; i += 3) {
-      // As floats they would be written with many digits.
+      // Rounded, because floats would print many digits.
       const value = Math.round((mesh.places[i] ?? NaN) * sign * 1e6) / 1e6;
       low = Math.min(low, value);
       high = Math.max(high, value);

@@ -1,6 +1,6 @@
-// Plausibility in words: where an animation's log p stands among those of blind throws.
+// Plausibility in words: how an animation's log_prior compares with blind throws.
 
-/** How many of 100 blind throws it is more likely than; nothing where that is not known. */
+/** Percentage of blind throws that are less likely; null if unknown. */
 export function throwsBelow(logPrior: number, blindThrows: readonly number[]): number | null {
   if (blindThrows.length === 0 || !Number.isFinite(logPrior)) return null;
   let low = 0;
@@ -11,7 +11,7 @@ export function throwsBelow(logPrior: number, blindThrows: readonly number[]): n
     else high = middle;
   }
   const share = (100 * low) / blindThrows.length;
-  // "All" and "none" are said of all and none alone.
+  // 0 and 100 are reserved for none and all.
   if (low === 0) return 0;
   if (low === blindThrows.length) return 100;
   return Math.min(99, Math.max(1, Math.round(share)));

@@ -1,4 +1,4 @@
-// Words and numbers as the query language writes them, and queries joined of others.
+// Formats names and numbers for the query language, and joins queries.
 
 const keywords = new Set([
   "and",
@@ -16,20 +16,20 @@ const keywords = new Set([
   "z",
 ]);
 
-/** Words, and a plain number behind them: what stands in a query without quotes. */
+/** Names without quotes: words, optionally followed by an integer. */
 const bare = /^[A-Za-z_][A-Za-z0-9_]*(?: [A-Za-z_][A-Za-z0-9_]*)*(?: [0-9]+)?$/;
 
 export function isBareName(name: string): boolean {
   return bare.test(name) && name.split(" ").every((word) => !keywords.has(word));
 }
 
-/** The name as the language takes it: in double quotes where it must be, or `always`. */
+/** The name for a query: in double quotes if necessary, or if `always`. */
 export function quotedName(name: string, always = false): string {
   if (!always && isBareName(name)) return name;
   return `"${name.replace(/[\\"]/g, (sign) => `\\${sign}`)}"`;
 }
 
-/** Few digits that still say where it is: twelve that count, no trailing zeros. */
+/** At most twelve significant digits, without trailing zeros. */
 export function shortNumber(value: number): string {
   const text = String(Number(value.toPrecision(12)));
   return text === "-0" ? "0" : text;
@@ -40,14 +40,14 @@ export interface SignedQuery {
   readonly isNot: boolean;
 }
 
-/** All of them at once, as one text; "" of none. */
+/** All queries combined with "and"; "" if there are none. */
 export function joined(queries: readonly SignedQuery[]): string {
   const only = queries.length === 1 ? queries[0] : undefined;
   if (only !== undefined && !only.isNot) return only.text;
   return queries.map(({ text, isNot }) => (isNot ? `not (${text})` : `(${text})`)).join(" and ");
 }
 
-/** The place in `text` of its character number `column`, from 1: some characters are two units long. */
+/** Converts a column (characters from 1) to an index in `text`: some characters take two UTF-16 units. */
 export function placeOfColumn(text: string, column: number): number {
   let place = 0;
   let at = 1;

@@ -1,22 +1,21 @@
-// Which animations are chosen, by their names within the archive. Pure: each function gives a new
-// selection.
+// The selected animations, by name within the archive. Pure: functions return a new selection.
 
 export interface Selection {
   readonly names: readonly string[];
-  /** Where a range that is made with shift begins. */
+  /** Start of a range that Shift extends. */
   readonly anchor: string | null;
 }
 
 export const nothingSelected: Selection = { names: [], anchor: null };
 
-/** As many as stand beside one another in the player. */
+/** Maximum number of animations side by side in the player. */
 export const comparedMax = 9;
 
 export function isSelected(selection: Selection, name: string): boolean {
   return selection.names.includes(name);
 }
 
-/** A plain click or space: in if it was out, out if it was in; others stay. */
+/** Click or Space: toggles the animation; others stay. */
 export function toggled(selection: Selection, name: string): Selection {
   const names = isSelected(selection, name)
     ? selection.names.filter((other) => other !== name)
@@ -28,7 +27,7 @@ export function only(name: string): Selection {
   return { names: [name], anchor: name };
 }
 
-/** Shift: all from the anchor to here in the order that is shown, added to what was chosen. */
+/** Shift: adds all animations from the anchor to `name`, in the displayed order. */
 export function extended(selection: Selection, name: string, shown: readonly string[]): Selection {
   const to = shown.indexOf(name);
   const from = selection.anchor === null ? -1 : shown.indexOf(selection.anchor);
@@ -40,7 +39,7 @@ export function extended(selection: Selection, name: string, shown: readonly str
   return { names: [...names], anchor: selection.anchor };
 }
 
-/** Those that still exist. */
+/** The selection without animations that no longer exist. */
 export function kept(selection: Selection, exists: (name: string) => boolean): Selection {
   const names = selection.names.filter(exists);
   if (names.length === selection.names.length) return selection;

@@ -1,16 +1,16 @@
-// In which order a list is shown.
+// The order of the list.
 import { nameToday } from "../data/types";
 
 export type SortKey =
-  /** As the archive has them. */
+  /** The archive's order. */
   | { readonly by: "kept" }
   | { readonly by: "number"; readonly number: string; readonly isDescending: boolean }
-  /** Nearest to these animations first, or furthest. */
+  /** Nearest to these animations first, or furthest first if isUnlike. */
   | { readonly by: "alike"; readonly to: readonly string[]; readonly isUnlike: boolean };
 
 export const asKept: SortKey = { by: "kept" };
 
-/** Entries by a column; what has no number stands last, whichever way it goes. Equal ones stay. */
+/** Sorts entries by a column. The sort is stable; entries without a number are last in either direction. */
 export function sortedByNumber(
   entries: Uint32Array,
   column: ArrayLike<number>,

@@ -1,6 +1,6 @@
-// A plain store: one immutable state, replaced as a whole; listeners compare the parts that they
-// show with what was there before. All that is told at once is told in one turn of the event loop,
-// so that five changes in a row draw the page once.
+// A store of one immutable state, replaced as a whole. Listeners compare the parts that they show with the
+// previous state. Changes within one turn of the event loop cause one notification, so that five changes in a
+// row draw the page once.
 
 export type Listener<State> = (state: State, before: State) => void;
 
@@ -19,7 +19,7 @@ export class Store<State extends object> {
     return this.current;
   }
 
-  /** Replaces the parts that are given. */
+  /** Replaces the given parts. */
   set(parts: Partial<State>): void {
     this.current = { ...this.current, ...parts };
     if (this.isTelling) return;
@@ -27,7 +27,7 @@ export class Store<State extends object> {
     queueMicrotask(() => this.tell());
   }
 
-  /** Tells of each later change; returns what ends it. */
+  /** Calls the listener at each later change; returns a function that removes it. */
   subscribe(listener: Listener<State>): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
@@ -43,18 +43,18 @@ export class Store<State extends object> {
   }
 }
 
-/** Numbers asks, so that an answer that comes after a later ask is known and dropped. */
+/** Numbers requests, so that answers to earlier requests can be dropped. */
 export class Latest {
   private number = 0;
 
-  /** A function that is true while no later ask has begun. */
+  /** Returns a function that is true until a later request begins. */
   begin(): () => boolean {
     this.number += 1;
     const mine = this.number;
     return () => mine === this.number;
   }
 
-  /** Whatever is under way is no longer wanted. */
+  /** Makes the answers of all requests so far unwanted. */
   drop(): void {
     this.number += 1;
   }

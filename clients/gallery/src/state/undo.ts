@@ -1,7 +1,7 @@
-// What can be undone: steps that each know the state before and after. Pure.
+// A history of steps for undo, each with the state before and after. Pure.
 
 export interface UndoStep<Snapshot> {
-  /** What was done, for people: "hidden: 3 animations". */
+  /** Description for people, such as "hidden: 3 animations". */
   readonly words: string;
   readonly before: Snapshot;
   readonly after: Snapshot;
@@ -12,14 +12,14 @@ export interface History<Snapshot> {
   readonly undone: readonly UndoStep<Snapshot>[];
 }
 
-/** Steps behind which the oldest are forgotten. */
+/** Maximum number of steps; the oldest are dropped. */
 export const undoStepsMax = 200;
 
 export function withStep<Snapshot>(history: History<Snapshot>, step: UndoStep<Snapshot>): History<Snapshot> {
   return { done: [...history.done, step].slice(-undoStepsMax), undone: [] };
 }
 
-/** The step whose `before` is to be put back, and the history then; nothing where none is left. */
+/** Returns the step whose `before` must be restored, and the new history; null if there is no step. */
 export function undo<Snapshot>(
   history: History<Snapshot>,
 ): { step: UndoStep<Snapshot>; history: History<Snapshot> } | null {
@@ -28,7 +28,7 @@ export function undo<Snapshot>(
   return { step, history: { done: history.done.slice(0, -1), undone: [...history.undone, step] } };
 }
 
-/** The step whose `after` is to be put back. */
+/** Returns the step whose `after` must be restored, and the new history; null if there is no step. */
 export function redo<Snapshot>(
   history: History<Snapshot>,
 ): { step: UndoStep<Snapshot>; history: History<Snapshot> } | null {

@@ -25,7 +25,7 @@ import { Theme } from "./theme";
 import { makeToolbar } from "./toolbar";
 import { makeWall, type Wall } from "./wall";
 
-/** Below this width the player stands over the wall. */
+/** Below this width the player covers the wall. */
 const wideQuery = "(min-width: 1100px)";
 
 export interface App {
@@ -44,7 +44,7 @@ export function startApp(root: HTMLElement, galleries: GallerySource): App {
   const ui: Ui = { store, source, loading, page, notes, theme: new Theme() };
   const renderer = new SharedRenderer();
   loading.start();
-  // Made while the first archive is on its way.
+  // Deferred: creates the WebGL context while the first archive loads.
   const waited = store.subscribe(({ gallery }) => {
     if (gallery === null) return;
     waited();
@@ -109,7 +109,7 @@ interface Places {
 function keyActions(ui: Ui, { wall, player, filters, root, showKeys }: Places): KeyActions {
   const { store, page, notes, loading } = ui;
   const isOpen = (): boolean => store.state.page.playing.length > 0;
-  // In the player keys are about what plays; elsewhere about those chosen, or the card.
+  // With the focus in the player, keys act on the playing animations; elsewhere on the selection or the card.
   const names = (): readonly string[] =>
     isOpen() && player.element.contains(document.activeElement)
       ? store.state.page.playing

@@ -1,5 +1,5 @@
-// Builds a condition from fields and from what is drawn in the player, and says before it is applied
-// how many it is true of and how many would be left.
+// Builds a condition from fields and from drawings in the player. Before the condition is applied, the
+// builder shows how many animations match it and how many would be left.
 import type { AppState, Loaded } from "../state/app-state";
 import { missingIn, openRange, queryOf, type Box, type Condition, type Step } from "../state/conditions";
 import { countsOf, orderedNames, within } from "../state/derived";
@@ -142,7 +142,6 @@ export function makeBuilder(ui: Ui): Part {
     );
   };
 
-  // Drawing.
 
   const draw = (form: StepForm, what: "box" | "time"): void => {
     const { state } = ui.store;
@@ -152,7 +151,7 @@ export function makeBuilder(ui: Ui): Part {
     ui.store.set({ drawing: { box: what === "box", time: what === "time" }, drawnRange: null });
     if (what === "box") putBox(form.box);
   };
-  // What goes to the player isn't taken for what comes from it.
+  // Marks boxes that the builder sends to the player: they don't come back as drawn boxes.
   const putBox = (box: Box): void => {
     const drawn = drawable(box);
     if (drawn === null || JSON.stringify(drawn) === JSON.stringify(ui.store.state.drawnBox)) return;
@@ -217,7 +216,7 @@ export function makeBuilder(ui: Ui): Part {
   return { element, update };
 }
 
-/** A box with a side open can't be drawn. */
+/** Only a box that is bounded on all sides can be drawn. */
 function drawable({ x, y, z }: Box): DrawnBox | null {
   if (x.low === null || y.low === null || z.low === null) return null;
   if (x.high === null || y.high === null || z.high === null) return null;

@@ -1,4 +1,4 @@
-// Cards: one of an animation, one of a group of animations that look alike.
+// Cards of the wall: one for an animation, one for a group of similar animations.
 import type { AppState, Loaded, ShownGroup } from "../state/app-state";
 import { noteOf } from "../data/note-patch";
 import {
@@ -12,7 +12,7 @@ import { isSelected } from "../state/selection";
 import { el, iconOf, setAttribute, setHidden, setText } from "./dom";
 import { cardNumber, count, millimetres, number, share } from "./words";
 
-/** What a click on a part of a card asks for: its data-act. */
+/** Action of a card's button, from its attribute data-act. */
 export type CardAct = "play" | "star" | "hide" | "select" | "open" | "like";
 
 const badgeWords = "not in proportion";
@@ -24,7 +24,7 @@ interface CardParts {
 
 let cards = 0;
 
-/** The cell is called by the words on it. */
+/** The card's text is the cell's accessible name. */
 function frame(kind: string): CardParts & { readonly box: HTMLElement; readonly wordsId: string } {
   cards += 1;
   const wordsId = `card-words-${cards}`;
@@ -39,7 +39,7 @@ function frame(kind: string): CardParts & { readonly box: HTMLElement; readonly 
   };
 }
 
-/** A button of a card: by mouse; keys act on the card itself, so it is no stop of its own. */
+/** A card's button for the mouse. Keys act on the card itself, so the button is no tab stop. */
 function act(name: CardAct, label: string, child: Node | string): HTMLButtonElement {
   return el(
     "button",
@@ -55,7 +55,7 @@ function act(name: CardAct, label: string, child: Node | string): HTMLButtonElem
   );
 }
 
-/** With blanks between them: the card's name, read aloud, is all of its words in a row. */
+/** Adds blanks between the parts: screen readers read the card's text as one line. */
 function spaced(...parts: HTMLElement[]): (HTMLElement | string)[] {
   return parts.flatMap((part) => [part, " "]);
 }
@@ -64,7 +64,7 @@ function line(...parts: HTMLElement[]): HTMLElement {
   return el("div", { class: "card-line" }, ...spaced(...parts));
 }
 
-/** Updated by updateAnimationCard. */
+/** Creates an empty card; updateAnimationCard fills it. */
 export function animationCard(name: string): CardParts {
   const { cell, canvas, box, wordsId } = frame("animation");
   canvas.dataset["name"] = name;
@@ -129,7 +129,7 @@ export function updateAnimationCard(cell: HTMLElement, state: AppState, name: st
   );
 }
 
-/** The number that the list is sorted by, where a card doesn't show it anyway. */
+/** The number that the list is sorted by, unless the card shows it already. */
 function sortWords(state: AppState, loaded: Loaded, entry: number): string {
   const { sort } = state.page;
   if (sort.by === "alike") {

@@ -1,5 +1,5 @@
-// The queries that are applied: each can be switched off, turned into its opposite, changed and taken
-// away, and says what it is true of by itself and what is left with it.
+// The list of applied queries (chips). A person can switch a chip on or off, negate, edit or delete it. A
+// chip shows how many animations match it alone, and how many are left with all chips.
 import type { AppState } from "../state/app-state";
 import { countsOf } from "../state/derived";
 import type { Chip } from "../state/page";
@@ -28,7 +28,7 @@ export function makeChipsList(ui: Ui, edit: (chip: Chip) => void): Part {
     none.hidden = state.page.chips.length > 0;
     const focused = document.activeElement?.getAttribute("data-focus");
     list.replaceChildren(...state.page.chips.map((chip) => chipItem(ui, state, chip, edit)));
-    // What had the focus has been made anew.
+    // The focused element was replaced: focus the new one.
     if (focused) list.querySelector<HTMLElement>(`[data-focus="${CSS.escape(focused)}"]`)?.focus();
   };
   return { element, update };

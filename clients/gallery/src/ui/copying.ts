@@ -1,4 +1,4 @@
-// Copies text, and says whether it worked: browsers forbid it without a secure page.
+// Copies text and reports success. Browsers allow copying only on secure pages.
 import type { AppState } from "../state/app-state";
 import { say } from "../state/messages";
 import type { Store } from "../state/store";

@@ -1,4 +1,4 @@
-// All that is known of one animation in the player: its numbers, its events as text, a person's notes.
+// Details of one animation in the player: its numbers, its events as text, and a person's notes.
 import type { AppState } from "../state/app-state";
 import { emptyNote, noteOf } from "../data/note-patch";
 import { tagsOfText } from "../state/notes";
@@ -9,13 +9,13 @@ import { numberOf } from "./card";
 import type { Part, Ui } from "./part";
 import { count, number, seconds, withUnit } from "./words";
 
-/** Longer lists are cut: nobody reads on, and the page stays light. */
+/** Maximum length of the event list, which keeps the page responsive. */
 const eventsShownMax = 1000;
 
 export interface Details extends Part {
-  /** What the player has come to show; `items` in the order of page.playing. */
+  /** Updates the details for the player's animations. `items` has the order of page.playing. */
   show(items: readonly TimelineItem[]): void;
-  /** Of which of them the details are. */
+  /** Index of the animation whose details are shown. */
   readonly chosen: number;
 }
 
@@ -161,15 +161,15 @@ function makeNoteEditor(ui: Ui, nameNow: () => string): NoteEditor {
     maxlength: 400,
   });
   const text = el("textarea", { id: "note-playing", rows: 2, maxlength: 4000 });
-  // Of which animation the fields are: the player may have gone on before a field is left.
+  // The animation that the fields edit. The player may switch animations before a field loses the focus.
   let of = { run: "", name: "" };
-  // As it was when the field was entered: what others change meanwhile is theirs.
+  // The note when the field got the focus. Later changes by others are merged, not overwritten.
   let before = emptyNote;
   const keepTags = (): void => ui.notes.edit(of.run, of.name, before, { tags: tagsOfText(tags.value) });
   const keepText = (): void => ui.notes.edit(of.run, of.name, before, { note: text.value });
   tags.addEventListener("change", keepTags);
   text.addEventListener("change", keepText);
-  // What is being typed when the page goes counts too; before notes are sent for the last time.
+  // Saves text that is being typed when the page closes, before notes are sent for the last time.
   const leave = (): void => {
     if (document.activeElement === tags && tags.value !== before.tags.join(", ")) keepTags();
     if (document.activeElement === text && text.value !== before.note) keepText();

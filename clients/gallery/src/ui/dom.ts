@@ -1,4 +1,4 @@
-// Makes elements. All text goes in as text: names from archives never become markup.
+// Creates elements. Text is always inserted as text, so names from archives never become markup.
 
 export type Child = Node | string | null;
 
@@ -7,7 +7,7 @@ type Handlers = { [Name in keyof HTMLElementEventMap]?: (event: HTMLElementEvent
 export interface Properties {
   readonly class?: string;
   readonly on?: Handlers;
-  /** Attributes; null leaves one out, true makes one without a value. */
+  /** Attributes. null omits an attribute; true sets it without a value. */
   readonly [attribute: string]: string | number | boolean | null | undefined | Handlers;
 }
 
@@ -30,7 +30,7 @@ function listen(element: HTMLElement, handlers: Handlers): void {
     if (handler !== undefined) element.addEventListener(name, handler as EventListener);
 }
 
-/** null, undefined and false take the attribute away. */
+/** null, undefined and false remove the attribute. */
 export function setAttribute(
   element: Element,
   name: string,
@@ -40,7 +40,7 @@ export function setAttribute(
   else element.setAttribute(name, value === true ? "" : String(value));
 }
 
-/** Only where it differs, so that live regions and selections of text stay quiet. */
+/** Changes text only if it differs, so that live regions and text selections aren't disturbed. */
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -57,7 +57,7 @@ export function button(
   return el("button", { type: "button", ...properties, on: { click: onClick } }, label);
 }
 
-/** A button that shows a picture; `label` is read aloud and shown as a tip. */
+/** A button with an icon. `label` is its accessible name and its tooltip. */
 export function iconButton(
   icon: IconName,
   label: string,
@@ -117,7 +117,6 @@ export function svgEl<Tag extends keyof SVGElementTagNameMap>(
 
 let fields = 0;
 
-/** A label and what it names. */
 export function field(label: string, input: HTMLElement, properties: Properties = {}): HTMLElement {
   if (input.id === "") {
     fields += 1;

@@ -1,4 +1,4 @@
-// The exact command that makes files of what is chosen, and what must be known of them.
+// The command that exports the selected animations, with a warning if their draws aren't in proportion.
 import type { AppState } from "../state/app-state";
 import { archiveShown, replacing, signedQueries } from "../state/derived";
 import { exportLine } from "../state/export-line";
@@ -25,7 +25,7 @@ export function makeExportHint(ui: Ui, namesOf: (state: AppState) => readonly st
     const names = namesOf(state);
     const { loaded } = state;
     setText(line, exportLine(archive?.name ?? "archive.h5", names, signedQueries(state.page.chips)));
-    // Of names that aren't in the archive nothing is known.
+    // Names that aren't in the archive are skipped.
     const entries = names.flatMap((name) => loaded?.entryOf.get(name) ?? []);
     const all = entries.every((entry) => loaded?.table.inProportion[entry] === 1);
     setHidden(proportion, all);

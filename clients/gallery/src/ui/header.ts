@@ -1,5 +1,4 @@
-// The top of the page: archives, how many of how many are shown and as of when, what is new, and
-// what is wrong.
+// The top of the page: archives, number of animations shown, date of the data, new animations, problems.
 import type { ArchiveSummary } from "../data/types";
 import { archiveShown, hiddenCount, offeredCount, replacing, within } from "../state/derived";
 import type { AppState } from "../state/app-state";
@@ -81,7 +80,7 @@ function showArchive(ui: Ui, archive: ArchiveSummary | null): void {
   ui.page.showArchive(archive.run, isAlone ? "" : archive.name);
 }
 
-/** Few archives are buttons beside one another, many a list to choose from. */
+/** Archives are tabs, or a drop-down list if there are many. */
 function archiveTabs(ui: Ui, state: AppState): HTMLElement[] {
   const all = state.gallery?.archives ?? [];
   const shown = state.loaded?.id ?? -1;
@@ -111,7 +110,7 @@ function archiveWords(archive: ArchiveSummary): string {
   return `${archive.name}${states[archive.state]}`;
 }
 
-/** How the run stands, where the server says it. */
+/** Status of the run, if the server reports it. */
 function liveWords(archive: ArchiveSummary & { readonly live_words?: unknown }): string {
   const words = archive.live_words;
   return typeof words === "string" && words !== "" ? words : "The run is in progress.";

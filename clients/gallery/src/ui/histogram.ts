@@ -1,4 +1,4 @@
-// How a number is spread over what is shown: bars, with those within a range darker.
+// Histogram of a number over the animations shown. Bars within the range are darker.
 import type { Range } from "../state/conditions";
 import { svgEl } from "./dom";
 import { number } from "./words";
@@ -13,7 +13,7 @@ export interface Spread {
   readonly counts: readonly number[];
 }
 
-/** Of the finite values of these entries; nothing where there are none. */
+/** Histogram of these entries' finite values; null if there are none. */
 export function spreadOf(column: ArrayLike<number>, entries: Uint32Array): Spread | null {
   let low = Infinity;
   let high = -Infinity;
@@ -49,7 +49,7 @@ export function histogram(spread: Spread, range: Range, name: string): SVGSVGEle
     const from = low + ((high - low) * i) / bars;
     const to = low + ((high - low) * (i + 1)) / bars;
     const isIn = to >= (range.low ?? -Infinity) && from <= (range.high ?? Infinity);
-    // What is rare is seen too: a bar that is there has a height.
+    // Rare values stay visible: each non-empty bar has a minimum height.
     const tall = bar === 0 ? 0 : Math.max(2, (height * bar) / most);
     svg.append(
       svgEl("rect", {

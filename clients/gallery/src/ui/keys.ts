@@ -1,4 +1,4 @@
-// What keys do, and the list of them. Keys that a field or a button needs itself are left to it.
+// Keyboard shortcuts and their list. A field or button that needs a key itself receives it.
 import { el, iconButton } from "./dom";
 
 export interface KeyActions {
@@ -66,7 +66,7 @@ export function listenToKeys(actions: KeyActions): void {
   });
 }
 
-/** In fields letters are letters; undo is the field's own. */
+/** Shortcuts are off while a person types in a field; there undo is the field's own. */
 function isTyping(target: HTMLElement): boolean {
   if (target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement) return true;
   return target instanceof HTMLInputElement && target.type !== "checkbox";
@@ -135,7 +135,7 @@ function letters(actions: KeyActions, frames: number): Readonly<Record<string, (
     k: actions.toggle,
     ",": () => actions.step(-1),
     ".": () => actions.step(1),
-    // Shift gives other signs on most keyboards.
+    // On most keyboards Shift turns "," and "." into these characters.
     "<": () => actions.step(-frames),
     ">": () => actions.step(frames),
     ";": () => actions.step(-frames),
@@ -163,7 +163,7 @@ export function makeKeysDialog(): HTMLDialogElement {
     ),
     el("table", {}, el("tbody", {}, ...rows)),
   );
-  // Browsers may take the first Escape for a dialog that no press opened, and keep it open.
+  // Browsers may use the first Escape themselves if no click opened the dialog, and leave it open.
   dialog.addEventListener("keydown", (event) => {
     if (event.key === "Escape") dialog.close();
   });

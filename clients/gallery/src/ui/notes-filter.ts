@@ -1,4 +1,4 @@
-// What is shown by what a person has noted: starred ones, those of a tag, hidden ones.
+// Filters animations by a person's notes: starred, tagged or hidden.
 import type { AppState } from "../state/app-state";
 import { hiddenCount } from "../state/derived";
 import { tagsOf } from "../state/notes";

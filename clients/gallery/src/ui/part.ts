@@ -1,4 +1,4 @@
-// A part of the page: an element, and what brings it up to date when the state has changed.
+// A part of the page: an element and a function that updates it when the state changes.
 import type { GallerySource } from "../data/source";
 import type { AppState } from "../state/app-state";
 import type { Loading } from "../state/loading";
@@ -9,11 +9,11 @@ import type { Theme } from "./theme";
 
 export interface Part {
   readonly element: HTMLElement;
-  /** `before` is the state that was shown; the same as `state` at the first call. */
+  /** `before` is the state that the part last showed; the first call passes `state` twice. */
   update(state: AppState, before: AppState): void;
 }
 
-/** What parts act through. */
+/** What parts use to read and change the page. */
 export interface Ui {
   readonly store: Store<AppState>;
   readonly source: GallerySource;

@@ -1,13 +1,13 @@
-// Pictures to point at in a step's form: the bodies in their colours, and the scene's named places as
-// they lie, seen from above. Both only save typing: the fields beside them say the same.
+// Pictures to click in a step's form: coloured swatches for bodies, and a map of named places from above.
+// Both are shortcuts for the fields beside them.
 import type { Looks, Scene } from "../data/types";
 import { namedPlaces, numbersOf, type NamedPlace } from "../state/places";
 import { button, el } from "./dom";
 
-/** More would be no picture any more. */
+/** With more buttons the pictures would be too small. */
 const buttonsMax = 40;
 
-/** null: the bodies can't be told apart in so few signs. */
+/** null if the swatches' labels are too short to tell the bodies apart. */
 export function bodySwatches(
   scene: Scene,
   looks: Looks,
@@ -35,7 +35,7 @@ export function bodySwatches(
   return el("div", group, ...swatches);
 }
 
-/** null: there are none. */
+/** null if there are no named places. */
 export function placeMap(
   scene: Scene,
   looks: Looks,
@@ -73,7 +73,7 @@ export function placeMap(
   return map;
 }
 
-/** Black letters are read better on it than white ones. */
+/** Whether black text is more readable on this colour than white text. */
 function isLight(colour: string): boolean {
   const [red, green, blue] = [1, 3, 5].map((at) => {
     const value = Number.parseInt(colour.slice(at, at + 2), 16) / 255;

@@ -1,4 +1,4 @@
-// The player's buttons: time, speed, how animations are kept in step, what is drawn, the camera.
+// The player's buttons: time, speed, synchronization, what is drawn, and the camera.
 import type { SyncMode } from "../state/page";
 import type { Player } from "../view/player";
 import { button, el, field, iconButton, iconOf, select, setChoices, setHidden, setText } from "./dom";
@@ -15,7 +15,7 @@ export interface Controls {
   readonly more: HTMLElement;
   showPlaying(isPlaying: boolean): void;
   showTime(time: number): void;
-  /** Names of what is shown, and how they are kept in step. */
+  /** Updates the names of the playing animations, and their synchronization. */
   showItems(names: readonly string[], sync: SyncMode): void;
   toggleTrails(): void;
 }

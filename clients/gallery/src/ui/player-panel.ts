@@ -1,5 +1,5 @@
-// The player as a region of the page: what it shows follows page.playing, and what a person does in
-// it goes back into the page (time, camera, a box or a stretch of time that is marked).
+// The player as a part of the page. It follows page.playing; a person's changes in the player (time, camera,
+// drawn box or time range) go into the page's state.
 import { SourceError } from "../data/source";
 import type { Animation } from "../data/types";
 import type { AppState } from "../state/app-state";
@@ -50,7 +50,7 @@ export function makePlayerPanel(
   let shown: readonly string[] = [];
   let putCamera: Camera | null = null;
   let putTimeS: number | null = null;
-  /** What the player shows isn't what the page says yet. */
+  /** The player doesn't show the state's animations yet. */
   let isLoading = false;
   let timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -64,7 +64,7 @@ export function makePlayerPanel(
     onSeek: (time) => player.seek(time),
     onStep: (frames) => player.step(frames),
     onRange: (from, to) => {
-      // Queries speak of an animation's own time.
+      // Queries use the animation's own time, without the player's shift.
       const shift = player.timeline().items[details.chosen]?.shiftS ?? 0;
       const own = (time: number): number => Math.round((time + shift) * 1000) / 1000;
       ui.store.set({ drawnRange: { low: own(from), high: own(to) } });
@@ -96,7 +96,7 @@ export function makePlayerPanel(
     exportHint.element,
   );
 
-  // Where the player is goes into the link when it has come to rest there.
+  // Stores time and camera in the link once they stop changing.
   const put = (): void => {
     clearTimeout(timer);
     if (isLoading || ui.store.state.page.playing.length === 0) return;
@@ -242,7 +242,7 @@ export function makePlayerPanel(
       setHidden(failure, false);
     }
   };
-  /** The link, "back" and the sync field change what is there. */
+  /** Links, the browser's "back" and the alignment field change the player's state from outside. */
   const follow = (state: AppState, before: AppState): void => {
     const { page } = state;
     if (page.sync !== before.page.sync) {

@@ -1,5 +1,4 @@
-// The place of plots in the page: a list of what can be plotted, and the plot that is chosen. What
-// draws is fetched when plots are first looked at.
+// The page's area for plots. The code that draws plots is loaded when a person first opens them.
 import type { AppState } from "../state/app-state";
 import { sentenceOf } from "../state/messages";
 import { Latest } from "../state/store";

@@ -1,5 +1,4 @@
-// The query as text: counted while it is written, applied as IN or NOT-IN when it is asked for. An
-// error is marked at its column.
+// The query as text. Matches are counted while a person types; errors are marked at their column.
 import { countsOf } from "../state/derived";
 import type { AppState, Loaded } from "../state/app-state";
 import { placeOfColumn, quotedName } from "../state/query-text";
@@ -10,7 +9,7 @@ import { count } from "./words";
 const draftDelayMs = 180;
 
 export interface QueryBox extends Part {
-  /** Puts a text in, to be changed; a chip's `id` if it is one's. */
+  /** Puts a query into the field for editing. `id` is its chip, or null for a new query. */
   edit(text: string, id: number | null): void;
 }
 
@@ -55,7 +54,7 @@ export function makeQueryBox(ui: Ui): QueryBox {
       event.preventDefault();
       apply(event.altKey);
     } else if (event.key === "Escape") {
-      // First what is being changed, then the field: the page's keys are for what is outside of it.
+      // Escape first cancels editing of a chip, then leaves the field. The page's own Escape isn't triggered.
       event.stopPropagation();
       if (edited === null) {
         input.blur();
@@ -120,13 +119,13 @@ export function makeQueryBox(ui: Ui): QueryBox {
   };
 }
 
-/** A query of the archive's own first body. */
+/** An example query with the archive's first body. */
 function exampleOf(loaded: Loaded | null): string {
   const [first] = loaded?.scene.features ?? [];
   return `${first?.kind === "body" ? quotedName(first.name) : "any"} in x 0..20mm during 0.4..0.6s`;
 }
 
-/** The text's line with a mark beneath the place, and what is expected there. */
+/** Shows the query's line with a mark at the error, and the error's message. */
 function showError(
   element: HTMLElement,
   text: string,

@@ -1,4 +1,4 @@
-// Two number fields that make a range; either may be empty.
+// Two number fields for a range. An empty field means no limit.
 import type { Range } from "../state/conditions";
 import { shortNumber } from "../state/query-text";
 import { el } from "./dom";
@@ -9,7 +9,7 @@ export interface RangeFields {
   set(range: Range): void;
 }
 
-/** `scale`: how many of what is written make one SI unit (1000 for millimetres). */
+/** `scale`: displayed units per SI unit (1000 for millimetres). */
 export function rangeFields(
   label: string,
   unit: string,

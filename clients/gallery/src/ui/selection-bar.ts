@@ -1,4 +1,4 @@
-// What can be done with the animations that are chosen. It stands beneath the wall while some are.
+// Actions for the selected animations. The bar is shown beneath the wall while animations are selected.
 import type { AppState } from "../state/app-state";
 import { noteOf } from "../data/note-patch";
 import { tagsOf } from "../state/notes";
@@ -8,7 +8,7 @@ import { makeExportHint } from "./export-hint";
 import type { Part, Ui } from "./part";
 import { counted } from "./words";
 
-/** So long the bar stays away: it would push the second click of a double one off its card. */
+/** Delay before the bar appears. Without it, the bar would move a card between a double-click's clicks. */
 const doubleClickMs = 400;
 
 export function makeSelectionBar(ui: Ui): Part {

@@ -1,5 +1,4 @@
-// The page's live region: what has just happened, in a sentence that fades from sight after a while
-// and is read aloud once.
+// The page's live region: shows the latest message for some seconds, and screen readers read it once.
 import type { AppState } from "../state/app-state";
 import { el, setText } from "./dom";
 import type { Part } from "./part";
@@ -12,7 +11,7 @@ export function makeStatusLine(): Part {
   let source: AppState["source"] = "here";
   const say = (words: string): void => {
     setText(element, "");
-    // A region whose words are put in anew is read even where they are the same.
+    // Screen readers read the region again when its text is replaced, even by the same text.
     setText(element, words);
     clearTimeout(timer);
     timer = setTimeout(() => setText(element, ""), shownMs);
@@ -28,7 +27,7 @@ export function makeStatusLine(): Part {
   };
 }
 
-/** What is told because something around the page has changed. */
+/** Message about a change of the server or the archive; "" if nothing changed. */
 function changeWords(state: AppState, before: AppState, source: AppState["source"]): string {
   if (source !== "away" && state.source === "away") return "The server doesn't answer.";
   if (source === "away" && state.source === "here") return "The server answers again.";

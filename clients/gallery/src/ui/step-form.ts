@@ -1,4 +1,4 @@
-// The fields of one step of a condition: which bodies, in which box or touching what, and when.
+// The form for one step of a condition: bodies, box or contact, and time.
 import type { Looks, Scene } from "../data/types";
 import {
   isOpen,
@@ -18,7 +18,7 @@ import { rangeFields } from "./range-fields";
 export interface StepForm {
   readonly element: HTMLElement;
   readonly step: Step;
-  /** "ends": where it comes to rest, at whatever time. */
+  /** For "ends": the bodies that come to rest in `box`. Their time of rest doesn't matter. */
   readonly who: Who;
   readonly box: Box;
   setWho(name: string): void;
@@ -30,10 +30,10 @@ export interface StepOptions {
   readonly scene: Scene;
   readonly looks: Looks;
   readonly kind: "in" | "touches" | "ends";
-  /** "": it is the only one. */
+  /** "" if the condition has only one step. */
   readonly title: string;
   readonly onChange: () => void;
-  /** Asks for a box to be drawn, or a time to be marked, for this form. */
+  /** Requests that a person draws a box, or marks a time range, for this form. */
   readonly onDrawBox: (form: StepForm) => void;
   readonly onMarkTime: (form: StepForm) => void;
   readonly onRemove: ((form: StepForm) => void) | null;
@@ -136,7 +136,7 @@ function whoChoices(scene: Scene): Choice[] {
   const names = bodyNames(scene);
   const bodies = names.map((name) => ({ value: `body:${name}`, label: name }));
   const kinds = kindsOfBodies(names);
-  // One kind alone is what "any body" says already.
+  // With a single kind, "any body" means the same.
   const ofKinds = kinds.length > 1 ? kinds : [];
   return [
     { value: "any:", label: "any body" },

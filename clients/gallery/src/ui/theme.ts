@@ -1,4 +1,4 @@
-// Light or dark: as the system is set, or as the switch says; and whether things may move.
+// Colour theme (system, light or dark), and whether cards are animated.
 
 export type Shade = "light" | "dark";
 export type ThemeChoice = "system" | Shade;
@@ -11,7 +11,7 @@ export class Theme {
   private readonly reduced = matchMedia("(prefers-reduced-motion: reduce)");
   private readonly listeners = new Set<() => void>();
   private chosen: ThemeChoice = remembered();
-  /** null: as the system is set. */
+  /** null: follow the system's setting for reduced motion. */
   private cardsMove: boolean | null = rememberedCards();
 
   constructor() {
@@ -33,7 +33,7 @@ export class Theme {
     return this.reduced.matches;
   }
 
-  /** How animations end can be compared on cards that stand there. */
+  /** Whether cards show how animations end instead of moving. */
   get areCardsStill(): boolean {
     return this.cardsMove === null ? this.isStill : !this.cardsMove;
   }
@@ -70,7 +70,7 @@ function rememberedCards(): boolean | null {
   return value === "moving" || value === "still" ? value === "moving" : null;
 }
 
-// Without storage a choice lasts as long as the page.
+// Without storage, a choice lasts until the page closes.
 
 function remember(of: string, value: string): void {
   try {

@@ -1,6 +1,6 @@
-// The player's timeline: a lane for each animation with its events as marks by kind, where two part,
-// the moment that is shown, and a stretch of time that is marked for the builder. Marks differ in
-// shape as well as in colour.
+// The player's timeline: a lane for each animation with marks for its events, the time where two animations
+// start to differ, the current time, and a time range for the builder. Kinds of marks differ in shape and in
+// colour.
 import type { MotionEvent } from "../motion/events";
 import type { Parting, TimelineItem } from "../view/timeline";
 import { el, setAttribute, setHidden, setText } from "./dom";
@@ -16,7 +16,7 @@ export interface TimelineData {
 export interface TimelineOptions {
   readonly onSeek: (sharedS: number) => void;
   readonly onStep: (frames: number) => void;
-  /** A stretch of shared time was marked. */
+  /** A person marked a range of shared time. */
   readonly onRange: (from: number, to: number) => void;
 }
 
@@ -79,7 +79,7 @@ export class Timeline {
     setAttribute(this.slider, "aria-valuetext", seconds(time));
   }
 
-  /** Dragging marks a stretch instead of going there. */
+  /** While marking, dragging selects a time range instead of seeking. */
   setMarking(isMarking: boolean): void {
     this.isMarking = isMarking;
     this.slider.classList.toggle("is-marking", isMarking);
@@ -211,7 +211,7 @@ export class Timeline {
 
 type ColourOf = (name: string) => string;
 
-/** A hit is a bar, a change of motion a ring, an entry a triangle, coming to rest a square. */
+/** A hit is a bar, a change of motion a ring, an entry a triangle, and coming to rest a square. */
 function mark(
   context: CanvasRenderingContext2D,
   cause: MotionEvent["cause"],

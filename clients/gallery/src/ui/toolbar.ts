@@ -1,4 +1,4 @@
-// Above the wall: where one is (groups that are open), how it is shown, grouped and sorted.
+// The toolbar above the wall: open groups, view, grouping and sorting.
 import type { AppState } from "../state/app-state";
 import { actedOn, within } from "../state/derived";
 import { groupsMax, groupsMin, type GroupsBy, type View } from "../state/page";
@@ -60,7 +60,7 @@ export function makeToolbar(ui: Ui, focusedName: () => string | null): Part {
     (value) => {
       if (value === "like") {
         ui.page.sortByLikeness(actedOn(ui.store.state, focusedName()), false);
-        // Where nothing was chosen it stays as it was.
+        // Without a selection the order doesn't change.
         sort.value = sortValue(ui.store.state);
       } else ui.page.change({ sort: sortFromText(value) });
     },

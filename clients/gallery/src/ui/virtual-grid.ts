@@ -1,21 +1,21 @@
-// A grid of cards of which only the rows in view are in the document: 5,000 cards scroll as lightly
-// as 50. Rows have one height; columns follow the width. One cell is in the tab order (the active one,
-// which arrow keys move); its row stays in the document wherever the view is.
+// A grid of cards with only the visible rows in the document, so that 5,000 cards scroll as fast as 50. All
+// rows have the same height; the number of columns follows the width. Only the active cell is in the tab
+// order; arrow keys move it. Its row stays in the document even when scrolled away.
 import { el, setAttribute } from "./dom";
 
 export interface GridOptions {
   readonly label: string;
   readonly id: string;
-  /** CSS pixels, gaps included. */
+  /** CSS pixels, including gaps. */
   readonly rowHeight: number;
   readonly columnWidthMin: number;
-  /** What is in the cell; the grid gives it its role and place. */
+  /** Creates a cell's content; the grid sets its role and position. */
   readonly render: (key: string, index: number) => HTMLElement;
   readonly drop: (cell: HTMLElement) => void;
   readonly onActive: (key: string) => void;
 }
 
-/** Rows that are made beyond the view on each side. */
+/** Extra rows above and below the visible ones. */
 const spareRows = 1;
 
 export class VirtualGrid {
@@ -27,7 +27,7 @@ export class VirtualGrid {
   private columns = 1;
   private active = 0;
   private frame = 0;
-  /** Before rows were taken away. */
+  /** Whether a cell had the focus before rows were removed. */
   private hadFocus = false;
   private readonly resize: ResizeObserver;
 
@@ -58,7 +58,7 @@ export class VirtualGrid {
     return this.columns;
   }
 
-  /** Shows these, in this order. Cells of keys that stay are kept. */
+  /** Shows these keys in this order. Cells of remaining keys are reused. */
   setKeys(keys: readonly string[], isOther: boolean): void {
     const activeKey = this.activeKey;
     this.keys = keys;
@@ -72,7 +72,7 @@ export class VirtualGrid {
     this.layout();
   }
 
-  /** Calls it with each cell that is in the document. */
+  /** Calls `look` with each cell in the document. */
   forEachCell(look: (cell: HTMLElement, key: string) => void): void {
     for (const [key, cell] of this.cells) look(cell, key);
   }
@@ -81,7 +81,6 @@ export class VirtualGrid {
     return this.cells.get(key) ?? null;
   }
 
-  /** Puts the focus on the active cell. */
   focus(): void {
     this.moveTo(this.active);
   }
@@ -136,7 +135,7 @@ export class VirtualGrid {
     const end = Math.min(this.keys.length, begin + this.columns);
     for (let index = begin; index < end; index++) element.append(this.cellAt(index));
     this.rows.set(row, element);
-    // Rows stand in the document in their order, so that reading goes on from one to the next.
+    // Rows are in the document in display order, as screen readers read them.
     const after = [...this.rows].filter(([other]) => other > row).sort((a, b) => a[0] - b[0])[0];
     this.content.insertBefore(element, after?.[1].isConnected ? after[1] : null);
   }
@@ -162,7 +161,7 @@ export class VirtualGrid {
     this.rows.clear();
   }
 
-  /** To the active cell, from the page's beginning, where it fell when its row was taken away. */
+  /** Removing a focused row moves the focus to the page's body; this moves it back to the active cell. */
   private giveFocusBack(): void {
     if (this.hadFocus && (document.activeElement ?? document.body) === document.body)
       this.cells.get(this.activeKey ?? "")?.focus({ preventScroll: true });

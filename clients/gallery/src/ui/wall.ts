@@ -1,4 +1,4 @@
-// The wall: a grid of groups, or of animations. One set of moving thumbnails serves both.
+// The wall: a grid of groups or of animations. Both grids share one set of animated thumbnails.
 import type { Animation } from "../data/types";
 import type { AppState, Loaded } from "../state/app-state";
 import { archiveShown, areGroupsThere, orderedNames } from "../state/derived";
@@ -12,14 +12,14 @@ import type { Part, Ui } from "./part";
 import { VirtualGrid } from "./virtual-grid";
 
 export interface Wall extends Part {
-  /** The animation, or the representative, whose card has (or had last) the focus. */
+  /** The animation, or the group's representative, whose card has or last had the focus. */
   readonly focusedName: string | null;
   focus(): void;
-  /** What Enter does on a card. */
+  /** Performs Enter on the focused card. */
   activate(): void;
-  /** Cards stand still while the player plays: the machine's time goes to it. */
+  /** Pauses the cards while the player plays, to save computing time. */
   pause(isPaused: boolean): void;
-  /** Shared with the player; null before an archive is there. */
+  /** Shared with the player; null until an archive is loaded. */
   readonly stage: ArchiveStage | null;
 }
 
@@ -32,7 +32,7 @@ export function makeWall(ui: Ui, renderer: SharedRenderer): Wall {
   let shown: Loaded | null = null;
   let isStopped = false;
   let groupsOf = new Map<string, number>();
-  /** The focus was on the wall when another grid, or another group, came to be shown. */
+  /** Set if the wall had the focus when the view or the open group changed. */
   let owed: { readonly left: PathStep | null } | null = null;
 
   const show = (canvas: HTMLCanvasElement): void => thumbnails?.show(canvas, canvas.dataset["name"] ?? "");
@@ -140,12 +140,12 @@ export function makeWall(ui: Ui, renderer: SharedRenderer): Wall {
     const isOut = page.path.length < before.page.path.length;
     owed = hadFocus ? { left: (isOut ? before.page.path[page.path.length] : null) ?? null } : null;
   };
-  /** To the first card of what has come, or to that of the group that was left. */
+  /** Focuses the first new card, or the card of the group that was left. */
   const payFocus = (state: AppState): void => {
     if (owed === null || state.page.view === "plots" || !isAnswered(state)) return;
     const { left } = owed;
     owed = null;
-    // What a person went to meanwhile keeps it.
+    // If a person focused something else meanwhile, the focus stays there.
     if (!isFocusNowhere() && !element.contains(document.activeElement)) return;
     const entry = left === null ? undefined : state.loaded?.entryOf.get(left.representative);
     const group = entry === undefined ? -1 : groupWith(state, entry);
@@ -213,25 +213,25 @@ function cardsChanged(state: AppState, before: AppState): boolean {
   );
 }
 
-/** Once an element with the focus is hidden browsers put it there, some only with the next picture. */
+/** Browsers focus the body when a focused element is hidden, some only at the next frame. */
 function isFocusNowhere(): boolean {
   return (document.activeElement ?? document.body) === document.body;
 }
 
-/** Whether the grid holds what the page asks for, and not what it asked for before. */
+/** Whether the grid shows what the page now requests. */
 function isAnswered(state: AppState): boolean {
   if (state.loaded === null || state.opened.includes(null)) return false;
   return state.page.view !== "groups" || areGroupsThere(state);
 }
 
-/** The one that stands for itself, else the one it is in; -1: none. */
+/** Index of the group that the entry represents, else of the group that contains it; -1 if none. */
 function groupWith(state: AppState, entry: number): number {
   const list = state.groups?.list ?? [];
   const own = list.findIndex(({ representative }) => representative === entry);
   return own >= 0 ? own : list.findIndex(({ members }) => members.includes(entry));
 }
 
-/** A group is another one when what it says is another thing. */
+/** The key of a group changes whenever its card's text changes. */
 function groupKeys(state: AppState): string[] {
   const { loaded, groups } = state;
   return (groups?.list ?? []).map((group) => {
@@ -240,7 +240,7 @@ function groupKeys(state: AppState): string[] {
   });
 }
 
-/** Of a run that isn't followed nobody knows here whether it has ended. */
+/** If the gallery doesn't follow the run, the page cannot know whether the run has ended. */
 function noneKeptWords(state: AppState, isServed: boolean): string {
   if (archiveShown(state)?.is_live)
     return "The archive has no kept animations yet. New ones will be offered here.";

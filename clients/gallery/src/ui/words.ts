@@ -1,11 +1,10 @@
-// Numbers as people read them.
+// Formats numbers for people.
 
 const counts = new Intl.NumberFormat("en", { maximumFractionDigits: 0 });
 
 export const noPictures =
   "This browser has no WebGL, so animations cannot be drawn. Their numbers are still available.";
 
-/** "12,000" */
 export function count(value: number): string {
   return counts.format(value);
 }
@@ -14,7 +13,7 @@ export function counted(value: number, one: string, many: string): string {
   return `${count(value)} ${value === 1 ? one : many}`;
 }
 
-/** Few digits: "0.0123", "-12.35", "1.2e-9". */
+/** A number with `digits` significant digits: "0.0123", "−12.35", "1.2e−9". */
 export function number(value: number, digits = 4): string {
   if (Number.isNaN(value)) return "none";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
@@ -22,7 +21,7 @@ export function number(value: number, digits = 4): string {
   return String(isWhole ? value : Number(value.toPrecision(digits))).replace("-", "−");
 }
 
-/** As a card has room for: three digits, two of them behind the point at most. */
+/** A number short enough for a card: three significant digits, at most two decimals. */
 export function cardNumber(value: number): string {
   return number(Number.isFinite(value) ? Number(value.toFixed(2)) : value, 3);
 }
@@ -34,7 +33,7 @@ export function withUnit(value: number, unit: string): string {
   return shown === "" ? number(value) : `${number(value)} ${shown}`;
 }
 
-/** Of a number's name: "rest_s" with unit s reads "rest_s [s]". */
+/** A number's name with its unit: "rest_s [s]". */
 export function named(name: string, unit: string): string {
   const shown = shownUnits[unit] ?? unit;
   return shown === "" ? name : `${name} [${shown}]`;
@@ -48,7 +47,7 @@ export function seconds(value: number, digits = 3): string {
   return `${value.toFixed(digits).replace("-", "−")} s`;
 }
 
-/** "12 ± 2 %"; without an error where it isn't known. */
+/** "12 ± 2 %", or "12 %" if the error isn't known. */
 export function share(value: number, error: number | null): string {
   const isKnown = error !== null && Number.isFinite(error);
   const digits = isKnown && error < 0.01 ? 1 : 0;

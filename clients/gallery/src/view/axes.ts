@@ -1,5 +1,5 @@
-// From the scene's axes (z up) to three.js's (y up), as clients/export/axes.h does for glTF:
-// (x, y, z) becomes (x, z, -y), so nothing is rounded.
+// Converts the scene's axes (z up) to three.js's (y up), as clients/export/axes.h does for glTF: (x, y, z)
+// becomes (x, z, -y), without rounding.
 
 import type { Vector3 } from "three";
 import type { Place } from "../data/types";
@@ -12,7 +12,7 @@ export function zUp(of: Vector3): Place {
   return [of.x, -of.z, of.y];
 }
 
-/** Another place of the same axes, where the numbers are at hand. */
+/** As above, for separate coordinates. */
 export function setYUpOf(out: Vector3, x: number, y: number, z: number): Vector3 {
   return out.set(x, z, -y);
 }

@@ -1,5 +1,5 @@
-// The bodies of a scene at one moment. Bodies of the same shape are instances of one mesh, each in
-// its own colour, so that a hundred balls are one call to the GPU.
+// Draws the bodies of a scene at one moment. Bodies of the same shape are instances of one mesh with their
+// own colours, so that a hundred balls take one GPU call.
 
 import { Color, DynamicDrawUsage, Group, InstancedMesh, type ShaderMaterial } from "three";
 import type { Mesh } from "../data/types";
@@ -23,11 +23,11 @@ const pose = new Pose();
 export class Bodies {
   readonly group = new Group();
   private readonly batches: Batch[];
-  /** Of each body sixteen numbers, column by column, and whether it is there. */
+  /** Per body: a matrix of sixteen numbers, column by column, and whether the body is present. */
   private readonly matrices: Float32Array;
   private readonly isThere: Uint8Array;
 
-  /** `meshes`: of bodies alone. */
+  /** `meshes`: meshes of bodies only. */
   constructor(meshes: readonly Mesh[], private readonly count: number, style: BodyStyle, light: Light) {
     this.matrices = new Float32Array(16 * count);
     this.isThere = new Uint8Array(count);
@@ -35,7 +35,7 @@ export class Bodies {
     for (const batch of this.batches) this.group.add(batch.mesh);
   }
 
-  /** Nothing is allocated. `only`: all others are left out. */
+  /** Doesn't allocate. `only`: hides all other bodies. */
   place(recording: Recording, t: number, only: number | null = null): void {
     const count = Math.min(this.count, recording.bodies);
     this.isThere.fill(0);
@@ -96,7 +96,7 @@ function batchesOf(meshes: readonly Mesh[], style: BodyStyle, light: Light): Bat
 function instanced(look: Mesh, count: number, style: BodyStyle, light: Light): InstancedMesh {
   const opacity = style === "ghost" ? GHOST_OPACITY : look.opacity;
   const { doubleSided } = look;
-  // Colours are the instances' own.
+  // Instances have their own colours.
   const material = shaded(light, { colour: "#ffffff", opacity, doubleSided, isDecal: false });
   const mesh = new InstancedMesh(geometryOf(look), material, count);
   mesh.setColorAt(0, new Color(1, 1, 1));
@@ -106,7 +106,7 @@ function instanced(look: Mesh, count: number, style: BodyStyle, light: Light): I
   return mesh;
 }
 
-/** Of `pose`, in y-up axes; column by column. */
+/** Writes the matrix of `pose` in y-up axes, column by column. */
 function writeMatrix(into: Float32Array, at: number): void {
   const x = pose.qx, y = pose.qz, z = -pose.qy, w = pose.qw;
   const xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z;

@@ -1,4 +1,4 @@
-// Shows the box of box.ts in a scene, and turns drags into changes of it.
+// Shows the box of box.ts in a scene, and converts drags to changes of the box.
 
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, DynamicDrawUsage, EdgesGeometry, Group, LineBasicMaterial,
@@ -13,10 +13,10 @@ import type { ViewBox } from "./camera";
 import type { PointInCell } from "./views";
 import { THEMES, type ThemeName } from "./theme";
 
-/** How near the pointer has to be to a handle. */
+/** Maximum distance from the pointer to a handle. */
 const HANDLE_REACH_PX = 14;
 const HANDLE_PX = 12;
-/** From lower than this the ground is too slanting to draw upon. */
+/** Below this elevation, the ground is too oblique for drawing. */
 const GROUND_ELEVATION_MIN = 0.3;
 
 type Drag = { readonly face: Face } | { readonly from: Place; readonly axis: 1 | 2; readonly at: number };
@@ -26,7 +26,7 @@ const place = new Vector3();
 export class BoxDrawer {
   readonly group = new Group();
   box: Box | null = null;
-  /** The next drag makes a new box. */
+  /** Whether the next drag draws a new box. */
   isArmed = false;
   private drag: Drag | null = null;
   private readonly fill = new MeshBasicMaterial({
@@ -67,7 +67,7 @@ export class BoxDrawer {
 
   setRatio(ratio: number): void { this.dot.size = HANDLE_PX * ratio; }
 
-  /** Begins a drag. `view`: of the scene; `elevation`: of the camera. */
+  /** Starts a drag. `view` is the scene's; `elevation` is the camera's. */
   grab(point: PointInCell, camera: PerspectiveCamera, view: ViewBox, elevation: number): boolean {
     const face = this.handleAt(point, camera);
     if (face !== null) {
@@ -85,7 +85,7 @@ export class BoxDrawer {
     return true;
   }
 
-  /** True: the box has changed. */
+  /** Returns true if the box has changed. */
   grabbed(ray: Ray, view: ViewBox): boolean {
     const { drag, box } = this;
     if (drag === null) return false;

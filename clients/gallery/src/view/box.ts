@@ -1,16 +1,16 @@
-// A box in the scene that people draw and pull at, to ask which animations pass through it. Pure
-// geometry; box-drawer.ts shows it.
+// A box that people draw and resize in the scene, to find animations that pass through it. Pure geometry;
+// box-drawer.ts shows the box.
 
 import type { Place } from "../data/types";
 import type { ViewBox } from "./camera";
 
-/** In metres, in the scene's frame (z up); low is below high along each axis. */
+/** In metres, in the scene's frame (z up); low < high on each axis. */
 export interface Box {
   readonly low: Place;
   readonly high: Place;
 }
 
-/** Six faces: axis 0, 1, 2 and its lower or upper one. */
+/** One of six faces: axis 0, 1 or 2, lower or upper. */
 export interface Face {
   readonly axis: 0 | 1 | 2;
   readonly isHigh: boolean;
@@ -25,9 +25,9 @@ export interface Ray {
   readonly direction: Place;
 }
 
-/** Places are rounded to this, so that numbers in fields are short. */
+/** Coordinates are rounded to this, so that numbers in fields are short. */
 const GRID_M = 1e-4;
-/** A box is never thinner. */
+/** Minimum thickness of a box. */
 const THIN_M = 1e-3;
 
 export function faceMiddle(box: Box, face: Face): Place {
@@ -47,7 +47,7 @@ export function withFace(box: Box, face: Face, at: number): Box {
   return { low, high };
 }
 
-/** Where a ray meets the plane on which `axis` is `at`; null: it doesn't. */
+/** The point where the ray meets the plane with coordinate `at` on `axis`; null: none. */
 export function onPlane(ray: Ray, axis: 0 | 1 | 2, at: number): Place | null {
   const slope = ray.direction[axis];
   if (Math.abs(slope) < 1e-6) return null;
@@ -59,22 +59,20 @@ export function onPlane(ray: Ray, axis: 0 | 1 | 2, at: number): Place | null {
   ];
 }
 
-/** The coordinate along `axis` at which the line through `middle` comes nearest to the ray. */
+/** The coordinate on the line through `middle` along `axis` where the line is nearest to the ray. */
 export function alongAxis(ray: Ray, middle: Place, axis: 0 | 1 | 2): number | null {
   const d = ray.direction;
   const b = d[axis];
   const divisor = 1 - b * b;
-  // Seen along the axis, nothing says how far.
+  // The ray is almost parallel to the axis, so the coordinate is undefined.
   if (divisor < 1e-4) return null;
   const w: Place = [middle[0] - ray.origin[0], middle[1] - ray.origin[1], middle[2] - ray.origin[2]];
   const along = w[0] * d[0] + w[1] * d[1] + w[2] * d[2];
   return middle[axis] + (b * along - w[axis]) / divisor;
 }
 
-/**
- * A new box from a drag: on the ground (axis 2) or on the plane that faces a viewer from the front
- * (axis 1); along that axis it is as large as the scene's view.
- */
+/** A new box from a drag on the ground (axis 2) or on the plane that faces a viewer at the front (axis 1).
+ *  Along this axis the box has the size of the scene's view. */
 export function dragged(from: Place, to: Place, axis: 1 | 2, view: ViewBox): Box {
   const low: [number, number, number] = [0, 0, 0];
   const high: [number, number, number] = [0, 0, 0];
@@ -87,7 +85,7 @@ export function dragged(from: Place, to: Place, axis: 1 | 2, view: ViewBox): Box
   return { low, high };
 }
 
-/** Corners in order, at least THIN_M apart; null of numbers that are none. */
+/** The box with ordered corners at least THIN_M apart; null if a number isn't finite. */
 export function soundBox(box: Box): Box | null {
   if (![...box.low, ...box.high].every(Number.isFinite)) return null;
   const low: [number, number, number] = [0, 0, 0];

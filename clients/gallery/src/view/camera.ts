@@ -1,23 +1,23 @@
-// The camera that goes around a scene: from where it looks is a few numbers, which links hold.
+// The camera that orbits a scene. Its state is a few numbers, which links contain.
 
 import { Matrix4, PerspectiveCamera, Vector3 } from "three";
 import type { Place } from "../data/types";
 import { setYUp } from "./axes";
 
 export interface CameraState {
-  /** Around the vertical, from the front (a viewer at -y) counter-clockwise seen from above. */
+  /** Angle around the vertical: 0 is the front (a viewer at -y), counter-clockwise from above. */
   readonly azimuth: number;
-  /** Above the horizon; a quarter turn looks straight down. */
+  /** Angle above the horizon; a quarter turn looks straight down. */
   readonly elevation: number;
   /** 1: the scene's view fills the picture; 2: twice as large. */
   readonly zoom: number;
-  /** What is in the middle, in the scene's frame; null: the middle of the scene's view. */
+  /** Centre of the picture, in the scene's frame; null: the centre of the scene's view. */
   readonly target: Place | null;
 }
 
 export type Preset = "home" | "front" | "top" | "side";
 
-/** The box that a scene wants to be seen. */
+/** The box that the camera frames. */
 export interface ViewBox {
   readonly low: Place;
   readonly high: Place;
@@ -27,9 +27,9 @@ export const FIELD_OF_VIEW_RAD = (26 * Math.PI) / 180;
 const ZOOM_MIN = 0.1;
 const ZOOM_MAX = 200;
 const QUARTER = Math.PI / 2;
-/** What the picture leaves free at its edges. */
+/** The view's size including a margin, relative to the view. */
 const MARGIN = 1.04;
-/** A view that is so much thinner along y than otherwise is one to look at from the front. */
+/** Views thinner than this along y, relative to their other sizes, are seen from the front. */
 const THIN = 0.34;
 
 export function presetOf(preset: Preset, box: ViewBox, isPlanar: boolean): CameraState {
@@ -50,7 +50,7 @@ export function isThin(box: ViewBox): boolean {
   return size(1) < THIN * Math.max(size(0), size(2));
 }
 
-/** Numbers of a link or a drag, made sound. */
+/** Clamps the numbers of a link or a drag to valid ranges. */
 export function sound(camera: CameraState): CameraState {
   const turn = Number.isFinite(camera.azimuth) ? camera.azimuth : 0;
   const elevation = Number.isFinite(camera.elevation) ? camera.elevation : 0;
@@ -76,7 +76,7 @@ const centre = new Vector3();
 const corner = new Vector3();
 const basis = new Matrix4();
 
-/** Axes of the picture in three.js's frame: to the right, upwards and towards the viewer. */
+/** Axes of the picture in three.js's frame: right, up, and towards the viewer. */
 export function axesOf(state: CameraState, toRight: Vector3, upwards: Vector3, towards: Vector3): void {
   const { azimuth: a, elevation: e } = state;
   toRight.set(Math.cos(a), 0, -Math.sin(a));
@@ -84,12 +84,12 @@ export function axesOf(state: CameraState, toRight: Vector3, upwards: Vector3, t
   upwards.crossVectors(towards, toRight);
 }
 
-/** Places the camera for a picture of this aspect (width / height). Allocates nothing. */
+/** Places the camera for a picture of this aspect (width / height). Doesn't allocate. */
 export function aim(camera: PerspectiveCamera, state: CameraState, box: ViewBox, aspect: number): void {
   axesOf(state, right, up, back);
   setYUp(centre, middleOf(box));
   const tangent = Math.tan(FIELD_OF_VIEW_RAD / 2);
-  // The least distance from which all corners of the view are seen.
+  // The smallest distance at which all corners of the view are visible.
   let distance = 0;
   let radius = 0;
   for (let i = 0; i < 8; ++i) {

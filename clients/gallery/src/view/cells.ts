@@ -1,5 +1,4 @@
-// How a picture is divided among up to nine animations: rows and columns that leave each as large as
-// can be. Pure.
+// Divides a picture into rows and columns for up to nine animations, as large as possible. Pure.
 
 export interface Cell {
   readonly x: number;
@@ -9,12 +8,12 @@ export interface Cell {
 }
 
 export const CELLS_MAX = 9;
-/** What a scene's picture is wide for its height, about. */
+/** Typical width / height of a scene's picture. */
 const ASPECT = 1.35;
-/** Between cells. */
+/** Pixels between cells. */
 const GAP = 4;
 
-/** From the upper left, row by row; in whole pixels. */
+/** Cells from the upper left, row by row, in whole pixels. */
 export function cellsOf(count: number, width: number, height: number): Cell[] {
   if (count < 1 || width < 1 || height < 1) return [];
   let columns = 1;
@@ -44,7 +43,7 @@ export function cellsOf(count: number, width: number, height: number): Cell[] {
   return cells;
 }
 
-/** Which cell holds the point; -1: none. */
+/** The cell that contains the point; -1: none. */
 export function cellAt(cells: readonly Cell[], x: number, y: number): number {
   return cells.findIndex((cell) =>
     x >= cell.x && x < cell.x + cell.width && y >= cell.y && y < cell.y + cell.height);

@@ -1,13 +1,12 @@
-// The player's time: where it is, how fast it goes and what happens at the end. Pure: the caller
-// says how much time has gone by.
+// The player's time: position, speed, and what happens at the end. Pure: the caller passes the elapsed time.
 
 import type { Range } from "../motion/sync";
 
 export const SPEED_MIN = 1 / 16;
 export const SPEED_MAX = 4;
-/** A longer pause between two pictures (a hidden tab) counts as so much. */
+/** Longer pauses between frames (such as a hidden tab) count as this. */
 const GAP_S_MAX = 0.1;
-/** Before a repetition the end stays to be seen. */
+/** Pause at the end before a loop repeats. */
 const HOLD_S = 0.8;
 
 export class Clock {
@@ -23,7 +22,7 @@ export class Clock {
     this.heldS = 0;
   }
 
-  /** Keeps the time if it is still within the range. */
+  /** Keeps the time if it is within the new range. */
   setRange(range: Range): void {
     this.range = range;
     this.seek(this.time);
@@ -33,13 +32,13 @@ export class Clock {
     if (Number.isFinite(speed)) this.speed = Math.min(Math.max(speed, SPEED_MIN), SPEED_MAX);
   }
 
-  /** From the end it begins anew. */
+  /** At the end, play() restarts from the beginning. */
   play(): void {
     if (this.time >= this.range.to) this.seek(this.range.from);
     this.isPlaying = true;
   }
 
-  /** Goes on by real seconds; true: the end was reached and it stopped. */
+  /** Advances by elapsed real time. Returns true if it reached the end and stopped. */
   advance(elapsedS: number): boolean {
     if (!this.isPlaying) return false;
     const gap = Math.min(Math.max(elapsedS, 0), GAP_S_MAX);

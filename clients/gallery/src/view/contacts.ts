@@ -1,5 +1,5 @@
-// Where on its surface a body touched what it hit: the point of it that is furthest against the
-// change of its velocity. Of a ball that is exact but for friction; of a die it is the right corner.
+// Estimates where a body touched what it hit: its point that is furthest against the change of its velocity.
+// For a ball this is exact except for friction; for a die it is the correct corner.
 
 import type { Mesh, Place } from "../data/types";
 import type { MotionEvent } from "../motion/events";
@@ -9,7 +9,7 @@ import type { Recording } from "../motion/recording";
 const pose = new Pose();
 
 export class Contacts {
-  /** Of each body the places of its meshes' vertices; y up, in the body's frame. */
+  /** Vertices of each body's meshes; y up, in the body's frame. */
   private readonly vertices: readonly Float32Array[][];
 
   constructor(private readonly recording: Recording, meshes: readonly Mesh[]) {
@@ -17,11 +17,11 @@ export class Contacts {
     for (const mesh of meshes) this.vertices[mesh.feature]?.push(mesh.places);
   }
 
-  /** In the scene's frame. */
+  /** The contact point in the scene's frame. */
   placeOf(hit: MotionEvent): Place {
     const [cx, cy, cz] = hit.change_mps;
     if (!this.recording.poseAt(hit.body, hit.timeS, pose)) return hit.place_m;
-    // The direction in the body's frame: by the inverse rotation.
+    // The direction in the body's frame, by the inverse rotation.
     const d = rotated(-pose.qx, -pose.qy, -pose.qz, pose.qw, cx, cy, cz);
     let least = Infinity;
     let touching: Place = [0, 0, 0];

@@ -1,5 +1,5 @@
-// Which part of a scene is worth seeing: where bodies go and what they meet, within the view that the
-// archive gives, which is as large as any of its throws could need.
+// Finds the interesting part of a scene: where bodies move and what they meet, within the archive's view.
+// That view is large enough for all possible throws.
 
 import type { Looks, Mesh, Place, Scene } from "../data/types";
 import type { Recording } from "../motion/recording";
@@ -11,7 +11,7 @@ const NOTHING: ViewBox = {
   low: [Infinity, Infinity, Infinity], high: [-Infinity, -Infinity, -Infinity],
 };
 const AXES = [0, 1, 2] as const;
-/** A shared box that has to grow grows by this share more, so that it does so seldom. */
+/** A shared frame grows by this additional share, so that it grows rarely. */
 const GROW = 0.04;
 
 export function union(a: ViewBox, b: ViewBox): ViewBox {
@@ -29,7 +29,7 @@ function holds(outer: ViewBox, inner: ViewBox): boolean {
   return AXES.every((k) => inner.low[k] >= outer.low[k] && inner.high[k] <= outer.high[k]);
 }
 
-/** What both have; `a` itself where they have nothing in common. */
+/** The intersection; `a` itself if the boxes don't overlap. */
 function within(a: ViewBox, bounds: ViewBox): ViewBox {
   const low: Corner = [0, 0, 0];
   const high: Corner = [0, 0, 0];
@@ -40,7 +40,7 @@ function within(a: ViewBox, bounds: ViewBox): ViewBox {
   return { low, high };
 }
 
-/** Of goals, and of things that don't reach out of the view: what the bodies are thrown at. */
+/** The box of goals and of features within the view: what bodies are thrown at. */
 export function boxOfLooks(scene: Scene, meshes: readonly Mesh[]): ViewBox {
   const view: ViewBox = { low: scene.view_low_m, high: scene.view_high_m };
   let box = NOTHING;
@@ -67,7 +67,7 @@ function boxOfPlaces(places: Float32Array): ViewBox {
   return { low, high };
 }
 
-/** Where the bodies go from a time on, with their sizes. */
+/** The box of the bodies' motion from a time on, including their sizes. */
 export function boxOfMotion(recording: Recording, scene: Scene, fromS = -Infinity): ViewBox {
   const { segments } = recording;
   const low: Corner = [Infinity, Infinity, Infinity];
@@ -93,18 +93,18 @@ export function boxOfMotion(recording: Recording, scene: Scene, fromS = -Infinit
   return { low, high };
 }
 
-/** Of some motion in a scene; the scene's whole view where there is none. */
+/** The frame for a motion; the scene's whole view if there is no motion. */
 export function framed(scene: Scene, looks: ViewBox, motion: ViewBox): ViewBox {
   const view: ViewBox = { low: scene.view_low_m, high: scene.view_high_m };
   const box = within(union(looks, motion), view);
   return isEmpty(box) || isEmpty(motion) ? view : box;
 }
 
-/** A frame that many pictures share: grows to hold each. */
+/** A frame shared by many pictures; it grows to contain each motion. */
 export class SharedFrame {
   private motion = NOTHING;
   private current: ViewBox;
-  /** Of what the archive's animations have in common. */
+  /** The box of looks that all animations share. */
   readonly looks: ViewBox;
 
   constructor(private readonly scene: Scene, looks: Looks) {
@@ -114,7 +114,7 @@ export class SharedFrame {
 
   get box(): ViewBox { return this.current; }
 
-  /** True: the frame has changed, and pictures in it have to be drawn again. */
+  /** Returns true if the frame changed, so that its pictures must be drawn again. */
   include(motion: ViewBox): boolean {
     const isFirst = isEmpty(this.motion);
     this.motion = union(this.motion, motion);

@@ -1,11 +1,10 @@
-// Triangles for the GPU: what stands still is merged by material, and bodies that have the same
-// shape share it.
+// Triangles for the GPU. Static features are merged by material; bodies of the same shape share it.
 
 import { BufferAttribute, BufferGeometry, type Material, type ShaderMaterial } from "three";
 import type { Mesh } from "../data/types";
 import { type Light, shaded } from "./shading";
 
-/** Of translucent goals, at most. */
+/** Maximum opacity of goals. */
 const WANTED_OPACITY = 0.6;
 
 export function geometryOf(mesh: Mesh): BufferGeometry {
@@ -16,16 +15,16 @@ export function geometryOf(mesh: Mesh): BufferGeometry {
   return geometry;
 }
 
-/** Meshes of one material as one, and which feature each triangle is of. */
+/** Merged meshes of one material, with each triangle's feature. */
 export interface Merged {
   readonly geometry: BufferGeometry;
   readonly material: Material;
   readonly isClear: boolean;
-  /** Ascending: from this triangle on it is this feature's. */
+  /** First triangles of features, ascending. */
   readonly from: readonly { readonly triangle: number; readonly feature: number }[];
 }
 
-/** Materials by what they look like; shared by all that is drawn of an archive. */
+/** Materials by look, shared by everything drawn from an archive. */
 export class Materials {
   private readonly byKey = new Map<string, ShaderMaterial>();
 
@@ -84,7 +83,7 @@ function merged(meshes: readonly Mesh[], material: Material): Merged {
   return { geometry, material, isClear: material.transparent, from };
 }
 
-/** Which feature a triangle of merged meshes is of. */
+/** The feature of a triangle of merged meshes. */
 export function featureOf(merged: Pick<Merged, "from">, triangle: number): number {
   let feature = -1;
   for (const part of merged.from) {

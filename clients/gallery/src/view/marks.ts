@@ -1,16 +1,16 @@
-// Rings where bodies have just hit something; they grow and fade, and gentle hits have faint ones.
+// Rings where bodies hit something. Rings grow and fade; gentle hits have faint rings.
 
 import { BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, Points, ShaderMaterial } from "three";
 import type { Place } from "../data/types";
 import type { MotionEvent } from "../motion/events";
 import type { Contacts } from "./contacts";
 
-/** How long a mark is seen. */
+/** Duration of a mark. */
 export const MARK_S = 0.3;
 const SHOWN_MAX = 96;
-/** Below this, a hit is one of the many of a body that comes to rest. */
+/** Below this change of velocity, hits of a body that comes to rest are too many to mark. */
 const CHANGE_MIN_MPS = 0.03;
-/** A change of velocity like this has a mark of full strength. */
+/** Change of velocity with a mark of full strength. */
 const CHANGE_FULL_MPS = 0.4;
 
 const VERTEX = `
@@ -69,7 +69,7 @@ export class Marks {
     this.points.renderOrder = 3;
   }
 
-  /** `ratio`: pixels to one of CSS. */
+  /** `ratio`: device pixels per CSS pixel. */
   show(t: number, colour: number, ratio: number): void {
     let count = 0;
     for (let i = this.lastBy(t); i >= 0 && count < SHOWN_MAX; --i) {

@@ -1,25 +1,25 @@
-// Animations of one archive that thumbnails show: loaded in batches as they are wanted, and bounded,
-// the ones that were wanted longest ago going first.
+// A cache of one archive's animations for thumbnails. It loads animations in batches on request, and drops
+// the least recently used ones above a limit.
 
 import type { Animation, AnimationName } from "../data/types";
 import { AnimationModel } from "./model";
 import type { ArchiveStage } from "./stage";
 
-/** As source.animations() of the archive; rejected: those that asked may ask again. */
+/** source.animations() of the archive. After a rejection, callers may request the names again. */
 export type Loader = (names: readonly AnimationName[], signal: AbortSignal) => Promise<readonly Animation[]>;
 
 export interface CacheUser {
-  /** These have come; none of them: something has failed, or may be asked for again. */
+  /** Called when animations have arrived; with an empty list if requests failed or may be repeated. */
   came(animations: readonly Animation[]): void;
-  /** Whether a model may not be dropped. */
+  /** Whether the model is in use, so that it must not be dropped. */
   isInUse(name: AnimationName): boolean;
 }
 
-/** A batch is small, so that the first pictures come soon. */
+/** Small batches, so that the first pictures appear soon. */
 const BATCH = 8;
 const BATCHES_AT_ONCE = 2;
 const BYTES_MAX = 64 * 1024 * 1024;
-/** Each has buffers of its own on the GPU. */
+/** Limit for GPU buffers, as each model has its own. */
 const MODELS_MAX = 160;
 const RETRY_MS_MIN = 500;
 const RETRY_MS_MAX = 8000;
@@ -30,10 +30,10 @@ interface Held {
 }
 
 export class ModelCache {
-  /** In the order of last use, the longest ago first. */
+  /** From least to most recently used. */
   private readonly held = new Map<AnimationName, Held>();
   private bytes = 0;
-  /** Wanted and not asked for; the newest wish last. */
+  /** Names to request, the newest last. */
   private readonly wishes = new Set<AnimationName>();
   private readonly asked = new Set<AnimationName>();
   private readonly failed = new Set<AnimationName>();
@@ -46,18 +46,18 @@ export class ModelCache {
     private readonly stage: ArchiveStage, private readonly load: Loader, private readonly user: CacheUser,
   ) {}
 
-  /** null: not there yet; it is asked for. */
+  /** Returns null and requests the animation if it isn't loaded. */
   get(name: AnimationName): AnimationModel | null {
     const held = this.held.get(name);
     if (held !== undefined) {
       this.held.delete(name);
       this.held.set(name, held);
-      // Not before it is drawn, so that an answer of many holds up no frame.
+      // Models are created only when drawn, so that a large answer doesn't delay a frame.
       held.model ??= new AnimationModel(this.stage, held.animation);
       return held.model;
     }
     if (this.asked.has(name) || this.failed.has(name)) return null;
-    // The newest wish comes first: it is what people look at.
+    // The newest request has priority, because people look at it.
     this.wishes.delete(name);
     this.wishes.add(name);
     this.schedule(0);
@@ -65,7 +65,7 @@ export class ModelCache {
   }
 
   hasFailed(name: AnimationName): boolean { return this.failed.has(name); }
-  /** No longer in view before it was asked for. */
+  /** Drops a request for a card that left the view before the request was sent. */
   forget(name: AnimationName): void { this.wishes.delete(name); }
 
   dispose(): void {
@@ -133,7 +133,7 @@ export class ModelCache {
   }
 }
 
-/** About: a segment has 20 numbers; meshes are held twice, merged and not. */
+/** Estimated size: a segment has 20 numbers, and meshes are stored twice (merged and separate). */
 function bytesOf(animation: Animation): number {
   let bytes = 180 * animation.recording.segments.count;
   for (const { places, normals, corners } of animation.meshes)

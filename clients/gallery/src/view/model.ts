@@ -1,4 +1,4 @@
-// What is one animation's own on its archive's stage: its look, its trails, its marks.
+// The parts of an archive's stage that belong to one animation: its look, trails and marks.
 
 import { Group } from "three";
 import type { Animation } from "../data/types";
@@ -14,16 +14,16 @@ import { Trails } from "./trails";
 
 export class AnimationModel {
   readonly group = new Group();
-  /** Of that: things that stand still. */
+  /** The static part of the look. */
   readonly standing = new Group();
-  /** Of features whose look is the animation's own. */
+  /** Static features whose look is specific to this animation. */
   readonly ownStill: readonly Merged[];
   readonly ownBodies: Bodies | null;
   private madeTrails: Trails | null = null;
   private madeMarks: Marks | null = null;
-  /** Nothing in it moves along y. */
+  /** Whether no body moves along y. */
   readonly isPlanar: boolean;
-  /** What is worth seeing of it. */
+  /** The interesting part of the scene. */
   readonly box: ViewBox;
   private madeEvents: readonly MotionEvent[] | null = null;
 
@@ -44,7 +44,7 @@ export class AnimationModel {
     return this.madeEvents;
   }
 
-  /** Made when they are first wanted: most thumbnails never show them. */
+  /** Created at the first use, because most thumbnails never show trails. */
   get trails(): Trails {
     if (this.madeTrails === null) {
       this.madeTrails = new Trails(this.animation.recording, this.stage, this.animation.meshes);

@@ -1,4 +1,4 @@
-// What is under the pointer, and where things are in a picture.
+// Finds what is under the pointer, and where features appear in a picture.
 
 import { Matrix4, Mesh, type PerspectiveCamera, Raycaster, Vector2, Vector3 } from "three";
 import type { Place } from "../data/types";
@@ -9,15 +9,15 @@ import { FIELD_OF_VIEW_RAD } from "./camera";
 import { featureOf, type Merged } from "./geometry";
 import type { AnimationModel } from "./model";
 
-/** A body is hit by a pointer that misses it by this: small ones can't be aimed at exactly. */
+/** Bodies are enlarged by this for picking, because small ones are hard to hit. */
 const REACH_PX = 4;
 
 export interface OnScreen {
-  /** Of the body's centre, in CSS pixels from the canvas' upper left. */
+  /** The body's centre, in CSS pixels from the canvas's upper left. */
   readonly x: number;
   readonly y: number;
   readonly radiusPx: number;
-  /** False: the body isn't there, or is behind the viewer. */
+  /** False if the body hasn't entered or is behind the viewer. */
   readonly visible: boolean;
 }
 
@@ -26,14 +26,14 @@ const place = new Vector3();
 const raycaster = new Raycaster();
 const pointer = new Vector2();
 
-/** Through a point of a cell, in the scene's frame. */
+/** A ray through a point of a cell, in the scene's frame. */
 export function rayAt(camera: PerspectiveCamera, x: number, y: number, width: number, height: number): Ray {
   pointer.set((2 * x) / width - 1, 1 - (2 * y) / height);
   raycaster.setFromCamera(pointer, camera);
   return { origin: zUp(raycaster.ray.origin), direction: zUp(raycaster.ray.direction) };
 }
 
-/** The nearest body that the ray meets; else the thing that stands still; -1: nothing. */
+/** The nearest body that the ray meets; else the static feature; -1: nothing. */
 export function featureUnder(
   model: AnimationModel, t: number, camera: PerspectiveCamera,
   x: number, y: number, width: number, height: number,
@@ -55,7 +55,7 @@ export function featureUnder(
     const off = Math.hypot(wx - along * dx, wy - along * dy, wz - along * dz);
     if (along <= 0 || off > radius + REACH_PX * pixel * along) continue;
     const distance = along - Math.sqrt(Math.max(radius * radius - off * off, 0));
-    // What is no more than the body's size in front of it is what it lies in or on.
+    // A static feature less than the body's size in front of the body counts as its support.
     if (distance >= nearest + 2 * radius && feature >= 0 && features[feature]?.kind !== "body") continue;
     if (features[feature]?.kind === "body" && distance >= nearest) continue;
     nearest = distance;
@@ -66,7 +66,7 @@ export function featureUnder(
 
 const identity = new Matrix4();
 
-/** Of `raycaster`. */
+/** The static feature that `raycaster` meets. */
 function stillUnder(merged: readonly Merged[]): { feature: number; distance: number } {
   let feature = -1;
   let distance = Infinity;
@@ -81,7 +81,7 @@ function stillUnder(merged: readonly Merged[]): { feature: number; distance: num
   return { feature, distance };
 }
 
-/** Into CSS pixels within a cell; null: behind the viewer. */
+/** Projects to CSS pixels within a cell; null: behind the viewer. */
 export function projected(
   camera: PerspectiveCamera, at: Place, width: number, height: number,
 ): { x: number; y: number; depth: number } | null {
@@ -92,7 +92,7 @@ export function projected(
   return { x: 0.5 * (place.x + 1) * width, y: 0.5 * (1 - place.y) * height, depth };
 }
 
-/** Pixels of a length at that depth. */
+/** Size of a length at this depth, in pixels. */
 export function pixelsOf(length: number, depth: number, height: number): number {
   return (0.5 * length * height) / (depth * Math.tan(FIELD_OF_VIEW_RAD / 2));
 }

@@ -1,9 +1,8 @@
-// Up to nine animations beside each other in one canvas, in step, seen by one camera that goes
-// around them. Draws only when something has changed.
+// Shows up to nine animations side by side in one canvas, aligned in time and seen by one orbiting camera.
+// Draws only after changes.
 //
-// The buttons, keys and timeline are others' (src/ui): they call the methods and listen to onEvent.
-// Times are shared times (motion/sync.ts) in seconds; pixels are those of CSS from the canvas'
-// upper left.
+// Buttons, keys and timeline are in src/ui: they call the methods and listen to onEvent. Times are shared
+// times (motion/sync.ts) in seconds. Pixels are CSS pixels from the canvas's upper left.
 
 import type { Animation, Place } from "../data/types";
 import { nextTime, previousTime } from "../motion/events";
@@ -30,7 +29,7 @@ export interface PlayerItem {
 }
 
 export interface Picked {
-  /** Which of the animations. */
+  /** Index of the animation. */
   readonly index: number;
   /** The feature under the pointer; bodies come first. */
   readonly feature: number;
@@ -41,10 +40,10 @@ export type PlayerEvent =
   | { readonly kind: "time"; readonly time: number }
   | { readonly kind: "playing"; readonly isPlaying: boolean }
   | { readonly kind: "camera"; readonly camera: CameraState }
-  /** null: a click upon nothing. */
+  /** null: the click hit nothing. */
   | { readonly kind: "pick"; readonly picked: Picked | null; readonly x: number; readonly y: number }
   | { readonly kind: "box"; readonly box: Box | null; readonly isDone: boolean }
-  /** Cells have moved: labels over them have to move too. */
+  /** Cells have moved, so labels over them must move too. */
   | { readonly kind: "layout" };
 
 export interface PlayerOptions {
@@ -81,7 +80,7 @@ export class Player {
   private readonly sizes: ResizeObserver;
   private readonly pointer: Pointer;
   private readonly unlisten: () => void;
-  /** The cell in which a drag of the box began. */
+  /** The cell in which a drag of the box started. */
   private dragCell = -1;
 
   constructor(
@@ -107,9 +106,9 @@ export class Player {
     this.measure();
   }
 
-  // ---- What is shown
+  // ---- Contents
 
-  /** At most nine. Camera and time stay, where they still make sense. */
+  /** At most nine animations. Camera and time stay if they are still valid. */
   setAnimations(items: readonly PlayerItem[]): void {
     const before = new Map(this.models.map((model) => [model.animation, model]));
     this.items = items.slice(0, CELLS_MAX);
@@ -126,7 +125,7 @@ export class Player {
     this.layOut();
   }
 
-  /** That animation's bodies are seen in all others, to be seen through; null: none. */
+  /** Draws this animation's bodies transparently in all other animations; null: none. */
   setGhost(of: number | null): void {
     this.ghostOf = of !== null && of >= 0 && of < this.models.length ? of : null;
     this.redraw();
@@ -135,7 +134,7 @@ export class Player {
 
   setTrails(on: boolean): void { this.hasTrails = on; this.redraw(); }
   setMarks(on: boolean): void { this.hasMarks = on; this.redraw(); }
-  /** For tests: that body alone, in all animations; one that there is not: nothing; null: all again. */
+  /** For tests: draws only this body in all animations; -1 draws no body; null draws all again. */
   setOnly(body: number | null): void { this.only = body; this.redraw(); }
   setTheme(theme: ThemeName): void {
     this.theme = theme;
@@ -168,9 +167,9 @@ export class Player {
   setSpeed(speed: number): void { this.clock.setSpeed(speed); }
   setLoop(on: boolean): void { this.clock.isLooping = on; }
   seek(t: number): void { this.clock.seek(t); this.redraw(); }
-  /** By frames of 1/60 s; pauses. */
+  /** Steps by frames of 1/60 s, and pauses. */
   step(frames: number): void { this.pause(); this.seek(this.clock.time + frames * FRAME_S); }
-  /** To the nearest event of any animation after (1) or before (-1) now; pauses. */
+  /** Moves to the nearest event of any animation after (1) or before (-1) the present time, and pauses. */
   toEvent(direction: 1 | -1): void {
     this.pause();
     const find = direction > 0 ? nextTime : previousTime;
@@ -184,7 +183,7 @@ export class Player {
 
   // ---- For the timeline
 
-  /** How far bodies have to be apart to have parted, in metres; null: a tenth of their size. */
+  /** Distance in metres above which animations count as different; null: a tenth of the bodies' size. */
   setTolerance(metres: number | null): void { this.tolerance = metres; }
   get toleranceM(): number { return this.tolerance ?? toleranceOf(this.models); }
   timeline(): Timeline {
@@ -210,7 +209,7 @@ export class Player {
     const { camera } = this.views;
     this.setCamera({ ...camera, zoom: camera.zoom * factor });
   }
-  /** By pixels to the right and down, as if one pulled at the scene. */
+  /** Pans by pixels to the right and down, as if a person pulled the scene. */
   pan(dx: number, dy: number): void { this.setCamera(this.views.pulled(dx, dy)); }
 
   // ---- The box
@@ -219,14 +218,14 @@ export class Player {
   /** The next drag on the canvas draws a new box. */
   startBox(): void { this.drawer.isArmed = true; this.canvas.style.cursor = "crosshair"; }
   setBox(box: Box | null): void { this.drawer.set(box); this.redraw(); }
-  /** Takes the box away. */
+  /** Removes the box. */
   endBox(): void {
     this.drawer.isArmed = false;
     this.canvas.style.cursor = "";
     this.setBox(null);
   }
 
-  // ---- Where things are
+  // ---- Places on the screen
 
   cells(): readonly Cell[] { return this.views.cells; }
 
@@ -239,7 +238,7 @@ export class Player {
     return name === undefined ? null : { index, feature, name };
   }
 
-  /** Of a body at a time of its animation's own. */
+  /** The screen position of a body at its animation's own time. */
   screenOf(index: number, body: number, t: number): OnScreen {
     const model = this.models[index];
     if (model === undefined || !model.animation.recording.centreAt(body, t, pose))
@@ -248,18 +247,18 @@ export class Player {
     return this.views.screenOf(index, [pose.x, pose.y, pose.z], radius);
   }
 
-  /** Of any place of the scene's frame, and of a ball about it. */
+  /** The screen position of a place in the scene's frame, and the size of a ball around it. */
   screenOfPlace(index: number, place: Place, radiusM: number): OnScreen {
     return this.views.screenOf(index, place, radiusM);
   }
 
-  /** An animation's own time at the shared one that is shown. */
+  /** The animation's own time at the present shared time. */
   ownTime(index: number): number { return this.clock.time + (this.shifts[index] ?? 0); }
   get count(): number { return this.models.length; }
   labelOf(index: number): string { return this.items[index]?.label ?? ""; }
-  /** How many pictures were drawn so far: tests measure by it. */
+  /** Number of pictures drawn so far; for tests. */
   get frames(): number { return this.drawn; }
-  /** Nothing waits to be drawn. */
+  /** Whether nothing waits to be drawn. */
   get isSettled(): boolean { return !this.isDirty && !this.clock.isPlaying; }
 
   redraw(): void {

@@ -1,12 +1,12 @@
-// Mouse, pen and fingers over the player's canvas, as turns, moves, zooms and clicks. One finger or
-// the left button turns; two fingers, the right button or Shift move and zoom; the wheel zooms.
+// Converts mouse, pen and touch input on the player's canvas to rotation, panning, zoom and clicks. One
+// finger or the left button rotates. Two fingers, the right button or Shift pan and zoom. The wheel zooms.
 
 export interface PointerTarget {
-  /** True: the rest of this drag is the target's (a handle, a new box). */
+  /** Returns true to receive the rest of this drag (for a handle or a new box). */
   grab(x: number, y: number): boolean;
   grabbed(x: number, y: number): void;
   released(): void;
-  /** In pixels of CSS. */
+  /** In CSS pixels. */
   turn(dx: number, dy: number): void;
   move(dx: number, dy: number): void;
   zoom(factor: number): void;
@@ -14,7 +14,7 @@ export interface PointerTarget {
   hover(x: number, y: number): void;
 }
 
-/** A press that moves less is a click. */
+/** A press that moves less than this is a click. */
 const CLICK_PX = 4;
 const WHEEL_ZOOM = 0.0015;
 
@@ -31,7 +31,7 @@ export class Pointer {
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly target: PointerTarget) {
     const options = { signal: this.ends.signal };
-    // Fingers on the canvas turn the scene instead of scrolling the page.
+    // Fingers on the canvas rotate the scene instead of scrolling the page.
     canvas.style.touchAction = "none";
     canvas.addEventListener("pointerdown", (event) => this.down(event), options);
     canvas.addEventListener("pointermove", (event) => this.moved(event), options);
@@ -93,7 +93,7 @@ export class Pointer {
     this.target.zoom(Math.exp(-WHEEL_ZOOM * lines * event.deltaY));
   }
 
-  /** How far two fingers are apart. */
+  /** Distance between two fingers. */
   private spread(): number {
     const [a, b] = this.fingers.values();
     return a !== undefined && b !== undefined ? Math.hypot(a.x - b.x, a.y - b.y) : 0;

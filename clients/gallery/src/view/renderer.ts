@@ -1,13 +1,13 @@
-// The page's one WebGL context.
+// The page's only WebGL context.
 //
-// Browsers hold few contexts and each costs memory, so every picture of the page is drawn here, off
-// the screen, and then handed to the canvas that shows it, without a copy. A context can be lost at
-// any time (a driver that starts anew, a laptop that wakes up): then nothing is drawn until it is
-// back, three.js uploads everything again, and the listeners draw again.
+// Browsers limit the number of contexts, and each costs memory. So all pictures are drawn here off-screen,
+// then handed without a copy to the canvas that shows them. A context can be lost at any time (driver
+// restart, wake-up of a laptop). Until it is restored nothing is drawn; then three.js uploads everything
+// again, and the listeners draw again.
 
 import { type Camera, type Scene, SRGBColorSpace, WebGLRenderer } from "three";
 
-/** A part of a picture, in its pixels from the upper left. */
+/** A part of a picture, in pixels from the upper left. */
 export interface Viewport {
   readonly x: number;
   readonly y: number;
@@ -15,12 +15,12 @@ export interface Viewport {
   readonly height: number;
 }
 
-/** A canvas that shows pictures; its size in pixels is the newest picture's. */
+/** A canvas that shows pictures. Its size in pixels is that of the last picture. */
 export class Screen {
   private readonly context: ImageBitmapRenderingContext | null;
 
   constructor(readonly canvas: HTMLCanvasElement) {
-    // Not opaque: until the first picture the page is seen through it.
+    // Transparent, so that the page shows through until the first picture.
     this.context = canvas.getContext("bitmaprenderer");
   }
 
@@ -33,17 +33,17 @@ export class Screen {
 }
 
 const RATIO_MAX = 2;
-/** Where the processor draws, each pixel counts. */
+/** With software rendering, every pixel costs time. */
 const RATIO_MAX_SOFTWARE = 1;
 
-/** A context and what it draws on. */
+/** A context and its drawing surface. */
 interface Context {
   readonly surface: OffscreenCanvas;
   readonly gl: WebGLRenderer;
 }
 
 export class SharedRenderer {
-  /** Undefined until it is needed: to make one takes as long as to load an archive. */
+  /** Created at the first use, because this takes as long as loading an archive. */
   private made: { readonly context: Context | null; readonly isSoftware: boolean } | undefined;
   private lost = false;
   private readonly restored = new Set<() => void>();
@@ -61,31 +61,29 @@ export class SharedRenderer {
     return this.made;
   }
   private get context(): Context | null { return this.ready.context; }
-  /** Whether the processor draws. */
+  /** Whether WebGL renders in software. */
   get isSoftware(): boolean { return this.ready.isSoftware; }
 
-  /** False: there is no WebGL here at all. To ask makes the context. */
+  /** Whether WebGL is available. The first call creates the context. */
   get available(): boolean { return this.context !== null; }
   get isLost(): boolean {
-    // The event comes a little later than the loss.
+    // The event of the loss arrives a little later.
     return this.lost || (this.context !== null && this.context.gl.getContext().isContextLost());
   }
 
-  /** How many pixels of a picture there are to one of CSS. */
+  /** Device pixels per CSS pixel. */
   get pixelRatio(): number {
     return Math.min(window.devicePixelRatio || 1, this.isSoftware ? RATIO_MAX_SOFTWARE : RATIO_MAX);
   }
 
-  /** Returns what ends it. */
+  /** Returns a function that removes the listener. */
   onRestored(again: () => void): () => void {
     this.restored.add(again);
     return () => { this.restored.delete(again); };
   }
 
-  /**
-   * Begins a picture of this size with nothing but this colour in it; false: nothing can be drawn
-   * now. Sizes that alternate are slow, as each change makes a new surface.
-   */
+  /** Starts a picture of this size, filled with the colour; false if nothing can be drawn now. Alternating
+   *  sizes are slow, because each change creates a new surface. */
   begin(width: number, height: number, colour: number): boolean {
     if (this.context === null || this.isLost || width < 1 || height < 1) return false;
     const { gl, surface } = this.context;
@@ -97,7 +95,7 @@ export class SharedRenderer {
     return true;
   }
 
-  /** REQUIRES: begin() was true. */
+  /** REQUIRES: begin() returned true. */
   draw(scene: Scene, camera: Camera, into: Viewport, background: number): void {
     if (this.context === null) return;
     const { gl, surface } = this.context;
@@ -110,17 +108,17 @@ export class SharedRenderer {
     gl.render(scene, camera);
   }
 
-  /** Hands the picture over; in the same task as it was drawn. */
+  /** Hands over the picture. Must be called in the same task as draw(). */
   finish(to: Screen): void {
     if (this.context === null || this.isLost) return;
     try {
       to.show(this.context.surface.transferToImageBitmap());
     } catch {
-      // Lost just now: its listeners will hear of it.
+      // The context was just lost: listeners are notified later.
     }
   }
 
-  /** For tests: loses the context as a driver would; returns what brings it back. */
+  /** For tests: loses the context; returns a function that restores it. */
   loseContext(): () => void {
     const extension = this.context?.gl.getContext().getExtension("WEBGL_lose_context");
     extension?.loseContext();
@@ -149,7 +147,7 @@ function contextOf(antialias: boolean): Context | null {
   }
 }
 
-/** Asked of a context of its own, as smooth edges can only be had from the beginning. */
+/** Checked with a separate context, because antialiasing can only be chosen at creation. */
 function drawsInSoftware(): boolean {
   if (typeof OffscreenCanvas === "undefined") return false;
   const context = new OffscreenCanvas(1, 1).getContext("webgl2");

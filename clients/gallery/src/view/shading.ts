@@ -1,7 +1,7 @@
-// The one material of everything solid: soft light from above and below and a lamp, per vertex.
+// The material of all solid features: soft light from above and below and a lamp, computed per vertex.
 //
-// Where the processor draws, pixels are what costs. So the light is worked out at the vertices, and a
-// pixel is only filled with what is between them; on flat faces and small balls that looks the same.
+// In software rendering, pixels are the main cost. So light is computed at the vertices and interpolated; on
+// flat faces and small balls the result looks the same.
 
 import { Color, DoubleSide, FrontSide, ShaderMaterial, Vector3 } from "three";
 import type { Theme } from "./theme";
@@ -45,7 +45,7 @@ void main() {
   gl_FragColor = vec4(shade, opacity);
 }`;
 
-/** Light that all materials of a stage share: changed once, seen by all. */
+/** Light shared by all materials of a stage. */
 export class Light {
   readonly uniforms = {
     sky: { value: new Color() },
@@ -66,7 +66,7 @@ export interface Finish {
   readonly colour: string;
   readonly opacity: number;
   readonly doubleSided: boolean;
-  /** Lies on something else, and is to be seen before it. */
+  /** Whether the mesh is on a surface and must be drawn in front of it. */
   readonly isDecal: boolean;
 }
 
@@ -80,7 +80,7 @@ export function shaded(light: Light, finish: Finish): ShaderMaterial {
     },
     defines: finish.doubleSided ? { BOTH_SIDES: 1 } : {},
     transparent: isClear,
-    // What is seen through hides nothing.
+    // Transparent features must not hide others.
     depthWrite: !isClear,
     side: finish.doubleSided ? DoubleSide : FrontSide,
     polygonOffset: finish.isDecal,

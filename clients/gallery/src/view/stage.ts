@@ -1,5 +1,5 @@
-// What all animations of an archive share: the scene's light, things that stand still and bodies.
-// One animation at a time is on it: show() puts it there, at a moment, ready to be drawn.
+// The parts that an archive's animations share: light, static features and bodies. The stage contains one
+// animation at a time; show() prepares it for drawing at a given time.
 
 import { Group, Mesh, Scene as ThreeScene } from "three";
 import type { Looks, Mesh as MeshData, Scene } from "../data/types";
@@ -12,7 +12,7 @@ import type { AnimationModel } from "./model";
 import { Light } from "./shading";
 import { THEMES, type Theme, type ThemeName } from "./theme";
 
-/** Another animation's bodies, to be seen through. */
+/** Another animation's bodies, drawn transparently. */
 export interface GhostAt {
   readonly recording: Recording;
   readonly t: number;
@@ -22,7 +22,7 @@ export class ArchiveStage {
   readonly three = new ThreeScene();
   /** The whole view. */
   readonly box: ViewBox;
-  /** Of pictures of many animations, all alike. */
+  /** The frame shared by pictures of many animations. */
   readonly frame: SharedFrame;
   readonly bodyCount: number;
   readonly light = new Light();
@@ -33,7 +33,7 @@ export class ArchiveStage {
   private readonly slot = new Group();
   private shown: AnimationModel | null = null;
   private theme: Theme = THEMES.light;
-  /** Things that stand still, of the archive's. */
+  /** The archive's static features. */
   private readonly standing = new Group();
 
   constructor(readonly scene: Scene, readonly looks: Looks) {
@@ -52,7 +52,7 @@ export class ArchiveStage {
   isGoal(feature: number): boolean { return this.scene.features[feature]?.kind === "wanted"; }
   get background(): number { return this.theme.background; }
 
-  /** Of things that stand still, merged by material. */
+  /** Static features, merged by material. */
   stillOf(meshes: readonly MeshData[]): Merged[] {
     return mergedOf(meshes.filter((mesh) => !this.isBody(mesh)), this.materials,
       (feature) => this.isGoal(feature));
@@ -63,7 +63,7 @@ export class ArchiveStage {
     this.light.set(this.theme);
   }
 
-  /** Puts the animation onto the stage, as it is at its own time t. `only`: that body and nothing else. */
+  /** Puts the animation onto the stage, at its own time t. `only`: shows only this body. */
   show(model: AnimationModel, t: number, ghost: GhostAt | null = null, only: number | null = null): void {
     if (this.shown !== model) {
       this.slot.clear();
@@ -83,10 +83,10 @@ export class ArchiveStage {
     ghosts.place(ghost.recording, ghost.t);
   }
 
-  /** The merged meshes of the archive and of one animation: for picking. */
+  /** The merged meshes of the archive and of one animation, for picking. */
   still(model: AnimationModel): readonly Merged[] { return [...this.fixed, ...model.ownStill]; }
 
-  /** Takes the animation off, before it is disposed of. */
+  /** Removes the animation before its disposal. */
   leave(model: AnimationModel): void {
     if (this.shown !== model) return;
     this.slot.clear();
@@ -109,7 +109,7 @@ export class ArchiveStage {
   }
 }
 
-/** Things that are seen through are drawn after those that aren't. */
+/** Transparent features are drawn after opaque ones. */
 export function meshOf(merged: Merged): Mesh {
   const mesh = new Mesh(merged.geometry, merged.material);
   mesh.matrixAutoUpdate = false;

@@ -1,17 +1,17 @@
-// window.sleightGallery: what browser tests read of the page, which shows itself on canvases.
+// window.sleightGallery: the state of the page's canvases, for browser tests.
 //
-// It is read-only: tests act through the page as people do. Two things alone do something: loseContext(),
-// as a driver would, and showOnly(), so that each body can be told from what is before and behind it.
+// The hook is read-only, because tests use the page as people do. Two functions are exceptions: loseContext()
+// loses the GPU's context as a driver would, and showOnly() draws one body without the others.
 
 import type { Player } from "./player";
 import type { OnScreen } from "./picking";
 import type { SharedRenderer } from "./renderer";
 
 export interface TestHook {
-  /** null: no player is open. */
+  /** null: the player is closed. */
   readonly player: PlayerView | null;
   readonly renderer: { readonly available: boolean; readonly isLost: boolean; readonly isSoftware: boolean };
-  /** Loses the GPU's context for so long. */
+  /** Loses the GPU's context for this time. */
   loseContext(forMs: number): void;
 }
 
@@ -20,18 +20,18 @@ export interface PlayerView {
   readonly time: number;
   readonly range: { readonly from: number; readonly to: number };
   readonly isPlaying: boolean;
-  /** All that was asked for is drawn. */
+  /** Whether nothing waits to be drawn. */
   readonly isSettled: boolean;
-  /** Pictures drawn so far. */
+  /** Number of pictures drawn so far. */
   readonly frames: number;
   readonly cells: readonly { x: number; y: number; width: number; height: number }[];
-  /** An animation's own time at the shared one that is shown. */
+  /** The animation's own time at the present shared time. */
   ownTime(index: number): number;
-  /** Where a body's centre is at a time of its animation's own: CSS pixels from the canvas' upper left. */
+  /** Position of a body's centre at its animation's own time, in CSS pixels from the canvas's upper left. */
   screenOf(index: number, body: number, t: number): OnScreen;
-  /** Likewise of any place of the scene's frame (z up, metres). */
+  /** Position of a place in the scene's frame (z up, metres), in the same pixels. */
   screenOfPlace(index: number, place: readonly [number, number, number], radiusM: number): OnScreen;
-  /** Draws that body alone; -1: nothing at all; null: everything again. */
+  /** Draws only this body; -1: nothing; null: everything again. */
   showOnly(body: number | null): void;
 }
 

@@ -1,4 +1,4 @@
-// Light and dark: what the 3D views look like on either.
+// Colours of the 3D views in the light and dark themes.
 
 export type ThemeName = "light" | "dark";
 
@@ -6,7 +6,7 @@ export interface Theme {
   readonly background: number;
   /** Between animations. */
   readonly divider: number;
-  /** Of the light from above and from below, and of the lamp. */
+  /** Strengths of light from above, light from below, and the lamp. */
   readonly sky: number;
   readonly ground: number;
   readonly skyStrength: number;

@@ -1,8 +1,7 @@
-// Moving pictures of many animations, on small canvases that come and go.
+// Animated thumbnails on small canvases that are added and removed.
 //
-// Only those in view are drawn, a few in each of the browser's frames, one after another: so many
-// that frames stay short, and almost none while people scroll. With `still` each is one picture, of
-// the end, with the ways that the bodies went.
+// Only visible thumbnails are drawn, a few per frame in turn: few enough to keep frames short, and almost
+// none while people scroll. With `still`, each thumbnail is one picture of the animation's end with trails.
 
 import { PerspectiveCamera } from "three";
 import type { Animation, AnimationName } from "../data/types";
@@ -22,7 +21,7 @@ export interface ThumbnailsOptions {
   readonly still: boolean;
 }
 
-/** A canvas' `data-thumbnail` says how far its picture is. */
+/** State of a canvas's picture, in its attribute `data-thumbnail`. */
 export type ThumbnailState = "waiting" | "drawn" | "failed";
 
 interface Card {
@@ -30,21 +29,21 @@ interface Card {
   readonly screen: Screen;
   name: AnimationName;
   isInView: boolean;
-  /** When its animation began to run. */
+  /** Time when the animation started to play. */
   since: number;
-  /** Has to be drawn even if it doesn't move. */
+  /** Whether the picture must be drawn even if the animation doesn't move. */
   isStale: boolean;
 }
 
-/** How near to the view pictures are made in advance. */
+/** Thumbnails this near to the view are drawn in advance. */
 const MARGIN_PX = 150;
-/** A run is followed by its end, standing. */
+/** Pause at the end of each animation. */
 const HOLD_S = 1.2;
-/** What drawing may take of a frame. */
+/** Maximum drawing time per frame. */
 const BUDGET_MS = 9;
 const BUDGET_SCROLLING_MS = 4;
 const SCROLLING_MS = 140;
-/** Frames further apart than this are too slow: fewer pictures in each. */
+/** Frames further apart than this are slow: then fewer pictures are drawn per frame. */
 const SLOW_MS = 40;
 const QUICK_MS = 24;
 const AT_ONCE_MAX = 12;
@@ -52,10 +51,10 @@ const STILL_TRAIL_OPACITY = 0.5;
 
 export class Thumbnails {
   private readonly cards = new Map<HTMLCanvasElement, Card>();
-  /** A canvas has one for life, whatever cards it belongs to. */
+  /** A canvas keeps its screen, even if cards reuse the canvas. */
   private readonly screens = new WeakMap<HTMLCanvasElement, Screen>();
   private readonly inView = new Set<Card>();
-  /** Those in view, in the order in which they are to be drawn next. */
+  /** Visible cards, in the order of drawing. */
   private turn: Card[] = [];
   private readonly observer: IntersectionObserver;
   private readonly sizes: ResizeObserver;
@@ -91,7 +90,7 @@ export class Thumbnails {
     document.addEventListener("scroll", scrolled, { capture: true, passive: true, signal: this.ends.signal });
   }
 
-  /** Shows the animation on the canvas, whose size CSS says. */
+  /** Shows the animation on the canvas. CSS sets the canvas's size. */
   show(canvas: HTMLCanvasElement, name: AnimationName): void {
     const card = this.cards.get(canvas);
     if (card === undefined) {
@@ -130,7 +129,7 @@ export class Thumbnails {
     this.still = still;
     this.drawAgain();
   }
-  /** Another archive, or the same read anew: all that was loaded is dropped. */
+  /** Sets another archive, or a new generation. Loaded animations are dropped. */
   setStage(stage: ArchiveStage, load: Loader): void {
     this.cache.dispose();
     this.stage = stage;
@@ -138,12 +137,12 @@ export class Thumbnails {
     this.cache = this.madeCache();
     this.drawAgain();
   }
-  /** Nothing moves, for instance while the player plays; what has no picture yet gets one. */
+  /** Stops all motion, for instance while the player plays. Missing pictures are still drawn. */
   pause(isPaused: boolean): void {
     this.isPaused = isPaused;
     this.wake();
   }
-  /** Sizes of canvases have changed. */
+  /** Draws all cards again; for canvases that changed their size. */
   drawAgain(): void {
     for (const card of this.cards.values()) card.isStale = true;
     this.wake();
@@ -170,10 +169,8 @@ export class Thumbnails {
     });
   }
 
-  /**
-   * All pictures have the same frame, which grows as animations come that go further. Small pictures
-   * show what happens from the first contact on: a throw's flight would leave it a few pixels.
-   */
+  /** All pictures share one frame, which grows to contain new animations. Small pictures show the motion
+   *  from the first contact on: with the flight before, the rest would be a few pixels. */
   private came(animations: readonly Animation[]): void {
     const { frame, scene } = this.stage;
     let hasGrown = false;
@@ -218,7 +215,7 @@ export class Thumbnails {
     let isWanted = false;
     let drawn = 0;
     if (this.turn.length === 0) this.turn = [...this.inView];
-    // Those that have no picture yet go first.
+    // Cards without a picture come first.
     if (drawn < most) for (const card of this.inView) {
       if (!card.isStale) continue;
       isWanted ||= this.cache.get(card.name) !== null || isScrolling;
@@ -233,7 +230,8 @@ export class Thumbnails {
     if (isWanted || isScrolling || (moves && this.inView.size > 0)) this.wake();
   }
 
-  /** So many pictures a frame that frames stay short: what the GPU does later only shows in them. */
+  /** Adapts the number of pictures per frame to the frames' duration, because the GPU's work can't be
+   *  measured otherwise. */
   private adapt(now: number, isScrolling: boolean): void {
     const gap = now - this.last;
     this.last = now;
@@ -242,7 +240,7 @@ export class Thumbnails {
     else if (gap < QUICK_MS) this.atOnce = Math.min(this.atOnce + 0.25, AT_ONCE_MAX);
   }
 
-  /** False: there is nothing to draw yet. */
+  /** Returns false if there is nothing to draw yet. */
   private draw(card: Card, now: number): boolean {
     const { canvas, screen } = card;
     const model = this.cache.get(card.name);

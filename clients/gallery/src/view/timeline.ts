@@ -1,5 +1,5 @@
-// What a timeline shows of the player's animations: events by shared time, in words, and where two
-// animations part.
+// The timeline's data: the animations' events by shared time, in words, and the times where two animations
+// start to differ.
 
 import type { MotionEvent } from "../motion/events";
 import { whereTheyPart } from "../motion/parting";
@@ -8,22 +8,22 @@ import type { Scene } from "../data/types";
 
 export interface TimelineEvent extends MotionEvent {
   readonly sharedS: number;
-  /** "die 1 hits table". */
+  /** Such as "die 1 hits table". */
   readonly words: string;
 }
 
 export interface TimelineItem {
   readonly label: string;
-  /** The animation's own time = shared time + this. */
+  /** The animation's own time is shared time + this shift. */
   readonly shiftS: number;
-  /** Shared times at which it begins and at which all rests. */
+  /** Shared times of the animation's start and end. */
   readonly startS: number;
   readonly endS: number;
   readonly events: readonly TimelineEvent[];
 }
 
 export interface Parting {
-  /** Which two of the animations. */
+  /** Indices of the two animations. */
   readonly a: number;
   readonly b: number;
   readonly sharedS: number;
@@ -31,7 +31,7 @@ export interface Parting {
 
 export interface Timeline {
   readonly items: readonly TimelineItem[];
-  /** Of each pair that parts, the first moment. */
+  /** The first difference of each pair that differs. */
   readonly parts: readonly Parting[];
 }
 
@@ -45,7 +45,7 @@ export function timelineOf(
   const of = (i: number) => ({ recording: models[i]!.animation.recording, shift: shifts[i]! });
   for (let a = 0; a < models.length; ++a) {
     for (let b = a + 1; b < models.length; ++b) {
-      // Bodies of two archives needn't be the same ones.
+      // Bodies of different archives may not be comparable.
       if (!haveSameBodies(models[a]!.stage.scene, models[b]!.stage.scene)) continue;
       const sharedS = whereTheyPart(of(a), of(b), toleranceM);
       if (sharedS !== null) parts.push({ a, b, sharedS });
@@ -54,7 +54,7 @@ export function timelineOf(
   return { items: models.map((model, i) => itemOf(model, items[i]?.label ?? "", shifts[i]!)), parts };
 }
 
-/** A tenth of the bodies' mean radius, but no less than a millimetre. */
+/** A tenth of the bodies' mean radius, but at least a millimetre. */
 export function toleranceOf(models: readonly AnimationModel[]): number {
   let sum = 0;
   let count = 0;

@@ -1,6 +1,6 @@
-// The ways that bodies' centres have gone by a moment, as lines.
+// Trails: the paths of the bodies' centres up to a time, as lines.
 //
-// All pieces of all bodies are one buffer in the order of time, so that "up to now" is a count.
+// All pieces of all bodies are in one buffer in the order of time, so that "up to now" is a count.
 
 import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments } from "three";
 import type { Mesh } from "../data/types";
@@ -9,7 +9,7 @@ import type { Recording } from "../motion/recording";
 import { positionInto } from "../motion/segments";
 import type { ArchiveStage } from "./stage";
 
-/** A line may stray from the curve by this share of the view's diagonal. */
+/** Maximum deviation of a line from the curve, as a share of the view's diagonal. */
 const STRAY_SHARE = 1 / 2500;
 const PIECES_PER_SEGMENT_MAX = 48;
 
@@ -22,7 +22,7 @@ interface Piece {
 
 export class Trails {
   readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
-  /** When each piece is complete; ascending. */
+  /** Times when pieces are complete; ascending. */
   private readonly times: Float64Array;
 
   constructor(recording: Recording, stage: ArchiveStage, own: readonly Mesh[]) {
@@ -69,7 +69,7 @@ export class Trails {
   }
 }
 
-/** A body's first mesh says its colour. */
+/** A trail has the colour of the body's first mesh. */
 function coloursOf(meshes: readonly Mesh[], bodies: number): Color[] {
   const colours = Array.from({ length: bodies }, () => new Color(0x808080));
   const isSet = new Uint8Array(bodies);
@@ -77,7 +77,7 @@ function coloursOf(meshes: readonly Mesh[], bodies: number): Color[] {
     if (mesh.feature >= bodies || isSet[mesh.feature]) continue;
     isSet[mesh.feature] = 1;
     const colour = colours[mesh.feature]!.set(mesh.colour);
-    // A trail that is almost white can't be seen on a table that is so too.
+    // An almost white trail would be invisible on a white table.
     if (colour.r + colour.g + colour.b > 2.4) colour.set(0x6b7280);
   }
   return colours;
@@ -96,7 +96,7 @@ function addPieces(pieces: Piece[], recording: Recording, body: number, stray: n
       from = to;
       return;
     }
-    // Micro-impacts would make thousands of pieces that nobody can tell apart.
+    // Without this, micro-impacts would create thousands of invisible pieces.
     const length = Math.hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
     if (length < 3 * stray && !isLast) return;
     pieces.push({ time: t, body, from, to });

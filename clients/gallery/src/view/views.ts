@@ -1,7 +1,7 @@
-// The player's picture as cells, each of which is one animation's view, all from the same side: from
-// points of the picture to rays and things, and from places to points.
+// The player's picture as cells. Each cell shows one animation, all from the same direction. Converts points
+// of the picture to rays and features, and places to points.
 //
-// Pixels are those of CSS from the picture's upper left.
+// Pixels are CSS pixels from the picture's upper left.
 
 import { PerspectiveCamera, Vector3 } from "three";
 import type { Place } from "../data/types";
@@ -35,15 +35,15 @@ const target = new Vector3();
 export class Views {
   models: readonly AnimationModel[] = [];
   cells: readonly Cell[] = [];
-  /** As aimAt() left it. */
+  /** The camera as aimAt() last placed it. */
   readonly eye = new PerspectiveCamera();
   private state: CameraState = { azimuth: 0, elevation: 0, zoom: 1, target: null };
   private isChosen = false;
-  /** Of each animation: what is worth seeing of it and its fellows of the same archive. */
+  /** For each animation, the interesting part of all shown animations of its archive. */
   private boxes: readonly ViewBox[] = [];
 
   get camera(): CameraState { return this.state; }
-  /** From then on the camera is where somebody wanted it. */
+  /** From now on the camera stays where a person put it. */
   setCamera(camera: CameraState): void {
     this.state = sound(camera);
     this.isChosen = true;
@@ -67,7 +67,7 @@ export class Views {
     return presetOf(preset, model.stage.box, this.models.every(({ isPlanar }) => isPlanar));
   }
 
-  /** The camera after the scene was pulled by so many pixels to the right and down. */
+  /** The camera after the scene was pulled by these pixels to the right and down. */
   pulled(dx: number, dy: number): CameraState {
     const cell = this.cells[0];
     const box = this.boxes[0];
@@ -81,14 +81,14 @@ export class Views {
     return { ...this.state, target: zUp(target) };
   }
 
-  /** Puts `eye` where the animation is seen from. Allocates nothing. */
+  /** Places `eye` for the animation's cell. Doesn't allocate. */
   aimAt(index: number): void {
     const box = this.boxes[index];
     const cell = this.cells[index];
     if (box !== undefined && cell !== undefined) aim(this.eye, this.state, box, cell.width / cell.height);
   }
 
-  /** null: between cells. `eye` is aimed at the cell. */
+  /** null: the point is between cells. Aims `eye` at the cell. */
   pointAt(x: number, y: number, within: number | null = null): PointInCell | null {
     const index = within ?? cellAt(this.cells, x, y);
     const cell = this.cells[index];
