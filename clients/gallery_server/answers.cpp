@@ -34,7 +34,7 @@ web::Answer packed_answer(std::string bytes) {
   throw Refused(k_not_found, "This address doesn't exist.", "Reload the page.");
 }
 
-/// Takes "/word" off the front of a path; none where it begins otherwise.
+/// Removes "/word" from the front of a path; none if the path doesn't begin with '/'.
 std::optional<std::string_view> next_word(std::string_view& path) {
   if (!path.starts_with('/')) return std::nullopt;
   path.remove_prefix(1);
@@ -101,7 +101,7 @@ web::Answer Answers::of_archive(const web::Ask& ask, std::size_t archive,
                                 std::string_view what) const {
   if (archive >= gallery_.archives())
     throw Refused(k_not_found, "This archive doesn't exist.", "Reload the page.");
-  // All but the index itself can be had of an outline.
+  // Everything but the index itself is available from an outline.
   const auto snapshot =
       what == "index" ? gallery_.whole_snapshot(archive) : gallery_.snapshot(archive);
   if (!snapshot) refuse_unread(gallery_, archive);
@@ -161,7 +161,7 @@ web::Answer Answers::post(const web::Ask& ask) const {
       throw Refused(k_bad_request, fmt::format("The request has no string \"{}\".", name), "");
     return question[name].get<std::string>();
   };
-  runs_with_notes();  // where each is kept
+  runs_with_notes();  // sets the folder of each run's notes
   const std::string run = text("run");
   Json notes =
       notes_.change(run, question.contains("notes") ? Json(question["notes"]) : Json(nullptr));

@@ -1,8 +1,8 @@
-// What the page is answered, by path. docs/GALLERY.md lists all of it.
+// Answers the page's requests, by path. docs/GALLERY.md lists all paths.
 //
-// Whoever asks has passed the guard (clients/web); what is asked may still be anything: archives go
-// by number and animations by name, both looked up in what was read, and bodies are JSON that is
-// checked.
+// The sender has passed the guard (clients/web), but the request's contents are untrusted. Archives
+// are identified by number and animations by name, both looked up in what was read; bodies are
+// checked JSON.
 //
 // Thread safety: all functions may be called from any thread.
 #pragma once
@@ -20,20 +20,20 @@ namespace sleight::gallery {
 
 class Answers {
  public:
-  /// All must outlive it. `rules`: by which chains are judged.
+  /// All references must outlive the object. `rules`: the rules by which chains are diagnosed.
   Answers(const Gallery& gallery, Notes& notes, const analysis::Rules& rules, std::string version)
       : gallery_(gallery), notes_(notes), rules_(rules), version_(std::move(version)) {}
 
   web::Answer operator()(const web::Ask& ask) const;
 
-  /// What /api/gallery answers, as text: an event says the same.
+  /// The answer of /api/gallery as text; events contain the same text.
   std::string gallery_text() const;
 
  private:
   web::Answer get(const web::Ask& ask) const;
   web::Answer post(const web::Ask& ask) const;
   web::Answer of_archive(const web::Ask& ask, std::size_t archive, std::string_view what) const;
-  /// Of the archives that are shown; says where the notes of each are kept.
+  /// The runs of the archives shown. Also sets the folder of each run's notes.
   std::vector<std::string> runs_with_notes() const;
   web::Answer notes_answer() const;
 

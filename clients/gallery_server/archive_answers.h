@@ -1,7 +1,7 @@
-// What is answered of one archive, by a server as by a saved gallery.
+// Answers about one archive, for servers and saved galleries.
 //
-// Functions throw Refused where something isn't there, base::Error where the archive is damaged.
-// Thread safety: pure, but for what snapshots read.
+// Functions throw Refused if something doesn't exist, and base::Error if the archive is damaged.
+// Thread safety: pure, except for what snapshots read.
 #pragma once
 
 #include <cstddef>
@@ -15,20 +15,20 @@
 
 namespace sleight::gallery {
 
-/// Animations in one answer, at most.
+/// Maximum number of animations per answer.
 inline constexpr std::size_t k_animations_at_once = 32;
 
-/// Features, numbers, the box to look at, blind throws, the request.
+/// Features, numbers, the view, log_prior of blind throws, the request.
 json::Value scene_json(const Snapshot& snapshot);
-/// What looks the same in all animations (packed.h).
+/// The looks that all animations share (packed.h).
 std::string looks(const Snapshot& snapshot);
 /// Names and numbers of all animations (packed.h).
 std::string table(const Snapshot& snapshot);
-/// An animation (packed.h).
+/// One animation (packed.h).
 std::string one_animation(const Snapshot& snapshot, std::string_view name);
-/// Several, the columns of the n-th with "n:" before their names.
+/// Several animations; the columns of the n-th have names with the prefix "n:".
 std::string several_animations(const Snapshot& snapshot, std::span<const std::string> names);
-/// As `sleight diagnose --json` says it. `path`: what it calls the archive.
+/// The output of `sleight diagnose --json`. `path`: the archive's name in it.
 json::Value diagnosis_json(const Snapshot& snapshot, const std::string& path,
                            const analysis::Rules& rules);
 

@@ -1,4 +1,4 @@
-// Bytes as text that a script can hold (RFC 4648, section 4).
+// Encodes bytes as base64 text for scripts (RFC 4648, section 4).
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
-// Numbers out of an archive that may be anybody's.
+// Reads numbers from an untrusted archive.
 //
-// A Source's read has preconditions that an archive's own words can't be trusted for; a server must
-// not end by them.
+// A Source's read has preconditions that a damaged or hostile archive may violate; a server must
+// survive that.
 #pragma once
 
 #include <cstdint>
@@ -15,17 +15,17 @@ namespace sleight::gallery {
 /// Draws read at a time.
 inline constexpr std::uint64_t k_rows_at_once = 65'536;
 
-/// Whether there is such a dataset, of numbers or flags, with so many elements.
+/// Whether the dataset exists, contains numbers or flags, and has this number of elements.
 bool has_numbers(const archive::Source& source, std::string_view group, std::string_view dataset,
                  std::uint64_t elements);
 
-/// Elements first .. first + count - 1 of a dataset that is to have `elements`, as doubles. Throws
-/// base::Error(bad_archive) where has_numbers is false. REQUIRES: within the elements.
+/// Elements first .. first + count - 1 of a dataset with `elements` elements, as doubles. Throws
+/// base::Error(bad_archive) if has_numbers() is false. REQUIRES: first + count <= elements.
 std::vector<double> checked_numbers(const archive::Source& source, std::string_view group,
                                     std::string_view dataset, std::uint64_t elements,
                                     std::uint64_t first, std::uint64_t count);
 
-/// Draws from the prior that an archive has; 0 where it says so in no usable way.
+/// Number of prior draws in an archive; 0 if there is no usable number.
 std::uint64_t prior_draws_of(const archive::Source& source);
 
 }  // namespace sleight::gallery

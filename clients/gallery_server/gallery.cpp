@@ -18,10 +18,10 @@ namespace {
 
 using Json = json::Value;
 
-/// Progress of reading is told so often.
+/// Minimum time between two reports of reading progress.
 constexpr auto k_tell_every = std::chrono::milliseconds(250);
-/// Animations that are shown while the rest of an archive is read for the first time: as many as
-/// can be compared with one another.
+/// Animations shown while the rest of an archive is read for the first time: the maximum for which
+/// all pairs are compared.
 constexpr std::uint64_t k_beginning = browse::k_full_matrix_max;
 
 const char* word_of(ArchiveState state) {
@@ -38,22 +38,22 @@ const char* word_of(ArchiveState state) {
   return "";
 }
 
-/// How long a question waits for motions.
+/// Maximum time that a request waits for motions.
 constexpr auto k_wait_max = std::chrono::seconds(2);
-/// So long the processor is left to the page that is being loaded, before motions are read that
-/// nobody asks for.
+/// How long an outline is shown before its motions are read without a request. Until then the page
+/// has the processor for loading.
 constexpr auto k_outline_alone = std::chrono::seconds(2);
 
-/// Works out the first groups, and keeps them where that is worth it.
+/// Computes the first groups, and stores the outline if worthwhile.
 void prepare_groups(const Snapshot& snapshot, const std::string& path, bool has_outline) {
   try {
     snapshot.first_groups();
     if (!has_outline) snapshot.keep_outline(path);
-  } catch (const std::exception&) {  // no memory, no thread: who asks for them is told
+  } catch (const std::exception&) {  // out of memory or threads: the request for groups reports it
   }
 }
 
-/// What an error says of a file, without the file's name before it.
+/// An error's message without the file's name before it.
 std::string reason_of(const std::string& what, const std::string& path) {
   const std::string prefix = path + ": ";
   return what.starts_with(prefix) ? what.substr(prefix.size()) : what;
@@ -108,7 +108,7 @@ void Gallery::look_through_folders() {
     for (const auto& [path, name] : listed.files) {
       if (std::ranges::any_of(shown_, [&](const auto& shown) { return shown->path == path; }))
         continue;
-      // Of two that are called the same the later one has its folder too.
+      // If two archives have the same name, the later one is shown with its folder.
       const bool is_taken =
           std::ranges::any_of(shown_, [&](const auto& shown) { return shown->name == name; });
       auto shown = std::make_unique<Shown>();
@@ -159,7 +159,7 @@ void Gallery::look_at(std::size_t archive) {
   reading.file = *file;
   // The rest is read at a later look.
   if (!reading.before && !reading.outline && show_outline(archive, reading)) return;
-  // So that there is something to see while many are read for the first time.
+  // Shows the first animations while a long archive is read for the first time.
   std::uint64_t beginning_max = reading.before || reading.outline ? 0 : k_beginning;
   while (true) {
     std::string fault;
@@ -172,12 +172,12 @@ void Gallery::look_at(std::size_t archive) {
       fault = "there is not enough memory to read the archive";
     }
     show(archive, now, fault);
-    // What was held while it was read is the system's again.
+    // Returns the memory used for reading to the system.
     ::malloc_trim(0);
     tell();
     if (!now) return;
     if (!now->is_beginning()) {
-      // The first archive is what a page shows first; while it is being loaded there is time.
+      // Pages show the first archive first; its groups are computed while the page loads.
       const bool has_outline = reading.outline != nullptr;
       if (archive == 0) prepare_groups(*now, reading.path, has_outline);
       return;
@@ -196,7 +196,7 @@ bool Gallery::show_outline(std::size_t archive, const Reading& reading) {
                                                                  .file = reading.file,
                                                                  .outline = &*kept,
                                                                  .open = options_.open});
-  } catch (const std::exception&) {  // why is told when the whole is read
+  } catch (const std::exception&) {  // the error is reported when the whole archive is read
     return false;
   }
   show(archive, outline, "");

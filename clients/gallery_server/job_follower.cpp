@@ -17,9 +17,9 @@
 namespace sleight::gallery {
 namespace {
 
-/// Between an attempt that failed and the next.
+/// Pause between a failed attempt and the next.
 constexpr auto k_pause = std::chrono::milliseconds(500);
-/// Of the service, for what a person would wait for no longer.
+/// Never give up: how long the service may be unreachable.
 constexpr double k_away_s_max = 1e9;
 
 }  // namespace
@@ -105,7 +105,7 @@ void JobFollower::watch() {
     watching_ = &client;
   }
   Sink sink(*this);
-  // The first connection may find no service either: it is waited for as a lost one is.
+  // The first connection may fail too; retry as after a lost one.
   while (true) {
     try {
       client.watch(job_, 1, sink);
@@ -147,7 +147,7 @@ void JobFollower::fetch_forever() {
       has_news_ = false;
       has_ended = has_ended_;
     }
-    // A job that ended badly may have no archive of its own; what it committed is shown then.
+    // A failed job may have no archive of its own; then show what it committed.
     std::string fault =
         fetched(client, has_ended ? rpc::FetchKind::archive : rpc::FetchKind::so_far);
     if (has_ended && !fault.empty()) fault = fetched(client, rpc::FetchKind::so_far);
@@ -155,7 +155,7 @@ void JobFollower::fetch_forever() {
       is_whole = true;
       say(false, fault.empty() ? std::string() : terminal::shown_on_one_line(fault));
     } else if (!fault.empty()) {
-      // Nothing is committed yet, or the service is away: the watch says which. Then again.
+      // Nothing is committed yet, or the service is unreachable (the watch reports which). Retry.
       std::unique_lock lock(mutex_);
       changed_.wait_for(lock, k_pause, [this] { return is_over_; });
     }

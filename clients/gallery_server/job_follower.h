@@ -1,11 +1,9 @@
-// Follows a job of the service, so that its archive is here and as new as what the job has
-// committed.
+// Follows a job of the service, and keeps a local copy of its archive up to date.
 //
-// One thread watches the job's events; whenever something was committed another one fetches the
-// archive so far, which the service makes, and puts it in its place as a whole. While a fetch goes
-// on further news wait for the next one, so a slow service is asked no more than it can answer.
-// When the job has ended its own archive is fetched. A service that is away is waited for, and
-// said.
+// One thread watches the job's events. After each commit, another thread fetches the archive so
+// far, which the service creates, and replaces the local file as a whole. Commits during a fetch
+// are combined into the next fetch, so a slow service isn't overloaded. When the job has ended, its
+// final archive is fetched. If the service is unreachable, the follower retries and reports this.
 //
 // Thread safety: `heard` is called from both threads, one call at a time.
 #pragma once
@@ -25,12 +23,13 @@ class Client;
 
 namespace sleight::gallery {
 
-/// How the job stands, for people: "running: 1,200 of 3,000 scans". `goes_on`: more may come.
+/// Status of the job for people, such as "running: 1,200 of 3,000 scans". `goes_on`: more may
+/// follow.
 using JobHeard = std::function<void(bool goes_on, const std::string& words)>;
 
 class JobFollower {
  public:
-  /// The archive comes as `path`. REQUIRES: a job that there is.
+  /// The archive is written to `path`. REQUIRES: the job exists.
   JobFollower(std::string socket, rpc::JobId job, std::string path, JobHeard heard);
   ~JobFollower();
   JobFollower(const JobFollower&) = delete;
@@ -41,7 +40,7 @@ class JobFollower {
 
   void watch();
   void fetch_forever();
-  /// One file; says why there is none.
+  /// Fetches one file; returns the error, or "" after success.
   std::string fetched(rpc::Client& client, rpc::FetchKind kind);
   void say(bool goes_on, const std::string& words);
   void set_news(bool has_ended);
@@ -52,9 +51,9 @@ class JobFollower {
   JobHeard heard_;
   std::mutex saying_;
 
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards all members below
   std::condition_variable changed_;
-  bool has_news_ = true;  ///< what was committed before the watch began
+  bool has_news_ = true;  ///< initially true: fetch what was committed before the watch
   bool has_ended_ = false;
   bool is_over_ = false;
   rpc::Client* watching_ = nullptr;

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* k_ending = ".h5";
 
-/// Whether a file of a folder lies in it, where a link leads followed.
+/// Whether a folder's file is really in the folder, after following links.
 bool lies_in(const fs::path& file, const fs::path& folder) {
   std::error_code failure;
   const fs::path real = fs::canonical(file, failure);

@@ -1,4 +1,4 @@
-// Which archives a list of files and folders means.
+// Finds the archives in a list of files and folders.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace sleight::gallery {
 struct ListedFiles {
   struct File {
     std::string path{};
-    std::string name{};  ///< without its folder, as people see it
+    std::string name{};  ///< the displayed name, without the folder
   };
   struct LeftOut {
     std::string name{};
@@ -20,9 +20,9 @@ struct ListedFiles {
   std::vector<LeftOut> left_out{};
 };
 
-/// Files as they are named, whether they are there or not; of folders what ends in ".h5", by name.
-/// A link in a folder that leads out of it is left out: whoever may write there would choose what
-/// somebody else shows.
+/// Named files are listed even if they don't exist. From folders, files ending in ".h5" are listed
+/// by name. Links that point outside their folder are skipped: otherwise whoever may write to the
+/// folder could choose what somebody else shows.
 ListedFiles listed_files(const std::vector<std::string>& paths);
 
 }  // namespace sleight::gallery

@@ -19,7 +19,8 @@ bool has_moved_vertex(const scene::Scene& scene, const scene::Part& part) {
   return false;
 }
 
-/// A goal's ring follows the surface below it.
+/// Whether the part's look depends on the animation's control points. A goal's ring follows the
+/// surface below it.
 bool hangs_on_points(const scene::Scene& scene, const scene::Part& part) {
   return scene.has_own_points && (part.shape == scene::Shape::surface ||
                                   scene.features[part.feature].kind == scene::FeatureKind::wanted);

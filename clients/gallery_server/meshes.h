@@ -1,5 +1,5 @@
-// How features of a scene look, as columns of an answer (packed.h): the triangles that exported
-// files have (clients/export/look.h), so that page and files show the same.
+// The looks of a scene's features as columns of an answer (packed.h). The triangles equal those of
+// exported files (clients/export/look.h).
 //
 // Pure functions.
 #pragma once
@@ -15,21 +15,21 @@
 
 namespace sleight::gallery {
 
-/// Features that look otherwise in each animation, ascending: with vertices that are moved, with
-/// control points below them, with parts of their own.
+/// Features whose look differs between animations, ascending: they have moved vertices, control
+/// points below them, or animation-specific parts.
 std::vector<std::uint32_t> own_features(const scene::Scene& scene);
-/// Of one animation: those, and whatever features its own parts are of.
+/// The same for one animation, including the features of its own parts.
 std::vector<std::uint32_t> own_features(const scene::Scene& scene, const scene::Variation& own);
-/// All others of the scene.
+/// All other features of the scene.
 std::vector<std::uint32_t> common_features(const scene::Scene& scene);
 
-/// Adds the columns of these features, each name with `prefix` before it, and returns the answer's
-/// "meshes": of each its feature, colour, opacity, whether it is double-sided, and its columns.
+/// Adds the features' columns, with `prefix` before each name. Returns the answer's "meshes":
+/// feature, colour, opacity, whether the mesh is double-sided, and its columns.
 json::Value add_meshes(Packed& to, const std::string& prefix, const scene::Scene& scene,
                        std::span<const std::uint32_t> features, const scene::Variation& own,
                        std::span<const math::Vec3> offsets_m);
 
-/// Radius of a ball about a body's centre that holds it.
+/// Radius of a ball around a body's centre that contains the body.
 double radius_m(const scene::Scene& scene, std::uint32_t body);
 
 }  // namespace sleight::gallery

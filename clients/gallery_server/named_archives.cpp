@@ -38,7 +38,7 @@ rpc::JobId job_of(const std::string& text, std::string& service,
     throw base::Error(base::ExitCode::usage,
                       fmt::format("{}: several jobs; give each job's number separately", text));
   }
-  // Asked here, so that a job that isn't there, and no service, are said at once.
+  // Checked here, so that a missing job or service is reported at once.
   if (service.empty()) service = service_called();
   service_client::with_service(service, [&](rpc::Client& client) {
     client.status(*job);
@@ -50,7 +50,7 @@ rpc::JobId job_of(const std::string& text, std::string& service,
 constexpr std::string_view k_folder = "sleight-gallery-";
 constexpr std::string_view k_any = "XXXXXX";  ///< mkdtemp replaces it
 
-/// A lock on a folder of this user's, got by flock(how); none where it can't be had.
+/// Locks a folder of this user by flock(how); returns none if that fails.
 base::Descriptor locked(const std::string& folder, int how) {
   base::Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   struct stat found {};
@@ -59,7 +59,7 @@ base::Descriptor locked(const std::string& folder, int how) {
   return is_locked ? std::move(opened) : base::Descriptor();
 }
 
-/// A new folder, and the lock on it.
+/// Creates and locks a new folder.
 std::pair<std::string, base::Descriptor> new_folder(const std::string& temporary) {
   constexpr int k_attempts = 10;
   std::string form;
@@ -67,7 +67,7 @@ std::pair<std::string, base::Descriptor> new_folder(const std::string& temporary
     form = fmt::format("{}/{}{}", temporary, k_folder, k_any);
     if (::mkdtemp(form.data()) == nullptr) break;
     base::Descriptor lock = locked(form, LOCK_EX);
-    // Before it was locked another gallery may have taken it for an abandoned one.
+    // Before the lock, another gallery may have removed the folder as abandoned.
     std::error_code failure;
     if (fs::exists(form, failure)) return {form, std::move(lock)};
   }

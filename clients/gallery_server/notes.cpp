@@ -44,7 +44,7 @@ bool flag_of(const Json& note, const char* key) {
   return found->get<bool>();
 }
 
-/// As it is kept.
+/// The note in its stored form, checked.
 Json checked(const Json& note) {
   if (!note.is_object()) terminal::refuse_usage("the note is not an object");
   Json kept{{"star", flag_of(note, "star")},
@@ -95,7 +95,7 @@ bool says_nothing(const Json& note) {
          note["note"].text().empty();
 }
 
-/// Those that are missing, for their owner alone.
+/// Creates missing folders, readable only by their owner.
 void make_folders(const std::string& folder) {
   fs::path made;
   for (const fs::path& part : fs::path(folder)) {
@@ -107,15 +107,15 @@ void make_folders(const std::string& folder) {
   }
 }
 
-/// None of what is no name; older galleries wrote bare ones.
+/// The name in its present form (older galleries wrote "0.250"); none if it isn't a name.
 std::optional<std::string> name_today(const std::string& name) {
   const auto asked = browse::parse_name(name);
   if (!asked) return std::nullopt;
   return asked->is_bare ? "c" + name : name;
 }
 
-/// What a file holds, read as a stranger's: somebody may share the folder. Throws std::exception
-/// where it is none.
+/// Reads a file's notes. The file is untrusted, because others may write to a shared folder. Throws
+/// std::exception if the file is invalid.
 Json notes_in(const std::string& path) {
   Json notes = Json::object();
   const Json read = Json::parse(base::read_text_file(path, k_file_bytes_max));

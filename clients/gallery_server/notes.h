@@ -1,13 +1,14 @@
-// What people say of animations: stars, tags, notes, hidden ones. Never in an archive.
+// People's notes about animations: stars, tags, texts and hidden animations. Notes are never stored
+// in archives.
 //
-// One JSON file a run, called <run>.json: in a folder "sleight-notes" beside the run's archive if
-// that folder is there (made by somebody who wants to share notes), else in
-// $XDG_DATA_HOME/sleight/notes (else ~/.local/share/sleight/notes), a folder that its owner alone
-// can read. A file is written beside its place and renamed; it is read again when somebody else has
-// written it, so that several galleries may share it. What can't be written, or belongs to a run
-// whose file can't be read, is kept until the program ends, and `trouble` says so.
+// Each run has a JSON file <run>.json. The file is in a folder "sleight-notes" beside the run's
+// archive if somebody created that folder to share notes. Otherwise it is in
+// $XDG_DATA_HOME/sleight/notes (default ~/.local/share/sleight/notes), readable only by its owner.
+// A file is written beside its place and renamed, and read again when somebody else has written it,
+// so several galleries can share it. Notes that cannot be written, or whose run has an unreadable
+// file, last until the program ends; `trouble` reports this.
 //
-// Thread safety: one lock for all.
+// Thread safety: one lock guards everything.
 #pragma once
 
 #include <cstddef>
@@ -24,25 +25,25 @@ namespace sleight::gallery {
 inline constexpr std::size_t k_note_bytes_max = 4000;
 inline constexpr std::size_t k_tags_max = 32;
 inline constexpr std::size_t k_tag_bytes_max = 100;
-/// Of one run.
+/// Per run.
 inline constexpr std::size_t k_notes_max = 20'000;
 
 class Notes {
  public:
-  /// `folder`: where files are kept of runs of which nothing else is said; empty: nowhere.
+  /// `folder`: default folder for files; empty: none.
   explicit Notes(std::string folder);
 
-  /// A run's file is kept there; of a run of which that was said before nothing changes.
+  /// Sets the folder of a run's file. Later calls for the same run have no effect.
   void keep_in(const std::string& run, const std::string& folder);
-  /// All of a run, by animation. A file that can't be read has none.
+  /// All notes of a run, by animation; none if the file is unreadable.
   json::Value of_run(const std::string& run);
-  /// Changes those of some animations, each as its patch says: "star", "hidden" and "note" are what
-  /// they are then, "tags_on" and "tags_off" are added and taken off; what it doesn't speak of
-  /// stays, so that others' changes do. Returns the whole notes as they are now, each with
-  /// "changed", which grows with each change of the run's notes. Throws base::Error(usage), and
-  /// changes nothing, where one is no patch, or the notes become too much.
+  /// Applies patches to some animations' notes. "star", "hidden" and "note" replace the old values.
+  /// "tags_on" and "tags_off" add and remove tags. Other parts stay, so that other people's changes
+  /// aren't lost. Returns the complete new notes, each with "changed", which increases with each
+  /// change of the run's notes. Throws base::Error(usage), without changes, if a patch is invalid
+  /// or there would be too many notes.
   json::Value change(const std::string& run, const json::Value& patches);
-  /// Why notes aren't kept; empty: they are.
+  /// Why notes aren't stored; empty if they are.
   std::string trouble() const;
 
  private:
@@ -50,7 +51,7 @@ class Notes {
     json::Value notes = json::Value::object();
     std::optional<std::string> folder{};
     std::optional<browse::FileState> read{};  ///< the file's state when it was read or written
-    bool is_unreadable = false;               ///< then the file is left as it is
+    bool is_unreadable = false;               ///< then the file isn't changed
   };
   Run& loaded(const std::string& run);
   const std::string& folder_of(const Run& run) const { return run.folder ? *run.folder : folder_; }
@@ -65,10 +66,10 @@ class Notes {
   std::map<std::string, Run> runs_;
 };
 
-/// Where notes of this archive's run are kept.
+/// The folder for notes of this archive's run.
 std::string notes_folder(const std::string& archive);
 
-/// True of what may be a run's name in a file's: letters and digits.
+/// Whether `run` may be part of a file's name: only letters and digits.
 bool is_run_word(const std::string& run);
 
 }  // namespace sleight::gallery

@@ -1,5 +1,5 @@
-// What a terminal is told where a gallery has nothing to show: a page may not have been opened yet,
-// and on an empty one nobody sees what was named wrongly.
+// The terminal's message if a gallery has nothing to show. The page may not be open yet, and an
+// empty page wouldn't show which name was wrong.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace sleight::gallery {
 
-/// One line; empty where something is shown, or may be in a moment. `state`: as Gallery::state says
-/// it; `paths`: what the command line named.
+/// One line; empty if something is shown or may soon be. `state`: the result of Gallery::state;
+/// `paths`: the paths from the command line.
 std::string nothing_to_show(const json::Value& state, const std::vector<std::string>& paths);
 
 }  // namespace sleight::gallery

@@ -1,11 +1,10 @@
-// Columns of numbers as one answer for the page: what a browser makes typed arrays of without
-// taking it apart.
+// Writes columns of numbers as one answer for the page. Browsers use the columns as typed arrays
+// without parsing.
 //
-//   u32       length of the text that follows, little-endian
-//   text      JSON: {"head": ..., "columns": [{"name", "type", "offset", "count"}, ...]}, padded
-//   with
-//             blanks to a multiple of 8 with the u32 before it
-//   columns   each at its offset from the text's end, a multiple of 8; elements little-endian
+//    u32       length of the text, little-endian
+//    text      JSON: {"head": ..., "columns": [{"name", "type", "offset", "count"}, ...]},
+//              padded with blanks so that u32 and text are a multiple of 8 bytes
+//    columns   each at its offset from the text's end, a multiple of 8; little-endian
 //
 // Types are f64, f32, u32, i32 and u8. Thread safety: one thread at a time uses a writer.
 #pragma once
@@ -21,7 +20,7 @@
 
 namespace sleight::gallery {
 
-/// Adds a vector's numbers to a column of three numbers a row.
+/// Appends a vector to a column with three numbers per row.
 inline void append(std::vector<double>& column, const math::Vec3& v) {
   column.insert(column.end(), {v.x(), v.y(), v.z()});
 }
@@ -34,7 +33,7 @@ class Packed {
   void add(std::string_view name, std::span<const std::int32_t> column);
   void add(std::string_view name, std::span<const std::uint8_t> column);
 
-  /// The whole answer. Text in `head` that is not UTF-8 is replaced.
+  /// The whole answer. Invalid UTF-8 in `head` is replaced.
   std::string finish(const json::Value& head) const;
 
  private:

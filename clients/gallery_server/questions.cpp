@@ -48,7 +48,7 @@ std::uint64_t archive_of(const Gallery& gallery, const Question& ask) {
   return id;
 }
 
-/// As a question takes it, if it is of that generation.
+/// The snapshot, if the request is for its generation. Throws Refused if not.
 std::shared_ptr<const Snapshot> asked_for(const Gallery& gallery, const Question& ask,
                                           std::shared_ptr<const Snapshot> snapshot) {
   if (!snapshot) refuse_unread(gallery, archive_of(gallery, ask));
@@ -59,12 +59,12 @@ std::shared_ptr<const Snapshot> asked_for(const Gallery& gallery, const Question
   return snapshot;
 }
 
-/// Which may be an outline.
+/// A snapshot, which may be an outline.
 std::shared_ptr<const Snapshot> snapshot_of(const Gallery& gallery, const Question& ask) {
   return asked_for(gallery, ask, gallery.snapshot(archive_of(gallery, ask)));
 }
 
-/// Which has motions.
+/// A snapshot with motions.
 std::shared_ptr<const Snapshot> whole_of(const Gallery& gallery, const Question& ask) {
   return asked_for(gallery, ask, gallery.whole_snapshot(archive_of(gallery, ask)));
 }
@@ -84,7 +84,7 @@ std::vector<std::size_t> entries_in(const Question& list, const Snapshot& snapsh
   return entries;
 }
 
-/// Those that are meant: all where there is none or null.
+/// The request's entries; all entries if it has none.
 std::vector<std::size_t> meant(const Question& ask, const Snapshot& snapshot) {
   const auto* list = ask.find("entries");
   if (list && !list->is_null()) return entries_in(*list, snapshot);
@@ -93,7 +93,7 @@ std::vector<std::size_t> meant(const Question& ask, const Snapshot& snapshot) {
   return all;
 }
 
-/// Characters before a byte of UTF-8, counted from 1.
+/// Converts a byte offset of UTF-8 to a character number from 1.
 std::size_t character_of(std::string_view text, std::size_t byte) {
   return 1 + static_cast<std::size_t>(std::ranges::count_if(text.substr(0, byte), [](char c) {
            constexpr unsigned k_two_bits = 0xC0;
@@ -102,7 +102,7 @@ std::size_t character_of(std::string_view text, std::size_t byte) {
          }));
 }
 
-/// Along /animations, as shares are: finds have none.
+/// Shares count animations without finds, so entries that are finds are skipped.
 std::vector<Share> shares(const Snapshot& snapshot, const browse::Groups& groups,
                           const std::vector<std::size_t>& entries) {
   const auto& all = snapshot.index().entries;
@@ -121,7 +121,7 @@ bool are_all(const Snapshot& snapshot, const std::vector<std::size_t>& entries) 
   return entries.size() == snapshot.index().entries.size() && std::ranges::is_sorted(entries);
 }
 
-/// Those of all are made ready once.
+/// Groups of all entries use a set that the snapshot prepares only once.
 browse::Groups groups_among(const Snapshot& snapshot, const std::vector<std::size_t>& entries,
                             std::size_t groups, browse::Grouping by) {
   const auto& all = snapshot.index().entries;

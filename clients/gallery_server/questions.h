@@ -1,7 +1,7 @@
-// Questions of the page that hold JSON: queries, groups, what is alike.
+// Answers the page's JSON requests: queries, groups and likeness.
 //
-// Functions throw Refused where the question is none, or of another generation than what is shown.
-// Thread safety: pure, but for what snapshots read.
+// Functions throw Refused if the request is invalid, or is for another generation than the one
+// shown. Thread safety: pure, except for what snapshots read.
 #pragma once
 
 #include "clients/gallery_server/gallery.h"
@@ -10,7 +10,7 @@
 namespace sleight::gallery {
 
 /// {"query", "archives": [{"id", "generation"}]} -> {"found": [{"id", "entries"}], "errors":
-/// [{"id", "column", "message"}]}; columns count characters from 1.
+/// [{"id", "column", "message"}]}. Columns count characters from 1.
 json::Value found(const Gallery& gallery, const json::Value& ask);
 
 /// {"id", "generation", "entries" or null, "groups", "by"} -> {"approximate", "groups":
@@ -18,7 +18,7 @@ json::Value found(const Gallery& gallery, const json::Value& ask);
 json::Value grouped(const Gallery& gallery, const json::Value& ask);
 
 /// {"id", "generation", "to": [...], "entries" or null} -> {"entries", "distance_m"}, nearest
-/// first; of several the distance to the nearest counts.
+/// first, by the distance to the nearest of "to".
 json::Value alike(const Gallery& gallery, const json::Value& ask);
 
 }  // namespace sleight::gallery

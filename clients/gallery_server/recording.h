@@ -1,4 +1,4 @@
-// An animation as columns of an answer (packed.h): its motion, and what it looks like by itself.
+// An animation as columns of an answer (packed.h): its motion and its own looks.
 //
 // Pure functions.
 #pragma once
@@ -14,11 +14,11 @@
 
 namespace sleight::gallery {
 
-/// Adds a column of each field (common/motion/fields.h), its name with `prefix` before it.
+/// Adds a column for each field (common/motion/fields.h), with `prefix` before its name.
 void add_segments(Packed& to, const std::string& prefix, std::span<const motion::Segment> segments);
 
-/// Adds the columns of all segments, bodies ascending, and its own meshes; returns its head:
-/// "name", "end_s", "meshes", "columns" (the prefix).
+/// Adds the columns of all segments, in the order of bodies, and the animation's own meshes.
+/// Returns its head: "name", "end_s", "meshes", "columns" (the prefix).
 json::Value add_animation(Packed& to, const std::string& prefix, const std::string& name,
                           const browse::KeptAnimation& animation, const scene::Scene& scene);
 

@@ -1,4 +1,4 @@
-// Why something that the page asks for is refused: an HTTP status and two sentences.
+// Refusal of a page's request: an HTTP status and two sentences.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,7 @@ class Refused : public std::runtime_error {
 };
 
 class Gallery;
-/// Throws why nothing can be had of an archive that is there but not read, or has its outline
-/// alone.
+/// Throws the reason why an existing archive has no (whole) snapshot.
 [[noreturn]] void refuse_unread(const Gallery& gallery, std::size_t archive);
 
 }  // namespace sleight::gallery

@@ -28,7 +28,7 @@ constexpr std::string_view k_work = ".sleight-saving-";
 bool is_saved_name(const std::string& name) {
   if (name == "index.html" || name == "app.js" || name == "app.css" || name == k_manifest)
     return true;
-  // Without "..", "." and doubled slashes, so that no name leads out of the folder.
+  // Excludes "..", "." and doubled slashes, so that no name leads out of the folder.
   return name.starts_with("data/") && name.ends_with(".js") &&
          fs::path(name).lexically_normal().string() == name;
 }
@@ -40,7 +40,7 @@ std::string manifest_of(const std::set<std::string>& names) {
   return json.dump(1) + "\n";
 }
 
-/// The files that the manifest of a folder names; empty where it has none that is ours.
+/// The files in a folder's manifest; empty if the manifest is missing or isn't ours.
 std::set<std::string> named_in_manifest(const fs::path& folder) {
   const fs::path path = folder / k_manifest;
   if (!fs::is_regular_file(fs::symlink_status(path))) return {};
@@ -56,13 +56,13 @@ std::set<std::string> named_in_manifest(const fs::path& folder) {
   return names.contains(std::string(k_manifest)) ? names : std::set<std::string>();
 }
 
-/// Whether one of the files lies in this folder, or below.
+/// Whether one of the files is in this folder or a subfolder.
 bool holds_some(const std::string& folder, const std::set<std::string>& names) {
   const auto next = names.lower_bound(folder + "/");
   return next != names.end() && next->starts_with(folder + "/");
 }
 
-/// What lies in a folder besides these files: each name as far as it is foreign, sorted.
+/// Other contents of a folder than these files, sorted; a foreign folder counts as one.
 std::vector<std::string> others_in(const fs::path& folder, const std::set<std::string>& names,
                                    const fs::path& work) {
   std::vector<std::string> others;
@@ -82,7 +82,7 @@ std::vector<std::string> others_in(const fs::path& folder, const std::set<std::s
   return others;
 }
 
-/// Returns the files that may be replaced. Throws base::Error where there are others.
+/// Returns the files that may be replaced. Throws base::Error if there are other files.
 std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
   if (!fs::is_directory(place)) {
     throw base::Error(
@@ -106,7 +106,7 @@ std::set<std::string> check_place(const fs::path& place, const fs::path& work) {
                    : std::string()));
 }
 
-/// Absolute, where links lead, without a slash at its end.
+/// Absolute, with links followed, without a final slash.
 fs::path resolved(const std::string& folder) {
   const fs::path place = fs::weakly_canonical(fs::absolute(base::where_links_lead(folder)));
   return place.has_filename() ? place : place.parent_path();
@@ -121,7 +121,7 @@ fs::path folder_of_our_own(const fs::path& parent) {
   return form;
 }
 
-/// The first parts of names: what lies in the folder itself.
+/// The first parts of names: the entries of the folder itself.
 std::set<std::string> tops_of(const std::set<std::string>& names) {
   std::set<std::string> tops;
   for (const std::string& name : names)
@@ -129,14 +129,14 @@ std::set<std::string> tops_of(const std::set<std::string>& names) {
   return tops;
 }
 
-/// Renames that can be taken back.
+/// Renames that can be undone.
 class Moves {
  public:
   void move(const fs::path& from, const fs::path& to) {
     fs::rename(from, to);
     done_.emplace_back(from, to);
   }
-  /// Whether all could be.
+  /// Undoes all renames; returns whether all succeeded.
   bool take_back() {
     bool is_whole = true;
     for (; !done_.empty(); done_.pop_back()) {
@@ -161,14 +161,14 @@ SavedFolder::SavedFolder(const std::string& folder)
     check_place(place_, {});
   }
   work_ = folder_of_our_own(is_new_ ? place_.parent_path() : place_);
-  // mkdtemp's folder is for its owner alone; this one is to be published.
+  // mkdtemp's folder is readable only by its owner; this one will be published.
   fs::create_directory(work_ / "new");
 }
 
 SavedFolder::~SavedFolder() {
   std::error_code failure;
   fs::remove_all(work_ / "new", failure);
-  // Only where they are empty: the old gallery may be there.
+  // Removed only if empty, because they may contain the old gallery.
   fs::remove(work_ / "old", failure);
   fs::remove(work_, failure);
 }
@@ -187,7 +187,7 @@ std::uint64_t SavedFolder::put_in_place() {
   written_.insert(std::string(k_manifest));
   const std::uint64_t bytes = write(std::string(k_manifest), manifest_of(written_));
   if (is_new_) {
-    // Fails where something came there meanwhile, but for an empty folder.
+    // Fails if something but an empty folder appeared there meanwhile.
     fs::rename(work_ / "new", place_);
   } else {
     exchange();
@@ -196,7 +196,7 @@ std::uint64_t SavedFolder::put_in_place() {
 }
 
 void SavedFolder::exchange() {
-  // Again: writing took its time.
+  // Check again, because writing took time.
   replaced_ = check_place(place_, work_);
   fs::create_directory(work_ / "old");
   Moves moves;
@@ -224,7 +224,7 @@ void SavedFolder::remove_old() {
          folder = folder.parent_path())
       folders.insert(folder);
   }
-  // A folder sorts before what is in it. One that isn't empty stays.
+  // Reverse order removes subfolders first. Folders that aren't empty stay.
   for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)
     fs::remove(work_ / "old" / *folder, failure);
   fs::remove(work_ / "old", failure);

@@ -1,24 +1,25 @@
-// The folder of a saved gallery: what in it may be replaced, and how a new gallery takes the place
-// of the one that is there.
+// The folder of a saved gallery: which files may be replaced, and how a new gallery replaces an old
+// one.
 //
-// A saved gallery names its files in its manifest, sleight-gallery.json:
+// A saved gallery lists its files in its manifest, sleight-gallery.json:
 //
 //   {"about": "...", "sleight_gallery": 1, "files": ["app.css", ..., "sleight-gallery.json"]}
 //
 // Invariants:
-// 1. Only regular files that the manifest of the gallery there names are replaced or removed. A
-//    folder with anything else in it is refused, and left as it is. A manifest that names what no
-//    saved gallery writes is none.
-// 2. The new gallery is written into a folder with a name of its own, and put in place once it is
-//    whole. Its files and the old ones change places by renames; if one fails all are taken back.
-// 3. A folder that was there stays that folder: it may be a mount point, the place where a link
-//    leads, or some shell's current folder. Therefore the new gallery is written in it; where there
-//    is none yet, beside its place.
 //
-// Of a process that is killed a folder ".sleight-saving-..." stays; it is never removed unasked, as
-// it may hold the old gallery.
+// 1. Only regular files listed in the present gallery's manifest are replaced or removed. A folder
+//    with anything else is refused and not changed. A manifest with names that no saved gallery
+//    writes is ignored.
+// 2. The new gallery is written into a separate folder, and put in place when it is complete. Its
+//    files and the old ones are exchanged by renames; if a rename fails, all are undone.
+// 3. An existing folder stays the same folder, because it may be a mount point, the target of a
+//    link, or a shell's current folder. So the new gallery is first written inside an existing
+//    folder, or beside a new one.
 //
-// Not thread-safe; two that save into one folder refuse each other.
+// A killed process leaves a folder ".sleight-saving-...". It is never removed automatically,
+// because it may contain the old gallery.
+//
+// Not thread-safe. Two processes that save into one folder refuse each other.
 #pragma once
 
 #include <cstdint>
@@ -33,19 +34,20 @@ inline constexpr std::string_view k_manifest = "sleight-gallery.json";
 
 class SavedFolder {
  public:
-  /// Looks at the place and makes the folder to write into. Links are followed. Throws base::Error:
-  /// conflict where something else is there, environment; and filesystem_error.
+  /// Checks the place and creates the folder to write into. Links are followed. Throws base::Error
+  /// (conflict if something else is there, or environment) and filesystem_error.
   explicit SavedFolder(const std::string& folder);
-  ~SavedFolder();  ///< takes away what was written and isn't in place
+  ~SavedFolder();  ///< removes written files that aren't in place
   SavedFolder(const SavedFolder&) = delete;
   SavedFolder& operator=(const SavedFolder&) = delete;
 
-  /// Returns its bytes. REQUIRES: "index.html", "app.js", "app.css" or "data/....js". Throws as the
-  /// constructor.
+  /// Returns the number of bytes. REQUIRES: the name is "index.html", "app.js", "app.css" or
+  /// "data/....js". Throws as the constructor.
   std::uint64_t write(const std::string& name, std::string_view content);
 
-  /// Writes the manifest, whose bytes it returns, and puts all in place. Throws as the constructor;
-  /// then the old gallery is as it was, or the error says where it is. REQUIRES: called once.
+  /// Writes the manifest, puts all files in place, and returns the manifest's size in bytes. Throws
+  /// as the constructor; then the old gallery is unchanged, or the error contains its place.
+  /// REQUIRES: called once.
   std::uint64_t put_in_place();
 
  private:
@@ -54,9 +56,9 @@ class SavedFolder {
 
   std::filesystem::path place_;
   bool is_new_;
-  std::filesystem::path work_;      ///< the folder of our own: new/ and old/
+  std::filesystem::path work_;      ///< the working folder, with new/ and old/
   std::set<std::string> written_;   ///< files of the new gallery
-  std::set<std::string> replaced_;  ///< of the one there
+  std::set<std::string> replaced_;  ///< files of the old gallery
 };
 
 }  // namespace sleight::gallery

@@ -24,14 +24,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = json::Value;
 
-/// Plots of so many chains go along; more can't be told apart.
+/// Maximum number of chains whose plots are saved; people cannot distinguish more lines.
 constexpr std::uint64_t k_chains_saved_max = 8;
 
 std::string text_of(const Json& json) {
   return json.dump();
 }
 
-/// A file that is to be written, made when its turn comes.
+/// A file to write; its content is created when its turn comes.
 struct Planned {
   std::string path{};  ///< "0/looks"
   std::size_t archive = 0;
@@ -51,7 +51,7 @@ class Plan {
                      }});
   }
 
-  std::size_t archive = 0;  ///< whose files come next
+  std::size_t archive = 0;  ///< the archive of the next files
   std::vector<Planned> files{};
 };
 
@@ -133,7 +133,7 @@ std::string script_of(const Planned& file) {
 }  // namespace
 
 std::string script_of(const std::string& path, const std::string& kind, const std::string& text) {
-  // JSON's strings are a script's, since ECMAScript 2019; what is no UTF-8 is replaced.
+  // JSON strings are valid in scripts since ECMAScript 2019. Invalid UTF-8 is replaced.
   return fmt::format("sleightSaved({},{},{});\n", text_of(path), text_of(kind), text_of(text));
 }
 

@@ -1,21 +1,20 @@
-// A gallery as a folder of static files: to publish on any web server, and to open by double-click.
+// A gallery as a folder of static files, to publish on any web server or to open by double-click.
 //
-// A page that is opened as a file may fetch nothing, so all data come as scripts that the page asks
-// for by script elements:
+// A page opened as a file cannot fetch, so all data are scripts, which the page loads with script
+// elements:
 //
 //   index.html, app.js, app.css    the page, built for this
-//   data/gallery.js                what /api/gallery answers
-//   data/A/NAME.js                 what is answered of archive A: scene, looks, table, index,
-//                                  diagnosis, series, series-NAME-CHAIN, animations-K: animations
-//                                  32 K to 32 K + 31 of the table, in its order
+//   data/gallery.js                the answer of /api/gallery
+//   data/A/NAME.js                 answers about archive A: scene, looks, table, index,
+//                                  diagnosis, series, series-NAME-CHAIN, animations-K
+//                                  (animations 32 K to 32 K + 31, in the table's order)
 //   sleight-gallery.json           the names of all these files
 //
-// Each script calls sleightSaved(path, kind, text) with kind "json" and a JSON text, or "gz" and
-// the answer's bytes, compressed by gzip, as base64. Names of files are numbers and plain words;
-// nothing in an archive gets into one, nor into a script but inside a string of JSON.
+// Each script calls sleightSaved(path, kind, text). Kind "json" has a JSON text; kind "gz" has the
+// answer's bytes, compressed by gzip, as base64. Names of files are numbers and fixed words. Text
+// from archives never becomes part of a name, and is in scripts only inside JSON strings.
 //
-// The folder is put in place as a whole (saved_folder.h). Stars and notes are a person's own and
-// don't go along.
+// The folder is put in place as a whole (saved_folder.h). People's stars and notes are not saved.
 #pragma once
 
 #include <cstdint>
@@ -31,20 +30,20 @@
 namespace sleight::gallery {
 
 struct SavedArchive {
-  std::string name{};  ///< as people see it
+  std::string name{};  ///< the displayed name
   std::shared_ptr<const Snapshot> snapshot{};
 };
 
 struct SaveOptions {
-  std::string folder{};  ///< where it is to be: new, empty, or a saved gallery, which is replaced
+  std::string folder{};  ///< new, empty, or a saved gallery to replace
   std::string page{};    ///< the folder of the built page (page_folder.h)
   std::string version{};
-  /// Told after each file: files that are written, of how many. What it throws ends the work and
-  /// leaves nothing behind.
+  /// Called after each file with the numbers of files written and of all files. An exception from
+  /// it ends the work and leaves nothing behind.
   std::function<void(std::size_t, std::size_t)> progress{};
 };
 
-/// One of the archives turned out to be damaged while it was read.
+/// An archive turned out to be damaged while it was saved.
 class UnreadableArchive : public base::Error {
  public:
   UnreadableArchive(std::size_t number, const std::string& words)
@@ -55,8 +54,8 @@ class UnreadableArchive : public base::Error {
   std::size_t number_;
 };
 
-/// Returns the bytes that were written. Throws base::Error: conflict where something else is in the
-/// folder, environment where it can't be written; UnreadableArchive.
+/// Returns the number of bytes written. Throws base::Error (conflict if something else is in the
+/// folder, environment if it cannot be written) and UnreadableArchive.
 std::uint64_t save_gallery(const std::vector<SavedArchive>& archives, const SaveOptions& options,
                            const analysis::Rules& rules);
 

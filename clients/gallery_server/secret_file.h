@@ -1,5 +1,5 @@
-// The secret of a port's cookies, kept from one gallery to the next, so that a page whose server is
-// started again goes on by itself.
+// The secret of a port's cookies. It is stored between galleries, so that open pages reconnect when
+// the server restarts.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace sleight::gallery {
 
-/// Of $XDG_STATE_HOME/sleight/gallery/PORT.secret (else ~/.local/state/...), readable by its owner
-/// alone; made where there is none. Empty where none can be kept: the server makes one of its own,
-/// and pages need its link.
+/// The secret in $XDG_STATE_HOME/sleight/gallery/PORT.secret (default ~/.local/state/...), readable
+/// only by its owner; created if missing. Empty if it cannot be stored: then the server creates its
+/// own, and pages need its link.
 std::string kept_secret(std::uint16_t port);
 
 }  // namespace sleight::gallery

@@ -28,7 +28,7 @@ namespace {
 
 using Json = json::Value;
 
-/// Numbers of the posterior that a histogram is made of, at most; of more every n-th is taken.
+/// Maximum number of posterior values in a histogram; of more, every n-th is used.
 constexpr std::uint64_t k_histogram_draws_max = 1'000'000;
 constexpr std::string_view k_trace_prefix = "trace.";
 constexpr std::string_view k_pair_prefix = "pair.";
@@ -52,7 +52,7 @@ std::string unit_of(const archive::Source& source, std::string_view group, std::
   return text == nullptr ? "1" : *text;
 }
 
-/// Numbers along chains: what every world has, and its outcomes.
+/// Names of the numbers along chains: those of all worlds, and the world's outcomes.
 std::vector<std::string> traced(const archive::Source& source) {
   std::vector<std::string> names{"log_constraint", "log_prior", "lp", "acceptance_rate"};
   for (std::string& name : analysis::outcome_names(source))
@@ -68,7 +68,7 @@ std::string title_of(std::string_view name) {
   return std::string(name);
 }
 
-/// Names that both the prior's draws and the chains' have, one number each.
+/// Names that both prior draws and chains have.
 std::vector<std::string> paired(const archive::Source& source) {
   std::vector<std::string> names;
   const std::uint64_t draws = prior_draws_of(source);
@@ -79,14 +79,14 @@ std::vector<std::string> paired(const archive::Source& source) {
   return names;
 }
 
-/// The marks of a chain, read in batches.
+/// The marks of a chain.
 struct Marks {
   std::vector<std::uint32_t> change_all{};
   std::vector<std::uint32_t> fall{};
   std::vector<std::uint32_t> lineage{};
 };
 
-/// The kind of proposal that draws everything anew; none where there is no such kind.
+/// The kind of proposal that changes all variables; none if the method has no such kind.
 std::optional<std::size_t> change_all_kind(const std::vector<std::string>& kinds) {
   const auto found = std::ranges::find_if(
       kinds, [](const std::string& kind) { return kind == "all" || kind == "change_all"; });
@@ -153,7 +153,7 @@ std::string trace_of(const archive::Source& source, const archive::Summary& summ
                         {"is_thinned", summary.scans > k_series_points_max}});
 }
 
-/// Rounds of the ladders; none where nothing was learnt by round.
+/// Rounds of the ladders; empty if the archive has none.
 std::vector<analysis::Round> rounds(const archive::Source& source,
                                     const archive::Summary& summary) {
   if (archive::find_group(source, archive::k_tempering) == nullptr) return {};
@@ -254,10 +254,10 @@ std::string index_of(const archive::Source& source, const archive::Summary& summ
                         {"replicas", process.level.size()}});
 }
 
-/// All chains' numbers, every n-th where there are too many, with their weights.
+/// The numbers of all chains with their weights; every n-th if there are too many.
 struct Weighed {
   std::vector<double> values{};
-  std::vector<double> log_weights{};  ///< empty: all the same
+  std::vector<double> log_weights{};  ///< empty: equal weights
 };
 
 Weighed posterior_of(const archive::Source& source, const archive::Summary& summary,

@@ -9,7 +9,7 @@
 namespace sleight::gallery {
 namespace {
 
-/// What of a lineage is kept, by draw.
+/// Draws of a lineage's kept animations, with the animations' indices.
 using Kept = std::vector<std::pair<std::uint64_t, std::size_t>>;
 
 }  // namespace
@@ -30,8 +30,8 @@ SatisfiedDraws satisfied_draws(std::span<const LineageDraw> satisfied,
       ++draws.elsewhere;
       continue;
     }
-    // The last one at the draw or before it. A draw before the first, which was lost to a failed
-    // simulation, goes to the first.
+    // The last animation kept at this draw or before. If a failed simulation lost the first ones,
+    // the draw goes to the first kept animation.
     const Kept& animations = found->second;
     auto after = std::ranges::upper_bound(animations, one.draw, {},
                                           [](const auto& animation) { return animation.first; });
@@ -56,7 +56,7 @@ std::vector<Share> shares_of(const SatisfiedDraws& draws,
   if (draws.draws == 0) return {};
   const auto all = static_cast<double>(draws.draws);
   const auto lineages = static_cast<double>(draws.lineages.size());
-  std::vector<std::vector<double>> of_lineage(groups);  // by group, of those lineages that have any
+  std::vector<std::vector<double>> of_lineage(groups);  // by group; lineages with its draws
   std::vector<double> sum(groups, 0.0);
   std::vector<std::vector<double>> size(groups);
   std::vector<double> squares_of_sizes(groups, 0.0);
@@ -79,7 +79,7 @@ std::vector<Share> shares_of(const SatisfiedDraws& draws,
   std::vector<Share> shares(groups);
   for (std::size_t group = 0; group < groups; ++group) {
     const double share = sum[group] / all;
-    // Lineages without any of the group deviate by share * n.
+    // In lineages without draws of the group, the deviation is share * n.
     double deviations = share * share * (squares - squares_of_sizes[group]);
     for (std::size_t i = 0; i < of_lineage[group].size(); ++i)
       deviations += std::pow(of_lineage[group][i] - share * size[group][i], 2);

@@ -1,14 +1,16 @@
-// How large a share of a run's satisfied draws looks like a group's animations.
+// Estimates which share of a run's satisfied draws looks like a group's animations.
 //
-// Kept animations are distinct ones: how many of them a group has says nothing of how often the
-// model has such animations. The draws do. A satisfied draw is put to the animation that was kept
-// last of its (chain, lineage), at the draw or before it: what came after it and was not kept was
-// like what is kept, or one too many of the lineage. Draws of lineages of which nothing is kept are
-// counted apart.
+// Only distinct animations are kept, so a group's number of animations doesn't show how probable
+// such animations are. The draws do. A satisfied draw is assigned to the last animation kept in its
+// (chain, lineage), at the draw or before: later draws that weren't kept resembled a kept one, or
+// exceeded the limit per lineage. Draws of lineages without kept animations are counted separately.
 //
-// The error takes lineages as what is independent, as draws of one follow from one another: with
-// n_l satisfied draws of lineage l, of which g_l are the group's, and p = sum g / sum n, it is
+// The error treats lineages as independent, because draws within a lineage are dependent. Let n_l
+// be the number of satisfied draws of lineage l, g_l the group's part, and p = sum g / sum n. The
+// error is
+//
 //     sqrt(L / (L - 1) * sum (g_l - p n_l)^2) / sum n
+//
 // (W. Cochran, "Sampling Techniques", 1977, section 6.4: ratio of clusters' sums).
 //
 // Thread safety: pure.
@@ -22,40 +24,40 @@
 
 namespace sleight::gallery {
 
-/// A satisfied draw, or an animation that is kept of one.
+/// A satisfied draw, or the draw of a kept animation.
 struct LineageDraw {
   std::uint64_t chain = 0;
   std::int64_t lineage = 0;
   std::uint64_t draw = 0;
 };
 
-/// The draws of one lineage, by the animation they are put to.
+/// The draws of one lineage, by the animation that they are assigned to.
 struct LineageCounts {
   struct Count {
     std::size_t animation = 0;
     std::uint64_t draws = 0;
   };
-  std::uint64_t draws = 0;  ///< all of them
+  std::uint64_t draws = 0;  ///< sum of `counts`
   std::vector<Count> counts{};
 };
 
-/// Of lineages with something kept; in the order of (chain, lineage).
+/// Lineages with kept animations, in the order of (chain, lineage).
 struct SatisfiedDraws {
   std::vector<LineageCounts> lineages{};
-  std::uint64_t draws = 0;      ///< of these lineages
+  std::uint64_t draws = 0;      ///< satisfied draws of these lineages
   std::uint64_t elsewhere = 0;  ///< satisfied draws of other lineages
 };
 
-/// REQUIRES: satisfied draws in any order; kept[i] is animation i.
+/// `satisfied` may have any order; kept[i] is the draw of animation i.
 SatisfiedDraws satisfied_draws(std::span<const LineageDraw> satisfied,
                                std::span<const LineageDraw> kept);
 
 struct Share {
   double value = 0;
-  double error = 0;  ///< NaN of fewer than two lineages
+  double error = 0;  ///< NaN for fewer than two lineages
 };
 
-/// Shares of groups; group_of[i] is animation i's, or none: it is in no group. None of no draws.
+/// Shares of groups; empty if there are no draws. group_of[i] is the group of animation i, or none.
 std::vector<Share> shares_of(const SatisfiedDraws& draws,
                              std::span<const std::optional<std::size_t>> group_of,
                              std::size_t groups);

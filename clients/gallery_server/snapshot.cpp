@@ -19,9 +19,9 @@
 namespace sleight::gallery {
 namespace {
 
-/// A lineage's number; 0 of what is none in a file of other types.
+/// A lineage's number; 0 if a file has an invalid number.
 std::int64_t whole(double number) {
-  constexpr double k_most = 9e15;  // below which doubles have all whole numbers
+  constexpr double k_most = 9e15;  // doubles represent all integers below this
   return std::abs(number) <= k_most ? static_cast<std::int64_t>(number) : 0;
 }
 
@@ -60,7 +60,7 @@ std::vector<double> blind_throws(const archive::Source& source) {
   return throws;
 }
 
-/// The outline's index with what the archive says of itself; none where it isn't this archive's.
+/// The outline's index, completed from the archive; none if the outline belongs to another archive.
 std::optional<browse::Index> index_of_outline(const archive::Source& source,
                                               browse::Outline& outline) {
   if (archive::summary_of(source).content_digest != outline.index.digest) return std::nullopt;
@@ -124,7 +124,7 @@ Snapshot::Snapshot(const std::string& path, const Options& options)
 
 std::vector<double> Snapshot::satisfied_draws() const {
   if (facts_.by_lineage.draws == 0) return {};
-  // Animations are counted without the finds between them.
+  // Shares count animations without finds, so map their indices to entries.
   std::vector<std::size_t> entry_of_animation;
   for (std::size_t entry = 0; entry < read_.index.entries.size(); ++entry)
     if (!read_.index.entries[entry].name.is_find) entry_of_animation.push_back(entry);

@@ -1,4 +1,4 @@
-// What the page says of an archive before it is opened.
+// Summary of an archive for the page.
 #pragma once
 
 #include "clients/gallery_server/snapshot.h"
@@ -6,11 +6,11 @@
 
 namespace sleight::gallery {
 
-/// Adds "run", "generation", "world", "kept", "finds", "keep_max", "chains", "scans", "draws",
-/// "as_of" (in words), "warning", "method", "in_proportion" and "satisfied".
+/// Adds "run", "generation", "world", "kept", "finds", "is_beginning", "keep_max", "chains",
+/// "scans", "draws", "as_of" (for people), "warning", "method", "in_proportion" and "satisfied".
 void add_facts(json::Value& json, const Snapshot& snapshot);
 
-/// The same of an archive that has not been read (yet): all is empty.
+/// Adds the same keys with empty values, for an archive that has not been read (yet).
 void add_no_facts(json::Value& json);
 
 }  // namespace sleight::gallery

@@ -1,4 +1,4 @@
-// What several answers say of an index: its table, its numbers and features.
+// Parts shared by several answers about an index: its table, numbers and features.
 //
 // Pure functions.
 #pragma once
@@ -11,8 +11,8 @@
 
 namespace sleight::gallery {
 
-/// Columns over entries: "is_find" u8, "chain" u32, "draw" f64, "in_proportion" u8, "end_s" and
-/// "lineage" f64, and "number.K" f64 of each number.
+/// Adds columns by entry: "is_find" u8, "chain" u32, "draw" f64, "in_proportion" u8, "end_s" and
+/// "lineage" f64, and "number.K" f64 for each number.
 void add_table(Packed& to, const browse::Index& index);
 
 /// [x, y, z]
