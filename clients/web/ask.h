@@ -1,7 +1,7 @@
-// What a page asks of this server and what it is answered, as values.
+// A page's request to this server and the answer, as values.
 //
-// An Ask has passed the guard (guard.h): it comes from a page of ours, in a browser that was let
-// in. What it asks for is still anybody's text: a path is looked up, never opened.
+// An Ask has passed the guard (guard.h): it comes from our own page, in an authorized browser. Its
+// contents are still untrusted: a path is looked up, never opened.
 //
 // Thread safety: values. Content is shared between copies and never changes.
 #pragma once
@@ -19,11 +19,11 @@
 namespace sleight::web {
 
 enum class Method : std::uint8_t {
-  get,  ///< HEAD too, of which the server sends the head alone
+  get,  ///< or HEAD, for which the server sends no content
   post,
 };
 
-/// `name=value` of what stands behind the question mark.
+/// A `name=value` after the target's question mark.
 struct Parameter {
   std::string name{};
   std::string value{};
@@ -31,18 +31,17 @@ struct Parameter {
 
 struct Ask {
   Method method = Method::get;
-  /// Percent signs decoded, once: begins with '/', valid UTF-8 without control characters,
-  /// backslashes and segments "." and "..".
+  /// Percent signs are decoded once. Begins with '/'. Valid UTF-8 without control characters,
+  /// backslashes, and segments "." and "..".
   std::string path = "/";
-  std::vector<Parameter> parameters{};  ///< in their order, decoded likewise
-  std::string body{};                   ///< of POST: its type is application/json, its text unread
+  std::vector<Parameter> parameters{};  ///< in their order, decoded as the path is
+  std::string body{};                   ///< of a POST; type application/json, not parsed
   bool accepts_gzip = false;
 
-  /// The first parameter of this name.
   std::optional<std::string_view> parameter(std::string_view name) const;
 };
 
-/// Bytes of an answer, shared and not copied.
+/// Bytes of an answer, shared without copies.
 class Content {
  public:
   Content() = default;
@@ -53,7 +52,7 @@ class Content {
   Content(std::shared_ptr<const base::Bytes> bytes);
 
   base::BytesView view() const { return view_; }
-  /// As text, of whatever kind it was made.
+  /// The bytes as text, even if created from bytes.
   std::string_view text() const;
 
  private:
@@ -61,13 +60,13 @@ class Content {
   base::BytesView view_;
 };
 
-/// How long a browser may keep an answer.
+/// How long browsers may store an answer.
 enum class Cache : std::uint8_t {
   no_store,   ///< not at all
-  immutable,  ///< a year: another content has another name
+  immutable,  ///< a year; changed content gets a new name
 };
 
-/// A line of an answer's head. No control characters in either.
+/// A header line of an answer. REQUIRES: no control characters.
 struct Field {
   std::string name{};
   std::string value{};
@@ -78,13 +77,13 @@ struct Answer {
   std::string type = "application/json";
   Content content{};
   Cache cache = Cache::no_store;
-  /// Quoted, as in `"3f2a"`; empty: none. Whoever has this content already is answered 304.
+  /// Quoted, such as `"3f2a"`; empty: none. Clients that have this content receive 304.
   std::string etag{};
-  /// Beyond those that every answer has (reply.h), as Content-Disposition.
+  /// Additional headers, such as Content-Disposition (reply.h adds the common ones).
   std::vector<Field> fields{};
 };
 
-/// {"error": ..., "what_to_do": ...}: two sentences, for people.
+/// {"error": ..., "what_to_do": ...}: two sentences for people.
 Answer error_answer(unsigned status, std::string_view error, std::string_view what_to_do);
 
 }  // namespace sleight::web

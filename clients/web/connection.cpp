@@ -14,7 +14,7 @@ namespace {
 namespace asio = boost::asio;
 using Error = boost::system::error_code;
 
-/// The peer has a limited time to read each piece of an answer.
+/// The peer has a limited time to receive each piece of an answer.
 constexpr std::size_t k_piece_bytes = 256U << 10U;
 
 std::chrono::steady_clock::duration seconds(double value) {
@@ -48,8 +48,7 @@ bool Connection::can_make_room() const {
   return stage_ == Stage::lingering || (stage_ == Stage::reading && !is_known_);
 }
 
-// ------------------------------------------------------------------------------ stages and
-// deadlines
+// ------------------------------------------------------------------------ stages and deadlines
 
 void Connection::set_stage(Stage stage) {
   stage_ = stage;
@@ -60,7 +59,7 @@ void Connection::set_deadline(double value_s) {
   const std::uint64_t number = ++deadline_number_;
   deadline_.expires_after(seconds(value_s));
   deadline_.async_wait([self = shared_from_this(), number](const Error& error) {
-    // One that was put off may have run out already.
+    // A replaced deadline may already have expired.
     if (!error && number == self->deadline_number_) self->on_deadline();
   });
 }
@@ -68,7 +67,7 @@ void Connection::set_deadline(double value_s) {
 void Connection::on_deadline() {
   if (stage_ == Stage::reading && !intake_.is_idle()) {
     ++server_.closed;
-    // Ends the reading that is under way.
+    // Ends the read in progress.
     Error ignored;
     socket_.cancel(ignored);
     refuse(k_too_slow);
@@ -98,7 +97,7 @@ void Connection::close() {
 
 // ---------------------------------------------------------------------------------------- reading
 
-/// Does what can be done with the bytes that are there.
+/// Processes the bytes that have arrived.
 void Connection::advance() {
   switch (intake_.step()) {
     case Step::more:
@@ -113,7 +112,7 @@ void Connection::advance() {
 }
 
 void Connection::read() {
-  // An idle connection's time is not taken from that of its next head, nor a head's from its body.
+  // The idle time, the head and the body each have their own deadline.
   if (!intake_.is_idle() && !std::exchange(is_head_begun_, true))
     set_deadline(server_.options.limits.head_s_max);
   if (intake_.is_in_body() && !std::exchange(is_body_begun_, true)) {
@@ -146,7 +145,7 @@ void Connection::proceed() {
 void Connection::dispatch() {
   ++server_.asks;
   is_known_ = true;
-  ++deadline_number_;  // a handler may take as long as it needs
+  ++deadline_number_;  // handlers have no deadline
   set_stage(Stage::answering);
   Passed& passed = intake_.passed();
   if (passed.way == Way::stream && !passed.is_head) return server_.start_stream(shared_from_this());
@@ -252,8 +251,7 @@ void Connection::read_and_drop() {
                           });
 }
 
-// ----------------------------------------------------------------------------------------
-// streaming
+// -------------------------------------------------------------------------------------- streaming
 
 void Connection::stream() {
   CHECK(stage_ == Stage::answering);
@@ -266,7 +264,7 @@ void Connection::stream() {
 
 void Connection::push(const std::shared_ptr<const std::string>& text) {
   if (stage_ != Stage::streaming) return;
-  // A single one may be longer: it is the program's own, and shared by all streams.
+  // A single event may be larger: the program itself wrote it, and all streams share it.
   if (!events_.empty() && events_bytes_ + text->size() > server_.options.limits.stream_bytes_max)
     return close_as_too_much();
   events_.push_back(text);
@@ -277,7 +275,7 @@ void Connection::push(const std::shared_ptr<const std::string>& text) {
 void Connection::write_event() {
   is_event_written_ = true;
   set_deadline(server_.options.limits.write_s_max);
-  // The text lives as long as the write: a stream that is closed drops its events.
+  // The lambda keeps the text alive during the write, because closing a stream drops its events.
   asio::async_write(
       socket_, asio::buffer(*events_.front()),
       [self = shared_from_this(), text = events_.front()](const Error& error, std::size_t) {
@@ -291,7 +289,7 @@ void Connection::write_event() {
       });
 }
 
-/// A stream's reader sends nothing more; its end tells that it is gone.
+/// A stream's reader sends nothing more, so the read ends only when the reader disconnects.
 void Connection::watch_for_end() {
   socket_.async_read_some(asio::buffer(dropped_),
                           [self = shared_from_this()](const Error&, std::size_t) {

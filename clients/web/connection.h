@@ -1,16 +1,17 @@
-// One connection of a server: reads requests, has them answered, writes answers, one after another.
+// One connection of a server: reads requests and writes answers, one after another.
 //
-// Stages, of which each but `answering` has a deadline:
+// All stages but `answering` have a deadline:
 //
-//   reading ──▶ answering ──▶ writing ──▶ reading ...
-//      │                         └──────▶ lingering ──▶ closed
-//      └──▶ streaming ──▶ closed
+//    reading ──▶ answering ──▶ writing ──▶ reading ...
+//       │                         └──────▶ lingering ──▶ closed
+//       └──▶ streaming ──▶ closed
 //
-// Lingering: a refused peer may still be sending. Were the connection closed at once, the system
-// would tell it of that in a way that throws away the answer which it has not read yet; so what it
-// sends is read and dropped for a while.
+// Lingering: a refused peer may still be sending. If the connection were closed at once, the system
+// would reset it, and the peer would lose the answer. So incoming bytes are read and dropped for a
+// while.
 //
-// Thread safety: the loop's thread alone; a handler's thread keeps it alive and posts to the loop.
+// Thread safety: only the loop's thread calls functions. A handler's thread keeps the connection
+// alive and posts to the loop.
 #pragma once
 
 #include <array>
@@ -33,25 +34,25 @@ class Connection : public std::enable_shared_from_this<Connection> {
  public:
   using Moment = std::chrono::steady_clock::time_point;
 
-  /// `is_extra`: one above the limit, to be told so.
+  /// `is_extra`: the connection exceeds the limit and is refused.
   Connection(Server::Impl& server, boost::asio::ip::tcp::socket socket, std::uint64_t number,
              bool is_extra);
 
-  /// Reads its first request.
+  /// Reads the first request.
   void start();
-  /// Is told why it is not served, and closed. REQUIRES: nothing is being written.
+  /// Sends the refusal and closes. REQUIRES: no answer is being written.
   void refuse(const Refusal& refusal);
-  /// REQUIRES: it asked for a stream. The head, and what is newest.
+  /// Sends the head and the newest events. REQUIRES: the request was for a stream.
   void stream();
-  /// REQUIRES: it is a stream.
+  /// REQUIRES: the connection is a stream.
   void push(const std::shared_ptr<const std::string>& text);
   void close();
-  /// The same, by a limit.
+  /// Closes because of a limit.
   void close_as_too_much();
 
   std::uint64_t number() const { return number_; }
   bool is_extra() const { return is_extra_; }
-  /// Whether it may be closed for another one: it has shown no cookie yet, or is done.
+  /// Whether it may be closed to make room: it has shown no valid cookie yet, or is lingering.
   bool can_make_room() const;
   bool is_writing() const { return stage_ == Stage::writing; }
   Moment stage_since() const { return stage_since_; }
@@ -86,8 +87,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Stage stage_ = Stage::reading;
   Moment stage_since_;
   bool is_extra_;
-  bool is_known_ = false;       ///< has shown the cookie
-  bool is_head_begun_ = false;  ///< of this request; so far for deadlines
+  bool is_known_ = false;       ///< has shown a valid cookie
+  bool is_head_begun_ = false;  ///< the deadline for the present request's head is set
   bool is_body_begun_ = false;
 
   Intake intake_;

@@ -25,7 +25,7 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(0, text.find_last_not_of(" \t") + 1);
 }
 
-/// What the head says under a name: how often, and what the first time.
+/// How often a header occurs, and its first value.
 struct Said {
   std::size_t count = 0;
   std::string_view value{};
@@ -39,7 +39,8 @@ Said said(const Head& head, std::string_view name) {
   return found;
 }
 
-/// The part of a list such as "gzip;q=0.5, br" that has this name, without it; or none.
+/// The parameters of the list entry with this name, such as ";q=0.5" of "gzip;q=0.5, br"; none if
+/// absent.
 std::optional<std::string_view> in_list(std::string_view list, std::string_view name) {
   while (!list.empty()) {
     const std::size_t end = std::min(list.find(','), list.size());
@@ -55,7 +56,7 @@ std::optional<std::string_view> in_list(std::string_view list, std::string_view 
 bool accepts_gzip(const Head& head) {
   const auto weight = in_list(said(head, "accept-encoding").value, "gzip");
   if (!weight) return false;
-  // Of q=0, 0.0 and the like nothing but zeros and a point is left: not at all.
+  // q=0, q=0.0 and the like mean "not accepted".
   const std::size_t equals = weight->find('=');
   return equals == std::string_view::npos ||
          weight->find_first_of("123456789", equals) != std::string_view::npos;
@@ -65,7 +66,7 @@ bool is_json_type(std::string_view type) {
   return is_equal_but_for_case(without_blanks(type.substr(0, type.find(';'))), "application/json");
 }
 
-/// What can't be, or is said in two ways, of a request's body and of what is unique in a head.
+/// Checks the request's body length and that unique headers occur only once.
 std::optional<Refusal> judge_form(const Head& head, Passed& passed) {
   constexpr std::string_view k_again = "Reload the page.";
   for (const std::string_view once :
@@ -74,7 +75,7 @@ std::optional<Refusal> judge_form(const Head& head, Passed& passed) {
     if (said(head, once).count > 1)
       return Refusal{400, "The request repeats a header that must be unique.", k_again};
   }
-  // Two readers must not take different bytes for the body: it has one length, told beforehand.
+  // A single explicit length, so that two readers cannot disagree about where the body ends.
   const Said length = said(head, "content-length");
   const Said coding = said(head, "transfer-encoding");
   const bool is_number =
@@ -108,8 +109,8 @@ Guard::Guard(Options options, Keys& keys)
 }
 
 struct Guard::Origins {
-  bool has_origin = false;  ///< ours
-  /// The browser says that a page of ours asks, or the person by hand; or it says nothing.
+  bool has_origin = false;  ///< an Origin is present (and is ours)
+  /// Sec-Fetch-Site is absent, same-origin or none: our own page, or the person directly.
   bool is_from_here = true;
   bool says_same_origin = false;
 };
@@ -150,7 +151,7 @@ bool Guard::has_cookie(const Head& head) const {
     const std::string_view cookie = without_blanks(cookies.substr(0, end));
     cookies.remove_prefix(std::min(end + 1, cookies.size()));
     const std::size_t equals = std::min(cookie.find('='), cookie.size());
-    // Several may have the name: pages at other ports can add some.
+    // Several cookies may have this name, because pages at other ports can add some.
     if (cookie.substr(0, equals) != cookie_name_) continue;
     is_ours =
         is_same(cookie.substr(std::min(equals + 1, cookie.size())), keys_.secret()) || is_ours;
@@ -188,7 +189,7 @@ base::Result<Passed, Refusal> Guard::judge(const Head& head) const {
                           way_in_};
     const auto token = passed.ask.parameter("token");
     if (head.method == "GET" && passed.ask.path == "/" && token) {
-      // One that is in keeps the token for others.
+      // A browser with the cookie doesn't use up the token.
       if (!is_let_in && !keys_.use(*token)) return outside;
       passed.way = !origins.is_from_here ? Way::let_in_by_page
                    : is_let_in           ? Way::go_home

@@ -1,25 +1,28 @@
-// Which requests are answered: those of our own page, in a browser that was let in.
+// Decides which requests are answered: those of our own page, in an authorized browser.
 //
-// The enemies are other users of the host, who reach the port, and pages of other servers in the
-// person's browser, which may send requests here and which DNS may have renamed to this address.
-// A request passes if all of this holds:
-//   1. It is GET, HEAD or POST, with one Host, exactly one of ours (against rebinding).
-//   2. Its path is plain (target.h). Only a POST has a body. Its type is application/json: forms of
-//      foreign pages can't send that. It tells its length. Chunks are refused: browsers send none,
-//      readers have differed about where they end, and in Beast 1.74 a check fails, which ends a
-//      debug build, when the last one comes in small pieces.
-//   3. Origin, where present, is http:// and its Host. POST has one. A stream of events has one, or
-//      Sec-Fetch-Site: same-origin: browsers leave Origin out of same-origin GETs.
-//   4. Sec-Fetch-Site, where present, is same-origin or none. same-site is another port of this
-//      host: any user's.
-//   5. It has the cookie sleight-PORT with the server's secret.
-// A link with an unused token lets in without 4 and 5: it sets the cookie. 4 then allows no more
-// than a top-level navigation, as by a link in a message that the person reads in a browser.
+// The attackers are other users of the host, who can reach the port, and pages of other servers in
+// the person's browser. Such pages can send requests here, and can use a DNS name that resolves to
+// this address. A request passes if all of these conditions hold:
 //
-// Refusals say what to do and repeat nothing of the request.
+// 1. The method is GET, HEAD or POST. There is one Host header, exactly one of ours (against
+//    DNS rebinding).
+// 2. The path is plain (target.h). Only a POST has a body. The body's type is
+//    application/json, which forms of foreign pages cannot send. Content-Length is given.
+//    Chunks are refused: browsers send none, readers have differed about where chunks end, and
+//    in Beast 1.74 a check that ends debug builds fails if the last chunk arrives in pieces.
+// 3. Origin, if present, is http:// and the Host. A POST has an Origin. A stream of events has
+//    an Origin or Sec-Fetch-Site: same-origin, because browsers omit Origin in same-origin GETs.
+// 4. Sec-Fetch-Site, if present, is same-origin or none. (same-site can be any user's server at
+//    another port of this host.)
+// 5. The cookie sleight-PORT has the server's secret.
 //
-// Not guarded against: a cookie goes to all ports of its host. A person who opens a page of another
-// user's server at the same host name gives it the cookie.
+// A link with an unused token passes without conditions 4 and 5, and sets the cookie. It must then
+// be a top-level navigation, such as a click on a link in a web mail.
+//
+// Refusals say what to do, and contain nothing from the request.
+//
+// Not guarded against: browsers send cookies to all ports of a host. If the person opens another
+// user's server at the same host name, that server receives the cookie.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -36,7 +39,7 @@
 
 namespace sleight::web {
 
-/// A line of a request's head, as it came but for blanks around the value.
+/// A header line of a request, without blanks around the value.
 struct FieldView {
   std::string_view name{};
   std::string_view value{};
@@ -49,23 +52,23 @@ struct Head {
   std::vector<FieldView> fields{};
 };
 
-/// Why a request is not answered as it asks.
+/// Why a request isn't answered.
 struct Refusal {
   unsigned status = 400;
   std::string_view error{};
   std::string_view what_to_do{};
-  bool is_json = false;  ///< below /api/, where scripts read it; else plain text
+  bool is_json = false;  ///< for paths below /api/, which scripts read; else plain text
 };
 
-/// What becomes of a request that passes.
+/// How to answer a request that has passed.
 enum class Way : std::uint8_t {
   answer,  ///< by a file or the handler
-  stream,  ///< of events
+  stream,  ///< a stream of events
   let_in,  ///< 303 to "/" with the cookie
-  /// The same by a page that goes on to "/": browsers don't send a Strict cookie on a redirect that
-  /// began at another site.
+  /// The same by a page that redirects to "/": browsers don't send a Strict cookie on a redirect
+  /// that another site started.
   let_in_by_page,
-  go_home,  ///< 303 to "/": it has the cookie already, and a token that isn't needed
+  go_home,  ///< 303 to "/": the browser already has the cookie and doesn't need its token
 };
 
 struct Passed {
@@ -73,7 +76,7 @@ struct Passed {
   Ask ask{};  ///< without its body
   bool is_head = false;
   bool has_body = false;
-  bool wants_continue = false;  ///< waits for "100 Continue" before it sends the body
+  bool wants_continue = false;  ///< the client waits for "100 Continue" before sending the body
   std::string if_none_match{};
 };
 
@@ -83,21 +86,20 @@ class Guard {
     std::uint16_t port = 0;
     std::vector<std::string> hosts{};
     std::string events_path = "/api/events";
-    /// A sentence for one that has no cookie, or a token that doesn't hold.
+    /// What to do without a cookie or with an invalid token; a sentence for people.
     std::string way_in{};
   };
-  /// `keys` must outlive it.
+  /// `keys` must outlive the guard.
   Guard(Options options, Keys& keys);
 
-  /// May use up a token of `keys`.
+  /// Uses up a token of `keys` if the browser has no cookie.
   base::Result<Passed, Refusal> judge(const Head& head) const;
 
-  /// The value of Set-Cookie for one that is let in.
+  /// The value of Set-Cookie for a newly authorized browser.
   std::string cookie() const;
 
  private:
-  /// What is wrong with Host, Origin or where a browser says that it comes from; `is_ours` is
-  /// whether the last allows more than a link that lets in.
+  /// What Host, Origin and Sec-Fetch-Site say about the request's sender.
   struct Origins;
   std::optional<Refusal> judge_origins(const Head& head, Origins& origins) const;
   bool has_cookie(const Head& head) const;

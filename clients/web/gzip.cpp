@@ -11,14 +11,14 @@ namespace sleight::web {
 
 std::string gzipped(std::string_view plain) {
   z_stream stream{};
-  // The greatest window, and 16 to say that gzip's head and tail are wanted.
+  // The maximum window; adding 16 selects gzip's format.
   constexpr int k_gzip_window = 15 + 16;
   constexpr int k_memory_level = 8;
   if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, k_gzip_window, k_memory_level,
                    Z_DEFAULT_STRATEGY) != Z_OK)
     throw std::bad_alloc();
   std::string packed(deflateBound(&stream, plain.size()), '\0');
-  // zlib counts in 32 bits, and takes bytes that it doesn't write as non-const.
+  // zlib counts in 32 bits, and its input pointer isn't const.
   constexpr std::size_t k_at_once = std::numeric_limits<uInt>::max() / 2;
   std::size_t taken = 0;
   std::size_t given = 0;

@@ -1,4 +1,4 @@
-// Bytes compressed as gzip (RFC 1952), which browsers take apart.
+// Compresses bytes with gzip (RFC 1952), for browsers.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace sleight::web {
 
-/// The same bytes, the same result. Throws std::bad_alloc.
+/// Equal input yields equal output. Throws std::bad_alloc.
 std::string gzipped(std::string_view plain);
 
 }  // namespace sleight::web

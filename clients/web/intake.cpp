@@ -17,7 +17,7 @@ namespace {
 namespace http = boost::beast::http;
 using Parser = http::request_parser<http::string_body>;
 
-/// What is read at once: of heads, so that connections which send nothing hold little; of bodies.
+/// Bytes per read: few for heads, so that connections without a request use little memory.
 constexpr std::size_t k_head_piece_bytes = 4U << 10U;
 
 std::string_view plain(boost::beast::string_view text) {
@@ -55,7 +55,7 @@ struct Intake::Impl {
   void begin() {
     hold(0);
     parser.emplace();
-    // The parser's own limit is of what it has not taken apart yet: ours counts all.
+    // The parser's own limit only counts unparsed bytes; ours counts all.
     parser->header_limit(k_buffer_bytes);
     head_bytes = 0;
     parser->body_limit(limits.body_bytes_max);
@@ -64,7 +64,7 @@ struct Intake::Impl {
     has_proceeded = false;
   }
 
-  /// Counts what the body holds; false where all hold too much.
+  /// Counts the body's bytes; returns false if all bodies together exceed the budget.
   bool hold(std::size_t bytes) {
     budget.bytes += bytes;
     budget.bytes -= held;
@@ -80,12 +80,12 @@ struct Intake::Impl {
     return Step::refused;
   }
 
-  /// The head's end has come: what the guard says of it, or nothing yet.
+  /// Asks the guard about the complete head. Returns nothing if the body must be read first.
   std::optional<Step> judge() {
     auto judged = guard.judge(head_of(parser->get()));
     if (!judged) return refuse(judged.error());
     passed = std::move(judged).value();
-    // The guard and the parser read the lengths each by itself.
+    // The guard and the parser read the length independently.
     if (passed->has_body == parser->is_done()) return refuse(refusal_of(http::error::bad_value));
     if (parser->is_done()) return Step::whole;
     if (!hold(parser->content_length().value_or(0)))

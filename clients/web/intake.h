@@ -1,6 +1,7 @@
-// One connection's requests: bytes go in, asks that have passed the guard come out, one at a time.
+// The requests of one connection: bytes go in, requests that have passed the guard come out, one at
+// a time.
 //
-// It knows no socket and no clock, so that tests and fuzzers run just what a server runs.
+// The class has no socket and no clock, so that tests and fuzzers run the server's own code.
 //
 //   while (true) switch (intake.step()) {
 //     case Step::more:    read into intake.room(), then intake.got(count)
@@ -9,13 +10,14 @@
 //     case Step::refused: answer intake.refusal(), and close
 //   }
 //
-// Invariants
-//   1. The guard judges a head before anything of a body is kept.
-//   2. It holds at most k_buffer_bytes and a body; bodies of all connections together are within
-//      their BodyBudget.
-//   3. Bytes behind a request stay in the buffer until next().
+// Invariants:
 //
-// Thread safety: none; a BodyBudget may be read by other threads.
+//   1. The guard judges a head before any of the body is stored.
+//   2. An intake stores at most k_buffer_bytes and a body. The bodies of all connections
+//      together are within their BodyBudget.
+//   3. Bytes after a request stay in the buffer until next().
+//
+// Thread safety: none. Other threads may read a BodyBudget.
 #pragma once
 
 #include <atomic>
@@ -28,10 +30,10 @@
 
 namespace sleight::web {
 
-/// Bytes of a connection that are not taken apart yet.
+/// Maximum number of unparsed bytes of a connection.
 inline constexpr std::size_t k_buffer_bytes = 64U << 10U;
 
-/// What bodies of all connections hold.
+/// Memory used by the bodies of all connections.
 struct BodyBudget {
   std::size_t bytes_max = 0;
   std::atomic<std::size_t> bytes = 0;
@@ -42,36 +44,36 @@ struct IntakeLimits {
   std::size_t body_bytes_max = 4U << 20U;
 };
 
-/// What is to be done next.
+/// What the caller must do next.
 enum class Step : std::uint8_t { more, proceed, whole, refused };
 
 class Intake {
  public:
-  /// `guard` and `budget` must outlive it. REQUIRES: head_bytes_max < k_buffer_bytes.
+  /// `guard` and `budget` must outlive the intake. REQUIRES: head_bytes_max < k_buffer_bytes.
   Intake(const Guard& guard, const IntakeLimits& limits, BodyBudget& budget);
   ~Intake();
   Intake(const Intake&) = delete;
   Intake& operator=(const Intake&) = delete;
 
-  /// Where bytes are to be read into. REQUIRES: the last step was `more`.
+  /// Where to read bytes into. REQUIRES: the last step was `more`.
   std::span<char> room();
-  /// So many are there. REQUIRES: no more than room() had.
+  /// Reports the number of bytes read. REQUIRES: `count` is at most the size of room().
   void got(std::size_t count);
 
   Step step();
 
-  /// With its body. REQUIRES: the last step was `whole`.
+  /// The request, with its body. REQUIRES: the last step was `whole`.
   Passed& passed();
-  /// Whether its sender wants the connection for another request; likewise.
+  /// Whether the client keeps the connection open for another request. REQUIRES: as passed().
   bool keeps_open() const;
   /// REQUIRES: the last step was `refused`.
   const Refusal& refusal() const;
-  /// On to the next request. REQUIRES: the last step was `whole`.
+  /// Starts the next request. REQUIRES: the last step was `whole`.
   void next();
 
-  /// Nothing of a request has come.
+  /// Whether no byte of a request has arrived.
   bool is_idle() const;
-  /// A head has passed, and its body is on the way.
+  /// Whether a head has passed the guard and its body is arriving.
   bool is_in_body() const;
 
  private:

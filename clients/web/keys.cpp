@@ -34,7 +34,7 @@ std::string new_secret() {
 
 bool is_same(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
-  // The compiler may not end this loop early.
+  // volatile, so that the compiler doesn't end this loop early.
   volatile unsigned char differs = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     differs = static_cast<unsigned char>(differs | (a[i] ^ b[i]));
@@ -62,7 +62,7 @@ std::string Keys::new_token() {
 
 bool Keys::use(std::string_view token) {
   const std::lock_guard lock(mutex_);
-  // All are compared, so that the time doesn't tell which one it was.
+  // Compares all tokens, so that the time doesn't reveal which one matched.
   auto found = tokens_.end();
   for (auto held = tokens_.begin(); held != tokens_.end(); ++held)
     if (is_same(*held, token)) found = held;

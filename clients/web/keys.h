@@ -1,7 +1,8 @@
-// What lets a browser in: a secret for its cookie, and tokens that are each used once to get it.
+// The keys that authorize a browser: a secret for its cookie, and single-use tokens to get the
+// cookie.
 //
-// All are 256 bits of the system's, as 64 hexadecimal digits. They are compared in a time that says
-// nothing of where they differ.
+// Each key is 256 random bits from the system, as 64 hexadecimal digits. The time of a comparison
+// doesn't reveal where keys differ.
 //
 // Thread safety: all functions may be called from any thread.
 #pragma once
@@ -15,23 +16,23 @@
 namespace sleight::web {
 
 inline constexpr std::size_t k_secret_digits = 64;
-inline constexpr std::size_t k_tokens_max = 8;  ///< that are unused; the oldest goes
+inline constexpr std::size_t k_tokens_max = 8;  ///< unused tokens; the oldest is dropped
 
-/// Throws base::Error where the system has no random bits.
+/// Throws base::Error if the system has no random bits.
 std::string new_secret();
 
-/// In a time that hangs on the lengths alone.
+/// Compares in a time that depends only on the lengths.
 bool is_same(std::string_view a, std::string_view b);
 
 class Keys {
  public:
-  /// An empty secret: a new one. Throws base::Error where it is none of new_secret's. `tokens` are
-  /// unused ones of before.
+  /// If `secret` is empty, creates one. Throws base::Error if it doesn't have the form of
+  /// new_secret(). `tokens`: unused tokens from before.
   explicit Keys(std::string secret = {}, std::deque<std::string> tokens = {});
 
   const std::string& secret() const { return secret_; }
   std::string new_token();
-  /// True once for each token.
+  /// Returns true once for each token.
   bool use(std::string_view token);
 
  private:

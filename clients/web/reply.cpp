@@ -68,7 +68,7 @@ std::string stream_head_text() {
   std::string text =
       "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n";
   text += k_common_fields;
-  // A browser whose stream has ended connects again after so many milliseconds.
+  // Milliseconds after which a browser reconnects when its stream has ended.
   text += "Connection: close\r\n\r\nretry: 1000\n\n";
   return text;
 }
@@ -135,7 +135,7 @@ Answer unless_known(Answer answer, std::string_view if_none_match) {
 std::string event_text(std::string_view name, std::string_view data) {
   CHECK(is_plain(name));
   std::string text = fmt::format("event: {}\n", name);
-  // A line of data each; readers take any of \r\n, \r and \n for a line's end.
+  // One "data:" line per line of data. Readers accept \r\n, \r and \n as line ends.
   while (true) {
     const std::size_t end = std::min(data.find_first_of("\r\n"), data.size());
     fmt::format_to(std::back_inserter(text), "data: {}\n", data.substr(0, end));

@@ -1,8 +1,9 @@
-// An answer as it goes out: a head as text, and content.
+// An answer as bytes to send: its head as text, and its content.
 //
-// Every answer has: a policy by which the page runs its own scripts alone and talks to this server
-// alone, no guessing of types, no referrer, no sharing with other origins, and how long it may be
-// kept. None says which server this is, or repeats what was asked.
+// Every answer has these restrictions: the page may run only its own scripts and connect only to
+// this server; browsers don't guess types, send no referrer, and don't share the answer with other
+// origins. Every answer states how long it may be cached. No answer names the server software or
+// repeats the request.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -18,28 +19,28 @@ namespace sleight::web {
 
 struct Reply {
   Answer answer{};
-  bool is_head = false;     ///< its content stays here
-  bool keeps_open = false;  ///< the connection is for another request
+  bool is_head = false;     ///< the content isn't sent
+  bool keeps_open = false;  ///< the connection stays open for another request
 };
 
-/// With lengths, but for a stream of events, which ends with its connection. REQUIRES: is_sound.
+/// Has Content-Length, except for a stream of events. REQUIRES: is_sound().
 std::string head_text(const Reply& reply);
 std::string stream_head_text();
 
-/// What is sent of the content.
+/// The content to send.
 base::BytesView content_of(const Reply& reply);
 
-/// Whether an answer can be sent: a status of 200 to 599, no control characters in its head's
-/// lines.
+/// Whether an answer can be sent: its status is 200 to 599 but not 204, and its header lines have
+/// no control characters.
 bool is_sound(const Answer& answer);
 
 Answer answer_of(const Refusal& refusal);
-/// Of the ways that let in: 303, or a page that goes on to "/".
+/// For ways that authorize: 303, or a page that redirects to "/".
 Answer answer_of(Way way, const std::string& cookie);
-/// What one is sent that may have it already: 304 where If-None-Match names its etag.
+/// Changes the answer to 304 if If-None-Match contains its etag.
 Answer unless_known(Answer answer, std::string_view if_none_match);
 
-/// An event as streams have it. REQUIRES: a name without control characters.
+/// Formats an event for a stream. REQUIRES: `name` has no control characters.
 std::string event_text(std::string_view name, std::string_view data);
 
 }  // namespace sleight::web

@@ -24,18 +24,18 @@
 namespace sleight::web {
 namespace {
 
-/// Its stack, and room for what it begins with.
+/// Memory for a thread's stack and first allocations.
 constexpr std::size_t k_thread_bytes = std::size_t{16} << 20U;
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using SystemError = boost::system::error_code;
 
-constexpr auto k_accept_again = std::chrono::milliseconds(250);  // as after too many open files
-constexpr int k_accept_at_once = 16;      // before those that are connected have their turn
-constexpr std::size_t k_extras_max = 16;  // connections above the limit that are told so
-constexpr int k_send_buffer = 256 << 10;  // the system's, or slow readers would fill megabytes
-constexpr int k_waiting_max = 128;  // connections that the system keeps until they are accepted
+constexpr auto k_accept_again = std::chrono::milliseconds(250);  // after a failed accept
+constexpr int k_accept_at_once = 16;      // connections accepted before others are served
+constexpr std::size_t k_extras_max = 16;  // connections above the limit that receive a refusal
+constexpr int k_send_buffer = 256 << 10;  // of the system; limits memory per slow reader
+constexpr int k_waiting_max = 128;  // connections that the system queues before they are accepted
 
 constexpr Refusal k_full{503, "This server has too many connections.",
                          "Close other windows of this page, and try again."};
@@ -44,7 +44,7 @@ std::string system_words(int number) {
   return std::generic_category().message(number);
 }
 
-/// A listening socket that no other process inherits, or why there is none.
+/// A listening socket that isn't inherited by other processes, or the error.
 struct Bound {
   base::Descriptor descriptor;
   int error = 0;
@@ -59,7 +59,7 @@ Bound bind_loopback(std::uint16_t port) {
   bound.descriptor.reset(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int descriptor = bound.descriptor.get();
   const int yes = 1;
-  // After a restart the port is free at once; two servers still can't have it.
+  // Makes the port usable right after a restart; two servers still cannot share it.
   const bool is_listening =
       descriptor >= 0 &&
       ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
@@ -79,7 +79,7 @@ std::uint16_t port_of(const base::Descriptor& descriptor) {
   return ntohs(address.sin_port);
 }
 
-/// While it lives, threads that are started take no signals: those are the program's own threads'.
+/// While this object exists, new threads receive no signals; the program's own threads handle them.
 class WithoutSignals {
  public:
   WithoutSignals() {
@@ -119,7 +119,7 @@ Server::Impl::Impl(ServerOptions wanted, Handler answering)
   accept_when_ready(*listener);
   comment_streams();
   const WithoutSignals guarded;
-  // A pool waits for ever for the threads that it has where another can't be made.
+  // A thread pool that cannot create a thread waits for ever for its other threads.
   base::require_memory(options.threads * k_thread_bytes);
   pool = std::make_unique<asio::thread_pool>(options.threads);
   loop_thread = std::thread([this] { loop.run(); });
@@ -145,8 +145,7 @@ void Server::Impl::listen() {
   listener = std::make_unique<Listener>(*this, std::move(bound.descriptor));
 }
 
-// ---------------------------------------------------------------------------- connections come and
-// go
+// --------------------------------------------------------------------------------- connections
 
 void Server::Impl::accept_when_ready(Listener& from) {
   from.acceptor.async_wait(tcp::acceptor::wait_read, [this, &from](const SystemError& error) {
@@ -155,7 +154,7 @@ void Server::Impl::accept_when_ready(Listener& from) {
 }
 
 void Server::Impl::accept(Listener& from) {
-  // accept4 by hand: Asio's own leaves a moment in which another thread's fork inherits the socket.
+  // Calls accept4 directly: with Asio's accept, a fork in another thread could inherit the socket.
   for (int i = 0; i < k_accept_at_once; ++i) {
     base::Descriptor descriptor(
         ::accept4(from.acceptor.native_handle(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
@@ -207,7 +206,7 @@ void Server::Impl::admit(tcp::socket socket) {
   }
 }
 
-/// Closes the one that waits longest of those that may be closed.
+/// Closes the connection that has waited longest, if any may be closed.
 bool Server::Impl::make_room() {
   const auto now = std::chrono::steady_clock::now();
   std::shared_ptr<Connection> longest;
@@ -241,8 +240,7 @@ void Server::Impl::bound_answers() {
   }
 }
 
-// -------------------------------------------------------------------------------------------
-// events
+// ---------------------------------------------------------------------------------------- events
 
 void Server::Impl::start_stream(const std::shared_ptr<Connection>& connection) {
   if (streams.size() >= options.limits.streams_max) {
@@ -275,8 +273,7 @@ void Server::Impl::publish(const std::string& event, std::shared_ptr<const std::
   newest_events[event] = std::move(text);
 }
 
-// -------------------------------------------------------------------------------------------
-// answers
+// --------------------------------------------------------------------------------------- answers
 
 void Server::Impl::complain(const std::string& words) const {
   if (options.complain) options.complain(words);
@@ -304,20 +301,19 @@ void Server::Impl::stop() {
   if (std::exchange(is_stopped, true)) return;
   loop.stop();
   if (loop_thread.joinable()) loop_thread.join();
-  // Handlers at work end first: what they then post is never run.
+  // Running handlers end first; what they then post to the loop is never run.
   if (pool) {
     pool->stop();
     pool->join();
   }
-  // The loop is over, so this thread may do what was its.
+  // The loop has ended, so this thread may access its data.
   listener.reset();
   const auto now = connections;
   for (const auto& [number, connection] : now)
     connection->close();
 }
 
-// --------------------------------------------------------------------------------------- the
-// server
+// ---------------------------------------------------------------------------------------- server
 
 Server::Server(ServerOptions options, Handler handler)
     : impl_(std::make_unique<Impl>(std::move(options), std::move(handler))) {}

@@ -1,6 +1,6 @@
-// What a server and its connections share.
+// State shared by a server and its connections.
 //
-// Thread safety: everything belongs to the loop's thread, but for what says otherwise.
+// Thread safety: only the loop's thread uses it, except where noted.
 #pragma once
 
 #include <atomic>
@@ -33,12 +33,12 @@ struct Server::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  /// A listener's next connections, from here on.
+  /// Accepts a listening socket's connections.
   struct Listener {
     Listener(Impl& owner, base::Descriptor descriptor);
     boost::asio::ip::tcp::acceptor acceptor;
     boost::asio::steady_timer again;
-    bool fails = false;  ///< said once
+    bool fails = false;  ///< so that failures in a row are reported once
   };
   void listen();
   void accept_when_ready(Listener& from);
@@ -49,12 +49,13 @@ struct Server::Impl {
   void publish(const std::string& event, std::shared_ptr<const std::string> text);
   void stop();
 
-  /// Where the answers that are being read hold too much: closes those that are read longest.
+  /// If answers being sent use too much memory, closes the connections that have been receiving
+  /// longest.
   void bound_answers();
   void start_stream(const std::shared_ptr<Connection>& connection);
   void forget(const std::shared_ptr<Connection>& connection);
 
-  /// On any thread: the handler's answer, or what is said where it has none.
+  /// On any thread: the handler's answer, or an error if it throws.
   Answer answer(const Ask& ask) const;
   /// On any thread.
   void complain(const std::string& words) const;
@@ -65,7 +66,7 @@ struct Server::Impl {
   Keys keys;
   BodyBudget bodies;
 
-  std::atomic<std::size_t> connection_count = 0;  ///< this and the following: read by any thread
+  std::atomic<std::size_t> connection_count = 0;  ///< this and the next five: read by any thread
   std::atomic<std::size_t> stream_count = 0;
   std::atomic<std::size_t> answers_bytes = 0;
   std::atomic<std::uint64_t> accepted = 0;
@@ -81,13 +82,13 @@ struct Server::Impl {
   boost::asio::io_context loop{1};
   std::unique_ptr<Listener> listener;
   boost::asio::steady_timer comments{loop};
-  /// In the order in which they came: by their numbers.
+  /// By number, in the order of their arrival.
   std::map<std::uint64_t, std::shared_ptr<Connection>> connections;
   std::map<std::uint64_t, std::shared_ptr<Connection>> streams;
 
   std::mutex stop_mutex;
   bool is_stopped = false;
-  /// Its threads' work refers to all above, so it goes first.
+  /// Declared last but one: its threads use all members above, so it is destroyed before them.
   std::unique_ptr<boost::asio::thread_pool> pool;
   std::thread loop_thread;
 };

@@ -24,7 +24,7 @@ namespace {
 struct Type {
   std::string_view extension;
   std::string_view type;
-  bool is_packed;  ///< compressing it again gains nothing
+  bool is_packed;  ///< already compressed
 };
 constexpr std::array<Type, 8> k_types{{{".html", "text/html; charset=utf-8", false},
                                        {".js", "text/javascript; charset=utf-8", false},
@@ -49,7 +49,7 @@ const Type* type_entry(std::string_view name) {
 }
 
 std::string read_all(const base::Descriptor& file, const std::string& path, std::size_t size) {
-  // One byte more than there should be, to see one that grows.
+  // Reads one byte more than expected, to detect a growing file.
   std::string text(size + 1, '\0');
   std::size_t filled = 0;
   while (filled < text.size()) {
@@ -65,7 +65,7 @@ std::string read_all(const base::Descriptor& file, const std::string& path, std:
   return text;
 }
 
-/// As gzip; none where that gains less than a tenth.
+/// Compresses with gzip; none if this saves less than a tenth.
 std::optional<std::string> compress(const std::string& plain) {
   std::string packed = gzipped(plain);
   if (packed.size() > plain.size() - plain.size() / 10) return std::nullopt;
@@ -74,7 +74,7 @@ std::optional<std::string> compress(const std::string& plain) {
 
 }  // namespace
 
-/// What a folder is read with.
+/// State while a folder is read.
 struct StaticFiles::Reading {
   std::map<std::string, File, std::less<>>& files;
   std::string root;
@@ -90,7 +90,7 @@ void StaticFiles::Reading::read_folder(const base::Descriptor& folder, const std
                                        int depth) {
   if (depth > k_static_depth_max)
     fail(root + inside, "too deep; a page has fewer levels of folders");
-  // By the descriptor, so that it is this very folder whatever its name now leads to.
+  // Uses the descriptor, so that a renamed or replaced folder makes no difference.
   const base::PosixFileSystem system;
   for (const std::string& name : system.names_in(fmt::format("/proc/self/fd/{}", folder.get())))
     read_entry(folder, name, inside, depth);
@@ -102,7 +102,7 @@ void StaticFiles::Reading::read_entry(const base::Descriptor& folder, const std:
   const std::string path = inside + "/" + name;
   if (++entries > k_static_files_max)
     fail(root, fmt::format("contains more than {} files; a page has fewer", k_static_files_max));
-  // Not through a link, and without waiting for the other end of a pipe.
+  // Doesn't follow links, and doesn't wait for the other end of a pipe.
   const base::Descriptor file(
       ::openat(folder.get(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK));
   if (!file && errno == ELOOP)
@@ -151,7 +151,7 @@ std::optional<Answer> StaticFiles::find(std::string_view path, bool accepts_gzip
   if (!accepts_gzip) return answer;
   answer.content = *file.compressed;
   answer.fields.push_back({"Content-Encoding", "gzip"});
-  // Other bytes, so another name.
+  // Compressed bytes need another etag.
   answer.etag.insert(answer.etag.size() - 1, "-gzip");
   return answer;
 }

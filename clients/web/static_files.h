@@ -1,8 +1,8 @@
 // The files of a page, read into memory once.
 //
-// A request's path is looked up among the names that were found at the start, so that it never
-// reaches the file system. Files whose extension has no type here, and those with a name that
-// begins with a dot, are no part of the page.
+// A request's path is looked up among the names found at the start, so it never reaches the file
+// system. Files with an unknown extension, and files whose names begin with a dot, are not part of
+// the page.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -17,19 +17,19 @@
 
 namespace sleight::web {
 
-/// A page beyond these is none of ours.
+/// Larger folders aren't a page of ours.
 inline constexpr std::size_t k_static_files_max = 1000;
 inline constexpr std::size_t k_static_bytes_max = 64U << 20U;
 inline constexpr int k_static_depth_max = 8;
 
 class StaticFiles {
  public:
-  /// Reads a folder and those in it. Throws base::Error where it can't be read, or holds no
-  /// index.html, or anything that is neither file nor folder: a link might lead elsewhere.
+  /// Reads a folder and its subfolders. Throws base::Error if it is unreadable, has no index.html,
+  /// or contains anything but files and folders, because a link might lead elsewhere.
   explicit StaticFiles(const std::string& folder);
 
-  /// Of "/assets/index-3f2a9c01.js", or of "/", which is index.html. Compressed where that is
-  /// accepted and shorter.
+  /// The file for "/assets/index-3f2a9c01.js", for example, or index.html for "/". Compressed if
+  /// that is accepted and shorter.
   std::optional<Answer> find(std::string_view path, bool accepts_gzip) const;
 
   std::size_t count() const { return files_.size(); }
@@ -44,15 +44,15 @@ class StaticFiles {
   };
   struct Reading;
 
-  std::map<std::string, File, std::less<>> files_;  ///< by path, with its first slash
+  std::map<std::string, File, std::less<>> files_;  ///< by path, including the first slash
 };
 
-/// The Content-Type of a file's name, or none: html js css svg png wasm json woff2.
+/// The Content-Type by a file's extension (html js css svg png wasm json woff2); else none.
 std::optional<std::string_view> type_of(std::string_view name);
 
-/// Whether its content's hash is part of a name, as Vite writes it: index-DkX3_9aQ.js. Nine
-/// characters of the name's end: '-' or '.', and eight of base64url, one of them a digit or
-/// capital.
+/// Whether a name contains its content's hash, as Vite writes it: index-DkX3_9aQ.js. The name's
+/// last nine characters before the extension must be '-' or '.' and eight of base64url, with at
+/// least one digit or capital.
 bool has_hash(std::string_view name);
 
 }  // namespace sleight::web

@@ -19,7 +19,7 @@ bool is_control(char c) {
   return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
 }
 
-/// Of a part of the target, whose own characters were looked at.
+/// Decodes a part of the target whose characters were checked.
 std::optional<std::string> decode(std::string_view text, bool is_path) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -1,8 +1,8 @@
-// A request's target, taken apart: what stands between method and version, as "/a/b?c=d%20e".
+// Parses a request's target, the part between method and version: "/a/b?c=d%20e".
 //
-// It is refused rather than mended: whatever two readers might take for different paths is none.
-// Percent signs are decoded once. Of "+" the query's is a blank, as forms and URLSearchParams write
-// it, the path's is itself.
+// Ambiguous targets are refused, not repaired, because two readers might see different paths.
+// Percent signs are decoded once. "+" is a blank in the query, as forms and URLSearchParams write
+// it, and itself in the path.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -24,10 +24,12 @@ struct Target {
   std::vector<Parameter> parameters{};
 };
 
-/// None where it is too long or doesn't begin with '/'; holds other than visible ASCII, a
-/// backslash, or '#'; has a percent sign without two hexadecimal digits; or decodes to a control
-/// character, to what is not UTF-8, or in the path to a backslash, another '/', or a segment "." or
-/// "..".
+/// None if the target:
+///  - is too long or doesn't begin with '/';
+///  - contains anything but visible ASCII, a backslash, or '#';
+///  - has a percent sign without two hexadecimal digits;
+///  - decodes to a control character or to invalid UTF-8;
+///  - has a path that decodes to a backslash, another '/', or a segment "." or "..".
 std::optional<Target> parse_target(std::string_view target);
 
 }  // namespace sleight::web
