@@ -66,7 +66,7 @@ struct ServerOptions {
   std::string events_path = "/api/events";
   /// What to do in a browser that isn't authorized.
   std::string way_in =
-      "Open the link that the program printed; each link authorizes one browser. If the link was "
+      "Open the link that the program printed; each link works in one browser. If the link was "
       "already used, get a new one from the program, or restart it.";
   /// Answers GET requests for "/" and the files' names; may be null.
   std::shared_ptr<const StaticFiles> files{};
@@ -99,7 +99,7 @@ class Server {
 
   std::uint16_t port() const;
   /// The newest link for a browser, used or not: http://127.0.0.1:PORT/?token=... Each link
-  /// authorizes one browser.
+  /// works in one browser.
   std::string link() const;
   /// Creates a new link. The latest eight unused links stay valid.
   std::string new_link();
