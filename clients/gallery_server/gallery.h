@@ -77,7 +77,7 @@ class Gallery {
     bool is_live = false;
     std::string live_words{};
     std::shared_ptr<const Snapshot> snapshot{};
-    /// The last file that was tried. It isn't tried again unless it changes.
+    /// The last file that was tried; a file isn't tried again unless it changes.
     std::optional<browse::FileState> tried{};
     /// For an outline: when it was first shown, and whether motions were requested.
     std::chrono::steady_clock::time_point outlined_at{};
@@ -97,13 +97,13 @@ class Gallery {
     /// The outline shown for this file; the whole snapshot has the same generation.
     std::shared_ptr<const Snapshot> outline{};
   };
-  /// Shows the file's stored outline. Returns false if there is none.
+  /// Shows the file's stored outline, if there is one; returns whether there was one.
   bool show_outline(std::size_t archive, const Reading& reading);
   /// Throws what Snapshot's constructor throws.
   std::shared_ptr<const Snapshot> read(std::size_t archive, const Reading& reading,
                                        std::uint64_t beginning_max);
   std::uint64_t new_generation();
-  /// Shows a snapshot; if it is null, the fault.
+  /// Shows a snapshot, or the fault if the snapshot is null.
   void show(std::size_t archive, std::shared_ptr<const Snapshot> now, const std::string& fault);
   void tell();
 

@@ -2,7 +2,7 @@
 // in archives.
 //
 // Each run has a JSON file <run>.json. The file is in a folder "sleight-notes" beside the run's
-// archive if somebody created that folder to share notes. Otherwise it is in
+// archive if somebody created that folder to share notes. Otherwise the file is in
 // $XDG_DATA_HOME/sleight/notes (default ~/.local/share/sleight/notes), readable only by its owner.
 // A file is written beside its place and renamed, and read again when somebody else has written it,
 // so several galleries can share it. Notes that cannot be written, or whose run has an unreadable

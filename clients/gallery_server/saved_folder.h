@@ -10,13 +10,13 @@
 // 1. Only regular files listed in the present gallery's manifest are replaced or removed. A folder
 //    with anything else is refused and not changed. A manifest with names that no saved gallery
 //    writes is ignored.
-// 2. The new gallery is written into a separate folder, and put in place when it is complete. Its
-//    files and the old ones are exchanged by renames; if a rename fails, all are undone.
+// 2. The new gallery is written into a separate folder, and put in place when it is complete. The
+//    new files and the old ones are exchanged by renames; if one fails, all are undone.
 // 3. An existing folder stays the same folder, because it may be a mount point, the target of a
 //    link, or a shell's current folder. So the new gallery is first written inside an existing
 //    folder, or beside a new one.
 //
-// A killed process leaves a folder ".sleight-saving-...". It is never removed automatically,
+// A killed process leaves a folder ".sleight-saving-...". The program never removes such a folder,
 // because it may contain the old gallery.
 //
 // Not thread-safe. Two processes that save into one folder refuse each other.

@@ -38,8 +38,8 @@ struct SaveOptions {
   std::string folder{};  ///< new, empty, or a saved gallery to replace
   std::string page{};    ///< the folder of the built page (page_folder.h)
   std::string version{};
-  /// Called after each file with the numbers of files written and of all files. An exception from
-  /// it ends the work and leaves nothing behind.
+  /// Called after each file with the numbers of files written and of all files. If `progress`
+  /// throws, the work ends and leaves nothing behind.
   std::function<void(std::size_t, std::size_t)> progress{};
 };
 

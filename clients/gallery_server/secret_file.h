@@ -1,5 +1,5 @@
-// The secret of a port's cookies. It is stored between galleries, so that open pages reconnect when
-// the server restarts.
+// The secret of a port's cookies. The secret is stored between galleries, so that open pages
+// reconnect when the server restarts.
 #pragma once
 
 #include <cstdint>

@@ -28,7 +28,7 @@ namespace {
 
 using Json = json::Value;
 
-/// Maximum number of posterior values in a histogram; of more, every n-th is used.
+/// Maximum number of posterior values in a histogram; from more values, every n-th is used.
 constexpr std::uint64_t k_histogram_draws_max = 1'000'000;
 constexpr std::string_view k_trace_prefix = "trace.";
 constexpr std::string_view k_pair_prefix = "pair.";

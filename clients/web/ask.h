@@ -1,7 +1,7 @@
 // A page's request to this server and the answer, as values.
 //
-// An Ask has passed the guard (guard.h): it comes from our own page, in an authorized browser. Its
-// contents are still untrusted: a path is looked up, never opened.
+// An Ask has passed the guard (guard.h): it comes from our own page, in an authorized browser. The
+// contents of an Ask are still untrusted: a path is looked up, never opened.
 //
 // Thread safety: values. Content is shared between copies and never changes.
 #pragma once

@@ -52,7 +52,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   std::uint64_t number() const { return number_; }
   bool is_extra() const { return is_extra_; }
-  /// Whether it may be closed to make room: it has shown no valid cookie yet, or is lingering.
+  /// Whether the connection may be closed to make room: it has shown no valid cookie yet, or is
+  /// lingering.
   bool can_make_room() const;
   bool is_writing() const { return stage_ == Stage::writing; }
   Moment stage_since() const { return stage_since_; }

@@ -16,8 +16,8 @@
 //    another port of this host.)
 // 5. The cookie sleight-PORT has the server's secret.
 //
-// A link with an unused token passes without conditions 4 and 5, and sets the cookie. It must then
-// be a top-level navigation, such as a click on a link in a web mail.
+// A link with an unused token passes without conditions 4 and 5, and sets the cookie. The request
+// must then be a top-level navigation, such as a click on a link in a web mail.
 //
 // Refusals say what to do, and contain nothing from the request.
 //

@@ -26,7 +26,7 @@ bool is_same(std::string_view a, std::string_view b);
 
 class Keys {
  public:
-  /// If `secret` is empty, creates one. Throws base::Error if it doesn't have the form of
+  /// If `secret` is empty, creates one. Throws base::Error if `secret` doesn't have the form of
   /// new_secret(). `tokens`: unused tokens from before.
   explicit Keys(std::string secret = {}, std::deque<std::string> tokens = {});
 

@@ -12,7 +12,7 @@
 //    503. If answers being sent use more than `answers_bytes_max`, the connection that has been
 //    receiving longest is closed.
 // 4. If there are too many connections, the one that waits longest without having shown a valid
-//    cookie is closed. If there is none, the new connection is answered 503.
+//    cookie is closed. If none may be closed, the new connection is answered 503.
 // 5. A stream of events with more than `stream_bytes_max` unread bytes is closed. The browser
 //    reconnects and then receives the newest event of each name.
 //
@@ -98,8 +98,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   std::uint16_t port() const;
-  /// The newest link for a browser, used or not: http://127.0.0.1:PORT/?token=... Each link
-  /// works in one browser.
+  /// The newest link for a browser, used or not: http://127.0.0.1:PORT/?token=... Each link works
+  /// in one browser.
   std::string link() const;
   /// Creates a new link. The latest eight unused links stay valid.
   std::string new_link();

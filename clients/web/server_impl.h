@@ -1,6 +1,6 @@
 // State shared by a server and its connections.
 //
-// Thread safety: only the loop's thread uses it, except where noted.
+// Thread safety: only the loop's thread uses this state, except where noted.
 #pragma once
 
 #include <atomic>

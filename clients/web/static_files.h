@@ -24,8 +24,8 @@ inline constexpr int k_static_depth_max = 8;
 
 class StaticFiles {
  public:
-  /// Reads a folder and its subfolders. Throws base::Error if it is unreadable, has no index.html,
-  /// or contains anything but files and folders, because a link might lead elsewhere.
+  /// Reads a folder and its subfolders. Throws base::Error if the folder is unreadable, has no
+  /// index.html, or contains anything but files and folders: a link might lead elsewhere.
   explicit StaticFiles(const std::string& folder);
 
   /// The file for "/assets/index-3f2a9c01.js", for example, or index.html for "/". Compressed if

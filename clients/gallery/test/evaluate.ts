@@ -2,7 +2,7 @@
 //
 //   node build-evaluate.mjs evaluate.mjs && node evaluate.mjs IN OUT
 //
-// IN is a packed file (src/data/packed.ts) with one row per segment. It has the columns of an animation's
+// IN is a packed file (src/data/packed.ts) with one row per segment. IN has the columns of an animation's
 // answer ("body", "start_s", "mode", ... without prefix, in any row order) and "t_s" f64, a time no earlier
 // than the segment's start. OUT is packed too: head {"segments": n}, columns "position_m" f64 x3,
 // "velocity_mps" f64 x3 and "orientation" f64 x4 (w x y z).

@@ -1,4 +1,4 @@
-// Stars and notes of a saved gallery. Its files are read-only, so the browser's storage keeps the notes.
+// Stars and notes of a saved gallery. The gallery's files are read-only, so the browser stores the notes.
 // Without storage, notes last until the page closes.
 
 import { noteOf, patched } from "./note-patch";

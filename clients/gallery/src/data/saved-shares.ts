@@ -56,7 +56,7 @@ export class SatisfiedDraws {
     groups.forEach((members, group) => {
       for (const entry of members) groupOf[entry] = group;
     });
-    // For each group, its lineages: their draws, and the group's draws among them.
+    // For each group and each of its lineages: the lineage's draws, and the group's draws among them.
     const parts = groups.map((): { size: number; own: number }[] => []);
     let squares = 0;
     for (const lineage of this.lineages) {

@@ -1,8 +1,8 @@
 // A gallery answered by a server: `sleight gallery`.
 //
 // While the server doesn't answer, all requests but changeNotes() wait, and are sent again once the server
-// answers; listeners are notified. The event stream detects the server: it is opened again with increasing
-// pauses, so nobody has to reload the page.
+// answers; listeners are notified. The event stream shows whether the server answers. A broken stream is
+// opened again with increasing pauses, so nobody has to reload the page.
 
 import {
   animationsOf, galleryOf, looksOf, sceneOf, seriesOf, seriesTitlesOf, tableOf,

@@ -13,7 +13,7 @@ export interface MotionEvent {
   readonly mode: Mode;
   /** The body's centre, in the scene's frame. */
   readonly place_m: readonly [number, number, number];
-  /** Change of the body's velocity. At a hit it points away from the partner. */
+  /** Change of the body's velocity. At a hit the change points away from the partner. */
   readonly change_mps: readonly [number, number, number];
 }
 

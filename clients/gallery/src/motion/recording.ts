@@ -1,7 +1,7 @@
 // The motion of a whole animation: each body's segments, in the order of time.
 //
-// A body doesn't exist before its first segment. Its last segment has no end. Methods don't allocate, so they
-// can be called at each frame.
+// A body doesn't exist before its first segment, and its last segment has no end. Methods don't allocate, so
+// they can be called at each frame.
 
 import type { Pose } from "./pose";
 import { orientationInto, positionInto, type Segments, velocityInto } from "./segments";
@@ -38,7 +38,7 @@ export class Recording {
   endSegment(body: number): number { return this.first[body + 1] ?? 0; }
 
   enters(body: number): boolean { return this.endSegment(body) > this.firstSegment(body); }
-  /** Time when the body enters. REQUIRES: it enters. */
+  /** Time when the body enters. REQUIRES: the body enters. */
   startOf(body: number): number { return this.segments.startS[this.firstSegment(body)] ?? 0; }
   /** Start of the body's last segment. REQUIRES: the body enters. */
   restOf(body: number): number { return this.segments.startS[this.endSegment(body) - 1] ?? 0; }

@@ -1,4 +1,5 @@
-// Distances between the animations of a set. They are computed once, also for different numbers of groups.
+// Distances between the animations of a set. Each distance is computed only once, also for different numbers
+// of groups.
 
 import type { Matrix } from "./medoids";
 import { Resemblance } from "./resemblance";

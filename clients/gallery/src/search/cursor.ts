@@ -129,7 +129,7 @@ export class Cursor {
     if (token.kind !== "word") return null;
     const unit = UNITS.find((one) => one.name === token.text);
     if (unit === undefined) {
-      // After a blank it is the next word, not a unit.
+      // A word after a blank is not a unit.
       if (!token.isJoined) return null;
       this.fail(`'${token.text}' is not a unit; the units are ${UNITS.map((one) => one.name).join(", ")}`);
     }

@@ -50,7 +50,7 @@ function mergesOf({ size, values }: Matrix): Merge[] {
       chain.push(nearest);
       continue;
     }
-    // The last two are each other's nearest neighbours.
+    // The chain's last two groups are each other's nearest neighbours.
     chain.length -= 2;
     const kept = Math.min(last, nearest);
     const gone = Math.max(last, nearest);
@@ -70,7 +70,7 @@ function mergesOf({ size, values }: Matrix): Merge[] {
   return merges;
 }
 
-/** The previous one in the chain (-1: none), unless another is nearer; of equally near others the first. */
+/** The previous group in the chain (-1: none), unless another is nearer; of equally near groups the first. */
 function nearestTo(
   between: Float32Array, isThere: Uint8Array, last: number, before: number,
 ): { nearest: number; distance: number } {

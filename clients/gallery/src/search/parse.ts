@@ -1,4 +1,4 @@
-// The parser of queries. Its rules and errors equal those of clients/browse/parse.cpp. After a rule, the next
+// The parser of queries. The rules and errors equal those of clients/browse/parse.cpp. After a rule, the next
 // token is at the cursor.
 
 import { bytesOf, characterAt, textOf } from "./bytes";

@@ -1,5 +1,5 @@
-// Conditions that the builder can express, and their text in the query language (docs/BROWSING.md). Here
-// lengths are in metres and times in seconds; the text has millimetres, which people prefer.
+// Conditions that the builder can express, and their text in the query language (docs/BROWSING.md). This
+// module has lengths in metres and times in seconds; the text has millimetres, which people prefer.
 import { isBareName, quotedName, shortNumber } from "./query-text";
 
 /** null: no limit on this side. */

@@ -1,4 +1,5 @@
-// Values derived from the state. Each is computed again only when the parts that it depends on change.
+// Values derived from the state. A value is computed again only when the parts of the state that it depends
+// on change.
 import { noteOf } from "../data/note-patch";
 import type { ArchiveSummary } from "../data/types";
 import { noEntries, type AppState, type QueryAnswer } from "./app-state";

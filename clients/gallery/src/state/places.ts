@@ -1,4 +1,4 @@
-// Named places of the scene, where bodies are wanted. Boxes of queries can be set to them.
+// Named places of the scene, where bodies are wanted. A query's box can be set to such a place.
 import type { Looks, Scene } from "../data/types";
 import { openRange, type Box, type Range } from "./conditions";
 

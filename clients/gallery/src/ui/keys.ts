@@ -1,4 +1,4 @@
-// Keyboard shortcuts and their list. A field or button that needs a key itself receives it.
+// Keyboard shortcuts and their list. A field or button receives the keys that it uses itself.
 import { el, iconButton } from "./dom";
 
 export interface KeyActions {

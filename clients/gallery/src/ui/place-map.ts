@@ -1,5 +1,5 @@
-// Pictures to click in a step's form: coloured swatches for bodies, and a map of named places from above.
-// Both are shortcuts for the fields beside them.
+// Pictures to click in a step's form: coloured swatches for bodies, and a map of named places from above. The
+// pictures are shortcuts for the fields beside them.
 import type { Looks, Scene } from "../data/types";
 import { namedPlaces, numbersOf, type NamedPlace } from "../state/places";
 import { button, el } from "./dom";

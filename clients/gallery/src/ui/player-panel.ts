@@ -1,5 +1,5 @@
-// The player as a part of the page. It follows page.playing; a person's changes in the player (time, camera,
-// drawn box or time range) go into the page's state.
+// The player as a part of the page. The player follows page.playing; a person's changes in the player (time,
+// camera, drawn box or time range) go into the page's state.
 import { SourceError } from "../data/source";
 import type { Animation } from "../data/types";
 import type { AppState } from "../state/app-state";

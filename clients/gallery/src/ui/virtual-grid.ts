@@ -1,6 +1,6 @@
 // A grid of cards with only the visible rows in the document, so that 5,000 cards scroll as fast as 50. All
 // rows have the same height; the number of columns follows the width. Only the active cell is in the tab
-// order; arrow keys move it. Its row stays in the document even when scrolled away.
+// order; arrow keys change it. The active cell's row stays in the document even when scrolled away.
 import { el, setAttribute } from "./dom";
 
 export interface GridOptions {

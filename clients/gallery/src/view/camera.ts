@@ -1,4 +1,4 @@
-// The camera that orbits a scene. Its state is a few numbers, which links contain.
+// The camera that orbits a scene. The camera's state is a few numbers, which links contain.
 
 import { Matrix4, PerspectiveCamera, Vector3 } from "three";
 import type { Place } from "../data/types";

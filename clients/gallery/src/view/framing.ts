@@ -1,5 +1,5 @@
-// Finds the interesting part of a scene: where bodies move and what they meet, within the archive's view.
-// That view is large enough for all possible throws.
+// Finds the interesting part of a scene: where bodies move and what they meet, within the archive's view. The
+// archive's view is large enough for all possible throws.
 
 import type { Looks, Mesh, Place, Scene } from "../data/types";
 import type { Recording } from "../motion/recording";

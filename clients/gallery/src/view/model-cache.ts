@@ -1,5 +1,5 @@
-// A cache of one archive's animations for thumbnails. It loads animations in batches on request, and drops
-// the least recently used ones above a limit.
+// A cache of one archive's animations for thumbnails. The cache loads animations in batches on request, and
+// drops the least recently used animations above a limit.
 
 import type { Animation, AnimationName } from "../data/types";
 import { AnimationModel } from "./model";
