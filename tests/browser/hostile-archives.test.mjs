@@ -45,7 +45,7 @@ const assertTextAlone = async (where) => {
 test("readable and refused archives are distinguished", () => {
   const states = Object.fromEntries(state.archives.map(({ name, state: of }) => [name.replace(".h5", ""), of]));
   assert.equal(states.number, "damaged");
-  assert.match(idOf("number").words, /name of an object/);
+  assert.match(idOf("number").words, /^\/animations: .*\bname\b/);
   for (const name of ["feature_names", "world", "unit", "run", "kind_of_proposal", "request"])
     assert.equal(states[name], "ready", `${name}: ${idOf(name).words}`);
 });
