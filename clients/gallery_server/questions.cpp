@@ -53,7 +53,7 @@ std::shared_ptr<const Snapshot> asked_for(const Gallery& gallery, const Question
                                           std::shared_ptr<const Snapshot> snapshot) {
   if (!snapshot) refuse_unread(gallery, archive_of(gallery, ask));
   if (snapshot->generation() != whole(ask, "generation")) {
-    throw Refused(k_other_generation, "The archive was read again since.",
+    throw Refused(k_other_generation, "The archive has changed and was read again.",
                   "Request its table again.");
   }
   return snapshot;

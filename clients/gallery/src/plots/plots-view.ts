@@ -199,7 +199,7 @@ function headingOf(kind: string): string {
     levels: "Ladder",
     rounds: "Ladder",
     index: "Ladder",
-    pair: "Prior against posterior",
+    pair: "Prior and posterior",
     table: "Diagnosis",
   };
   return headings[kind] ?? "More";

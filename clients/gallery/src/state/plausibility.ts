@@ -35,8 +35,8 @@ export const scoreHelp =
   "If the constraint is a distance to the goal, 0 is a perfect match.";
 
 export const proportionHelp =
-  "Not in proportion: these animations were found by search, or kept because they differ. Their number " +
-  "doesn't show how probable one kind is.";
+  "Not in proportion: these animations were found by search, or kept because they differ. How many " +
+  "animations look alike doesn't show how probable they are.";
 
 export const shareHelp =
   "Share: fraction of all satisfied draws that look like this group, with its standard error. The number " +

@@ -264,7 +264,7 @@ export function makePlayerPanel(
       setText(
         hint,
         drawing.box
-          ? "Drag in the picture to draw a box, then pull its faces. Or type numbers in the form."
+          ? "Drag in the picture to draw a box, then pull its faces; or type numbers in the form."
           : drawing.time
             ? "Drag along the timeline to mark a time range."
             : "",

@@ -49,8 +49,8 @@ export function makeToolbar(ui: Ui, focusedName: () => string | null): Part {
       id: "groups-by",
       "aria-label": "Grouping method",
       title:
-        "Medoids: best groups for this number. " +
-        "Hierarchy: groups that nest for all numbers.",
+        "Medoids: the best groups for the selected number. " +
+        "Hierarchy: nested groups; a smaller number joins groups.",
     },
   );
   const groupTools = el("div", { class: "tool-group" }, field("Groups", groups), by);

@@ -243,8 +243,8 @@ function groupKeys(state: AppState): string[] {
 /** If the gallery doesn't follow the run, the page cannot know whether the run has ended. */
 function noneKeptWords(state: AppState, isServed: boolean): string {
   if (archiveShown(state)?.is_live)
-    return "The archive has no kept animations yet. New ones will be offered here.";
-  const ifItGoesOn = isServed ? " If the run continues, new ones will be offered here." : "";
+    return "The archive has no kept animations yet. New animations will be offered here.";
+  const ifItGoesOn = isServed ? " If the run continues, new animations will be offered here." : "";
   return `The archive has no kept animations.${ifItGoesOn}`;
 }
 
