@@ -132,8 +132,9 @@ const char* reason_not_sized(IslandNumber number) {
     case IslandNumber::unfinished:
       return "the batch of islands that determines the odds has no size yet, or is not complete";
     case IslandNumber::by_solutions:
-      return "the run could stop at a number of solutions, so results influenced the number of "
-             "islands, and the islands that it makes in any case are not complete";
+      return "the run stops at a number of solutions, which biases the odds until its first batch "
+             "of "
+             "islands is complete";
     case IslandNumber::unknown:
       return "the request does not show how the number of islands was chosen";
   }

@@ -32,9 +32,9 @@ class Rows {
  public:
   Rows(const Maker& maker, const char* dim, const char* counted)
       : start_(maker.integers((std::string(dim) + "_start").c_str(), {{"animation", k_growing}},
-                              "the animation's first row along the dimension of this name")),
+                              "index of the animation's first row along this dimension")),
         count_(maker.integers((std::string(dim) + "_count").c_str(), {{"animation", k_growing}},
-                              "the animation's rows along it")),
+                              "number of the animation's rows along this dimension")),
         row_(maker.integers(dim, {{dim, k_growing}}, counted)) {}
 
   void push(std::size_t rows) {
@@ -140,10 +140,10 @@ struct AnimationsWriter::Columns {
         addresses(columns_of(maker, address_columns)),
         in_proportion(maker.sink, maker.group,
                       spec_of("in_proportion", ElementType::boolean, k_animation,
-                              "whether it is a draw of the model, and not merely found")),
+                              "true: a draw in the model's proportions; false: a find")),
         proportion(is_in_proportion ? 1 : 0),
         densities(maker.sink, maker.group, k_animation),
-        segments(maker, "segment", "segment of a motion, animation by animation") {
+        segments(maker, "segment", "segment of a motion, ordered by animation") {
     const WorldLayout& layout = reader.layout();
     Dims written{k_axis, k_quaternion};
     write_own_coordinates(maker.sink, maker.group, layout.variables, written);
@@ -151,9 +151,10 @@ struct AnimationsWriter::Columns {
     outcomes.emplace(maker.sink, maker.group, k_animation, layout.outcomes);
     states.emplace(maker.sink, maker.group, k_animation, layout.variables);
     if (reader.scene().has_own_parts)
-      parts.emplace(maker, "part", "part of the scene that is an animation's own");
+      parts.emplace(maker, "part", "part that belongs to one animation");
     if (reader.scene().has_own_points)
-      points.emplace(maker, "point", "control point of the surface, near where bodies touch it");
+      points.emplace(maker, "point",
+                     "control point of the surface, near a place where a body touches the surface");
   }
 
   static std::vector<Integers> columns_of(const Maker& maker, std::span<const Address> addresses) {

@@ -36,11 +36,11 @@ inline constexpr std::size_t k_prior_draws_max = 1000;
 inline constexpr std::string_view k_finds = "/finds";
 inline constexpr std::string_view k_found = "found";
 inline constexpr std::string_view k_finds_warning =
-    "found by search: each animation ends as wanted and is plausible by itself, but they are not "
-    "in the model's proportions: no averages or odds";
+    "found by search: each animation ends as requested and is plausible, but the finds are not "
+    "in the model's proportions; do not compute averages or odds from them";
 inline constexpr std::string_view k_relax_scans = "relax_scans";
 inline constexpr std::string_view k_takes_warning =
-    "relaxed from a search: shares of kinds are the search's, so no averages or odds";
+    "relaxed from a search: proportions are the search's; do not compute averages or odds";
 /// Blind throws whose log densities stand beside those of finds.
 inline constexpr std::size_t k_throws = 100;
 inline constexpr std::string_view k_request = "request";

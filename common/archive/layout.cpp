@@ -30,8 +30,8 @@ class PosteriorWriter {
     sink.create_group(k_posterior);
     sink.set_attribute(k_posterior, {"thin", signed_of(options.thin)});
     Dims dims{{"chain", view.chains()}, {"draw", archived_states(view, options)}};
-    write_coordinate(sink, k_posterior, dims[0], "independent chain");
-    write_coordinate(sink, k_posterior, dims[1], "scan after which the state was taken",
+    write_coordinate(sink, k_posterior, dims[0], "number of the independent chain");
+    write_coordinate(sink, k_posterior, dims[1], "scan after which the state was recorded",
                      options.thin);
     const Dims leading = dims;
     write_own_coordinates(sink, k_posterior, reader.layout().variables, dims);
@@ -55,7 +55,7 @@ class PosteriorWriter {
 Column<std::int64_t> lineage_column(Sink& sink, std::string_view group, const Dims& dims) {
   return {sink, group,
           spec_of("lineage", ElementType::i64, dims,
-                  "visit of the chain to the prior from which the state descends")};
+                  "identifies the chain's visit to the prior from which the state descends")};
 }
 
 void write_kinds(Sink& sink, std::string_view group, const Dimension& dim,
@@ -73,14 +73,16 @@ class ProposalColumns {
     write_kinds(sink, k_sample_stats, kind, kinds);
     Dims dims = leading;
     dims.push_back(kind);
-    proposed_.emplace(sink, k_sample_stats,
-                      spec_of("proposed", ElementType::i32, dims, "proposals made in the scan"));
+    proposed_.emplace(
+        sink, k_sample_stats,
+        spec_of("proposed", ElementType::i32, dims, "number of proposals in the scan"));
     accepted_.emplace(
         sink, k_sample_stats,
-        spec_of("accepted", ElementType::i32, dims, "proposals of the scan that were accepted"));
-    rate_.emplace(sink, k_sample_stats,
-                  spec_of("acceptance_rate", ElementType::f64, leading,
-                          "accepted over proposed of all kinds; NaN where none was proposed"));
+        spec_of("accepted", ElementType::i32, dims, "number of accepted proposals in the scan"));
+    rate_.emplace(
+        sink, k_sample_stats,
+        spec_of("acceptance_rate", ElementType::f64, leading,
+                "ratio of accepted to proposed, over all kinds; NaN if nothing was proposed"));
     kinds_ = kinds.size();
   }
 
@@ -118,7 +120,7 @@ class SampleStatsWriter {
   SampleStatsWriter(const RunView& view, const WorldLayout& layout, Sink& sink) {
     sink.create_group(k_sample_stats);
     const Dims dims{{"chain", view.chains()}, {"draw", view.draws()}};
-    write_coordinate(sink, k_sample_stats, dims[0], "independent chain");
+    write_coordinate(sink, k_sample_stats, dims[0], "number of the independent chain");
     write_coordinate(sink, k_sample_stats, dims[1], "scan");
     Dims written = dims;
     write_own_coordinates(sink, k_sample_stats, layout.outcomes, written);
@@ -172,16 +174,16 @@ using NewestStates =
 void write_replicas(const NewestStates& newest, const StateReader& reader, Sink& sink) {
   sink.create_group(k_replicas);
   Dims dims{{"chain", newest.size()}, {"replica", newest.empty() ? 1 : newest.front().size()}};
-  write_coordinate(sink, k_replicas, dims[0], "independent chain");
+  write_coordinate(sink, k_replicas, dims[0], "number of the independent chain");
   write_coordinate(sink, k_replicas, dims[1], "replica of the chain");
   const Dims leading = dims;
   write_own_coordinates(sink, k_replicas, reader.layout().variables, dims);
   Column<std::int64_t> scan(
       sink, k_replicas,
-      spec_of("scan", ElementType::i64, leading, "scan after which the state was taken"));
+      spec_of("scan", ElementType::i64, leading, "scan after which the state was recorded"));
   Column<double> beta(sink, k_replicas,
                       spec_of("inverse_temperature", ElementType::f64, leading,
-                              "power of the constraint's density in the sampled distribution"));
+                              "exponent of the constraint's density in the sampled distribution"));
   DensityColumns densities(sink, k_replicas, leading);
   VariableColumns states(sink, k_replicas, leading, reader.layout().variables);
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
@@ -293,8 +295,9 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
   sink.set_attribute(k_animations, {"keep_per_lineage", signed_of(options.keep_per_lineage)});
   sink.set_attribute(k_animations, {"min_distance", options.min_distance});
   constexpr std::array k_addresses{
-      Address{"chain", "chain that found it"}, Address{"draw", "scan that found it"},
-      Address{"lineage", "visit of the chain to the prior from which the state descends"}};
+      Address{"chain", "chain of the animation"}, Address{"draw", "scan of the animation"},
+      Address{"lineage",
+              "identifies the chain's visit to the prior from which the state descends"}};
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
                               in_proportion, sink);
   // Each kept animation is asked for once more, for its motion (remembering_reader.h).
@@ -331,12 +334,12 @@ void write_finds(const RunView& view, const StateReader& reader, const ArchiveOp
   write_coordinate(sink, k_finds, blind_throw[0], "blind throw");
   Column<double> log_prior(sink, k_finds,
                            spec_of("log_prior_of_throw", ElementType::f64, blind_throw,
-                                   "log density of a blind throw, to compare log_prior with"));
+                                   "log density of a blind throw, for comparison with log_prior"));
   for (const double value : throws)
     log_prior.push(value);
   log_prior.flush();
 
-  constexpr std::array k_addresses{Address{"start", "start of the search that found it"}};
+  constexpr std::array k_addresses{Address{"start", "start of the search that built the find"}};
   AnimationsWriter animations(reader, k_finds, "find, by start", k_addresses, false, sink);
   std::uint64_t kept = 0;
   Counted written(hear, WritingProgress::Part::animations,

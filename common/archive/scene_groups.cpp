@@ -29,16 +29,17 @@ void write_names(Sink& sink, const char* dim, const std::array<std::string_view,
 
 void write_features(const scene::Scene& scene, Sink& sink) {
   const Dims feature{{"feature", scene.features.size()}};
-  write_coordinate(sink, k_scene, feature[0], "thing in the scene: bodies first");
+  write_coordinate(sink, k_scene, feature[0], "scene feature; bodies come first");
   std::vector<std::string> names;
   for (const scene::Feature& one : scene.features)
     names.push_back(one.name);
-  write_words(sink, k_scene, "feature_name", feature, "what it is called", names);
-  auto kind = small(sink, "feature_kind", feature, "along kind");
+  write_words(sink, k_scene, "feature_name", feature, "name of the feature", names);
+  auto kind = small(sink, "feature_kind", feature, "kind of the feature, an index along kind");
   auto twin = small(sink, "feature_twin_of", feature,
-                    "the first of the bodies that may take each other's place without making "
-                    "another animation; itself where there is none");
-  auto body = small(sink, "feature_body", feature, "the body that a goal is for; -1: any, or none");
+                    "first of the bodies that are interchangeable with this one; the feature "
+                    "itself if there is none");
+  auto body =
+      small(sink, "feature_body", feature, "body to which the goal applies; -1: any body, or none");
   for (const scene::Feature& one : scene.features) {
     kind.push(static_cast<std::int32_t>(one.kind));
     twin.push(small_of(one.twin_of));
@@ -52,19 +53,21 @@ void write_parts(const scene::Scene& scene, Sink& sink) {
   const Dims part{{"part", scene.parts.size()}};
   const Dims vectors{part[0], k_axis};
   write_coordinate(sink, k_scene, part[0], "part of a feature");
-  auto feature = small(sink, "part_feature", part, "the feature that it belongs to");
-  auto shape = small(sink, "part_shape", part, "along shape");
+  auto feature = small(sink, "part_feature", part, "feature that the part belongs to");
+  auto shape = small(sink, "part_shape", part, "shape of the part, an index along shape");
   auto size =
       metres(sink, "part_size_m", vectors,
-             "sides; of a sphere and a disc x is the diameter; of a surface x and y are its "
-             "sides and z the spacing of its control points");
+             "lengths of the sides; sphere and disc: x is the diameter; surface: x and y are "
+             "the sides and z is the spacing of the control points");
   auto position = metres(sink, "part_position_m", vectors,
-                         "of its middle: in the frame of its body, else of the scene");
-  Column<double> orientation(sink, k_scene,
-                             spec_of("part_orientation", ElementType::f64, {part[0], k_quaternion},
-                                     "from its frame to that one", "1"));
-  auto first = small(sink, "part_first_triangle", part, "of a mesh, along triangle");
-  auto triangles = small(sink, "part_triangles", part, "of a mesh, how many");
+                         "middle of the part, in the frame of its body, or of the scene if fixed");
+  Column<double> orientation(
+      sink, k_scene,
+      spec_of("part_orientation", ElementType::f64, {part[0], k_quaternion},
+              "rotation from the part's frame to the frame of part_position_m", "1"));
+  auto first =
+      small(sink, "part_first_triangle", part, "first triangle of a mesh, an index along triangle");
+  auto triangles = small(sink, "part_triangles", part, "number of triangles of a mesh");
   for (const scene::Part& one : scene.parts) {
     feature.push(small_of(one.feature));
     shape.push(static_cast<std::int32_t>(one.shape));
@@ -86,9 +89,9 @@ void write_meshes(const scene::Scene& scene, Sink& sink) {
   if (scene.triangles.empty()) return;
   const Dims vertex{{"vertex", scene.vertices.size()}};
   write_coordinate(sink, k_scene, vertex[0], "vertex of a mesh");
-  auto place = metres(sink, "vertex_m", {vertex[0], k_axis}, "in the frame of its part");
+  auto place = metres(sink, "vertex_m", {vertex[0], k_axis}, "vertex, in the frame of its part");
   auto offset = small(sink, "vertex_offset", vertex,
-                      "row of the animation's variable offset_variable that is added; -1: none");
+                      "row of the variable named by offset_variable that is added; -1: none");
   for (const scene::Vertex& one : scene.vertices) {
     push_vector(place, one.place_m);
     offset.push(one.offset);
@@ -98,8 +101,8 @@ void write_meshes(const scene::Scene& scene, Sink& sink) {
   const Dims triangle{{"triangle", scene.triangles.size()}, {"corner", 3}};
   write_coordinate(sink, k_scene, triangle[0], "triangle of a mesh");
   write_coordinate(sink, k_scene, triangle[1],
-                   "corner of a triangle, counter-clockwise seen from outside");
-  auto corner = small(sink, "triangle_vertex", triangle, "along vertex");
+                   "corner of a triangle, counter-clockwise when seen from outside");
+  auto corner = small(sink, "triangle_vertex", triangle, "corner as an index along vertex");
   for (const auto& one : scene.triangles) {
     for (const std::uint32_t index : one)
       corner.push(small_of(index));
@@ -121,9 +124,10 @@ void write_normal_priors(Sink& sink, const std::vector<Variable>& variables) {
         column.push(value);
       column.flush();
     };
-    write("_prior_mean", variable.prior_mean, "mean; NaN of what is not normally distributed");
+    write("_prior_mean", variable.prior_mean,
+          "mean under the prior; NaN if not normally distributed");
     write("_prior_sd", variable.prior_sd,
-          "standard deviation; NaN of what is not normally distributed, 0 of what is fixed");
+          "standard deviation under the prior; NaN if not normally distributed, 0 if fixed");
   }
 }
 
@@ -140,7 +144,7 @@ void write_scene(const scene::Scene& scene, Sink& sink) {
   write_names(sink, "shape", scene::k_shape_names, "shape of a part");
   const Dimension end{"end", 2};
   write_coordinate(sink, k_scene, end, "low and high end");
-  auto view = metres(sink, "view_m", {end, k_axis}, "a box about all that bodies do");
+  auto view = metres(sink, "view_m", {end, k_axis}, "box that encloses the bodies' motion");
   push_vector(view, scene.low_m);
   push_vector(view, scene.high_m);
   view.flush();
@@ -153,7 +157,7 @@ void write_prior(const RunView& view, const StateReader& reader, Sink& sink) {
   const WorldLayout& layout = reader.layout();
   const Dims leading{{"chain", 1}, {"draw", view.prior_draws()}};
   sink.create_group(k_prior);
-  write_coordinate(sink, k_prior, leading[0], "one chain");
+  write_coordinate(sink, k_prior, leading[0], "the only chain");
   write_coordinate(sink, k_prior, leading[1], "draw from the prior");
   Dims written = leading;
   write_own_coordinates(sink, k_prior, layout.variables, written);
@@ -164,7 +168,7 @@ void write_prior(const RunView& view, const StateReader& reader, Sink& sink) {
   states.flush();
 
   sink.create_group(k_sample_stats_prior);
-  write_coordinate(sink, k_sample_stats_prior, leading[0], "one chain");
+  write_coordinate(sink, k_sample_stats_prior, leading[0], "the only chain");
   write_coordinate(sink, k_sample_stats_prior, leading[1], "draw from the prior");
   written = leading;
   write_own_coordinates(sink, k_sample_stats_prior, layout.outcomes, written);

@@ -66,9 +66,9 @@ void write_words(Sink& sink, std::string_view group, const std::string& name, co
 DensityColumns::DensityColumns(Sink& sink, std::string_view group, const Dims& leading)
     : log_prior_(sink, group,
                  spec_of("log_prior", ElementType::f64, leading,
-                         "log density of the state under the world's own probability")),
+                         "log density of the state under the world's prior")),
       log_constraint_(sink, group,
                       spec_of("log_constraint", ElementType::f64, leading,
-                              "log of the constraint's density at the outcome")) {}
+                              "log density of the constraint at the outcome")) {}
 
 }  // namespace sleight::archive

@@ -20,19 +20,26 @@ using Stored =
 
 inline constexpr std::tuple k_part_fields{
     motion::Field{"part_feature", &scene::Part::feature,
-                  "the feature of /scene that it belongs to"},
-    motion::Field{"part_shape", &scene::Part::shape, "along shape of /scene"},
-    motion::Field{"part_size_m", &scene::Part::size_m, "as in /scene", "m"},
-    motion::Field{"part_position_m", &scene::Part::position_m, "of its middle", "m"},
+                  "feature of /scene that the part belongs to"},
+    motion::Field{"part_shape", &scene::Part::shape,
+                  "shape of the part, an index along shape of /scene"},
+    motion::Field{"part_size_m", &scene::Part::size_m, "sizes, as part_size_m of /scene", "m"},
+    motion::Field{"part_position_m", &scene::Part::position_m,
+                  "middle of the part, in the feature's frame", "m"},
     motion::Field{"part_orientation", &scene::Part::orientation,
-                  "from its frame to the feature's"}};
+                  "rotation from the part's frame to the feature's"}};
 
 inline constexpr std::tuple k_point_fields{
-    motion::Field{"point_i", &scene::ControlPoint::i, "it lies at x = i times the spacing"},
-    motion::Field{"point_j", &scene::ControlPoint::j, "it lies at y = j times the spacing"},
-    motion::Field{"point_height_m", &scene::ControlPoint::height_m, "its height", "m"},
-    motion::Field{"point_restitution", &scene::ControlPoint::restitution, "of what meets it"},
-    motion::Field{"point_friction", &scene::ControlPoint::friction, "Coulomb's coefficient there"}};
+    motion::Field{"point_i", &scene::ControlPoint::i,
+                  "column of the control point: x = point_i times the spacing"},
+    motion::Field{"point_j", &scene::ControlPoint::j,
+                  "row of the control point: y = point_j times the spacing"},
+    motion::Field{"point_height_m", &scene::ControlPoint::height_m, "height of the control point",
+                  "m"},
+    motion::Field{"point_restitution", &scene::ControlPoint::restitution,
+                  "coefficient of restitution at the control point"},
+    motion::Field{"point_friction", &scene::ControlPoint::friction,
+                  "coefficient of friction at the control point"}};
 
 template <class Record, class... Values>
 Record record_of(const std::tuple<motion::Field<Record, Values>...>& fields);

@@ -35,24 +35,24 @@ Field(const char*, Value Record::*, const char*, const char* = "1") -> Field<Rec
 
 /// In the order of the archive's columns. Numbers of modes and causes mean what is said here.
 inline constexpr std::tuple k_fields{
-    Field{"body", &Segment::body, "the feature of /scene that moves"},
-    Field{"start_s", &Segment::start_s, "when the segment begins", "s"},
+    Field{"body", &Segment::body, "feature of /scene that moves"},
+    Field{"start_s", &Segment::start_s, "time at which the segment begins", "s"},
     Field{"mode", &Segment::mode, "0 flying, 1 sliding, 2 rolling, 3 resting"},
-    Field{
-        "cause", &Segment::cause,
-        "what began it: 0 it entered, 1 it hit the partner, 2 its mode changed, 3 it came to rest "
-        "or was woken"},
-    Field{"partner", &Segment::partner, "the feature of /scene that was hit; -1 where none was"},
-    Field{"position_m", &Segment::position_m, "the centre at the segment's beginning", "m"},
-    Field{"velocity_mps", &Segment::velocity_mps, "the centre's velocity just after that", "m s-1"},
-    Field{"acceleration_mps2", &Segment::acceleration_mps2, "the centre's acceleration all along",
+    Field{"cause", &Segment::cause,
+          "event that began the segment: 0 the body entered, 1 it hit the partner, 2 its mode "
+          "changed, 3 it came to rest or woke"},
+    Field{"partner", &Segment::partner, "feature of /scene that the body hit; -1 if none"},
+    Field{"position_m", &Segment::position_m, "centre at the start of the segment", "m"},
+    Field{"velocity_mps", &Segment::velocity_mps,
+          "velocity of the centre at the start of the segment", "m s-1"},
+    Field{"acceleration_mps2", &Segment::acceleration_mps2, "constant acceleration of the centre",
           "m s-2"},
     Field{"orientation", &Segment::orientation,
-          "from the body's frame to the scene's, at the beginning"},
+          "rotation from the body's frame to the scene's, at the start of the segment"},
     Field{"angular_velocity_radps", &Segment::angular_velocity_radps,
-          "in the scene's frame, at the beginning", "rad s-1"},
+          "angular velocity in the scene's frame, at the start of the segment", "rad s-1"},
     Field{"angular_acceleration_radps2", &Segment::angular_acceleration_radps2,
-          "in the scene's frame, all along", "rad s-2"}};
+          "constant angular acceleration in the scene's frame", "rad s-2"}};
 
 /// Calls act(field) of each, in their order.
 template <class Fields, class Act>

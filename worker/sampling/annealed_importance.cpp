@@ -124,19 +124,23 @@ std::vector<ChainPart::Row> AnnealedImportance::rows() const {
   }
   const WeightSummary z = summary_of(weights);
   const WeightSummary p = summary_of(satisfied);
-  return {{"ascent_inverse_temperature", "temperatures of an ascent", "ascent_step", betas_},
-          {"log_weight", "log of the draw's weight", "draw", weights},
-          {"ais_log_z", "log of the mean weight", "", {z.log_mean.value}},
-          {"ais_log_z_error", "its standard error", "", {z.log_mean.error}},
-          {"ais_effective_size",
-           "draws of equal weight that would say as much",
-           "",
-           {z.effective_size}},
-          {"ais_log_p_satisfied",
-           "log of the probability that a prior draw satisfies",
-           "",
-           {p.log_mean.value}},
-          {"ais_log_p_satisfied_error", "its standard error", "", {p.log_mean.error}}};
+  return {
+      {"ascent_inverse_temperature", "inverse temperatures of an ascent", "ascent_step", betas_},
+      {"log_weight", "log weight of the draw", "draw", weights},
+      {"ais_log_z", "log of the mean weight", "", {z.log_mean.value}},
+      {"ais_log_z_error", "standard error of ais_log_z", "", {z.log_mean.error}},
+      {"ais_effective_size",
+       "effective sample size: equally weighted draws of the same accuracy",
+       "",
+       {z.effective_size}},
+      {"ais_log_p_satisfied",
+       "log of the probability that a prior draw satisfies",
+       "",
+       {p.log_mean.value}},
+      {"ais_log_p_satisfied_error",
+       "standard error of ais_log_p_satisfied",
+       "",
+       {p.log_mean.error}}};
 }
 
 }  // namespace sleight::sampling

@@ -45,7 +45,9 @@ class AnnealedImportance final : public ChainPart {
   std::uint64_t draws() const override;
   const Solutions& solutions() const override { return solutions_; }
   std::vector<Row> rows() const override;
-  const char* warning() const override { return "draws have weights: /tempering/log_weight"; }
+  const char* warning() const override {
+    return "draws are weighted; their log weights are in /tempering/log_weight";
+  }
 
   const std::vector<double>& schedule() const { return betas_; }
 

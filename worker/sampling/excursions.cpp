@@ -46,10 +46,10 @@ void Excursions::consume(base::ReplicaId replica, std::uint64_t first_scan,
 
 std::vector<ChainPart::Row> Excursions::rows() const {
   const auto made = static_cast<double>(draws());
-  return {{"excursion_inverse_temperature", "temperatures of a tempered transition, falling",
-           "excursion_level", below_},
+  return {{"excursion_inverse_temperature",
+           "inverse temperatures of a tempered transition, descending", "excursion_level", below_},
           {"excursion_acceptance",
-           "tempered transitions that were accepted",
+           "fraction of tempered transitions that were accepted",
            "",
            {static_cast<double>(accepted_) / made}}};
 }

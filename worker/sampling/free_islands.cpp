@@ -61,13 +61,14 @@ plan::Report FreeIslands::report() const {
       report_of(chains, islands,
                 {.first = is_complete ? std::optional(rule_.pilot_islands()) : std::nullopt});
   plan::Table weights{.name = "log_weight",
-                      .meaning = "log of the draw's weight",
+                      .meaning = "log weight of the draw",
                       .dims = {{"chain", 1}, {"draw", islands}},
                       .values = {}};
   for (const IslandEstimate& island : islands_.estimates())
     weights.values.push_back(island.log_z);
   report.tables.push_back(std::move(weights));
-  report.warning = std::string("draws have weights: /tempering/log_weight");
+  report.warning =
+      std::string("draws are weighted; their log weights are in /tempering/log_weight");
   return report;
 }
 

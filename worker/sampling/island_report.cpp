@@ -42,9 +42,9 @@ plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint6
       [](const IslandEstimate& island) { return island.log_z; });
   add("island_log_satisfied", "log of the island's unbiased estimate of P(satisfied)",
       [](const IslandEstimate& island) { return island.log_satisfied; });
-  add("island_effective_size", "effective number of the island's particles, by weight",
+  add("island_effective_size", "effective sample size of the island's particles",
       [](const IslandEstimate& island) { return island.effective_size; });
-  add("island_accepted", "1 if the island's draw became the chain's state, else 0",
+  add("island_accepted", "1 if the chain accepted the island's draw, else 0",
       [](const IslandEstimate& island) { return island.accepted ? 1.0 : 0.0; });
   const auto add_number = [&](const char* name, const char* meaning, std::uint64_t of_scan) {
     CHECK_LE(of_scan, scans);
@@ -56,14 +56,14 @@ plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint6
   };
   if (odds.first) {
     add_number("odds_from_island",
-               "the chain's first island that tells the odds: how many come from there on was "
-               "chosen by those before it",
+               "first island of the chain that counts towards the odds; the islands before it "
+               "determined the number of islands",
                *odds.first);
   }
   if (odds.end) {
     add_number("odds_until_island",
-               "islands of the chain, from its first one on, that tell the odds: whether there are "
-               "more was chosen by these",
+               "number of the chain's islands, from its first, that count towards the odds; these "
+               "islands determined whether more were computed",
                *odds.end);
   }
   return report;

@@ -203,18 +203,19 @@ plan::Report JudgedChains::report() const {
               table.values.push_back(number(tour, chain, value));
         report.tables.push_back(std::move(table));
       };
-  add("tour_begin", "scan at which all chains started from a search", 1,
+  add("tour_begin", "scan at which all chains restarted from a search", 1,
       [](const Tour& tour, std::size_t, std::size_t) { return static_cast<double>(tour.begin); });
-  add("tour_judged_from", "scan from which on the tour's scans are draws", 1,
+  add("tour_judged_from", "first scan of the tour that is a draw", 1,
       [](const Tour& tour, std::size_t, std::size_t) {
         return static_cast<double>(tour.judged_from);
       });
-  add("tour_end", "scan before which the tour ends", 1,
+  add("tour_end", "end of the tour: one past its last scan", 1,
       [](const Tour& tour, std::size_t, std::size_t) { return static_cast<double>(tour.end); });
-  add("tour_r_hat", "split R-hat of what the burn-in is judged by; NaN where it is constant",
+  add("tour_r_hat",
+      "split R-hat of the quantity that judges the burn-in; NaN if that quantity is constant",
       options_.judged.size(),
       [](const Tour& tour, std::size_t, std::size_t value) { return tour.r_hats[value]; });
-  add("counted_scan", "scan that is the chain's independent solution; NaN where it has none", 1,
+  add("counted_scan", "scan of the chain's independent solution; NaN if none", 1,
       [](const Tour& tour, std::size_t chain, std::size_t) {
         return tour.counted[chain] ? static_cast<double>(*tour.counted[chain])
                                    : std::numeric_limits<double>::quiet_NaN();

@@ -105,62 +105,64 @@ double per_scan(std::uint64_t count, const RoundReport& round) {
 }
 
 void write_rounds(Tables& tables) {
-  tables.per_round("first_scan", "scan with which the round begins",
+  tables.per_round("first_scan", "first scan of the round",
                    [](const RoundReport& round) { return static_cast<double>(round.first_scan); });
-  tables.per_round("scans", "scans of the round", [](const RoundReport& round) {
+  tables.per_round("scans", "number of scans in the round", [](const RoundReport& round) {
     return static_cast<double>(round.statistics.scans());
   });
-  tables.per_round("levels", "temperatures of the ladder", [](const RoundReport& round) {
+  tables.per_round("levels", "number of temperatures in the ladder", [](const RoundReport& round) {
     return static_cast<double>(round.statistics.ladder().size());
   });
-  tables.per_round("barrier", "communication barrier: the sum of all rejection rates",
+  tables.per_round("barrier", "communication barrier: sum of the rejection rates of swaps",
                    [](const RoundReport& round) {
                      return cumulative_barrier(round.statistics.rejections()).back();
                    });
-  tables.per_round("round_trips", "journeys from the prior to inverse temperature 1 and back",
+  tables.per_round("round_trips",
+                   "number of round trips from the prior to inverse temperature 1 and back",
                    [](const RoundReport& round) { return static_cast<double>(round.round_trips); });
-  tables.per_round("restarts", "arrivals at inverse temperature 1 from the prior",
+  tables.per_round("restarts", "number of arrivals at inverse temperature 1 from the prior",
                    [](const RoundReport& round) { return static_cast<double>(round.restarts); });
   tables.per_round("round_trip_rate", "round trips per scan",
                    [](const RoundReport& round) { return per_scan(round.round_trips, round); });
-  tables.per_round("predicted_round_trip_rate",
-                   "1 / (2 + 2 sum r / (1 - r)) of the rejection rates r",
-                   [](const RoundReport& round) {
-                     return predicted_round_trip_rate(round.statistics.rejections());
-                   });
+  tables.per_round(
+      "predicted_round_trip_rate",
+      "round trips per scan predicted from the rejection rates r: 1 / (2 + 2 sum r / (1 - r))",
+      [](const RoundReport& round) {
+        return predicted_round_trip_rate(round.statistics.rejections());
+      });
   tables.per_round(
       "log_z", "log of the mean of the constraint's density under the prior, by stepping stones",
       [](const RoundReport& round) { return round.statistics.log_z().value; });
-  tables.per_round("log_z_error", "its standard error, by jackknife",
+  tables.per_round("log_z_error", "standard error of log_z, by jackknife",
                    [](const RoundReport& round) { return round.statistics.log_z().error; });
   tables.per_round("log_p_satisfied", "log of the probability that a prior draw satisfies",
                    [](const RoundReport& round) { return round.statistics.log_satisfied().value; });
-  tables.per_round("log_p_satisfied_error", "its standard error, by jackknife",
+  tables.per_round("log_p_satisfied_error", "standard error of log_p_satisfied, by jackknife",
                    [](const RoundReport& round) { return round.statistics.log_satisfied().error; });
 }
 
 void write_levels(Tables& tables) {
-  tables.per_level("inverse_temperature", "power of the constraint's density at the level",
+  tables.per_level("inverse_temperature", "exponent of the constraint's density at the level",
                    [](const RoundReport& round) { return round.statistics.ladder(); });
-  tables.per_level("swap_acceptance", "mean probability of a swap with the next cooler level",
+  tables.per_level("swap_acceptance", "mean swap probability with the next cooler level",
                    [](const RoundReport& round) {
                      std::vector<double> rates = round.statistics.rejections();
                      for (double& rate : rates)
                        rate = 1 - rate;
                      return rates;
                    });
-  tables.per_level("local_barrier", "slope of the barrier in inverse temperature",
+  tables.per_level("local_barrier", "derivative of the barrier with respect to inverse temperature",
                    [](const RoundReport& round) {
                      return local_barrier(round.statistics.ladder(), round.statistics.rejections());
                    });
-  tables.per_kind("acceptance", "accepted over proposed, by level and kind",
+  tables.per_kind("acceptance", "ratio of accepted to proposed, by level and kind",
                   [](const RoundReport& round, std::size_t level, std::size_t kind) {
                     const KindCounts& counts = round.counts[level];
                     if (kind >= counts.proposed.size()) return k_nan;
                     return static_cast<double>(counts.accepted[kind]) /
                            static_cast<double>(counts.proposed[kind]);
                   });
-  tables.per_kind("proposal_scale", "factor of the proposals' sizes, by level and kind",
+  tables.per_kind("proposal_scale", "scale factor of the proposals' step sizes, by level and kind",
                   [](const RoundReport& round, std::size_t level, std::size_t kind) {
                     const std::vector<double>& scales = round.scales[level];
                     return kind < scales.size() ? scales[kind] : 1.0;
@@ -190,11 +192,11 @@ void add_index_process(std::span<const LadderRun* const> ladders, std::uint64_t 
   const std::pair<std::string, std::size_t> by_chain{"chain", ladders.size()};
   const std::pair<std::string, std::size_t> by_moment{"moment", moments};
   plan::Table scans{.name = "index_scan",
-                    .meaning = "scan of the run at which replicas' levels are told",
+                    .meaning = "scan at which the replicas' levels were recorded",
                     .dims = {by_chain, by_moment},
                     .values = std::vector<double>(ladders.size() * moments, k_nan)};
   plan::Table levels{.name = "index_level",
-                     .meaning = "level at which the replica is, 0 being the prior",
+                     .meaning = "level of the replica; level 0 is the prior",
                      .dims = {by_chain, by_moment, {"replica", replicas}},
                      .values = std::vector<double>(ladders.size() * moments * replicas, k_nan)};
   for (std::size_t l = 0; l < ladders.size(); ++l) {

@@ -92,17 +92,18 @@ std::vector<ChainPart::Row> SimulatedTempering::rows() const {
                                                         static_cast<double>(proposed_[level])
                                                   : std::numeric_limits<double>::quiet_NaN());
   }
-  return {{"walk_inverse_temperature", "power of the constraint's density at the level",
-           "walk_level", burn_in_.ladder},
-          {"walk_log_weight", "log of the level's weight", "walk_level", log_weights_},
-          {"walk_visits", "scans at the level", "walk_level", visits},
-          {"walk_acceptance", "moves to the next cooler level, or from there, that were accepted",
-           "walk_level", acceptance},
-          {"walk_round_trips",
-           "journeys from inverse temperature 1 to the prior and back",
-           "",
-           {static_cast<double>(round_trips_)}},
-          {"draw_scan", "scan of the draw", "draw", draw_scans_}};
+  return {
+      {"walk_inverse_temperature", "exponent of the constraint's density at the level",
+       "walk_level", burn_in_.ladder},
+      {"walk_log_weight", "log weight of the level", "walk_level", log_weights_},
+      {"walk_visits", "number of scans at the level", "walk_level", visits},
+      {"walk_acceptance", "acceptance rate of moves between the level and the next cooler level",
+       "walk_level", acceptance},
+      {"walk_round_trips",
+       "number of round trips from inverse temperature 1 to the prior and back",
+       "",
+       {static_cast<double>(round_trips_)}},
+      {"draw_scan", "scan of the draw", "draw", draw_scans_}};
 }
 
 }  // namespace sleight::sampling

@@ -27,11 +27,11 @@ archive::WorldLayout make_layout(const WorldParameters& world) {
           .outcomes = {{.name = "landing_x_m",
                         .dims = {},
                         .unit = "m",
-                        .meaning = "where the ball lands after its last random collision"},
+                        .meaning = "x at which the ball lands after its last random collision"},
                        {.name = "landing_time_s",
                         .dims = {},
                         .unit = "s",
-                        .meaning = "when it lands there, after its release"}},
+                        .meaning = "time from the ball's release to that landing"}},
           .proposal_kinds = {"change_normals"}};
 }
 

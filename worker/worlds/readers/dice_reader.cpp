@@ -56,31 +56,31 @@ std::vector<archive::Variable> variables_of(const Dice& world) {
   return {{.name = "table_key",
            .dims = {half},
            .unit = "1",
-           .meaning = "the upper and the lower 32 bits of the number that the table is made from"},
+           .meaning = "upper and lower 32 bits of the key that generates the table"},
           {.name = "changed_points",
            .dims = {},
            .unit = "1",
-           .meaning = "how many control points of the table are not those of its key"},
+           .meaning = "number of control points that differ from those that the key generates"},
           {.name = "start_position_m",
            .dims = {die, xyz},
            .unit = "m",
-           .meaning = "the die's centre when it is let go",
+           .meaning = "the die's centre at release",
            .prior_mean = components(parameters, &DieStart::position_m),
            .prior_sd = components(parameters, &DieStart::position_sd_m)},
           {.name = "start_orientation",
            .dims = {die, quaternion},
            .unit = "1",
-           .meaning = "then, from the unnumbered cube's frame to the table's"},
+           .meaning = "rotation at release, from the unnumbered cube's frame to the table's"},
           {.name = "start_velocity_mps",
            .dims = {die, xyz},
            .unit = "m s-1",
-           .meaning = "then",
+           .meaning = "velocity of the die's centre at release",
            .prior_mean = components(parameters, &DieStart::velocity_mps),
            .prior_sd = components(parameters, &DieStart::velocity_sd_mps)},
           {.name = "start_spin_radps",
            .dims = {die, xyz},
            .unit = "rad s-1",
-           .meaning = "angular velocity then, in the table's frame",
+           .meaning = "angular velocity at release, in the table's frame",
            .prior_mean = components(parameters, &DieStart::spin_radps),
            .prior_sd = components(parameters, &DieStart::spin_sd_radps)}};
 }
@@ -90,25 +90,28 @@ std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
       {.name = "end",
        .dims = {},
        .unit = "1",
-       .meaning = "why it ended: 0 all at rest, 1 time limit, 2 no room to start, or the simulator "
-                  "could not go on"},
-      {.name = "end_s", .dims = {}, .unit = "s", .meaning = "when the last die came to rest"},
+       .meaning = "why the simulation ended: 0 all dice at rest, 1 time limit, 2 no room to start, "
+                  "or the simulator failed"},
+      {.name = "end_s",
+       .dims = {},
+       .unit = "s",
+       .meaning = "time at which the last die came to rest"},
       {.name = "collisions",
        .dims = {},
        .unit = "1",
-       .meaning = "collisions of dice with the table"},
+       .meaning = "number of collisions of dice with the table"},
       {.name = "log_plausibility",
        .dims = {},
        .unit = "1",
-       .meaning = "log p_w of the control points that these hung on"},
+       .meaning = "log p_w of the control points that these collisions depended on"},
       {.name = "offset_squares",
        .dims = {},
        .unit = "1",
-       .meaning = "sum of the squares of those points' heights, in standard deviations"},
+       .meaning = "sum of squares of those control points' heights, in standard deviations"},
       {.name = "offsets",
        .dims = {{.name = "offset_bin", .size = k_offset_bins}},
        .unit = "1",
-       .meaning = fmt::format("how many of those points have such a height: below {} standard "
+       .meaning = fmt::format("histogram of those control points' heights: below {} standard "
                               "deviations, in steps of {} from there, above the last",
                               k_offset_first_sd, k_offset_step_sd)}};
   for (std::size_t i = 0; i < parameters.goals.size(); ++i) {
@@ -117,7 +120,7 @@ std::vector<archive::Variable> outcomes_of(const Parameters& parameters) {
     outcomes.push_back({.name = fmt::format("goal_{}_{}_{}", i + 1, name_of(goal), unit),
                         .dims = {},
                         .unit = unit == "mps" ? "m s-1" : unit,
-                        .meaning = fmt::format("how far die {} is from this goal", goal.die + 1)});
+                        .meaning = fmt::format("distance of die {} from this goal", goal.die + 1)});
   }
   return outcomes;
 }

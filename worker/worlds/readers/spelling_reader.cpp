@@ -23,40 +23,45 @@ archive::WorldLayout make_layout(const Spelling& world) {
   const archive::Dimension ball{.name = "ball", .size = world.balls()};
   const archive::Dimension xyz{.name = "axis_xyz", .size = 3};
   const archive::Dimension xy{.name = "axis_xy", .size = 2};
-  return {.world = "spelling",
-          .variables = {{.name = "vertex_offset_m",
-                         .dims = {vertex, xyz},
-                         .unit = "m",
-                         .meaning = "how far each partition vertex is moved",
-                         .prior_mean = std::vector<double>(3 * vertex.size, 0),
-                         .prior_sd = std::vector<double>(3 * vertex.size,
-                                                         world.parameters().world.vertex_sd_m)},
-                        {.name = "active",
-                         .dims = {ball},
-                         .unit = "1",
-                         .meaning = "1 if the ball takes part, else 0"},
-                        {.name = "drop_m",
-                         .dims = {ball, xy},
-                         .unit = "m",
-                         .meaning = "where the ball is dropped, from the middle of the box; 0 if "
-                                    "inactive"}},
-          .outcomes =
-              {{.name = "filled",
-                .dims = {},
-                .unit = "1",
-                .meaning = "designated bins with a ball at rest, or in it for good"},
-               {.name = "elsewhere",
-                .dims = {},
-                .unit = "1",
-                .meaning = "active balls that fill no designated bin"},
-               {.name = "end_s", .dims = {}, .unit = "s", .meaning = "when the simulation ended"},
-               {.name = "end",
-                .dims = {},
-                .unit = "1",
-                .meaning = "why it ended: 0 all at rest or in their bins for good, 1 time limit, 2 "
-                           "no room to start, 3 the simulator could not go on"}},
-          .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
-                             "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"}};
+  return {
+      .world = "spelling",
+      .variables = {{.name = "vertex_offset_m",
+                     .dims = {vertex, xyz},
+                     .unit = "m",
+                     .meaning = "displacement of each partition vertex",
+                     .prior_mean = std::vector<double>(3 * vertex.size, 0),
+                     .prior_sd = std::vector<double>(3 * vertex.size,
+                                                     world.parameters().world.vertex_sd_m)},
+                    {.name = "active",
+                     .dims = {ball},
+                     .unit = "1",
+                     .meaning = "1 if the ball takes part, else 0"},
+                    {.name = "drop_m",
+                     .dims = {ball, xy},
+                     .unit = "m",
+                     .meaning = "place where the ball is dropped, relative to the middle of the "
+                                "box; 0 if inactive"}},
+      .outcomes =
+          {{.name = "filled",
+            .dims = {},
+            .unit = "1",
+            .meaning =
+                "number of designated bins that hold a ball at rest, or one that cannot leave"},
+           {.name = "elsewhere",
+            .dims = {},
+            .unit = "1",
+            .meaning = "number of active balls that fill no designated bin"},
+           {.name = "end_s",
+            .dims = {},
+            .unit = "s",
+            .meaning = "time at which the simulation ended"},
+           {.name = "end",
+            .dims = {},
+            .unit = "1",
+            .meaning = "why the simulation ended: 0 all balls at rest or unable to leave their "
+                       "bins, 1 time limit, 2 no room to start, 3 the simulator failed"}},
+      .proposal_kinds = {"change_all", "change_vertices", "change_ball", "disable_balls",
+                         "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"}};
 }
 
 /// A state without offsets in which all balls are dropped where the first bin to fill is.

@@ -26,18 +26,17 @@ export function plausibilityWords(logPrior: number, blindThrows: readonly number
 }
 
 export const plausibilityHelp =
-  "Plausibility compares the density p of this animation's random choices (log_prior), regardless of the " +
-  "goal, with blind throws, which are made without a goal. An animation that is more likely than many blind " +
-  "throws looks as if it happened by chance.";
+  "Plausibility compares log_prior with that of blind throws, which are made without a goal. " +
+  "An animation that is more likely than many blind throws looks as if it happened by chance.";
 
 export const scoreHelp =
   "Score (log_constraint): how well the animation meets the goal by the run's constraint; higher is better. " +
   "If the constraint is a distance to the goal, 0 is a perfect match.";
 
 export const proportionHelp =
-  "Not in proportion: these animations were found by search, or kept because they differ. How many " +
-  "animations look alike doesn't show how probable they are.";
+  "Not in proportion: these animations were found by search, or kept because they differ. " +
+  "The number of animations in a group doesn't show how probable they are.";
 
 export const shareHelp =
-  "Share: fraction of all satisfied draws that look like this group, with its standard error. The number " +
-  "of kept animations isn't a share, because only distinct animations are kept.";
+  "Share: fraction of all satisfied draws that look like this group, with its standard error. " +
+  "Kept animations don't show shares, because only distinct animations are kept.";

@@ -140,8 +140,8 @@ function troubleWords(state: AppState, archive: ArchiveSummary | null): string {
   const other = replacing(state);
   if (other !== null)
     sentences.push(
-      `${other.name} now contains another run. Loaded data of run ${state.loaded?.run.slice(0, 8) ?? ""} stays ` +
-        "visible, but no further queries, groups, plots or animations of that run can be loaded.",
+      `${other.name} now contains another run. Loaded data of run ${state.loaded?.run.slice(0, 8) ?? ""} stays visible. ` +
+        "Queries, groups, plots and animations of that run can no longer be loaded.",
     );
   const notes = state.gallery?.notes;
   if (notes !== undefined && !notes.writable) sentences.push(notes.words);
