@@ -27,11 +27,11 @@
 namespace sleight::rpc {
 namespace {
 
-constexpr std::uint64_t k_traversal_bytes_max = 64U << 20U;  // of an answer
-// A server answers a watch without news after 20 s, and a piece of a file sooner.
+constexpr std::uint64_t k_traversal_bytes_max = 64U << 20U;  // per answer
+// A server answers a watch without news after 20 s, and a read of a file sooner.
 constexpr double k_silence_s_max = 90;
 
-/// One for all clients of a thread: KJ has one event loop in each.
+/// Returns the event loop shared by all clients of a thread, because KJ allows only one per thread.
 std::shared_ptr<kj::AsyncIoContext> events_of_thread() {
   thread_local std::weak_ptr<kj::AsyncIoContext> held;
   auto events = held.lock();
@@ -75,7 +75,7 @@ struct Client::Impl final : Link {
 
   // -------------------------------------------------------------------------------------- waiting
 
-  /// Waits for an answer, and sorts what may go wrong. `seconds` <= 0: for ever.
+  /// Waits for an answer and converts failures to exceptions. `seconds` <= 0: no limit.
   template <class T>
   T wait(kj::Promise<T> promise, double seconds) {
     try {
@@ -87,7 +87,7 @@ struct Client::Impl final : Link {
     }
   }
 
-  /// As wait, or until interrupt(); a server that is silent for too long is lost.
+  /// Like wait, but ends on interrupt(). A server silent for `silence_s_max` counts as lost.
   template <class T>
   T wait_interruptibly(kj::Promise<T> promise, double silence_s_max) {
     if (take_interrupt()) throw Interrupted();
@@ -247,7 +247,7 @@ struct Client::Impl final : Link {
     return remote == nullptr ? std::get<std::string>(place) : access::text_of(remote->address);
   }
 
-  /// Repeats what a lost connection ended, for a while.
+  /// Repeats a call that lost its connection, for a limited time.
   template <class Call>
   auto repeat(const Call& call) {
     const double began_s = now_s();
@@ -263,7 +263,7 @@ struct Client::Impl final : Link {
     }
   }
 
-  /// A call: `send` makes the promise of its results, `read` takes the value out of them.
+  /// Makes a call: `send` returns the promise of its results, `read` extracts the value from them.
   template <class Send, class Read>
   auto call(const Send& send, const Read& read) {
     was_repeated = false;
@@ -315,7 +315,7 @@ struct Client::Impl final : Link {
 
   base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) override {
     auto& files = connected().files;
-    // Another connection than the one that opened them.
+    // The files were opened by an earlier connection.
     if (file >= files.size()) throw Lost("lost the connection to the server");
     auto request = files[file].readRequest();
     request.setOffset(offset);
@@ -341,13 +341,13 @@ struct Client::Impl final : Link {
   double now_s() const override { return clock.now_s(); }
 
   ServicePlace place;
-  std::string name;  ///< of the place, for people
+  std::string name;  ///< the server's address, for messages
   ClientOptions options;
   std::shared_ptr<kj::AsyncIoContext> io;
   kj::AutoCloseFd interrupts;  ///< an eventfd
   kj::UnixEventPort::FdObserver observer;
   kj::Maybe<kj::Own<Connection>> connection;
-  bool was_repeated = false;  ///< the last call: the first time it may have been carried out
+  bool was_repeated = false;  ///< the last call; the server may have executed it the first time
   base::SteadyClock clock;
 };
 
@@ -413,7 +413,7 @@ std::vector<Touched> Client::change(const ChangeAsk& ask) {
         },
         [](const auto& results) { return get_all(results.getTouched()); });
   } catch (const RefusedError& error) {
-    // The first time, whose answer was lost, it may have been deleted.
+    // The first try, whose answer was lost, may have deleted the job.
     const RefusalKind kind = error.refusal().kind;
     if (ask.kind == ChangeKind::erase && impl_->was_repeated &&
         (kind == RefusalKind::not_found || kind == RefusalKind::gone))

@@ -1,4 +1,4 @@
-// Fetching of link.h: free of sockets.
+// Implements fetching of link.h without sockets.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// A file whose bytes were wrong is asked for again so often.
+/// Maximum tries for a file received with wrong bytes.
 constexpr int k_wrong_max = 3;
 
 constexpr std::size_t k_sha256_digits = 64;
@@ -44,7 +44,7 @@ class Fetching {
         check_(check),
         other_(other) {}
 
-  /// `places` says where a file goes, by its name; the ask's files are one alone, or all pages.
+  /// `place_of` maps a file's name to its path. `is_one`: expect one file; else fetch all pages.
   FetchedFiles run(bool is_one, const std::function<std::string(const std::string&)>& place_of) {
     try {
       while (!is_over_) {
@@ -89,7 +89,7 @@ class Fetching {
                           "server's disk may be damaged",
                           path));
         }
-        return;  // the ask goes on after the last file that was right
+        return;  // the next attempt resumes after the last correct file
       }
       fetched_.paths.push_back(path);
       ask_.after = view.name;
@@ -97,7 +97,8 @@ class Fetching {
     is_over_ = is_one || !arrived.has_more || arrived.files.empty();
   }
 
-  /// Nothing where the receiver wants no more; else whether the content was the announced one.
+  /// Receives a file. Returns nothing if the receiver stops, else whether the content matches its
+  /// digest.
   std::optional<bool> take(std::size_t file, const FileView& view, const std::string& path) {
     PartFile part(path, view);
     while (true) {

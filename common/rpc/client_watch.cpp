@@ -1,4 +1,4 @@
-// Watching and patience of link.h: free of sockets.
+// Implements watching and Patience of link.h without sockets.
 #include <algorithm>
 #include <unordered_map>
 
@@ -13,7 +13,7 @@ Patience::Patience(Link& link, const ClientOptions& options)
 void Patience::again(const std::string& words) {
   if (!is_away_) away_since_s_ = link_.now_s();
   is_away_ = true;
-  was_there_ = true;  // else the caller had given up
+  was_there_ = true;  // otherwise the caller would have given up
   if (link_.now_s() - away_since_s_ > options_.away_s_max)
     throw NoServer(words + "; the server did not return in time");
   link_.pause(wait_s_);
@@ -28,7 +28,7 @@ void Patience::reset() {
 
 namespace {
 
-/// The jobs of one watch, and how much of each has been told.
+/// The jobs of one watch, with the progress of each.
 class Watched {
  public:
   Watched(std::vector<WatchPoint> points, WatchSink& sink)
@@ -36,7 +36,7 @@ class Watched {
 
   const std::vector<WatchPoint>& open() const { return open_; }
 
-  /// False: the sink wants no more.
+  /// Returns false if the sink stops the watch.
   bool take(const ArrivedBatch& batch) {
     const auto point = std::find_if(open_.begin(), open_.end(),
                                     [&](const WatchPoint& p) { return p.job == batch.job; });
@@ -91,7 +91,7 @@ Waited watch_over(Link& link, const ClientOptions& options, const std::vector<Wa
                   WatchSink& sink) {
   Watched watched(points, sink);
   Patience patience(link, options);
-  // The sink hears of the first of several failed attempts alone.
+  // The sink is told only of the first of several failed attempts.
   const auto lost = [&](const std::string& words) {
     if (!patience.is_away() && !sink.lost(words)) return false;
     patience.again(words);

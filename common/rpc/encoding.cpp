@@ -15,10 +15,10 @@
 namespace sleight::rpc {
 namespace {
 
-constexpr std::size_t k_line_bytes_max = 512;  // of a text in a list of jobs
+constexpr std::size_t k_line_bytes_max = 512;  // per text in a list of jobs
 constexpr std::size_t k_no_bound = SIZE_MAX;
 
-/// How many values of each enumeration this program knows.
+/// Number of values known to this program, by enumeration.
 template <class Enum>
 constexpr std::size_t k_known = 0;
 template <>
@@ -46,7 +46,7 @@ static_assert(static_cast<std::size_t>(generated::Scope::OPERATE) == std::size(k
 static_assert(static_cast<int>(generated::FetchAsk::Kind::FAILURE_FILES) ==
               static_cast<int>(FetchKind::failure_files));
 
-/// Without its end where it is too long, whole characters of UTF-8 alone.
+/// Truncates a text to `bytes_max`, at a whole UTF-8 character.
 std::string_view cut(const std::string& text, std::size_t bytes_max) {
   if (text.size() <= bytes_max) return text;
   std::size_t size = bytes_max;
@@ -55,7 +55,7 @@ std::string_view cut(const std::string& text, std::size_t bytes_max) {
   return {text.data(), size};
 }
 
-/// A text needs a zero after its end, which a part of another one has not.
+/// A Cap'n Proto text ends with a zero byte, which a part of another text lacks.
 void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
   const std::string_view short_text = cut(text, bytes_max);
   if (short_text.size() == text.size()) {
@@ -66,9 +66,9 @@ void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
   }
 }
 
-// A struct's fields are listed once, by `fields`, for a Writer and a Reader alike. Each field has
-// two functions: one that sets it in a builder (of a list or a struct: that makes it), and one that
-// gets it from a reader.
+// Each struct lists its fields once, in `fields`, for Writer and Reader alike. A field has two
+// functions: the first sets the field in a builder (or initialises it, for a list or struct), the
+// second gets it from a reader.
 
 #define SLEIGHT_GET(Name) [](auto from) { return from.get##Name(); }
 #define SLEIGHT_SET(Name) [](auto to, auto value) { to.set##Name(value); }
@@ -81,13 +81,13 @@ void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
   visit.list([](auto to, unsigned size) { return to.init##Name(size); }, SLEIGHT_GET(Name), ours, \
              Bounds{__VA_ARGS__})
 
-/// Of a list: the rest is left out.
+/// Limits of a list; elements beyond them are left out.
 struct Bounds {
   std::size_t written = k_no_bound;
-  /// One more is read, so that limits.h refuses it: elements without content cost a message
-  /// nothing.
+  /// One element more is read, so that limits.h refuses the list: elements without content cost
+  /// nothing in a message.
   std::size_t read = k_no_bound;
-  std::size_t text_bytes = k_no_bound;  ///< of each text
+  std::size_t text_bytes = k_no_bound;  ///< per text
 };
 
 template <class T>
@@ -117,7 +117,7 @@ void write(const Target& target, generated::Target::Builder to, bool) {
   }
 }
 
-// A kind of target that a newer client has names no job: number 0 is none.
+// A kind of target from a newer client becomes job 0, which does not exist.
 void read(generated::Target::Reader from, Target& target) {
   target = from.isGroup() ? Target::of(GroupId{from.getGroup()})
                           : Target::of(JobId{from.isJob() ? from.getJob() : 0});
@@ -126,7 +126,7 @@ void read(generated::Target::Reader from, Target& target) {
 template <class To>
 struct Writer {
   To to;
-  bool is_brief;  ///< one of a list: without histories, logs and long texts
+  bool is_brief;  ///< part of a list: omit histories, logs and long texts
 
   template <class Theirs, class T>
   static auto wire(const T& ours) {
@@ -137,7 +137,7 @@ struct Writer {
     } else if constexpr (std::same_as<T, std::string>) {
       return as_text(ours);
     } else if constexpr (is_optional<T>) {
-      // None is 0 where a number has no sign, else -1.
+      // An empty optional is 0 for unsigned types, else -1.
       return ours ? static_cast<Theirs>(wire<Theirs>(*ours))
                   : static_cast<Theirs>(std::unsigned_integral<Theirs> ? 0 : -1);
     } else if constexpr (requires { ours.value; }) {
@@ -169,7 +169,7 @@ struct Writer {
       }
     }
   }
-  /// The schema numbers scopes from 1 on, in the order of their bits.
+  /// The schema numbers scopes from 1, in the order of their bits.
   void list(const auto& init, const auto&, const Scopes& ours, const Bounds&) {
     auto theirs = init(to, static_cast<unsigned>(std::popcount(ours.bits)));
     unsigned place = 0;
@@ -193,7 +193,7 @@ struct Reader {
     } else if constexpr (is_optional<T>) {
       using Value = typename T::value_type;
       if (std::unsigned_integral<Theirs> ? theirs == 0 : !(theirs >= 0)) return std::nullopt;
-      // A number that is nobody's is not taken for another one.
+      // A number outside uint32 must not turn into another valid number.
       if constexpr (std::same_as<Value, std::uint32_t>) {
         return static_cast<std::uint32_t>(
             std::min<std::uint64_t>(static_cast<std::uint64_t>(theirs), UINT32_MAX));
@@ -227,7 +227,8 @@ struct Reader {
   }
   void list(const auto&, const auto& get, Scopes& ours, const Bounds&) {
     for (const generated::Scope scope : get(from)) {
-      const auto index = static_cast<std::size_t>(scope) - 1;  // of unknown: beyond all
+      const auto index =
+          static_cast<std::size_t>(scope) - 1;  // `unknown` wraps to an index beyond all
       if (index < std::size(k_scopes)) {
         ours.add(k_scopes[index]);
       } else {
@@ -440,7 +441,7 @@ void fields(auto& visit, Is<ServerView> auto& server) {
   SLEIGHT_TEXT(Fingerprint, server.fingerprint, k_line_bytes_max);
 }
 
-// The texts of tokens are within bounds when they are kept (limits.h).
+// Texts of tokens are short, because limits.h checks them on creation.
 void fields(auto& visit, Is<TokenAsk> auto& ask) {
   SLEIGHT_FIELD(Token, ask.token);
   SLEIGHT_FIELD(Name, ask.name);

@@ -1,8 +1,9 @@
-// Between the values of service.h and the structs of service.capnp.
+// Converts between the values of service.h and the structs of service.capnp.
 //
-// `put` writes a value; texts and lists beyond their bound lose their end, so that an answer stays
-// readable. `get` reads one from an untrusted message: it throws kj::Exception where the message is
-// broken, and takes what it does not know for `unknown`. Limits of requests are in limits.h.
+// `put` writes a value and truncates texts and lists beyond their limits, so that an answer stays
+// readable. `get` reads a value from an untrusted message: it throws kj::Exception if the message
+// is malformed, and reads unknown enumeration values as `unknown`. limits.h has the limits of
+// requests.
 //
 // Thread safety: free functions.
 #pragma once
@@ -23,7 +24,7 @@ void put(const Submission& from, generated::Submission::Builder to);
 void put(const Submitted& from, generated::Submitted::Builder to);
 void put(const JobView& from, generated::JobView::Builder to);
 void put(const ListAsk& from, generated::ListAsk::Builder to);
-/// Its jobs without history, log and command, and with texts of a line.
+/// Writes the page's jobs without history, log and command, and with texts cut to a line.
 void put(const JobPage& from, generated::JobPage::Builder to);
 void put(const Touched& from, generated::Touched::Builder to);
 void put(const ChangeAsk& from, generated::ChangeAsk::Builder to);
@@ -32,7 +33,7 @@ void put(JobId job, const base::Result<Batch, Refusal>& from, generated::Batch::
 void put(const LogAsk& from, generated::LogAsk::Builder to);
 void put(const LogPiece& from, generated::LogPiece::Builder to);
 void put(const FetchAsk& from, generated::FetchAsk::Builder to);
-void put(const FileView& from, generated::FileRef::Builder to);  ///< all but the capability
+void put(const FileView& from, generated::FileRef::Builder to);  ///< without the capability
 void put(const ServerView& from, generated::ServerView::Builder to);
 void put(const TokenAsk& from, generated::TokenAsk::Builder to);
 void put(const TokenView& from, generated::TokenView::Builder to);
@@ -56,7 +57,6 @@ TokenView get(generated::TokenView::Reader from);
 
 ArrivedBatch get(generated::Batch::Reader from);
 
-/// Each element of a list.
 template <class T>
 auto get_all(const T& list) {
   std::vector<decltype(get(*list.begin()))> values;
@@ -65,7 +65,7 @@ auto get_all(const T& list) {
   return values;
 }
 
-/// The list has the size of `values` at most.
+/// REQUIRES: `list` is no longer than `values`.
 template <class T, class List>
 void put_all(const std::vector<T>& values, List list) {
   for (unsigned i = 0; i < list.size(); ++i)

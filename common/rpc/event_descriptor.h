@@ -1,4 +1,4 @@
-// A descriptor by which other threads and signal handlers wake a KJ event loop.
+// A descriptor with which other threads and signal handlers wake a KJ event loop.
 #pragma once
 
 #include <kj/io.h>
@@ -7,10 +7,10 @@
 
 namespace sleight::rpc {
 
-/// An eventfd: not blocking, not inherited. Throws base::Error.
+/// Returns a non-blocking eventfd that child processes don't inherit. Throws base::Error.
 kj::AutoCloseFd make_event_descriptor();
 
-/// What was written to it since it was last read; 0: nothing.
+/// Returns the sum written to the descriptor since it was last read. 0: nothing.
 std::uint64_t drain_events(int descriptor);
 
 }  // namespace sleight::rpc

@@ -9,21 +9,21 @@
 namespace sleight::rpc {
 namespace {
 
-/// A message that is larger is worth a look at what all connections hold.
+/// Messages larger than this trigger a check of the bytes held by all connections.
 constexpr std::size_t k_large_bytes = 64U << 10U;
 
-/// Ends the connection; nothing that a peer sent is in the words.
+/// Ends the connection. The message contains nothing that a peer sent.
 kj::Exception refusal(kj::StringPtr words) {
   return {kj::Exception::Type::DISCONNECTED, __FILE__, __LINE__, kj::str(words)};
 }
 
 }  // namespace
 
-// The framing of messages: the number of segments less one and each one's size in words, as 32-bit
-// numbers, filled up to a whole word; then the segments.
+// Framing of a message, in 32-bit numbers: the number of segments minus one, then each segment's
+// size in words, padded to a whole word. The segments follow.
 struct GuardedMessages::Incoming {
-  std::uint32_t head[2] = {0, 0};         ///< number of segments less one, size of the first
-  kj::Array<std::uint32_t> more_sizes{};  ///< of the other segments, filled up
+  std::uint32_t head[2] = {0, 0};         ///< number of segments minus one, size of the first
+  kj::Array<std::uint32_t> more_sizes{};  ///< of the other segments, with padding
   kj::Array<capnp::word> content{};
   kj::Array<kj::ArrayPtr<const capnp::word>> segments{};
   capnp::ReaderOptions options{};
@@ -51,7 +51,7 @@ kj::Promise<GuardedMessages::Read> GuardedMessages::tryReadMessage(
   return when_nothing_is_written()
       .then([this, &head] { return stream_.tryRead(head, sizeof head, sizeof head); })
       .then([this, held = kj::mv(incoming)](std::size_t bytes) mutable -> kj::Promise<Read> {
-        if (bytes == 0) return Read(nullptr);  // the peer has left
+        if (bytes == 0) return Read(nullptr);  // the peer has disconnected
         if (bytes < sizeof held->head) return refusal("a message ends inside its header");
         return read_sizes(kj::mv(held));
       });
@@ -122,7 +122,8 @@ void GuardedMessages::inspect(capnp::MessageReader& message) {
     case capnp::rpc::Message::ABORT:
       break;
     default:
-      // Of capabilities and promises of the peer's, which has none, and of calls that nobody made.
+      // Messages about the peer's capabilities and promises, of which it has none, or answers to
+      // calls that the server never made.
       kj::throwFatalException(refusal("a message of a kind that clients never send"));
   }
   if (questions_.size() > k_questions_max) kj::throwFatalException(refusal("too many open calls"));

@@ -1,15 +1,17 @@
-// A server's end of a connection as messages, under the limits of server.h.
+// A server's end of a connection as messages, within the limits of server.h.
 //
-// Cap'n Proto's own stream gives a message's space before its bytes have come, keeps the answer to
-// every question until the peer says that it has it, and reads on while answers pile up. Here:
-//   1. A message says its size first; one that is too large ends the connection before it has any
-//      space, and what a connection holds is counted.
-//   2. Nothing is read while an answer is being written: a peer that reads none is not listened to.
-//   3. A connection has at most k_questions_max questions whose answers it has not let go of. A
-//      question whose answer is to be kept for others ends the connection.
-//   4. A peer brings no capabilities, as no call takes one (service.capnp, law 4), and says nothing
-//      of any: some of what can be said makes Cap'n Proto 0.9 keep the connection's memory for ever
-//      (found by tests/attacks).
+// Cap'n Proto's own stream allocates a message before its bytes arrive, keeps every answer until
+// the peer acknowledges it, and continues reading while answers pile up. GuardedMessages differs:
+//
+//   1. A message starts with its size. A message that is too large ends the connection before
+//      anything is allocated. The bytes that a connection holds are counted.
+//   2. Nothing is read while an answer is being written, so a peer must read its answers to be
+//      served.
+//   3. A connection has at most k_questions_max calls whose answers it has not released. A call
+//      that redirects its answer away from the caller ends the connection.
+//   4. A peer sends no capabilities, because no call takes one (service.capnp, law 4). Messages
+//      about capabilities end the connection: some of them make Cap'n Proto 0.9 leak the
+//      connection's memory (found by tests/attacks).
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -26,22 +28,23 @@
 namespace sleight::rpc {
 
 inline constexpr std::size_t k_questions_max = 64;
-inline constexpr std::size_t k_segments_max = 64;  ///< of a message
-inline constexpr int k_nesting_max = 32;           ///< pointers within pointers
+inline constexpr std::size_t k_segments_max = 64;  ///< per message
+inline constexpr int k_nesting_max = 32;           ///< levels of pointers
 
-/// What a connection does just now.
+/// A connection's current state.
 struct Traffic {
-  std::size_t message_bytes_max = 0;  ///< smaller while nobody knows whose it is
-  std::size_t incoming_bytes = 0;     ///< of the message that comes in; 0: none
+  std::size_t message_bytes_max = 0;  ///< smaller before login
+  std::size_t incoming_bytes = 0;     ///< size of the message being received; 0: none
   kj::TimePoint incoming_since = kj::origin<kj::TimePoint>();
-  std::size_t writes = 0;  ///< that are not done
+  std::size_t writes = 0;  ///< number of unfinished writes
   kj::TimePoint writing_since = kj::origin<kj::TimePoint>();
-  kj::TimePoint active = kj::origin<kj::TimePoint>();  ///< when a message last came or went whole
+  kj::TimePoint active =
+      kj::origin<kj::TimePoint>();  ///< when a message was last completely sent or received
 };
 
 class GuardedMessages final : public capnp::MessageStream {
  public:
-  /// `grown` is called when a large message begins to come in or to go out.
+  /// `grown` is called when a large message starts to be received or sent.
   GuardedMessages(kj::AsyncIoStream& stream, const kj::Timer& timer, Traffic& traffic,
                   std::function<void()> grown);
 
@@ -70,7 +73,8 @@ class GuardedMessages final : public capnp::MessageStream {
   Traffic& traffic_;
   std::function<void()> grown_;
   capnp::AsyncIoMessageStream out_;
-  kj::Maybe<kj::Own<kj::PromiseFulfiller<void>>> written_;  ///< of a read that waits
+  kj::Maybe<kj::Own<kj::PromiseFulfiller<void>>>
+      written_;  ///< set while a read waits for writes to finish
   std::unordered_set<std::uint32_t> questions_;
 };
 

@@ -11,7 +11,7 @@
 namespace sleight::rpc {
 namespace {
 
-constexpr double k_extension_max = 9e15;  // below 2^53: a double is exact
+constexpr double k_extension_max = 9e15;  // below 2^53, so exact in a double
 
 Refusal refuse(RefusalKind kind, std::string sentence, std::string what_to_do = {}) {
   return {.kind = kind,
@@ -20,7 +20,7 @@ Refusal refuse(RefusalKind kind, std::string sentence, std::string what_to_do = 
           .diagnostics = {}};
 }
 
-/// For people's eyes: whatever is not printable would do things to terminals.
+/// Accepts only text that can't affect a terminal.
 bool is_printable(const std::string& text) {
   return std::none_of(text.begin(), text.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);

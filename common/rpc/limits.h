@@ -1,7 +1,7 @@
-// What a request may hold: the limits of service.h, and values that this program knows.
+// Checks requests against the limits of service.h and for values unknown to this program.
 //
-// Each function says why a request is refused, if it is, and cuts what may be cut: counts of
-// answers.
+// Each function returns why a request is refused, if so, and reduces the requested counts of
+// results to their maximum.
 //
 // Thread safety: pure functions.
 #pragma once

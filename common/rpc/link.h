@@ -1,4 +1,4 @@
-// A client's connection, as watch and fetch see it: blocking calls that say apart how they end.
+// A client's connection as watch and fetch use it: blocking calls with distinct failures.
 //
 // Thread safety: belongs to the thread of its Client.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace sleight::rpc {
 
-/// The connection broke, or could not be made by a server that is there: try again.
+/// The connection broke, or a running server could not accept it. The caller tries again.
 class Lost : public std::exception {
  public:
   explicit Lost(std::string words) : words_(std::move(words)) {}
@@ -27,8 +27,8 @@ class Lost : public std::exception {
 /// interrupt() was called.
 class Interrupted : public std::exception {};
 
-/// What a watcher lacks of a job, as it came; events are lines, some of which only a newer program
-/// understands.
+/// The news of one job as received. Events are JSON lines, because a newer service's events may
+/// have types unknown here.
 struct ArrivedBatch {
   JobId job{};
   std::optional<Refusal> refusal{};
@@ -48,25 +48,25 @@ class Link {
  public:
   virtual ~Link() = default;
   virtual std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>& points) = 0;
-  /// The files stay open until the next call of this, or a lost connection.
+  /// The files stay open until the next fetch() or a lost connection.
   virtual ArrivedFiles fetch(const FetchAsk& ask) = 0;
-  /// Of the files of the last fetch. REQUIRES: file < their number.
+  /// Reads from a file of the last fetch. REQUIRES: `file` < number of those files.
   virtual base::Bytes read(std::size_t file, std::uint64_t offset, std::uint32_t bytes) = 0;
   virtual void pause(double seconds) = 0;
   virtual double now_s() const = 0;
 };
 
-/// Waits longer and longer between attempts, until the service has been away for too long.
+/// Waits with growing delays between attempts, until the service has been away for too long.
 class Patience {
  public:
   Patience(Link& link, const ClientOptions& options);
-  /// After an attempt that failed: pauses, or throws NoServer with these words.
+  /// Call after a failed attempt: pauses, or throws NoServer with `words`.
   void again(const std::string& words);
-  /// After one that did not.
+  /// Call after a successful attempt.
   void reset();
-  /// Has there been a failed attempt since the last good one?
+  /// True if the last attempt failed.
   bool is_away() const { return is_away_; }
-  /// Has it answered, or at least been there, at some time?
+  /// True if the service has answered or been found running at any time.
   bool was_there() const { return was_there_; }
 
  private:

@@ -22,10 +22,11 @@ namespace {
 
 constexpr std::array<int, 3> k_stop_signals = {SIGTERM, SIGINT, SIGHUP};
 
-/// Where the handler writes; -1: nobody listens.
+/// Descriptor that the signal handler writes to; -1: none.
 std::atomic<int> signal_target = -1;
 
-/// Signals are told as a sum: SIGTERM, SIGINT and SIGHUP each have 16 bits of the eventfd's count.
+/// Signals are counted in one sum: SIGTERM, SIGINT and SIGHUP each use 16 bits of the eventfd's
+/// count.
 constexpr std::uint64_t signal_unit(std::size_t index) {
   return std::uint64_t{1} << (16 * index);
 }
@@ -50,8 +51,8 @@ bool is_readable(int descriptor) {
 // ------------------------------------------------------------------------------------------
 // handles
 
-/// A handle's promise waits and calls; where the handle is destroyed inside its own callback, the
-/// promise, which can't destroy itself, is left to the loop.
+/// A handle's promise waits and calls. If a callback destroys its own handle, the loop takes over
+/// the promise, because a promise can't destroy itself.
 struct Loop::Handle::State {
   State(Impl& loop_impl, Callback to_call) : loop(loop_impl), callback(std::move(to_call)) {}
 
@@ -85,7 +86,7 @@ kj::Promise<void> tick(const std::shared_ptr<State>& state) {
 }
 
 kj::Promise<void> look(const std::shared_ptr<State>& state) {
-  // Edges are told, not levels; so what is still unread is looked at again.
+  // KJ reports edges, not levels, so a descriptor that is still readable is checked again.
   auto ready =
       is_readable(state->descriptor) ? kj::evalLast([] {}) : state->observer->whenBecomesReadable();
   return ready.then([state]() -> kj::Promise<void> {
@@ -122,11 +123,11 @@ void Loop::Handle::end() {
     kj::Promise<void> ended = kj::mv(*promise);
     state->promise = nullptr;
     if (state->is_calling) {
-      // The rest of its continuation runs, sees that it is over and ends.
+      // The running continuation finishes, sees `is_over` and ends.
       state->loop.tasks.add(kj::mv(ended));
     }
   }
-  // At once, as the descriptor may be closed next.
+  // Reset at once, because the caller may close the descriptor next.
   state->observer = nullptr;
 }
 

@@ -1,17 +1,17 @@
-// The one thread that a service runs on: it waits for clients, timers, files and other threads, and
-// calls what was asked for, one thing at a time.
+// The single-threaded event loop of a service: waits for clients, timers, files and other threads,
+// and runs callbacks one at a time.
 //
 // Invariants
 //   1. Callbacks run on the thread that called run(), never inside a call of this class.
-//   2. Destroying a Handle ends it at once: its callback is not called any more. A Handle may be
-//      destroyed inside its own callback.
-//   3. Destroy every Handle, and every Server, before the Loop.
+//   2. Destroying a Handle takes effect at once: its callback is not called any more. A callback
+//      may destroy its own Handle.
+//   3. Destroy every Handle and every Server before the Loop.
 //
-// A callback that throws ends run() with that exception: the daemon's main hears of it.
+// If a callback throws, run() ends with that exception.
 //
-// Thread safety: `post` and `stop` may be called from any thread; `stop` also from a signal
-// handler. All else belongs to the thread that made the Loop. A thread has one Loop at most, and no
-// Client is used in it (client.h): that one waits.
+// Thread safety: `post` and `stop` may be called from any thread, and `stop` also from a signal
+// handler. All else belongs to the thread that made the Loop. A thread has at most one Loop and
+// must not use a Client (client.h), because a Client blocks.
 #pragma once
 
 #include <functional>
@@ -21,14 +21,14 @@ namespace sleight::rpc {
 
 class Loop {
  public:
-  /// What ends with its owner: a timer or a look at a file. Moves, does not copy.
+  /// Keeps a timer or a watched file active while it lives. Movable, not copyable.
   class Handle {
    public:
     Handle();
     ~Handle();
     Handle(Handle&&) noexcept;
     Handle& operator=(Handle&&) noexcept;
-    struct State;  ///< of loop.cpp
+    struct State;  ///< in loop.cpp
     explicit Handle(std::shared_ptr<State> state);
 
    private:
@@ -43,28 +43,27 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  /// Until stop(), also one that was called before.
+  /// Runs until stop(), including a stop() called before.
   void run();
-  /// Makes run() return soon.
   void stop();
 
-  /// Once, after so long.
+  /// Calls `callback` once, after `seconds`.
   [[nodiscard]] Handle call_later(double seconds, Callback callback);
-  /// Again and again; where the loop was kept from it, missed calls are not made up for.
+  /// Calls `callback` periodically. Calls missed while the loop was busy are not made up for.
   [[nodiscard]] Handle call_every(double seconds, Callback callback);
-  /// While there is something to read from the descriptor, or its other end is closed; called again
-  /// until it is read. REQUIRES: the descriptor stays open as long as the Handle.
+  /// Calls `callback` while the descriptor is readable or its other end is closed, repeatedly until
+  /// the data are read. REQUIRES: the descriptor stays open as long as the Handle.
   [[nodiscard]] Handle call_when_readable(int descriptor, Callback callback);
-  /// On the loop's thread, in the order in which they are posted; what is posted after run() has
-  /// returned is dropped with the Loop.
+  /// Calls `callback` on the loop's thread, in the order of posting. Callbacks posted after run()
+  /// has returned are dropped with the Loop.
   void post(Callback callback);
 
-  /// From now on SIGTERM, SIGINT and SIGHUP call this instead of ending the process; no signal is
-  /// blocked, so that processes started from here have what they expect. At most one Loop of a
-  /// process has it.
+  /// From now on SIGTERM, SIGINT and SIGHUP call `callback` instead of ending the process. No
+  /// signal is blocked, so that child processes start with the usual mask. At most one Loop per
+  /// process may use this.
   void on_stop_signals(std::function<void(int signal)> callback);
 
-  struct Impl;  ///< of loop_impl.h
+  struct Impl;  ///< in loop_impl.h
   Impl& impl() { return *impl_; }
 
  private:

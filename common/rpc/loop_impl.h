@@ -23,9 +23,9 @@ struct Loop::Impl final : kj::TaskSet::ErrorHandler {
   Impl& operator=(const Impl&) = delete;
 
   kj::Timer& timer() { return io.provider->getTimer(); }
-  /// What a callback threw: run() throws it again.
+  /// Stores a callback's exception, which run() rethrows.
   void fail(std::exception_ptr error);
-  /// Calls it, and fails with what it throws.
+  /// Calls `callback`; fails with any exception that it throws.
   void call(const Callback& callback);
   void taskFailed(kj::Exception&& exception) override;
   void wake_up() const;
@@ -35,8 +35,7 @@ struct Loop::Impl final : kj::TaskSet::ErrorHandler {
 
   kj::AsyncIoContext io;
   kj::AutoCloseFd wake_descriptor;  ///< written by post and stop
-  kj::AutoCloseFd
-      signal_descriptor;  ///< written by the signal handler; none: signals are not asked for
+  kj::AutoCloseFd signal_descriptor;  ///< written by the signal handler; none: signals not handled
   kj::UnixEventPort::FdObserver wakes;
   kj::Own<kj::UnixEventPort::FdObserver> signals;
   std::atomic<bool> is_stopped = false;
@@ -45,7 +44,7 @@ struct Loop::Impl final : kj::TaskSet::ErrorHandler {
   std::mutex posted_mutex;
   std::vector<Callback> posted;  ///< guarded by the mutex
   std::function<void(int)> on_signal;
-  kj::TaskSet tasks;  ///< the last one: it looks at what stands above
+  kj::TaskSet tasks;  ///< last member: its tasks use the members above
 };
 
 }  // namespace sleight::rpc

@@ -39,7 +39,7 @@ std::string part_of(const std::string& path, const std::string& sha256) {
                      sha256.substr(0, k_digits_in_name), k_part_end);
 }
 
-/// Empty where it can't be read.
+/// Returns the file's digest, or an empty string if the file can't be read.
 std::string hash_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   hash::Sha256 hash;
@@ -64,7 +64,7 @@ PartFile::PartFile(const std::string& path, FileView view)
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("another process is fetching {}", path_));
   }
-  // What an earlier attempt wrote is hashed again; a part that is too long is none of ours.
+  // Hash what an earlier attempt wrote. A part that is too long can't belong to this file.
   std::vector<std::byte> buffer(k_piece_bytes_max);
   while (true) {
     const auto got = ::pread(descriptor_, buffer.data(), buffer.size(), static_cast<off_t>(bytes_));
@@ -87,7 +87,7 @@ PartFile::PartFile(const std::string& path, FileView view)
 }
 
 PartFile::~PartFile() {
-  // A part with nothing in it is of no use to the next attempt.
+  // An empty part is useless to the next attempt.
   if (bytes_ == 0) ::unlink(part_.c_str());
   if (descriptor_ >= 0) ::close(descriptor_);
 }
@@ -132,8 +132,8 @@ void PartFile::put_in_place(AtItsPlace other) {
     base::PosixFileSystem().rename(part_, path_);
     return;
   }
-  // In one step with the look whether something is there. Where the file system has no such rename,
-  // a second name is one, too.
+  // Check and rename must be one atomic step. If the file system lacks RENAME_NOREPLACE, link() is
+  // atomic too.
   if (::renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) == 0) return;
   if (errno != EEXIST && ::link(part_.c_str(), path_.c_str()) == 0) {
     ::unlink(part_.c_str());
@@ -149,7 +149,7 @@ void PartFile::put_in_place(AtItsPlace other) {
                                 path_));
 }
 
-// Those that no process is writing.
+// Skips parts that a process is writing.
 void PartFile::remove_other_parts() const {
   const std::string folder = base::directory_of(path_);
   const std::string beginning = fmt::format(".{}.", file_name_of(path_));

@@ -1,10 +1,11 @@
-// A file that comes in pieces: written beside its place, checked against its digest and renamed, so
-// that it is whole or not there.
+// A file received in pieces: written beside its place, checked against its digest and renamed, so
+// that the file is complete or absent.
 //
-// The part's name has the beginning of the digest in it, `.ball.h5.0123456789abcdef.part`: what an
-// attempt left behind is gone on with by the next one of the same content, and by no other.
+// The part's name includes the start of the digest: `.ball.h5.0123456789abcdef.part`. A later
+// attempt therefore resumes a part only if the content is the same.
 //
-// Thread safety: belongs to one thread; of two processes that fetch one file the second is refused.
+// Thread safety: belongs to one thread. If two processes fetch the same file, the second is
+// refused.
 #pragma once
 
 #include <cstdint>
@@ -18,25 +19,25 @@ namespace sleight::rpc {
 
 class PartFile {
  public:
-  /// Opens the part, and reads what is there of it. Links of `path` are followed. Throws
-  /// base::Error, as do the others.
+  /// Opens the part and hashes the bytes already there. Follows symbolic links in `path`. All
+  /// functions throw base::Error.
   PartFile(const std::string& path, FileView view);
-  /// Leaves the part for the next attempt, if anything came.
+  /// Leaves the part for the next attempt, unless it is empty.
   ~PartFile();
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 
-  /// Bytes that are there.
+  /// Number of bytes stored so far.
   std::uint64_t bytes() const { return bytes_; }
   bool is_whole() const { return bytes_ == view_.size; }
 
-  /// REQUIRES: not more than is missing.
+  /// REQUIRES: `piece` is no longer than the missing rest.
   void append(base::BytesView piece);
 
-  /// Makes it durable in its place, and removes parts of other contents. False, and the part is
-  /// gone, where the content is another than was announced; gone too where `check`, called with
-  /// the part's path, throws, or where another file lies at its place and is kept.
-  /// REQUIRES: is_whole, not called before.
+  /// Moves the part to its place durably, and removes parts of other contents. Returns false and
+  /// removes the part if the content does not match the announced digest. Also removes the part if
+  /// `check`, called with the part's path, throws, or if another file at its place is kept.
+  /// REQUIRES: is_whole(), first call.
   [[nodiscard]] bool finish(const FetchCheck& check = {}, AtItsPlace other = AtItsPlace::replaced);
 
  private:

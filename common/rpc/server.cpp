@@ -25,8 +25,8 @@
 namespace sleight::rpc {
 namespace {
 
-constexpr double k_look_s = 0.25;          // between looks at what connections hold, and how long
-constexpr double k_accept_again_s = 0.25;  // after a failure, such as too many open files
+constexpr double k_look_s = 0.25;  // between checks of what connections hold and for how long
+constexpr double k_accept_again_s = 0.25;  // delay after a failure, such as too many open files
 
 double seconds(kj::Duration duration) {
   return static_cast<double>(duration / kj::MICROSECONDS) * 1e-6;
@@ -34,8 +34,8 @@ double seconds(kj::Duration duration) {
 
 capnp::ReaderOptions reader_options(const ServerLimits& limits) {
   capnp::ReaderOptions options;
-  // Messages have a size of their own; this bounds what a message can claim to hold by pointing at
-  // the same words again and again.
+  // Messages have a size limit of their own. The traversal limit bounds how much data a message can
+  // claim by pointing to the same words repeatedly.
   options.traversalLimitInWords = 2 * limits.message_bytes_max / sizeof(capnp::word);
   options.nestingLimit = k_nesting_max;
   return options;
@@ -73,21 +73,21 @@ struct Server::Impl final : kj::TaskSet::ErrorHandler {
   kj::Own<kj::ConnectionReceiver> receiver;
   std::shared_ptr<Calls> calls = std::make_shared<Calls>();
   Watchers watchers;
-  std::unordered_set<Connection*> connections;  ///< each is owned by its task
-  std::unordered_set<Handshake*> handshakes;    ///< likewise
+  std::unordered_set<Connection*> connections;  ///< each owned by its task
+  std::unordered_set<Handshake*> handshakes;    ///< each owned by its task
   std::unique_ptr<TlsDoor> tls;
   std::uint64_t accepted = 0;
   std::uint64_t ended = 0;
-  bool accept_fails = false;  ///< said once
+  bool accept_fails = false;  ///< already reported
   Loop::Handle looking;
-  kj::TaskSet tasks;  ///< the last one: it looks at what stands above
+  kj::TaskSet tasks;  ///< last member: its tasks use the members above
 };
 
-/// What the server may end.
+/// A connection or handshake that the server can end.
 struct Server::Impl::Guest {
   explicit Guest(Impl& server_impl) : server(server_impl), began(server.timer.now()) {}
   KJ_DISALLOW_COPY(Guest);
-  /// It is gone in a later turn of the loop.
+  /// Takes effect in a later turn of the loop.
   void end() {
     if (std::exchange(is_ending, true)) return;
     ++server.ended;
@@ -116,7 +116,7 @@ struct Server::Impl::Connection : Guest {
     server.connections.insert(this);
   }
   ~Connection() {
-    conversation->known = nullptr;  // a call that still runs may hold the conversation
+    conversation->known = nullptr;  // a running call may still hold the conversation
     server.connections.erase(this);
   }
 
@@ -125,7 +125,8 @@ struct Server::Impl::Connection : Guest {
   bool is_idle() const {
     return conversation->calls == 0 && traffic.writes == 0 && traffic.incoming_bytes == 0;
   }
-  /// For how long it has kept a message or an answer on its way, or else been idle.
+  /// Returns how long a message or an answer has been in transit, or else how long the connection
+  /// has been idle.
   double waiting_s(kj::TimePoint now) const {
     kj::TimePoint since = now;
     if (traffic.incoming_bytes > 0) since = kj::min(since, traffic.incoming_since);
@@ -142,7 +143,7 @@ struct Server::Impl::Connection : Guest {
   capnp::RpcSystem<capnp::rpc::twoparty::VatId> system;
 };
 
-/// A peer over TCP of which nothing is known yet, not even whether it speaks TLS.
+/// A new TCP peer, which may not even speak TLS.
 struct Server::Impl::Handshake : Guest {
   explicit Handshake(Impl& server_impl) : Guest(server_impl) { server.handshakes.insert(this); }
   ~Handshake() { server.handshakes.erase(this); }
@@ -204,8 +205,7 @@ Server::Impl::~Impl() {
   calls->handler = nullptr;
 }
 
-// ---------------------------------------------------------------------------- admitting
-// connections
+// ------------------------------------------------------------------------ admitting connections
 
 void Server::Impl::accept_next(kj::ConnectionReceiver& from, Admit let_in) {
   tasks.add(from.accept().then(
@@ -245,7 +245,7 @@ void Server::Impl::admit(kj::Own<kj::AsyncIoStream> stream) {
   }
 }
 
-/// Ends the connection that has been idle longest, if any has been for long enough.
+/// Ends the connection that has been idle longest, if any has been idle for long enough.
 bool Server::Impl::make_room() {
   const kj::TimePoint now = timer.now();
   Connection* longest = nullptr;
@@ -259,7 +259,7 @@ bool Server::Impl::make_room() {
   return true;
 }
 
-/// Of whom nothing is known yet, but for those that are ending.
+/// Returns all strangers except those that are ending.
 std::vector<Server::Impl::Guest*> Server::Impl::strangers() const {
   std::vector<Guest*> found;
   for (Handshake* handshake : handshakes)
@@ -269,7 +269,7 @@ std::vector<Server::Impl::Guest*> Server::Impl::strangers() const {
   return found;
 }
 
-/// Ends the stranger that has been there longest, if any has been for long enough.
+/// Ends the oldest stranger, if it is old enough.
 bool Server::Impl::make_room_for_stranger() {
   const std::vector<Guest*> all = strangers();
   const auto longest = std::ranges::min_element(all, {}, &Guest::began);
@@ -295,7 +295,7 @@ void Server::Impl::admit_stranger(kj::Own<kj::AsyncIoStream> stream) {
                     serve(kj::mv(secured), caller, false);
                   })
                   .exclusiveJoin(kj::mv(handshake->ender.promise))
-                  // What a stranger sends may be anything: that it is no TLS is no news.
+                  // A stranger may send anything, so a failed handshake is not reported.
                   .catch_([](kj::Exception&&) {});
   tasks.add(over.attach(kj::mv(handshake)));
 }
@@ -305,13 +305,12 @@ void Server::Impl::serve(kj::Own<kj::AsyncIoStream> stream, Caller caller, bool 
   ++accepted;
   const bool is_tls = !connection->conversation->caller.address.empty();
   auto over = connection->network.onDisconnect().exclusiveJoin(kj::mv(connection->ender.promise));
-  // A peer that breaks off within TLS is told as a failure of the protocol.
+  // TLS reports a peer that breaks off as a protocol failure.
   if (is_tls) over = over.catch_([](kj::Exception&&) {});
   tasks.add(over.attach(kj::mv(connection)));
 }
 
-// ------------------------------------------------------------------------------ what connections
-// hold
+// ----------------------------------------------------------------------- what connections hold
 
 void Server::Impl::bound_what_is_held() {
   const kj::TimePoint now = timer.now();
@@ -348,7 +347,7 @@ void Server::Impl::look() {
   bound_what_is_held();
 }
 
-// A connection that breaks is no failure of ours.
+// A broken connection is not a failure of the server.
 void Server::Impl::taskFailed(kj::Exception&& exception) {
   if (exception.getType() != kj::Exception::Type::DISCONNECTED)
     complain(std::string("a connection failed: ") + exception.getDescription().cStr());
@@ -356,9 +355,9 @@ void Server::Impl::taskFailed(kj::Exception&& exception) {
 
 Server::Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options)
     : impl_(std::make_unique<Impl>(loop, socket_path, handler, std::move(options))) {
-  // Large blocks go back to the system when they are freed. glibc would learn to keep them, and a
-  // piece of a file is a little smaller than the message that it is copied into: its place could
-  // not be used again, and the bound on what is held (server.h) would be passed.
+  // Return large blocks to the system when they are freed. By default glibc raises the mmap
+  // threshold and keeps such blocks; a piece of a file is slightly smaller than the message it is
+  // copied into, so its block could not be reused, and memory would exceed the bound of server.h.
   ::mallopt(M_MMAP_THRESHOLD, 256 << 10);
 }
 

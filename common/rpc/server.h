@@ -1,23 +1,23 @@
-// Listens on a Unix socket, and over TLS where that is asked for, and hands calls to a Handler.
+// Listens on a Unix socket, optionally also over TLS, and passes calls to a Handler.
 //
-// Peers are not trusted. Whatever they send or leave unread, what the server holds for all of them
-// together is bounded by ServerLimits, and the others are served:
-//   1. A message that is too large, or nested too deeply, ends its connection; so does one that is
-//      not whole in time, and an answer that is not read in time.
+// Peers are not trusted. Whatever they send or leave unread, ServerLimits bounds what the server
+// stores for all of them together, and other peers are still served:
+//   1. A connection ends if a message is too large, too deeply nested, or not complete in time, or
+//      if the peer does not read an answer in time.
 //   2. A connection has at most `calls_max` calls at once; more are refused. While its peer leaves
-//      answers unread, nothing more is read from it.
-//   3. Where the messages and answers of all connections exceed `held_bytes_max`, the connection
-//      that has kept them longest is ended.
-//   4. Where there are too many connections, the one that has been idle longest makes room; if none
-//      has been for `idle_grace_s`, the new one is closed.
-//   5. Over TLS a peer is a stranger until it has shown a token. Strangers have `login_s_max` for
-//      handshake and login, messages of `stranger_bytes_max`, and one try; there are at most
-//      `strangers_max` of them, apart from the others: where there are more, the one that has been
-//      there longest makes room, as in 4. A session ends as soon as its token does.
-// An ended connection costs a client nothing: it connects again (client.h).
+//      answers unread, the server reads nothing more from the connection.
+//   3. If the messages and answers of all connections exceed `held_bytes_max`, the server ends the
+//      connection that has held its bytes longest.
+//   4. If there are too many connections, the server ends the one that has been idle longest. If
+//      none has been idle for `idle_grace_s`, the new connection is closed.
+//   5. Over TLS a peer is a stranger until it has shown a token. A stranger has `login_s_max` for
+//      handshake and login, messages of at most `stranger_bytes_max`, and one try. There are at
+//      most `strangers_max` strangers, counted apart from other connections; the oldest stranger
+//      makes room for a new one, as in 4. A session ends as soon as its token does.
+// An ended connection costs a client nothing, because the client reconnects (client.h).
 //
-// What goes wrong is answered as a Refusal; an exception of a handler as a bug, without its words,
-// which go to `complain`.
+// Errors are answered as a Refusal. An exception of a handler is answered as a bug, without its
+// message, which goes to `complain`.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -37,13 +37,13 @@ namespace sleight::rpc {
 
 struct ServerLimits {
   std::size_t connections_max = 512;
-  std::size_t calls_max = 16;  ///< of one connection, unanswered
+  std::size_t calls_max = 16;  ///< unanswered calls per connection
   std::size_t message_bytes_max = 4U << 20U;
-  std::size_t held_bytes_max = 64U << 20U;  ///< messages that come in, and answers not yet read
-  std::size_t sources_max = 128;            ///< files that one connection is fetching
+  std::size_t held_bytes_max = 64U << 20U;  ///< messages being received and answers not yet read
+  std::size_t sources_max = 128;            ///< files being fetched per connection
   double idle_grace_s = 0.5;
-  double message_s_max = 30;  ///< for a message to come in whole, and for an answer to be read
-  /// A watch without news is answered after so long, so that both sides know of each other.
+  double message_s_max = 30;  ///< to receive a message, or to have an answer read
+  /// A watch without news is answered after this time, so that both sides notice a lost connection.
   double watch_s_max = 20;
   std::size_t strangers_max = 64;
   std::size_t stranger_bytes_max = 16U << 10U;
@@ -53,8 +53,8 @@ struct ServerLimits {
 struct ServerOptions {
   ServerLimits limits{};
   std::function<void(const std::string&)> complain{};
-  std::optional<std::uint32_t> group{};  ///< may use the socket, beside its owner
-  /// Called until the last reply is gone, which may be after the server.
+  std::optional<std::uint32_t> group{};  ///< group that may use the socket besides its owner
+  /// Called until the last reply is destroyed, possibly after the server.
   Audit audit{};
 };
 
@@ -63,31 +63,32 @@ struct ServerCounts {
   std::size_t connections = 0;
   std::size_t watchers = 0;  ///< watch calls that wait for news
   std::size_t held_bytes = 0;
-  std::size_t strangers = 0;   ///< over TLS, that nobody knows yet
-  std::uint64_t accepted = 0;  ///< of all time, as are the following
-  std::uint64_t ended = 0;     ///< connections that the server ended, by a limit
+  std::size_t strangers = 0;   ///< TLS connections that have not logged in
+  std::uint64_t accepted = 0;  ///< since the start, like the following counts
+  std::uint64_t ended = 0;     ///< connections ended by a limit
   std::uint64_t calls = 0;
 };
 
 class Server {
  public:
-  /// Listens from here on. The socket is its owner's alone (0600), or also a group's (0660): whose
-  /// a call is, is what the kernel says of its peer. A file left by a server that is gone is
-  /// replaced; throws base::Error with ExitCode::conflict where one listens, and with
-  /// ExitCode::environment where the socket can't be made. `handler` and `loop` must outlive it.
+  /// Starts listening. The socket belongs to its owner (mode 0600), or also to a group (0660). The
+  /// kernel reports each peer's uid. Replaces the file of a server that has exited. Throws
+  /// base::Error with ExitCode::conflict if another server is listening, and with
+  /// ExitCode::environment if the socket can't be created. `handler` and `loop` must outlive the
+  /// server.
   Server(Loop& loop, const std::string& socket_path, Handler& handler, ServerOptions options = {});
   /// Ends all connections and removes the socket.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Listens over TLS too, 1.2 or newer, for peers that `authority` knows. Returns where: port 0
-  /// takes any that is free. Throws base::Error as the constructor, and where the certificate or
-  /// its key is no good. Once. `authority` must outlive the server.
+  /// Listens over TLS (1.2 or newer) too, for peers that `authority` accepts. Call at most once.
+  /// Returns the address; port 0 chooses a free port. Throws base::Error like the constructor, or
+  /// if the certificate or its key is invalid. `authority` must outlive the server.
   access::ServerAddress listen(const access::ServerAddress& address, const access::Keypair& keypair,
                                Authority& authority);
 
-  /// A job may have something new for its watchers. Costs little where nobody watches it.
+  /// A job may have news for its watchers. Cheap if nobody watches the job.
   void news(JobId job);
 
   ServerCounts counts() const;

@@ -1,19 +1,18 @@
-// What a service and its clients say to each other, as plain values.
+// The values that a service and its clients exchange.
 //
-// The schema common/schema/service.capnp is the specification of the calls; these are its structs
-// for C++, and nothing outside common/rpc sees Cap'n Proto. handler.h is a service's side of the
-// calls, client.h a client's.
+// The schema common/schema/service.capnp specifies the calls. These are its structs for C++; no
+// code outside common/rpc uses Cap'n Proto. handler.h is the service's side of the calls, client.h
+// the client's.
 //
 // Invariants
-//   1. A call that is repeated changes nothing more: submissions carry the client's key, and all
-//   that
-//      a call sets is absolute. So a client may repeat a call whose answer was lost.
-//   2. Text that people see is whole sentences without control characters, and names nothing of the
-//      service's insides.
-//   3. Values that a newer program sends are kept apart from wrong ones: enumerations have
-//   `unknown`.
+//   1. Repeating a call changes nothing more, because submissions carry the client's key and
+//      everything that a call sets is absolute. So a client may repeat a call whose answer was
+//      lost.
+//   2. Text for people consists of whole sentences without control characters, and names no
+//      internals of the service.
+//   3. Values from a newer program are distinguished from wrong ones: enumerations have `unknown`.
 //
-// Times are seconds since 1970 of the service's wall clock, and serve people alone.
+// Times are seconds since 1970 of the service's wall clock, for display only.
 //
 // Thread safety: values.
 #pragma once
@@ -35,80 +34,80 @@
 
 namespace sleight::rpc {
 
-using JobId = base::Id<struct JobTag, std::uint64_t>;      ///< from 1; people write 17
-using GroupId = base::Id<struct GroupTag, std::uint64_t>;  ///< from 1; people write g5
+using JobId = base::Id<struct JobTag, std::uint64_t>;      ///< from 1; written 17
+using GroupId = base::Id<struct GroupTag, std::uint64_t>;  ///< from 1; written g5
 
 // ------------------------------------------------------------------------------------- refusals
 
 enum class RefusalKind : std::uint8_t {
-  unknown,      ///< a newer service's
+  unknown,      ///< from a newer service
   not_found,    ///< no such job, group, recording or call
-  not_allowed,  ///< another user's
-  bad_request,  ///< of which `diagnostics` are the places, where it is a request's text
-  conflict,     ///< not in this state; the key belongs to another submission
-  limit,        ///< of a user or of the service: too many, too large
-  busy,         ///< now; the same call may succeed later
-  gone,         ///< was there and is deleted
+  not_allowed,  ///< belongs to another user
+  bad_request,  ///< for a request's text with `diagnostics`
+  conflict,     ///< wrong state, or the key of another submission
+  limit,        ///< of the user or the service: too many or too large
+  busy,         ///< temporary: the same call may succeed later
+  gone,         ///< existed and was deleted
   environment,  ///< the disk is full, the backend is away
-  bug,          ///< the service failed; its log has more
+  bug,          ///< the service failed; see its log
 };
 inline constexpr std::size_t k_refusal_kinds = 10;
 
-/// "not_found", and so on.
+/// Returns for example "not_found".
 std::string_view name_of(RefusalKind kind);
 
 struct Refusal {
   RefusalKind kind = RefusalKind::bug;
-  std::string sentence{};    ///< what is the matter
+  std::string sentence{};    ///< what is wrong
   std::string what_to_do{};  ///< may be empty
-  /// Of a submission's text, as `sleight check` has them; `file` is the request's name.
+  /// Errors in a submission's text, as `sleight check` reports them. `file` is the request's name.
   std::vector<request::Diagnostic> diagnostics{};
   bool operator==(const Refusal&) const = default;
 };
 
 // ------------------------------------------------------------------------------------ submitting
 
-/// One for the system that runs a job, as Slurm's partition.
+/// An option for the system that runs a job, such as Slurm's partition.
 struct JobOption {
   std::string name{};
   std::string value{};
   bool operator==(const JobOption&) const = default;
 };
 
-/// What one job is to do and may use.
+/// A job to submit: its request and its resources.
 struct JobAsk {
-  std::string name{};     ///< for people; empty: the service takes the request's world
-  std::string request{};  ///< the text (TOML), overrides applied; never a path
-  std::optional<std::uint32_t> cores{};  ///< a wish; none: what is free
-  std::uint32_t ranks = 0;               ///< of mpirun; 0: one process, no MPI
-  std::uint64_t memory_bytes = 0;        ///< of the caches of all processes; 0: the default
-  std::int32_t priority = 0;             ///< among one user's jobs: higher ones first
+  std::string name{};                    ///< for people; empty: the request's world
+  std::string request{};                 ///< TOML text with overrides applied, never a path
+  std::optional<std::uint32_t> cores{};  ///< requested number; empty: all free cores
+  std::uint32_t ranks = 0;               ///< MPI ranks; 0: one process, no MPI
+  std::uint64_t memory_bytes = 0;        ///< for the caches of all processes; 0: the default
+  std::int32_t priority = 0;             ///< among one user's jobs; higher runs first
   bool strict = false;                   ///< a failed simulation ends the job
   std::vector<JobOption> options{};      ///< at most k_options_max, each name once
   bool operator==(const JobAsk&) const = default;
 };
 
 struct Submission {
-  /// Drawn at random by the client, at most k_key_bytes_max: a submission with a key that the
-  /// service knows of this user answers what the first one did, and submits nothing.
+  /// Random key, drawn by the client, at most k_key_bytes_max. If the service already has a
+  /// submission of this user with the same key, it returns the first answer and submits nothing.
   std::string key{};
-  /// A single one is a job of its own; several are a group, and all are taken or none.
+  /// A single job stands alone, several form a group. Either all are accepted or none.
   std::vector<JobAsk> jobs{};
-  bool is_group = false;  ///< also of a single one, as with --set sampler.seed=1..1
+  bool is_group = false;  ///< true also for a group of one, as with --set sampler.seed=1..1
   bool operator==(const Submission&) const = default;
 };
 
 struct Submitted {
   std::vector<JobId> jobs{};  ///< in the submission's order
   std::optional<GroupId> group{};
-  bool was_known = false;  ///< by its key
+  bool was_known = false;  ///< the key was used before
   bool operator==(const Submitted&) const = default;
 };
 
 /// A job, or all jobs of a group.
 struct Target {
   std::optional<JobId> job{};
-  std::optional<GroupId> group{};  ///< REQUIRES: exactly one of the two
+  std::optional<GroupId> group{};  ///< REQUIRES: exactly one of job and group
   static Target of(JobId id) { return {.job = id}; }
   static Target of(GroupId id) { return {.group = id}; }
   bool operator==(const Target&) const = default;
@@ -117,7 +116,7 @@ struct Target {
 // ------------------------------------------------------------------------------------------ jobs
 
 enum class JobState : std::uint8_t {
-  unknown,  ///< a newer service's
+  unknown,  ///< from a newer service
   queued,
   starting,
   running,
@@ -129,36 +128,36 @@ enum class JobState : std::uint8_t {
 };
 inline constexpr std::size_t k_job_states = 9;
 
-/// "queued", and so on.
+/// Returns for example "queued".
 std::string_view name_of(JobState state);
 std::optional<JobState> job_state_of(std::string_view name);
 
-/// Nothing comes after these, unless the job is extended or resumed.
+/// True for the final states, which only extending or resuming the job changes.
 constexpr bool is_settled(JobState state) {
   return state == JobState::done || state == JobState::failed || state == JobState::cancelled;
 }
 
-/// A job's changes are numbered from 1 without a gap, and durable before anybody is told.
+/// A job's changes are numbered from 1 without gaps, and are durable before they are reported.
 struct StateChange {
   std::uint64_t number = 0;
   double time_s = 0;
   JobState state = JobState::unknown;
-  std::string reason{};  ///< in words
+  std::string reason{};  ///< for people
   std::uint64_t attempt = 0;
   bool operator==(const StateChange&) const = default;
 };
 
-/// Solutions, apart by what they are: what a search built, and a chain's independent ones.
+/// Counts of solutions: those that a search built, and independent ones of chains.
 struct SolutionCounts {
   std::uint64_t found = 0;
-  std::uint64_t found_wanted = 0;  ///< 0: none are asked for
+  std::uint64_t found_wanted = 0;  ///< 0: none requested
   std::uint64_t in_proportion = 0;
   std::uint64_t in_proportion_wanted = 0;
   bool operator==(const SolutionCounts&) const = default;
 };
 
 struct FailureCount {
-  std::string simulation{};  ///< the kind's name (plan/failure.h)
+  std::string simulation{};  ///< the failure kind's name (plan/failure.h)
   std::uint64_t count = 0;
   bool operator==(const FailureCount&) const = default;
 };
@@ -170,61 +169,61 @@ struct JobView {
   std::string name{};
   std::string world{};
   JobState state = JobState::unknown;
-  std::string reason{};       ///< of the state, in words
-  std::uint64_t place = 0;    ///< in the queue, from 1; 0: it is not in it
-  std::string not_yet{};      ///< why it does not run yet, and from when it might
-  std::uint64_t attempt = 0;  ///< the newest start's number; 0: none so far
+  std::string reason{};       ///< why the job is in this state
+  std::uint64_t place = 0;    ///< in the queue, from 1; 0: not queued
+  std::string not_yet{};      ///< why the job does not run yet, and from when it might
+  std::uint64_t attempt = 0;  ///< number of the newest start; 0: none yet
   std::int32_t priority = 0;
   std::optional<std::uint32_t> cores_wanted{};
-  std::uint32_t cores = 0;  ///< that it has now
+  std::uint32_t cores = 0;  ///< cores in use now
   std::uint32_t ranks = 0;
   std::uint64_t memory_bytes = 0;
   bool strict = false;
-  bool pinned = false;  ///< kept whatever the rule says
+  bool pinned = false;  ///< exempt from the deletion of finished jobs
 
   std::uint64_t scans_done = 0;   ///< committed
-  std::uint64_t scans_total = 0;  ///< 0 where the stop rule can't tell
+  std::uint64_t scans_total = 0;  ///< 0: unknown from the stop rule
   SolutionCounts solutions{};
   std::vector<FailureCount> failures{};
   double simulations_per_s = 0;
-  std::optional<double> left_s{};            ///< until it ends, by scans
-  std::optional<double> solutions_left_s{};  ///< until it has the solutions that it wants
+  std::optional<double> left_s{};            ///< until the end, by scans
+  std::optional<double> solutions_left_s{};  ///< until enough solutions
 
   double core_s = 0;  ///< processor time of all attempts
   double submitted_s = 0;
-  double started_s = 0;     ///< the first time; 0: not yet
-  double ended_s = 0;       ///< 0: not yet
-  std::uint64_t bytes = 0;  ///< of its folder
-  double deleted_at_s = 0;  ///< announced; 0: not announced
-  std::string digest{};     ///< of the newest archive's content; empty: none
+  double started_s = 0;     ///< first start; 0: not started
+  double ended_s = 0;       ///< 0: not ended
+  std::uint64_t bytes = 0;  ///< size of the job's folder
+  double deleted_at_s = 0;  ///< announced deletion; 0: not announced
+  std::string digest{};     ///< of the newest archive's content; empty: no archive
   std::string results_version{};
-  std::string end_words{};                    ///< what the run said at its end
-  std::vector<std::string> last_log_lines{};  ///< of a failed job, k_last_log_lines at most
-  std::string repeat_command{};               ///< of a failed job: what repeats it
-  std::vector<StateChange> history{};         ///< of `status` alone; the newest, oldest first
+  std::string end_words{};                    ///< the run's message at its end
+  std::vector<std::string> last_log_lines{};  ///< of a failed job; at most k_last_log_lines
+  std::string repeat_command{};               ///< of a failed job: command to reproduce the failure
+  std::vector<StateChange> history{};         ///< only in `status`; newest changes, oldest first
   bool operator==(const JobView&) const = default;
 };
 
-/// Which jobs; all that is given must hold.
+/// Selects jobs that meet all given conditions.
 struct ListAsk {
   std::optional<GroupId> group{};
-  std::optional<std::uint32_t> user{};  ///< none: all that the caller may see
+  std::optional<std::uint32_t> user{};  ///< empty: all that the caller may see
   std::vector<JobState> states{};       ///< empty: any
   std::string name_part{};              ///< empty: any
   bool oldest_first = false;
-  std::uint32_t count = 100;  ///< at most k_page_jobs_max are given
-  std::string cursor{};       ///< of the page before; empty: the first page
+  std::uint32_t count = 100;  ///< capped at k_page_jobs_max
+  std::string cursor{};       ///< from the page before; empty: the first page
   bool operator==(const ListAsk&) const = default;
 };
 
 struct JobPage {
   std::vector<JobView> jobs{};  ///< without histories
-  std::string cursor{};         ///< of the next page; empty: this is the last
-  std::uint64_t total = 0;      ///< that match, of all pages
+  std::string cursor{};         ///< of the next page; empty: last page
+  std::uint64_t total = 0;      ///< matching jobs on all pages
   bool operator==(const JobPage&) const = default;
 };
 
-/// What became of a job that a call named, by itself or by its group.
+/// The effect of a call on a job, named by its id or its group.
 struct Touched {
   JobId job{};
   JobState state = JobState::unknown;  ///< after the call
@@ -234,69 +233,68 @@ struct Touched {
 
 enum class ExtendBy : std::uint8_t { unknown, scans, rounds, solutions, odds };
 
-/// A longer [stop] of the normalised request, absolute; `odds` is its relative error.
+/// A new, absolute [stop] limit of the normalised request. For `odds` it is the relative error.
 struct Extension {
   ExtendBy by = ExtendBy::unknown;
-  double to = 0;  ///< whole but of odds
+  double to = 0;  ///< whole number, except for odds
   bool operator==(const Extension&) const = default;
 };
 
-/// How a job is changed.
 enum class ChangeKind : std::uint8_t {
-  unknown,  ///< a newer client's
-  cancel,   ///< stops in order and ends, with the archive of what it has
-  hold,     ///< stops in order, until `resume`
-  resume,   ///< queued again: a held, failed or cancelled job
-  extend,   ///< a longer [stop]; queued again if it had ended
-  erase,    ///< deleted with all that it has; one that has not ended is refused
-  pin,      ///< kept whatever the rule for finished jobs says
+  unknown,  ///< from a newer client
+  cancel,   ///< stops cleanly and ends, with an archive of the results so far
+  hold,     ///< stops cleanly, until `resume`
+  resume,   ///< queues a held, failed or cancelled job again
+  extend,   ///< raises [stop]; queues an ended job again
+  erase,    ///< deletes an ended job and all its data
+  pin,      ///< exempts the job from the deletion of finished jobs
   unpin,
   set_priority,
 };
 inline constexpr std::size_t k_change_kinds = 9;
 
-/// "cancel", and so on.
+/// Returns for example "cancel".
 std::string_view name_of(ChangeKind kind);
 
 struct ChangeAsk {
   Target target{};
   ChangeKind kind = ChangeKind::unknown;
-  Extension extension{};      ///< of extend
-  std::int32_t priority = 0;  ///< of set_priority
+  Extension extension{};      ///< for extend
+  std::int32_t priority = 0;  ///< for set_priority
   bool operator==(const ChangeAsk&) const = default;
 };
 
 // ---------------------------------------------------------------------------------------- watching
 
-/// How much of a job a watcher has.
+/// What a watcher already has of a job.
 struct WatchPoint {
   JobId job{};
-  std::uint64_t event = 0;   ///< number of the last numbered event that it has
-  std::uint64_t change = 0;  ///< likewise of the state changes
-  /// The service's own mark of what is unnumbered, from the batch before; 0: nothing was seen. A
-  /// service that does not know it sends the newest.
+  std::uint64_t event = 0;   ///< number of the last numbered event received
+  std::uint64_t change = 0;  ///< number of the last state change received
+  /// The service's marker for unnumbered events, from the previous batch. 0: none received. A
+  /// service that does not recognise the mark sends the newest events.
   std::uint64_t mark = 0;
   bool operator==(const WatchPoint&) const = default;
 };
 
 // -------------------------------------------------------------------------------------------- logs
 
-/// Either the last lines, or bytes from an offset on. Offsets count all bytes that the job has
-/// logged; the service keeps the newest.
+/// Requests either the last lines, or bytes from an offset. Offsets count all bytes that the job
+/// has ever logged, of which the service stores only the newest.
 struct LogAsk {
   JobId job{};
-  std::optional<std::uint64_t> from{};  ///< none: the last `lines`
+  std::optional<std::uint64_t> from{};  ///< empty: the last `lines`
   std::uint32_t lines = 50;
-  std::uint32_t bytes_max = 256U << 10U;  ///< at most k_log_bytes_max are given
+  std::uint32_t bytes_max = 256U << 10U;  ///< capped at k_log_bytes_max
   bool operator==(const LogAsk&) const = default;
 };
 
 struct LogPiece {
-  std::uint64_t first =
-      0;  ///< offset of the first byte; beyond what was asked for where that is lost
+  /// Offset of the first byte. Larger than requested if older bytes are lost.
+  std::uint64_t first = 0;
   std::string text{};
-  std::uint64_t end = 0;  ///< of the log as it is now
-  bool is_over = false;   ///< nothing will come after `end`
+  std::uint64_t end = 0;  ///< current end of the log
+  bool is_over = false;   ///< nothing will follow `end`
   bool operator==(const LogPiece&) const = default;
 };
 
@@ -304,49 +302,50 @@ struct LogPiece {
 
 enum class FetchKind : std::uint8_t {
   unknown,
-  archive,        ///< the newest
-  so_far,         ///< one made now of all that is committed
-  recordings,     ///< of kept animations, by `ids`
-  failure_files,  ///< that `sleight replay` repeats
+  archive,        ///< newest archive
+  so_far,         ///< archive made now of all committed results
+  recordings,     ///< of the kept animations in `ids`
+  failure_files,  ///< inputs for `sleight replay`
 };
 
 struct FetchAsk {
   JobId job{};
   FetchKind kind = FetchKind::archive;
   std::vector<std::uint64_t> ids{};  ///< of recordings; at most k_fetch_ids_max
-  std::string after{};               ///< the files that come after this name; empty: the first ones
-  /// Hexadecimal, of the file that the client has a part of; a service that still has it gives it.
+  std::string after{};               ///< only files after this name; empty: from the first
+  /// SHA-256 in hexadecimal of a partly received file. The service sends that file if it still
+  /// exists.
   std::string sha256_wanted{};
   bool operator==(const FetchAsk&) const = default;
 };
 
-/// A file as it is announced.
+/// A file as announced before its content.
 struct FileView {
   std::string name{};  ///< a plain file name
   std::uint64_t size = 0;
-  std::string sha256{};  ///< of its bytes, hexadecimal
+  std::string sha256{};  ///< of the content, hexadecimal
   bool operator==(const FileView&) const = default;
 };
 
 // ------------------------------------------------------------------------------------------ tokens
 
-/// What a session by a token may do, as bits. Each includes nothing of the others.
+/// Permissions of a token's session, as bits. No scope includes another.
 enum class Scope : std::uint8_t {
-  unknown = 0,  ///< a newer program's
+  unknown = 0,  ///< from a newer program
   read = 1,     ///< list, status, watch, logs, fetch, info
   submit = 2,
   manage = 4,   ///< change
-  operate = 8,  ///< drain and stop, of a user who may
+  operate = 8,  ///< drain and stop, if the user may
 };
 inline constexpr Scope k_scopes[] = {Scope::read, Scope::submit, Scope::manage, Scope::operate};
 
-/// "read", and so on.
+/// Returns for example "read".
 std::string_view name_of(Scope scope);
 std::optional<Scope> scope_of(std::string_view name);
 
 struct Scopes {
   std::uint8_t bits = 0;
-  bool has_unknown = false;  ///< of a message: something that this program does not know
+  bool has_unknown = false;  ///< in a message: contains a scope unknown to this program
 
   static constexpr Scopes all() { return {.bits = 15}; }
   constexpr bool has(Scope scope) const { return (bits & static_cast<std::uint8_t>(scope)) != 0; }
@@ -357,13 +356,13 @@ struct Scopes {
 };
 
 struct TokenAsk {
-  std::string token{};                      ///< whole, drawn by the client (token_text.h)
+  std::string token{};                      ///< complete token, drawn by the client (token_text.h)
   std::string name{};                       ///< for people
-  std::optional<std::uint32_t> for_user{};  ///< uid; none: the caller's own
+  std::optional<std::uint32_t> for_user{};  ///< uid; empty: the caller's own
   Scopes scopes{};
-  double valid_s = 0;           ///< 0: for ever
-  std::uint32_t jobs_max = 0;   ///< of this token's, that have not ended; 0: as its user
-  std::uint32_t cores_max = 0;  ///< of one of its jobs; 0: as its user
+  double valid_s = 0;           ///< 0: no expiry
+  std::uint32_t jobs_max = 0;   ///< unfinished jobs of this token; 0: the user's limit
+  std::uint32_t cores_max = 0;  ///< per job of this token; 0: the user's limit
   bool operator==(const TokenAsk&) const = default;
 };
 
@@ -374,8 +373,8 @@ struct TokenView {
   Scopes scopes{};
   double created_s = 0;
   double expires_s = 0;      ///< 0: never
-  bool has_expired = false;  ///< was seen to: a clock that is set back revives none
-  double revoked_s = 0;      ///< 0: it is not
+  bool has_expired = false;  ///< stays true if the clock is set back
+  double revoked_s = 0;      ///< 0: not revoked
   double last_used_s = 0;    ///< 0: never
   std::string last_from{};
   std::uint32_t jobs_max = 0;
@@ -387,7 +386,7 @@ struct TokenView {
 
 struct NamedLimit {
   std::string name{};
-  std::string value{};  ///< in words: "16 cores", "10 GB"
+  std::string value{};  ///< with unit: "16 cores", "10 GB"
   bool operator==(const NamedLimit&) const = default;
 };
 
@@ -411,13 +410,13 @@ struct ServerView {
   std::uint64_t memory_used_bytes = 0;
   std::uint64_t disk_free_bytes = 0;
   std::uint64_t disk_reserve_bytes = 0;
-  std::string keeping_rule{};  ///< how long finished jobs are kept, in words
+  std::string keeping_rule{};  ///< for people: how long finished jobs are kept
   std::vector<NamedLimit> limits{};
   std::vector<StateCount> counts{};
   std::uint32_t connections = 0;
   std::uint32_t watchers = 0;
-  std::string address{};      ///< where it listens over TCP; empty: nowhere
-  std::string fingerprint{};  ///< of its certificate there
+  std::string address{};      ///< TCP address; empty: not listening
+  std::string fingerprint{};  ///< of the TLS certificate
   bool operator==(const ServerView&) const = default;
 };
 
@@ -425,29 +424,29 @@ struct ServerView {
 
 inline constexpr std::size_t k_key_bytes_max = 64;
 inline constexpr std::size_t k_name_bytes_max = 256;
-inline constexpr std::size_t k_request_bytes_max = 1U << 20U;     ///< of one job's text
-inline constexpr std::size_t k_submission_bytes_max = 3U << 20U;  ///< of all texts together
+inline constexpr std::size_t k_request_bytes_max = 1U << 20U;     ///< per job
+inline constexpr std::size_t k_submission_bytes_max = 3U << 20U;  ///< per submission
 inline constexpr std::size_t k_submission_jobs_max = 1000;
 inline constexpr std::size_t k_page_jobs_max = 500;
-inline constexpr std::size_t k_watch_jobs_max = 1000;  ///< in one watch
+inline constexpr std::size_t k_watch_jobs_max = 1000;  ///< per watch
 inline constexpr std::size_t k_batch_events_max = 256;
 inline constexpr std::size_t k_log_bytes_max = 512U << 10U;
 inline constexpr std::size_t k_last_log_lines = 50;
 inline constexpr std::size_t k_fetch_ids_max = 10'000;
-inline constexpr std::size_t k_fetch_files_max = 64;  ///< of one call
+inline constexpr std::size_t k_fetch_files_max = 64;  ///< per call
 inline constexpr std::size_t k_piece_bytes_max = 1U << 20U;
-/// Longer texts of views lose their end, and longer lists their last: an answer stays readable.
+/// Longer texts and lists in views are truncated, so that an answer stays readable.
 inline constexpr std::size_t k_text_bytes_max = 64U << 10U;
 inline constexpr std::size_t k_history_max = 1000;
-inline constexpr std::size_t k_options_max = 32;        ///< of a job, for the system that runs it
-inline constexpr std::size_t k_option_bytes_max = 256;  ///< of a name or a value
-inline constexpr std::size_t k_tokens_max = 1000;       ///< of a user, and as many in an answer
-/// No uid: what the system takes for "unchanged".
+inline constexpr std::size_t k_options_max = 32;        ///< backend options per job
+inline constexpr std::size_t k_option_bytes_max = 256;  ///< per name or value
+inline constexpr std::size_t k_tokens_max = 1000;       ///< per user and per answer
+/// Not a uid: the system uses this value for "unchanged".
 inline constexpr std::uint32_t k_no_user = UINT32_MAX;
 inline constexpr double k_token_s_max = 3650.0 * 86400;
 
-/// Whether a fetched file may be called so: a name in a folder, not hidden, without control
-/// characters, at most k_name_bytes_max long.
+/// True if a fetched file may have this name: a file name without a folder, not hidden, without
+/// control characters, at most k_name_bytes_max long.
 bool is_file_name(std::string_view name);
 
 }  // namespace sleight::rpc

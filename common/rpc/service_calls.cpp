@@ -21,7 +21,7 @@ namespace {
 
 template <class T>
 using Answer = base::Result<T, Refusal>;
-/// As promises hold it: GCC 12 takes a Result inside kj::Maybe for uninitialised.
+/// Wraps an Answer for promises, because GCC 12 considers a Result inside kj::Maybe uninitialised.
 template <class T>
 using Answered = std::unique_ptr<Answer<T>>;
 
@@ -33,7 +33,7 @@ std::optional<Refusal> check(JobId& job) {
   return job.value == 0 ? std::optional(no_such_job()) : std::nullopt;
 }
 
-/// Of a token's id.
+/// Checks that a token's id is well-formed.
 std::optional<Refusal> check(const std::string& id) {
   if (access::is_token_id(id)) return std::nullopt;
   return Refusal{.kind = RefusalKind::not_found,
@@ -43,11 +43,11 @@ std::optional<Refusal> check(const std::string& id) {
 
 // ------------------------------------------------------------------------------------------- rules
 
-/// What a token must allow for a call, and how the audit log names it.
+/// The scope that a call requires, and its name in the audit log.
 struct Rule {
-  /// None: no token is enough. Tokens are made, shown and revoked over the Unix socket alone.
+  /// Empty: no token suffices. Tokens are created, listed and revoked only over the Unix socket.
   std::optional<Scope> scope{};
-  /// Empty: not in the log. It changes nothing, gives no file away, and is asked often.
+  /// Empty: not audited, because the call is frequent, changes nothing and delivers no file.
   std::string_view audited_as{};
 };
 
@@ -56,7 +56,7 @@ constexpr Rule k_list{Scope::read};
 constexpr Rule k_status{Scope::read};
 constexpr Rule k_watch{Scope::read};
 constexpr Rule k_logs{Scope::read};
-constexpr Rule k_change{Scope::manage, "change"};  // by its kind: "cancel"
+constexpr Rule k_change{Scope::manage, "change"};  // audited by its kind: "cancel"
 constexpr Rule k_fetch{Scope::read, "fetch"};
 constexpr Rule k_info{Scope::read};
 constexpr Rule k_drain{Scope::operate, "drain"};
@@ -65,7 +65,7 @@ constexpr Rule k_create_token{{}, "create_token"};
 constexpr Rule k_list_tokens{{}, "list_tokens"};
 constexpr Rule k_revoke_token{{}, "revoke_token"};
 
-/// Why this caller may not make the call.
+/// Returns why the caller's token does not allow the call, if so.
 std::optional<Refusal> beyond_token(const Rule& rule, const Caller& caller) {
   if (!rule.scope) {
     if (caller.token_id.empty()) return std::nullopt;
@@ -81,7 +81,7 @@ std::optional<Refusal> beyond_token(const Rule& rule, const Caller& caller) {
           fmt::format("Use a token that was created with `--scope {}`.", name_of(*rule.scope))};
 }
 
-/// The beginning of a call's line in the audit log.
+/// Returns the start of a call's line in the audit log.
 template <class Ask>
 AuditLine line_of(const Rule& rule, const Ask& ask) {
   AuditLine line{.call = std::string(rule.audited_as)};
@@ -99,7 +99,7 @@ AuditLine line_of(const Rule& rule, const Ask& ask) {
   return line;
 }
 
-/// What came of a call, for the audit log.
+/// Returns a call's result for the audit log.
 template <class T>
 std::string made_of(const T& answer) {
   if constexpr (std::is_same_v<T, Submitted>) {
@@ -114,7 +114,7 @@ std::string made_of(const T& answer) {
   }
 }
 
-/// Passes its answer on to `reply`, and tells `audit` of it.
+/// Forwards an answer to `reply` and reports it to `audit`.
 template <class T>
 Reply<T> audited(const Audit& audit, const Caller& caller, AuditLine line, Reply<T> reply) {
   auto owed = std::make_shared<Reply<T>>(std::move(reply));
@@ -142,7 +142,7 @@ Refusal unreadable() {
   return {.kind = RefusalKind::bad_request, .sentence = "The call is malformed.", .what_to_do = ""};
 }
 
-/// Counts a call for as long as it is unanswered.
+/// Counts a call until it is answered.
 class Counted {
  public:
   explicit Counted(std::shared_ptr<Conversation> conversation)
@@ -159,12 +159,12 @@ class Counted {
   std::shared_ptr<Conversation> conversation_;
 };
 
-/// What Service and File have in common.
+/// The common part of Service and File.
 struct Serving {
   std::shared_ptr<Calls> calls;
   std::shared_ptr<Conversation> conversation;
 
-  /// Why a call is not taken, if it is not.
+  /// Returns why a call can't be accepted now, if so.
   std::optional<Refusal> unwelcome() const {
     ++calls->count;
     if (calls->handler == nullptr) {
@@ -188,7 +188,7 @@ struct Serving {
     return std::nullopt;
   }
 
-  /// Calls `start` with a Reply, and promises the answer.
+  /// Calls `start` with a Reply, and returns a promise of the answer.
   template <class T, class Start>
   kj::Promise<Answered<T>> ask(const Start& start) const {
     auto owed = kj::newPromiseAndFulfiller<Answered<T>>();
@@ -199,14 +199,14 @@ struct Serving {
         (*fulfiller)->fulfill(std::make_unique<Answer<T>>(std::move(answer)));
       }));
     } catch (const std::exception& error) {
-      // The reply is refused as it is dropped; the words are for the log alone.
+      // Dropping the reply refuses the call. The exception's message is only logged.
       calls->complain(error.what());
     }
     return kj::mv(owed.promise);
   }
 
-  /// A whole call: `decode` its parameters, check them, `start` it if its rule lets the caller,
-  /// `write` its answer. `write` may return why it can't be written.
+  /// Handles a call: decodes its parameters, checks them, calls `start` if the rule allows, and
+  /// writes the answer. `write` may return why the answer can't be written.
   template <class T, class Context, class Decode, class Start, class Write>
   kj::Promise<void> serve(const Rule& rule, Context context, const Decode& decode,
                           const Start& start, Write write) const {
@@ -455,7 +455,7 @@ class ServiceCalls final : public generated::Service::Server {
         },
         kj::mv(write));
   }
-  /// A call that asks nothing.
+  /// Handles a call without parameters.
   template <class Context, class T, class Write>
   kj::Promise<void> serve(const Rule& rule, Context context,
                           void (Handler::*call)(const Caller&, Reply<T>), Write write) const {
@@ -493,7 +493,7 @@ class EntranceCalls final : public generated::Entrance::Server {
       return kj::READY_NOW;
     }
     const auto text = context.getParams().getToken();
-    // Its size is looked at first: nothing of what a stranger sends is copied.
+    // Check the size first, so that nothing from a stranger is copied.
     auto caller = text.size() == access::k_token_characters
                       ? authority->login(as_string(text), conversation.caller.address)
                       : base::Result<Caller, Refusal>(no_entrance("This token is not valid here."));

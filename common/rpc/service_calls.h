@@ -1,5 +1,6 @@
-// The interfaces of service.capnp on a Handler: decodes, checks, asks, answers and audits. A
-// table in the source says of each call which scope a token needs and whether it is audited.
+// Serves the interfaces of service.capnp with a Handler: decodes, checks, forwards, answers and
+// audits calls. A table in the source lists which scope each call requires and whether it is
+// audited.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -17,8 +18,8 @@
 
 namespace sleight::rpc {
 
-/// What the calls of all connections have in common. A call may outlive the server: then there is
-/// no handler any more.
+/// State shared by the calls of all connections. A call may outlive the server; `handler` is then
+/// null.
 struct Calls {
   Handler* handler = nullptr;
   Watchers* watchers = nullptr;
@@ -26,22 +27,22 @@ struct Calls {
   std::function<void(const std::string&)> complain{};
   Audit audit{};
   std::function<std::size_t()> connections{};
-  Authority* authority = nullptr;  ///< none: nobody comes over TCP
-  std::uint64_t count = 0;         ///< of all time
+  Authority* authority = nullptr;  ///< null: no TCP listener
+  std::uint64_t count = 0;         ///< calls since the start
 };
 
-/// What the calls of one connection have in common.
+/// State shared by the calls of one connection.
 struct Conversation {
   Caller caller{};
-  bool is_known = false;          ///< whose it is; else only login is answered
-  bool has_tried = false;         ///< to log in: once
-  bool has_failed = false;        ///< a wrong token was shown: the connection is to be ended
-  std::function<void()> known{};  ///< called once, when it has become known
-  std::size_t calls = 0;          ///< that are not answered
+  bool is_known = false;          ///< if false, only login is answered
+  bool has_tried = false;         ///< a login was tried; only one is allowed
+  bool has_failed = false;        ///< a wrong token was shown; the connection must end
+  std::function<void()> known{};  ///< called once, when is_known becomes true
+  std::size_t calls = 0;          ///< unanswered calls
   std::size_t sources = 0;
 };
 
-/// The bootstrap interface of a connection.
+/// Creates the bootstrap interface of a connection.
 generated::Entrance::Client make_entrance(std::shared_ptr<Calls> calls,
                                           std::shared_ptr<Conversation> conversation);
 

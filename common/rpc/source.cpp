@@ -1,4 +1,4 @@
-// Source of handler.h for files on the disk.
+// Implements Source of handler.h for files on disk.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>

@@ -16,13 +16,13 @@
 namespace sleight::rpc {
 namespace {
 
-constexpr int k_not_accepted_max = 1024;  // connections; the system may have less
-constexpr int k_silent_s = 60;            // before a peer is asked whether it is there
-constexpr int k_asked_s = 20;             // between two such questions
+constexpr int k_not_accepted_max = 1024;  // accept queue; the system may limit it further
+constexpr int k_silent_s = 60;            // silence before the first keep-alive probe
+constexpr int k_asked_s = 20;             // between keep-alive probes
 constexpr int k_asked_times = 4;
 
 void set(int descriptor, int level, int option, int value) {
-  // Without it things go on, more slowly.
+  // Failure is harmless: without the option the connection is only slower.
   static_cast<void>(::setsockopt(descriptor, level, option, &value, sizeof value));
 }
 

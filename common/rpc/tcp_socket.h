@@ -10,16 +10,17 @@
 
 namespace sleight::rpc {
 
-/// Listens at a number or at a name's first address; port 0 takes any that is free. Non-blocking,
-/// closed by exec. Throws base::Error: conflict where the port is taken, environment else.
+/// Listens at a numeric address or at a name's first address; port 0 chooses a free port. The
+/// socket is non-blocking and closed by exec. Throws base::Error: conflict if the port is in use,
+/// environment otherwise.
 base::Descriptor listen_at(const access::ServerAddress& address);
 
-/// "192.0.2.7:50312", "[2001:db8::7]:50312"; "?" where the system doesn't say.
+/// Returns for example "192.0.2.7:50312" or "[2001:db8::7]:50312"; "?" if unknown.
 std::string peer_address_of(int descriptor);
-/// Likewise, of its own end. Throws base::Error.
+/// Returns the local end's address. Throws base::Error.
 access::ServerAddress own_address_of(int descriptor);
 
-/// Small messages at once, and peers that are gone are noticed within some minutes.
+/// Sends small messages at once, and detects dead peers within some minutes.
 void tune(int descriptor);
 
 }  // namespace sleight::rpc

@@ -19,14 +19,12 @@
 namespace sleight::rpc {
 namespace {
 
-constexpr int k_waiting_max =
-    1024;  // connections that are not accepted yet; the system may have less
+constexpr int k_waiting_max = 1024;  // accept queue; the system may limit it further
 
 std::string reason() {
   return std::system_category().message(errno);
 }
 
-/// Closed when it goes out of scope.
 class Descriptor {
  public:
   explicit Descriptor(int value) : value_(value) {}
@@ -42,7 +40,7 @@ class Descriptor {
   int value_;
 };
 
-/// The address of a path whose folder is open.
+/// Returns the address of a path through its open folder.
 sockaddr_un address_of(int folder, const std::string& path) {
   const std::string name = path.substr(path.rfind('/') + 1);  // npos + 1 is 0
   const std::string way = fmt::format("/proc/self/fd/{}/{}", folder, name);
@@ -70,8 +68,9 @@ const sockaddr* as_address(const sockaddr_un& address) {
 
 }  // namespace
 
-// A socket that listens, under a name beside its own, is renamed: so nobody meets one that is
-// readable by others or does not listen yet, and a stale one is replaced in one step.
+// The socket starts to listen under a temporary name beside its own and is then renamed. So no
+// client meets a socket that is world-accessible or not listening, and a stale socket is replaced
+// atomically.
 ListeningSocket::ListeningSocket(const std::string& path, std::optional<gid_t> group)
     : path_(path) {
   const auto fail = [&](const std::string& what) {
@@ -132,7 +131,7 @@ base::Result<int, Unconnected> connect_to(const std::string& path) {
   Descriptor socket(make_socket());
   const sockaddr_un address = address_of(folder.get(), path);
   if (::connect(socket.get(), as_address(address), sizeof address) == 0) return socket.take();
-  // ENOTSOCK and the like: something else lies there, nobody listens.
+  // ECONNREFUSED: no process listens, or the file is not a socket.
   if (errno == ENOENT || errno == ECONNREFUSED) return Unconnected::nobody;
   if (errno == EAGAIN) return Unconnected::busy;
   if (errno == EACCES) {

@@ -1,9 +1,9 @@
 // A Unix socket's two ends, as file descriptors.
 //
-// A socket's path may be longer than the 107 bytes that the system takes: it is reached through
+// A socket's path may exceed the system's limit of 107 bytes, because the socket is reached through
 // its folder's descriptor.
 //
-// Thread safety: free functions, and a resource that belongs to one thread.
+// Thread safety: free functions; a ListeningSocket belongs to one thread.
 #pragma once
 
 #include <sys/types.h>
@@ -16,13 +16,13 @@
 
 namespace sleight::rpc {
 
-/// A listening socket, and its name in the file system.
+/// A listening socket and its name in the file system.
 class ListeningSocket {
  public:
-  /// Mode 0600; with a group 0660 and that group's. Throws base::Error: ExitCode::conflict where a
-  /// server listens there.
+  /// Creates the socket with mode 0600, or 0660 with `group`. Throws base::Error with
+  /// ExitCode::conflict if a server is listening there.
   explicit ListeningSocket(const std::string& path, std::optional<gid_t> group = {});
-  /// Closes it, and removes the name if it is still this socket's.
+  /// Closes the socket, and removes the name if it still belongs to this socket.
   ~ListeningSocket();
   ListeningSocket(const ListeningSocket&) = delete;
   ListeningSocket& operator=(const ListeningSocket&) = delete;
@@ -36,13 +36,14 @@ class ListeningSocket {
   ino_t inode_ = 0;
 };
 
-/// Why there is no connection.
+/// Why connecting failed.
 enum class Unconnected : std::uint8_t {
-  nobody,  ///< no socket there, or one that nobody listens at
-  busy,    ///< more wait to be accepted than the system takes
+  nobody,  ///< no socket, or nobody listens
+  busy,    ///< the system's accept queue is full
 };
 
-/// A connected descriptor, non-blocking and closed by exec. Throws base::Error for other reasons.
+/// Returns a connected descriptor, non-blocking and closed by exec. Throws base::Error for other
+/// failures.
 base::Result<int, Unconnected> connect_to(const std::string& path);
 
 struct Peer {
@@ -50,7 +51,7 @@ struct Peer {
   std::int64_t pid = 0;
 };
 
-/// Whose process has the other end, as the kernel says. Throws base::Error.
+/// Returns the peer process as the kernel reports it. Throws base::Error.
 Peer peer_of(int descriptor);
 
 }  // namespace sleight::rpc

@@ -9,7 +9,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// Of one answer; the rest comes with the next.
+/// Size limit of one answer; the next answer has the rest.
 constexpr std::size_t k_answer_bytes_max = 1U << 20U;
 
 std::size_t bytes_in(const Batch& batch) {
@@ -106,7 +106,7 @@ void Watchers::news(JobId job) {
     if (std::find(fresh.begin(), fresh.end(), place.point) == fresh.end())
       fresh.push_back(place.point);
   }
-  // All that is said in one turn of the loop is told together.
+  // News of one turn of the loop are delivered together.
   if (was_idle && !due_.empty()) tasks_.add(kj::evalLast([this] { tell_due(); }));
 }
 
@@ -117,7 +117,8 @@ void Watchers::tell_due() {
     for (const std::size_t point : std::exchange(waiter->fresh, {}))
       fresh.push_back(waiter->points[point]);
     Batches batches = collect(waiter->caller, fresh);
-    // The waiter goes with its promise, in a later turn; a second answer would change nothing.
+    // The waiter is destroyed with its promise, in a later turn. A second fulfil() would have no
+    // effect.
     if (!batches.empty()) waiter->answer->fulfill(kj::mv(batches));
   }
 }

@@ -1,7 +1,7 @@
 // Watch calls that wait for news.
 //
-// A call asks for many jobs; when it comes, the handler is asked for all of them, and afterwards
-// for those that have news. It is answered once, as soon as any of them has something.
+// A watch call names several jobs. The handler is queried for all of them at first, and later only
+// for those with news. The call is answered once, as soon as any job has something.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -31,8 +31,9 @@ class Watchers final : kj::TaskSet::ErrorHandler {
   ~Watchers();
   KJ_DISALLOW_COPY(Watchers);
 
-  /// Nothing after `wait_s_max`. Dropping the promise ends the wait. A connection that is just
-  /// being lost drops it in a later turn of the loop, perhaps after this object is gone.
+  /// Returns an empty list after `wait_s_max`. Dropping the promise ends the wait. A breaking
+  /// connection drops the promise in a later turn of the loop, perhaps after this object is
+  /// destroyed.
   kj::Promise<Batches> wait(const Caller& caller, std::vector<WatchPoint> points);
   void news(JobId job);
   std::size_t waiting() const { return waiting_; }
@@ -54,8 +55,8 @@ class Watchers final : kj::TaskSet::ErrorHandler {
   std::function<void(const std::string&)> complain_;
   std::size_t waiting_ = 0;
   std::unordered_map<std::uint64_t, std::vector<Place>> by_job_;
-  std::vector<Waiter*> due_;  ///< that have news
-  /// For waiters: null once this object is gone.
+  std::vector<Waiter*> due_;  ///< waiters with news
+  /// Used by waiters; null once this object is destroyed.
   std::shared_ptr<Watchers*> self_ = std::make_shared<Watchers*>(this);
   kj::TaskSet tasks_;
 };
