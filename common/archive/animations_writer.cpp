@@ -17,7 +17,6 @@ namespace {
 
 using Integers = Column<std::int64_t>;
 
-/// Makes columns of one group.
 struct Maker {
   Sink& sink;
   std::string_view group;
@@ -27,7 +26,7 @@ struct Maker {
   }
 };
 
-/// Where an animation's rows along a dimension begin, and how many they are.
+/// The start and number of each animation's rows along a dimension.
 class Rows {
  public:
   Rows(const Maker& maker, const char* dim, const char* counted)
@@ -56,7 +55,7 @@ class Rows {
   std::int64_t next_ = 0;
 };
 
-/// A field of a table.
+/// A column for one field of a table.
 template <class Record, class Value>
 class FieldColumn {
  public:
@@ -90,14 +89,14 @@ class FieldColumn {
   Column<Stored<Value>> column_;
 };
 
-/// In the order of the fields: braces see to that.
+/// Returns columns in the fields' order, which brace initialisation guarantees.
 template <const auto& fields>
 auto columns_of(const Maker& maker, const char* dim) {
   return std::apply(
       [&](const auto&... each) { return std::tuple{FieldColumn(maker, dim, each)...}; }, fields);
 }
 
-/// Rows that belong to an animation each.
+/// A table whose rows each belong to one animation.
 template <const auto& fields>
 class AnimationTable {
  public:
@@ -111,7 +110,7 @@ class AnimationTable {
   }
   void flush() {
     rows_.flush();
-    // The order decides where a file has what: this one keeps the bytes of earlier versions.
+    // The order determines positions in the file; this order keeps the bytes of earlier versions.
     for (const ElementType type : {ElementType::i32, ElementType::f64})
       std::apply([&](auto&... columns) { (columns.flush_if(type), ...); }, columns_);
   }
@@ -121,7 +120,7 @@ class AnimationTable {
   decltype(columns_of<fields>(std::declval<const Maker&>(), "")) columns_;
 };
 
-/// Coordinates of places and turns, which other datasets of the group hang on.
+/// Coordinates of positions and rotations, needed by other datasets of the group.
 struct Axes {
   explicit Axes(const Maker& maker) {
     for (const Dimension& dim : {k_axis, k_quaternion})

@@ -1,5 +1,5 @@
-// Writes kept animations: where each was found, its state and outcome, its motion, and what of the
-// scene is its own. Of /animations and /finds. Private to common/archive.
+// Writes the kept animations of /animations and /finds: source, state, outcome, motion, and
+// individual parts of the scene. Private to common/archive.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace sleight::archive {
 
-/// A column that says where an animation was found.
+/// A column that identifies an animation's source, such as its chain or draw.
 struct Address {
   const char* name;
   const char* meaning;
@@ -22,13 +22,13 @@ struct Address {
 
 class AnimationsWriter {
  public:
-  /// `in_proportion`: the group's animations are draws of the model, not only found.
-  /// REQUIRES: the group is there.
+  /// `in_proportion`: the animations are draws of the model, not only finds. REQUIRES: the group
+  /// exists.
   AnimationsWriter(const StateReader& reader, std::string_view group, const char* counted,
                    std::span<const Address> addresses, bool in_proportion, Sink& sink);
   ~AnimationsWriter();
 
-  /// REQUIRES: as many addresses as columns.
+  /// REQUIRES: one address per column.
   void push(std::initializer_list<std::int64_t> addresses, const plan::ScanRecord& record);
   void flush();
 

@@ -1,7 +1,7 @@
-// Buffers between a layout that thinks in records and a Sink that wants long runs of elements.
+// Buffers between a layout that produces records and a Sink that expects long runs of elements.
 //
-// Each column is one dataset. It collects elements and hands them on in batches of fixed size, so
-// that the calls into a sink, and with them a file's bytes, depend on the content alone.
+// Each Column is one dataset. It passes elements on in batches of fixed size, so that the calls
+// into a sink, and hence a file's bytes, depend only on the content.
 #pragma once
 
 #include <cmath>
@@ -18,8 +18,8 @@
 
 namespace sleight::archive {
 
-/// One dataset of Element (double, int64_t, int32_t or int8_t for booleans). The sink must outlive
-/// it; flush() before the archive is finished. Not thread-safe.
+/// One dataset of Element (double, int64_t, int32_t, or int8_t for booleans). The sink must outlive
+/// the Column. Call flush() before finishing the archive. Not thread-safe.
 template <class Element>
 class Column {
  public:
@@ -29,7 +29,7 @@ class Column {
   }
 
   void push(Element value) {
-    // One NaN for all, so that equal content has equal bytes.
+    // Store every NaN with the same bits, so that equal content has equal bytes.
     if constexpr (std::is_same_v<Element, double>) {
       if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
     }
@@ -52,13 +52,13 @@ class Column {
 inline const Dimension k_axis{"axis_xyz", 3};
 inline const Dimension k_quaternion{"quaternion_wxyz", 4};
 
-/// Three elements along k_axis.
+/// Appends three elements along k_axis.
 inline void push_vector(Column<double>& column, const math::Vec3& v) {
   for (const double value : {v.x(), v.y(), v.z()})
     column.push(value);
 }
 
-/// A list of a world's variables, each over some leading dimensions: one dataset each.
+/// A list of a world's variables with common leading dimensions, one dataset per variable.
 class VariableColumns {
  public:
   VariableColumns(Sink& sink, std::string_view group, const std::vector<Dimension>& leading,
@@ -72,7 +72,7 @@ class VariableColumns {
     }
   }
 
-  /// The values of all variables, one after another. REQUIRES: width() of them.
+  /// Appends the values of all variables in order. REQUIRES: width() values.
   void push(std::span<const double> values) {
     CHECK_EQ(values.size(), width_);
     for (auto& [column, size] : columns_) {
@@ -90,7 +90,8 @@ class VariableColumns {
   std::size_t width() const { return width_; }
 
  private:
-  std::vector<std::pair<Column<double>, std::size_t>> columns_;  ///< with the elements of a row
+  std::vector<std::pair<Column<double>, std::size_t>>
+      columns_;  ///< column and its elements per row
   std::size_t width_ = 0;
 };
 

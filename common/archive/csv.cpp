@@ -17,7 +17,7 @@ namespace {
 struct Table {
   std::string_view name;
   std::string_view group;
-  std::vector<std::string> index;  ///< the leading dimensions, whose coordinates come first
+  std::vector<std::string> index;  ///< leading dimensions; their coordinates come first
 };
 
 const std::array<Table, 13>& tables() {
@@ -39,7 +39,7 @@ const std::array<Table, 13>& tables() {
   return all;
 }
 
-/// Most columns of a table: a hostile archive must not make us build a header of gigabytes.
+/// Maximum columns of a table, so that a hostile archive can't cause a header of gigabytes.
 constexpr std::uint64_t k_columns_max = 1'000'000;
 
 std::string quoted(const std::string& field) {
@@ -78,7 +78,7 @@ Values whole(const Source& source, const Group& group, const DatasetSpec& spec) 
   return source.read(group.name, spec.name, 0, element_count(spec));
 }
 
-/// The labels of a dimension inside a column's name: words where its coordinate is text.
+/// Returns a dimension's labels for column names: words if its coordinate is text.
 std::vector<std::string> labels_of(const Source& source, const Group& group, const Dimension& dim) {
   const DatasetSpec& coordinate = coordinate_of(source, group, dim.name);
   if (coordinate.type == ElementType::text && coordinate.dims[0].size == dim.size) {
@@ -90,7 +90,7 @@ std::vector<std::string> labels_of(const Source& source, const Group& group, con
   return labels;
 }
 
-/// "x", or "x[0,0]", "x[0,1]", ... with the last dimension fastest.
+/// Returns "x", or "x[0,0]", "x[0,1]", ... with the last dimension fastest.
 std::vector<std::string> column_names(const Source& source, const Group& group,
                                       const DatasetSpec& spec, std::size_t index_dims) {
   std::vector<std::string> suffixes{""};
@@ -121,7 +121,7 @@ bool is_column(const DatasetSpec& spec, const std::vector<std::string>& index) {
                             &Dimension::name);
 }
 
-/// Consecutive rows.
+/// A run of consecutive rows.
 struct RowRange {
   std::uint64_t first = 0;
   std::uint64_t count = 0;
@@ -129,7 +129,7 @@ struct RowRange {
 
 struct DataColumn {
   const DatasetSpec* spec = nullptr;
-  std::uint64_t width = 1;  ///< elements in a row
+  std::uint64_t width = 1;  ///< elements per row
 };
 
 class Exporter {
@@ -149,7 +149,7 @@ class Exporter {
     for (const DatasetSpec& spec : group.datasets) {
       if (is_column(spec, index)) add_column(spec, index.size());
     }
-    // Rows of a batch share the memory that one dataset's batch may take.
+    // All columns of a batch share the memory of one dataset's batch.
     for (const DataColumn& column : columns_) {
       batch_rows_ = std::min<std::uint64_t>(
           batch_rows_,
@@ -159,7 +159,7 @@ class Exporter {
 
   std::uint64_t rows() const { return rows_; }
 
-  /// REQUIRES: the ranges lie within the rows.
+  /// REQUIRES: the table contains the ranges.
   void run(std::span<const RowRange> ranges, std::ostream& out) const {
     out << header_ << '\n';
     for (const RowRange& range : ranges) {
@@ -170,7 +170,7 @@ class Exporter {
   }
 
  private:
-  /// Longest coordinate that is held whole: 10^9 scans would be 8 GB.
+  /// Longest coordinate read as a whole: 10^9 scans would be 8 GB.
   static constexpr std::uint64_t k_index_max = 200'000'000;
 
   void add_column(const DatasetSpec& spec, std::size_t index_dims) {
@@ -236,7 +236,7 @@ class Exporter {
 
 namespace {
 
-/// The numbers of a dataset over animations.
+/// Returns the values of a dataset over animations.
 std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
                                      std::string_view name) {
   const DatasetSpec* spec = find_dataset(group, name);
@@ -256,7 +256,7 @@ std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
                                 source.name(), animation, animations));
 }
 
-/// A row for each of these animations.
+/// Returns one row per given animation.
 std::vector<RowRange> single_rows(const Source& source, std::uint64_t rows,
                                   std::span<const std::uint64_t> animations) {
   std::vector<RowRange> ranges;
@@ -267,7 +267,7 @@ std::vector<RowRange> single_rows(const Source& source, std::uint64_t rows,
   return ranges;
 }
 
-/// The rows of these animations' segments.
+/// Returns the rows of the given animations along `dim`.
 std::vector<RowRange> rows_of(const Source& source, const Group& group, const std::string& dim,
                               std::uint64_t rows, std::span<const std::uint64_t> animations) {
   const std::vector<std::int64_t> starts = numbers_of(source, group, dim + "_start");
@@ -310,7 +310,7 @@ void export_csv(const Source& source, std::string_view table_name, std::ostream&
         fmt::format("{}: no table '{}', because the run had no search", source.name(), table_name));
   }
   if (group == nullptr || find_dataset(*group, table->index.front()) == nullptr) {
-    // Only some worlds have points.
+    // Only some worlds have surface points.
     if (table->index.front() != "point")
       refuse_archive(source, fmt::format("the group {} is missing", table->group));
     throw base::Error(base::ExitCode::usage,

@@ -1,18 +1,18 @@
-// Archives as CSV, for people and for programs that read nothing else.
+// Exports archives as CSV, for people and for programs that read nothing else.
 //
-// A table is wide: one row for each index, one column for each scalar or element.
+// A table has one row per index, and one column per scalar or array element.
 //   posterior, sample_stats   a row for each (chain, draw)
 //   replicas                  a row for each (chain, replica)
 //   animations                a row for each animation
 //   segments                  a row for each segment of the kept animations
-//   finds, find_segments      likewise of what a search found
+//   finds, find_segments      the same for finds of a search
 //   prior, sample_stats_prior a row for each draw from the prior
-//   features, parts           a row for each of the scene's
+//   features, parts           a row for each feature or part of the scene description
 //   points, find_points       a row for each control point of an animation's surface
-// The first columns are the index, by its coordinates. An element of an array is `name[i,j]`, in
-// double quotes where the name holds a comma (RFC 4180); along a dimension whose coordinate is
-// text the word stands for the number: `accepted[all]`. Doubles are the shortest decimal that
-// reads back to the same bits; nan, inf and -inf are spelled so; booleans are 0 and 1.
+// The first columns are the index, by its coordinates. An array element's column is `name[i,j]`,
+// double-quoted if the name contains a comma (RFC 4180). If a dimension's coordinate is text, the
+// word replaces the number: `accepted[all]`. Doubles are the shortest decimals that read back to
+// the same bits. Not-a-number and infinities are nan, inf and -inf; booleans are 0 and 1.
 #pragma once
 
 #include <cstdint>
@@ -26,13 +26,13 @@
 
 namespace sleight::archive {
 
-/// Their names.
+/// Returns the names of all tables.
 std::vector<std::string> csv_tables();
 
-/// Writes one table, in batches; of one over animations, segments or points only the rows of
-/// `animations`, in their order, where there are any. The caller checks the stream's state at the
-/// end. Throws base::Error: usage when `table` is none of csv_tables() or has no such animation,
-/// bad_archive when the archive has no such group or is damaged.
+/// Writes one table in batches. If `animations` is not empty, tables of animations, segments or
+/// points contain only these animations' rows, in the given order. The caller checks the stream's
+/// state at the end. Throws base::Error: usage if csv_tables() lacks `table` or the table lacks an
+/// animation, bad_archive if the archive lacks the group or is damaged.
 void export_csv(const Source& source, std::string_view table, std::ostream& out,
                 std::span<const std::uint64_t> animations = {});
 

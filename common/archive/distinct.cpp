@@ -27,8 +27,8 @@ void DistinctSelector::offer(base::ChainId chain, base::ScanIndex scan,
   CHECK(!record.state.empty());
   if (options_.keep_per_lineage == 0 || full_lineages_.contains(record.lineage)) return;
 
-  // Compare it with those of its lineage: nothing to ask for of the first, which most often stays
-  // alone.
+  // Compare the animation with others of its lineage. The first needs no likeness, and most
+  // lineages have only one.
   const auto lineage = by_lineage_.find(record.lineage);
   std::vector<double> likeness;
   if (lineage != by_lineage_.end()) {
@@ -37,7 +37,7 @@ void DistinctSelector::offer(base::ChainId chain, base::ScanIndex scan,
   }
   if (!plays_out(record)) return;
 
-  // Keep it, and what the next ones are compared with.
+  // Keep the animation and the likeness for later comparisons.
   auto& kept = lineage != by_lineage_.end() ? lineage->second : by_lineage_[record.lineage];
   if (kept.size() + 1 >= options_.keep_per_lineage) {
     forget(kept);

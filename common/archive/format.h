@@ -1,7 +1,7 @@
-// Names, version and limits of the sample archive: docs/ARCHIVE_FORMAT.md says what they mean.
+// Names, version and limits of the sample archive. docs/ARCHIVE_FORMAT.md defines their meaning.
 //
-// The writer (layout.h), the checker (verify.h) and the HDF5 reader share these words and nothing
-// else, so that the checker is a second opinion and no echo of the writer.
+// The writer (layout.h), the checker (verify.h) and the HDF5 reader share only these names, so that
+// the checker does not repeat the writer's mistakes.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@
 namespace sleight::archive {
 
 inline constexpr std::string_view k_format_name = "sleight-archive";
-/// Raised when a reader of the older version would misread the newer file. No other is read.
+/// Raised if a reader of the older version would misread the newer file. Programs read only this
+/// version.
 inline constexpr std::int64_t k_format_version = 3;
 inline constexpr std::string_view k_inference_library = "sleight";
 
@@ -22,17 +23,18 @@ inline constexpr std::string_view k_root = "/";
 inline constexpr std::string_view k_posterior = "/posterior";
 inline constexpr std::string_view k_sample_stats = "/sample_stats";
 inline constexpr std::string_view k_replicas = "/replicas";
-inline constexpr std::string_view k_tempering = "/tempering";  ///< only where something was learnt
+inline constexpr std::string_view k_tempering =
+    "/tempering";  ///< only if the method learnt something
 inline constexpr std::string_view k_animations = "/animations";
-/// What animations look like (common/scene).
+/// Scene description: how to draw the animations (common/scene).
 inline constexpr std::string_view k_scene = "/scene";
-/// Draws from the prior, by ArviZ's names.
+/// Draws from the prior, with ArviZ's names.
 inline constexpr std::string_view k_prior = "/prior";
 inline constexpr std::string_view k_sample_stats_prior = "/sample_stats_prior";
-/// At most, and of a run of chains that does not say otherwise.
+/// Maximum number of prior draws, and the default for runs of chains.
 inline constexpr std::size_t k_prior_draws_max = 1000;
-/// Only where a search found something, with the attributes `found`: how many, kept or not; and,
-/// where chains relaxed them, `relax_scans`: for so many scans.
+/// Present only if a search found something. Attribute `found`: number of finds, kept or not.
+/// Attribute `relax_scans`, if chains relaxed the finds: number of scans of each relaxation.
 inline constexpr std::string_view k_finds = "/finds";
 inline constexpr std::string_view k_found = "found";
 inline constexpr std::string_view k_finds_warning =
@@ -41,40 +43,40 @@ inline constexpr std::string_view k_finds_warning =
 inline constexpr std::string_view k_relax_scans = "relax_scans";
 inline constexpr std::string_view k_takes_warning =
     "relaxed from a search: proportions are the search's; do not compute averages or odds";
-/// Blind throws whose log densities stand beside those of finds.
+/// Number of blind throws whose log densities are stored beside those of finds.
 inline constexpr std::size_t k_throws = 100;
 inline constexpr std::string_view k_request = "request";
 
-/// Root attributes that the digest leaves out: the digest itself, and what the program's version
-/// enters, so that two versions which compute the same results have the same digest.
+/// Root attributes that the digest omits: the digest itself and whatever depends on the program's
+/// version. So versions that compute the same results have the same digest.
 inline constexpr std::string_view k_content_digest = "content_digest";
 inline constexpr std::string_view k_inference_library_version = "inference_library_version";
-/// Of the program that made the results (deploy/version).
+/// Version of the program that computed the results (deploy/version).
 inline constexpr std::string_view k_results_version = "results_version";
-/// Which run it is: the same for all archives of one run, whatever their cuts.
+/// Identifies the run; equal in all archives of one run.
 inline constexpr std::string_view k_run_id = "run_id";
 
-/// Root attribute, only there where something must be known of the samples: that they are biased.
+/// Root attribute, present only if users must be warned that the samples are biased.
 inline constexpr std::string_view k_warning = "warning";
 
-/// Root attributes `failed_search_gave_up` and so on, one for each kind of failure that simulations
-/// of the run had; none where all went well.
+/// Prefix of root attributes such as `failed_search_gave_up`, one for each kind of failure that
+/// occurred in the run's simulations.
 inline constexpr std::string_view k_failed_prefix = "failed_";
-/// Attribute of /animations, only there where some that satisfied could not be simulated to their
-/// end, and so are not kept.
+/// Attribute of /animations: number of satisfying animations not kept because their motion couldn't
+/// be completed. Absent if 0.
 inline constexpr std::string_view k_failed_animations = "failed_animations";
 inline std::string failed_attribute(plan::FailureKind kind) {
   return std::string(k_failed_prefix) + std::string(plan::name_of(kind));
 }
 
-/// Elements that one pass over a dataset holds at a time, in every writer and reader: 128 KiB of
-/// doubles. More buys no speed; much less makes the calls into HDF5 show.
+/// Elements of a dataset processed at a time by every writer and reader: 128 KiB of doubles. Larger
+/// batches are no faster; much smaller ones make the calls into HDF5 noticeable.
 inline constexpr std::size_t k_batch_elements = 16384;
 
-/// Longest name of a group, dataset, dimension or attribute. Names are letters, digits, '_', '.'
-/// and '-', so they need no quoting in the digest's manifest, in CSV or in a shell.
+/// Longest name of a group, dataset, dimension or attribute. Names consist of letters, digits, '_',
+/// '.' and '-', so they need no quoting in the digest's manifest, in CSV or in a shell.
 inline constexpr std::size_t k_name_bytes_max = 128;
-/// Most dimensions of a dataset: chain, draw and those of the variable.
+/// Maximum dimensions of a dataset: chain, draw and the variable's dimensions.
 inline constexpr std::size_t k_rank_max = 8;
 
 }  // namespace sleight::archive

@@ -1,4 +1,4 @@
-// A reader that hands everything on to another one: for readers that change a part.
+// A reader that forwards all calls to another reader. Base of readers that change some of them.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace sleight::archive {
 
 class ForwardingReader : public StateReader {
  public:
-  /// Borrowed.
+  /// The forwarder borrows `reader`.
   explicit ForwardingReader(const StateReader& reader) : reader_(reader) {}
 
   const WorldLayout& layout() const override { return reader_.layout(); }

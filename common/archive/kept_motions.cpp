@@ -30,14 +30,14 @@ Quat quaternion_at(const Numbers& values, std::size_t row) {
   return {q[0], q[1], q[2], q[3]};
 }
 
-/// None where a number is none of an enumeration of so many.
+/// Returns nothing if the number is not in the enumeration.
 template <class Enum>
 std::optional<Enum> one_of(std::int32_t number, std::size_t count) {
   if (number < 0 || std::cmp_greater_equal(number, count)) return std::nullopt;
   return static_cast<Enum>(number);
 }
 
-/// The tables of /scene, whose structure was found right.
+/// Reads the tables of /scene, whose structure is valid.
 class SceneReader {
  public:
   explicit SceneReader(const Source& source)
@@ -48,7 +48,7 @@ class SceneReader {
       if (rows(dim) > k_scene_rows_max)
         return fmt::format("has more than {} entries along {}", k_scene_rows_max, dim);
     }
-    // Numbers of kinds and shapes mean what is said here.
+    // The archive's names of kinds and shapes must be this program's.
     if (!has_words("kind", scene::k_kind_names) || !has_words("shape", scene::k_shape_names))
       return "has kinds or shapes that are not in the archive format";
     const bool is_read = read_features() && read_parts() && read_meshes();
@@ -159,7 +159,7 @@ class SceneReader {
   const Group& group_;
 };
 
-/// As of points_about: by row, then by column.
+/// True if sorted by row, then by column, as points_about returns them.
 bool are_in_order(std::span<const scene::ControlPoint> points) {
   return std::ranges::is_sorted(points, [](const auto& a, const auto& b) {
     return std::pair(a.j, a.i) < std::pair(b.j, b.i);
@@ -291,7 +291,7 @@ std::vector<Vec3> KeptMotions::offsets_m(std::uint64_t nth, const scene::Scene& 
   std::vector<Vec3> offsets;
   for (std::size_t row = 0; row < rows; ++row) {
     const Vec3 offset = vector_at(values, row);
-    // Of what can't be, nothing is drawn.
+    // An invalid offset draws nothing.
     offsets.push_back(offset.allFinite() ? offset : Vec3{0, 0, 0});
   }
   return offsets;

@@ -1,8 +1,8 @@
-// The scene of an archive, and its animations' motions: what is drawn, searched and exported.
+// Reads the scene of an archive and its animations' motions, for display, search and export.
 //
-// What these functions return has been checked, whoever wrote the file.
+// All returned values have been checked, whoever wrote the file.
 //
-// Thread safety: as the source's.
+// Thread safety: as the source.
 #pragma once
 
 #include <cstdint>
@@ -17,32 +17,32 @@
 
 namespace sleight::archive {
 
-/// Most segments of an animation that are read: some hundred times what twenty dice have.
+/// Maximum segments of an animation: some hundred times those of twenty dice.
 inline constexpr std::uint64_t k_segments_max = 1'000'000;
-/// Likewise of parts and of control points.
+/// Maximum parts, and maximum control points, of an animation.
 inline constexpr std::uint64_t k_own_rows_max = 1'000'000;
-/// Most features, parts, vertices and triangles of a scene.
+/// Maximum features, parts, vertices or triangles of a scene.
 inline constexpr std::uint64_t k_scene_rows_max = 4'000'000;
 
-/// What the archive's animations look like; or why that can't be told. Throws base::Error where it
-/// can't be read.
+/// Returns the archive's scene, or why it is invalid. Throws base::Error if the archive can't be
+/// read.
 base::Result<scene::Scene, std::string> scene_of(const Source& source);
 
 /// The motions of /animations or /finds.
 class KeptMotions {
  public:
-  /// REQUIRES: scene_of gave its scene, and it has the group.
+  /// REQUIRES: scene_of returned the scene, and the group exists.
   KeptMotions(const Source& source, std::string_view group);
 
   std::uint64_t count() const { return count_; }
-  /// Of one animation; or why it is none. Throws what the source throws.
-  /// REQUIRES: nth < count(); the archive's scene.
+  /// Returns an animation, or why it is invalid. Throws what the source throws. REQUIRES: nth <
+  /// count(); `scene` is the archive's.
   base::Result<motion::Animation, std::string> animation(std::uint64_t nth,
                                                          const scene::Scene& scene) const;
-  /// What of the scene is its own; likewise.
+  /// Returns the parts of the scene specific to the animation. Errors as animation().
   base::Result<scene::Variation, std::string> variation(std::uint64_t nth,
                                                         const scene::Scene& scene) const;
-  /// The offsets of the scene's vertices, by row; empty where there are none.
+  /// Returns offsets of the scene's vertices, by row. Empty: no offsets.
   std::vector<math::Vec3> offsets_m(std::uint64_t nth, const scene::Scene& scene) const;
   bool in_proportion(std::uint64_t nth) const;
 
@@ -53,7 +53,7 @@ class KeptMotions {
   };
   base::Result<Rows, std::string> rows(std::uint64_t nth, const std::string& dim,
                                        std::uint64_t most) const;
-  /// Rows of a table (tables.h), up to the first with a number out of its field's range.
+  /// Reads rows of a table (tables.h), up to the first row with a value out of range.
   template <const auto& fields>
   auto records(const Rows& rows) const;
   template <class Element>

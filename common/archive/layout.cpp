@@ -21,7 +21,7 @@ std::uint64_t archived_states(const RunView& view, const ArchiveOptions& options
   return view.draws() == 0 ? 0 : (view.draws() - 1) / options.thin + 1;
 }
 
-/// /posterior: the state of every thin-th scan.
+/// Writes /posterior: the state of every thin-th scan.
 class PosteriorWriter {
  public:
   PosteriorWriter(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
@@ -65,7 +65,7 @@ void write_kinds(Sink& sink, std::string_view group, const Dimension& dim,
   write_words(sink, group, dim.name, {dim}, "kind of proposal", kinds);
 }
 
-/// Proposals and acceptances of every scan, by kind.
+/// Columns of every scan's proposals and acceptances, by kind.
 class ProposalColumns {
  public:
   ProposalColumns(Sink& sink, const Dims& leading, const std::vector<std::string>& kinds) {
@@ -97,7 +97,7 @@ class ProposalColumns {
       proposed += record.proposed[kind];
       accepted += record.accepted[kind];
     }
-    // Without proposals: 0 / 0, the NaN that says "does not apply".
+    // Without proposals, 0 / 0 gives NaN: "does not apply".
     rate_->push(static_cast<double>(accepted) / static_cast<double>(proposed));
   }
 
@@ -114,7 +114,7 @@ class ProposalColumns {
   std::size_t kinds_ = 0;
 };
 
-/// /sample_stats: scalars of every scan.
+/// Writes /sample_stats: scalars of every scan.
 class SampleStatsWriter {
  public:
   SampleStatsWriter(const RunView& view, const WorldLayout& layout, Sink& sink) {
@@ -162,7 +162,7 @@ class SampleStatsWriter {
   std::optional<VariableColumns> outcomes_;
 };
 
-/// A replica's newest archived state; of one that has none, nothing.
+/// A replica's newest archived state.
 struct NewestState {
   base::ScanIndex scan;
   plan::ScanRecord record;
@@ -170,7 +170,7 @@ struct NewestState {
 using NewestStates =
     std::vector<std::vector<std::optional<NewestState>>>;  ///< by chain, by replica
 
-/// /replicas: the newest archived state of each chain's replicas.
+/// Writes /replicas: the newest archived state of each chain's replicas.
 void write_replicas(const NewestStates& newest, const StateReader& reader, Sink& sink) {
   sink.create_group(k_replicas);
   Dims dims{{"chain", newest.size()}, {"replica", newest.empty() ? 1 : newest.front().size()}};
@@ -229,7 +229,7 @@ NewestStates newest_states(const RunView& view, std::uint64_t thin, NewestStates
   return all;
 }
 
-/// /tempering: what the method learnt, as it says it.
+/// Writes /tempering: what the method learnt.
 void write_report(const plan::Report& report, const WorldLayout& layout, Sink& sink) {
   if (report.empty()) return;
   sink.create_group(k_tempering);
@@ -260,13 +260,13 @@ void write_report(const plan::Report& report, const WorldLayout& layout, Sink& s
   }
 }
 
-/// Draws then occur otherwise than the model has them.
+/// True if draws are weighted, so that they don't occur in the model's proportions.
 bool has_weights(const plan::Report& report) {
   return std::ranges::any_of(report.tables,
                              [](const plan::Table& table) { return table.name == "log_weight"; });
 }
 
-/// Counts what is done of a part, for whoever hears it.
+/// Counts the finished steps of a part and reports them to `hear`.
 class Counted {
  public:
   Counted(const HearWriting& hear, WritingProgress::Part part, std::uint64_t total)
@@ -286,7 +286,7 @@ class Counted {
   WritingProgress now_;
 };
 
-/// /animations: what is kept of the draws.
+/// Writes /animations: the kept draws.
 void write_animations(DistinctSelector& selector, const StateReader& reader,
                       const ArchiveOptions& options, bool in_proportion, Sink& sink,
                       const HearWriting& hear) {
@@ -300,7 +300,7 @@ void write_animations(DistinctSelector& selector, const StateReader& reader,
               "identifies the chain's visit to the prior from which the state descends"}};
   AnimationsWriter animations(reader, k_animations, "kept animation, by (draw, chain)", k_addresses,
                               in_proportion, sink);
-  // Each kept animation is asked for once more, for its motion (remembering_reader.h).
+  // Each kept animation's motion is requested again here (see remembering_reader.h).
   const std::vector<KeptAnimation> all_kept = selector.finish();
   Counted written(hear, WritingProgress::Part::animations, all_kept.size());
   for (const KeptAnimation& kept : all_kept) {
@@ -319,7 +319,7 @@ std::string warning_of_finds(const RunView& view) {
   return std::string(view.relax_scans() > 0 ? k_takes_warning : k_finds_warning);
 }
 
-/// /finds: what a search found, and how plausible blind throws are beside it.
+/// Writes /finds: the finds of a search, with log densities of blind throws for comparison.
 void write_finds(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
                  Sink& sink, const HearWriting& hear) {
   if (view.finds() == 0) return;
@@ -393,7 +393,7 @@ void write_archive(const RunView& view, const StateReader& reader, const Archive
   write_scene(reader.scene(), sink);
   write_prior(view, reader, sink);
 
-  // One walk over the run, chain by chain: scalars, states and candidates for the animations.
+  // Visit the run once, chain by chain, for scalars, states and candidate animations.
   PosteriorWriter posterior(view, reader, options, sink);
   SampleStatsWriter sample_stats(view, reader.layout(), sink);
   DistinctSelector selector(reader,

@@ -19,7 +19,7 @@ Values part_of(const Values& block, std::uint64_t first, std::uint64_t count) {
       block);
 }
 
-/// Of numbers; texts may be long.
+/// Returns the number of elements; 0 for texts, which may be long.
 std::uint64_t elements_of(const Source& source, std::string_view group, std::string_view dataset) {
   const Group* in = find_group(source, group);
   const DatasetSpec* spec = in == nullptr ? nullptr : find_dataset(*in, dataset);
@@ -46,7 +46,7 @@ Values ReadAhead::read(std::string_view group, std::string_view dataset, std::ui
       reading.end = first + ahead;
       return part_of(reading.block, 0, count);
     } catch (const base::Error&) {
-      // Damage behind what was asked for: that may be sound by itself.
+      // A later part of the block is damaged; the requested range may still be intact.
     }
   }
   return source_->read(group, dataset, first, count);

@@ -1,11 +1,11 @@
-// A source that answers a row of small questions out of few large ones: of a reader in another
-// process each question costs as much as thousands of values (remote/remote_source.h).
+// A source that serves many small reads from few large ones. A read from a reader process costs as
+// much as reading thousands of values (remote/remote_source.h).
 //
-// Who reads a dataset from one place on, as the motions of one animation after the other, gets the
-// next values out of a block that was asked for at once. Values and errors are those of the source;
-// what of a damaged file can be read alone can still be.
+// Sequential reads of a dataset, such as one animation's motion after the other, are served from a
+// block read in advance. Values and errors are those of the source. Intact parts of a damaged file
+// stay readable.
 //
-// Thread safety: as the source's, and one thread at a time.
+// Thread safety: as the source, and one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace sleight::archive {
 
-/// Values of a block: 128 kB of the widest.
+/// Elements per block: 128 kB for the largest type.
 inline constexpr std::uint64_t k_read_ahead = 16'384;
 
 class ReadAhead final : public Source {
@@ -35,9 +35,9 @@ class ReadAhead final : public Source {
 
  private:
   struct Reading {
-    std::uint64_t next = 0;   ///< where the last question ended
-    std::uint64_t begin = 0;  ///< of the block
-    std::uint64_t end = 0;    ///< behind it; begin: there is none
+    std::uint64_t next = 0;   ///< end of the last read
+    std::uint64_t begin = 0;  ///< start of the block
+    std::uint64_t end = 0;    ///< end of the block; equal to begin: no block
     Values block{};
   };
 

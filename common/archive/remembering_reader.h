@@ -1,7 +1,8 @@
-// A reader that remembers motions, so that none is simulated twice: an archive asks for each kept
-// animation's motion when it chooses and when it writes, and the next archive of the run again.
+// A reader that caches motions, so that each is simulated only once. An archive requests each kept
+// animation's motion when selecting and when writing it, and the run's next archive requests it
+// again.
 //
-// It changes nothing that an archive says. Not thread-safe: motions go through one memory.
+// The cache does not change an archive's content. Not thread-safe: all motions share one cache.
 #pragma once
 
 #include <functional>
@@ -13,7 +14,7 @@
 
 namespace sleight::archive {
 
-/// Where motions are remembered, by their states. It may forget any of them.
+/// A cache of motions by state, which may drop any of them.
 class Motions {
  public:
   virtual ~Motions() = default;
@@ -23,8 +24,8 @@ class Motions {
 
 class RememberingReader final : public ForwardingReader {
  public:
-  /// `before_each` is called before each motion that has to be simulated and before each animation
-  /// that is to be compared; what it throws ends the work. Everything is borrowed.
+  /// Calls `before_each` before each motion to be simulated and each animation to be compared; an
+  /// exception from it ends the work. All arguments are borrowed.
   RememberingReader(const StateReader& reader, Motions& motions,
                     std::function<void()> before_each = {})
       : ForwardingReader(reader), motions_(motions), before_each_(std::move(before_each)) {}

@@ -1,5 +1,5 @@
-// A run's results as an archive is derived from them: complete up to one common scan, in logical
-// order. The run store gives one; tests give theirs.
+// A run's results for an archive: complete up to one common scan, in logical order. The run store
+// provides a RunView; tests provide their own.
 #pragma once
 
 #include <cstdint>
@@ -15,39 +15,40 @@ class RunView {
  public:
   virtual ~RunView() = default;
   virtual std::uint32_t chains() const = 0;
-  /// Draws 0 .. draws()-1 are present for every chain: the cut. A draw is a scan's state at inverse
-  /// temperature 1; of plain chains, and of tempered ladders, scan and draw are one.
+  /// Returns the cut: draws 0 .. draws()-1 are present for every chain. A draw is a scan's state at
+  /// inverse temperature 1. In plain chains and tempered ladders, draws and scans coincide.
   virtual std::uint64_t draws() const = 0;
-  /// Calls `visit` for draws 0 .. draws()-1 of one chain, with their numbers.
+  /// Calls `visit` with each draw 0 .. draws()-1 of one chain and its number.
   virtual void for_each_draw(
       base::ChainId chain,
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const = 0;
 
-  /// Whether a draw may become a kept animation, if it satisfies: where one of a lineage's draws is
-  /// its independent solution, that one and later ones.
+  /// Returns whether a satisfying draw may become a kept animation. If one of a lineage's draws is
+  /// its independent solution, only that draw and later ones may.
   virtual bool may_be_kept(base::ChainId /*chain*/, base::ScanIndex /*draw*/) const { return true; }
 
-  /// Of a chain, at most. Plain chains have one, which is at inverse temperature 1 all the time.
+  /// Maximum replicas of a chain. A plain chain has one, always at inverse temperature 1.
   virtual std::uint32_t replicas() const { return 1; }
-  /// Calls `visit` for each replica of a chain that has one with its newest state at a multiple of
-  /// `thin`, in order. Called where there are more replicas than one.
+  /// Calls `visit`, in order, with each of a chain's replicas and its newest state at a multiple of
+  /// `thin`, if it has one. Called only if replicas() > 1.
   virtual void for_each_replica(
       base::ChainId /*chain*/, std::uint64_t /*thin*/,
       const std::function<void(base::ReplicaId, base::ScanIndex,
                                const plan::ScanRecord&)>& /*visit*/) const {}
-  /// Draws from the prior, with their numbers, from 0 in order; the records have no state.
+  /// Number of draws from the prior. They are visited in order from 0; their records have no state.
   virtual std::uint64_t prior_draws() const { return 0; }
   virtual void for_each_prior_draw(
       const std::function<void(std::uint64_t nth, const plan::ScanRecord&)>& /*visit*/) const {}
-  /// Scans of the chains that relaxed the finds; 0: they are as they were found.
+  /// Scans of the chains that relaxed the finds. 0: finds are as found.
   virtual std::uint64_t relax_scans() const { return 0; }
-  /// Finds of a search, and visits each with the number of its start, in order.
+  /// Number of finds of a search. They are visited in order, with the number of their start.
   virtual std::uint64_t finds() const { return 0; }
   virtual void for_each_find(
       const std::function<void(std::uint64_t start, const plan::ScanRecord&)>& /*visit*/) const {}
-  /// What the method learnt from these scans.
+  /// Returns what the method learnt from these scans.
   virtual plan::Report report() const { return {}; }
-  /// Simulations that failed in these scans, those of all replicas and before the first draw too.
+  /// Returns failed simulations in these scans, including those of all replicas and before the
+  /// first draw.
   virtual plan::FailureCounts failures() const { return {}; }
 };
 

@@ -19,7 +19,7 @@ Column<double> metres(Sink& sink, const char* name, const Dims& dims, const char
   return {sink, k_scene, spec_of(name, ElementType::f64, dims, long_name, "m")};
 }
 
-/// The coordinate of a dimension that counts words.
+/// Writes the coordinate of a dimension labelled by words.
 template <std::size_t n>
 void write_names(Sink& sink, const char* dim, const std::array<std::string_view, n>& names,
                  const char* long_name) {
@@ -110,7 +110,7 @@ void write_meshes(const scene::Scene& scene, Sink& sink) {
   corner.flush();
 }
 
-/// Means and standard deviations of the normal components, where a variable has some.
+/// Writes means and standard deviations of variables with normal components.
 void write_normal_priors(Sink& sink, const std::vector<Variable>& variables) {
   for (const Variable& variable : variables) {
     if (variable.prior_sd.empty()) continue;

@@ -1,5 +1,5 @@
-// The groups that say what a run's animations look like and what its prior is: /scene, /prior and
-// /sample_stats_prior. Private to common/archive.
+// Writes the groups for the scene and the prior: /scene, /prior and /sample_stats_prior. Private to
+// common/archive.
 #pragma once
 
 #include "common/archive/model.h"
@@ -8,10 +8,10 @@
 
 namespace sleight::archive {
 
-/// REQUIRES: fault_of(scene) finds none.
+/// REQUIRES: fault_of(scene) is empty.
 void write_scene(const scene::Scene& scene, Sink& sink);
 
-/// The view's draws from the prior, as one chain.
+/// Writes the view's draws from the prior, as one chain.
 void write_prior(const RunView& view, const StateReader& reader, Sink& sink);
 
 }  // namespace sleight::archive

@@ -1,5 +1,5 @@
-// What the writers of the archive's groups have in common: datasets' descriptions, coordinates,
-// the densities of a record. Private to common/archive.
+// Helpers shared by the writers of the archive's groups: dataset descriptions, coordinates, and the
+// densities of a record. Private to common/archive.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +15,26 @@ namespace sleight::archive {
 
 using Dims = std::vector<Dimension>;
 
-/// REQUIRES: it fits.
+/// REQUIRES: the value fits the result type.
 std::int64_t signed_of(std::uint64_t value);
 std::int32_t small_of(std::uint64_t value);
 
 DatasetSpec spec_of(std::string name, ElementType type, Dims dims, std::string long_name,
                     std::string units = "1");
 
-/// The coordinate 0, step, 2 step, ... of a dimension.
+/// Writes the coordinate 0, step, 2 step, ... of a dimension.
 void write_coordinate(Sink& sink, std::string_view group, const Dimension& dim,
                       std::string long_name, std::uint64_t step = 1);
 
-/// Coordinates 0, 1, ... of the dimensions that a world's variables bring along, once each.
+/// Writes coordinates 0, 1, ... of the dimensions of a world's variables, each once.
 void write_own_coordinates(Sink& sink, std::string_view group,
                            const std::vector<Variable>& variables, Dims& written);
 
-/// A dataset of words, each at most as long as the longest.
+/// Writes a dataset of words, sized for the longest.
 void write_words(Sink& sink, std::string_view group, const std::string& name, const Dims& dims,
                  const std::string& long_name, std::span<const std::string> words);
 
-/// The columns that /sample_stats, /replicas, /animations and others have in common.
+/// The columns common to /sample_stats, /replicas, /animations and others.
 class DensityColumns {
  public:
   DensityColumns(Sink& sink, std::string_view group, const Dims& leading);

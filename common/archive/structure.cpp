@@ -20,7 +20,7 @@ struct Expected {
   Names dims;
 };
 
-/// Of every archive. Those of a group that isn't there are passed over.
+/// Returns the datasets of every archive. Datasets of missing groups are skipped.
 std::vector<Expected> expected_in_all() {
   using enum ElementType;
   const Names draws{"chain", "draw"};
@@ -69,7 +69,7 @@ std::vector<Expected> expected_in_all() {
   };
 }
 
-/// Motions of one form, of /animations and /finds alike.
+/// Returns the datasets of motions, the same for /animations and /finds.
 std::vector<Expected> expected_motions(std::string_view group) {
   using enum ElementType;
   const Names segments{"segment"};
@@ -90,7 +90,7 @@ std::vector<Expected> expected_motions(std::string_view group) {
   };
 }
 
-/// What of the scene is an animation's own: all of a kind, or none.
+/// Returns the datasets of an animation's own parts of the scene: all of a kind, or none.
 std::vector<Expected> expected_own_parts(std::string_view group) {
   using enum ElementType;
   return {
@@ -167,7 +167,7 @@ bool has_dataset(const Source& source, std::string_view group, std::string_view 
   return found != nullptr && find_dataset(*found, dataset) != nullptr;
 }
 
-/// Of an archive that has what this one has of the optional kinds.
+/// Returns the datasets expected for this archive's optional groups.
 std::vector<Expected> expected_datasets(const Source& source) {
   std::vector<Expected> all = expected_in_all();
   const auto add = [&all](const std::vector<Expected>& more) {
@@ -196,7 +196,7 @@ std::string shown(ElementType type, const Names& dims) {
 
 void check_expected(const Source& source, const Expected& expected, Findings& findings) {
   const Group* group = find_group(source, expected.group);
-  if (group == nullptr) return;  // reported once, for the group
+  if (group == nullptr) return;  // reported once for the group
   const std::string path = path_of(expected.group, expected.name);
   const DatasetSpec* spec = find_dataset(*group, expected.name);
   if (spec == nullptr) {
@@ -220,7 +220,7 @@ void check_attribute(const Source& source, std::string_view group_name, std::str
   }
 }
 
-/// A root attribute with the one value that it may have.
+/// Checks a root attribute that may have only one value.
 template <class T>
 void check_value(const Source& source, std::string_view name, const T& expected,
                  Findings& findings) {
@@ -232,11 +232,11 @@ void check_value(const Source& source, std::string_view name, const T& expected,
   }
 }
 
-/// The dimensions that a world's variable of a group may begin with.
+/// Returns the leading dimensions allowed for a world's variable in a group.
 std::vector<Names> leading_dims(std::string_view group) {
   if (group == k_posterior || group == k_sample_stats || group == k_sample_stats_prior)
     return {{"chain", "draw"}};
-  // Without leading dimensions: means and standard deviations of a variable's elements.
+  // No leading dimensions: means and standard deviations of a variable's elements.
   if (group == k_prior) return {{"chain", "draw"}, {}};
   if (group == k_replicas) return {{"chain", "replica"}};
   if (group == k_tempering) return {{"chain"}};
@@ -259,7 +259,7 @@ void check_coordinates(const Group& group, const DatasetSpec& spec, Findings& fi
   }
 }
 
-/// What is not in the list of expected datasets must be a world's variable or its coordinate.
+/// Any other dataset must be a world's variable or its coordinate.
 void check_other(const Group& group, const DatasetSpec& spec, Findings& findings) {
   const std::string path = path_of(group.name, spec.name);
   if (is_coordinate(spec)) {

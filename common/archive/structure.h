@@ -1,4 +1,4 @@
-// The first half of verify: attributes, datasets, types and dimensions, without any value.
+// Verifies attributes, datasets, types and dimensions, without reading values.
 #pragma once
 
 #include <string>
@@ -8,8 +8,9 @@
 
 namespace sleight::archive {
 
-/// One sentence for each fault; empty when every dataset of docs/ARCHIVE_FORMAT.md is there with
-/// its type and dimensions, every dimension has its coordinate, and all else is a world's variable.
+/// Returns one sentence per fault. Empty if every dataset of docs/ARCHIVE_FORMAT.md has the right
+/// type and dimensions, every dimension has its coordinate, and everything else is a world's
+/// variable.
 std::vector<std::string> check_structure(const Source& source);
 
 }  // namespace sleight::archive

@@ -25,13 +25,13 @@ T attribute_of(const Source& source, std::string_view group, std::string_view na
   return *value;
 }
 
-/// Empty where there is none.
+/// Returns an empty string if there is no warning.
 std::string warning_of(const Source& source) {
   if (find_attribute(group_of(source, k_root).attributes, k_warning) == nullptr) return {};
   return attribute_of<std::string>(source, k_root, k_warning);
 }
 
-/// 0 where there is no such attribute: it is there only where something failed.
+/// Returns 0 if the attribute is absent, which means that nothing failed.
 std::uint64_t count_of_failures(const Source& source, std::string_view group,
                                 std::string_view name) {
   if (find_attribute(group_of(source, group).attributes, name) == nullptr) return 0;

@@ -1,5 +1,5 @@
-// The tables that an animation has rows of, by their fields: its segments, and parts and control
-// points of the scene that are its own. Private to common/archive.
+// The tables in which an animation has rows, by their fields: segments, and individual parts and
+// control points of the scene. Private to common/archive.
 #pragma once
 
 #include <concepts>
@@ -13,7 +13,7 @@
 
 namespace sleight::archive {
 
-/// What elements of a field are written as.
+/// The stored element type of a field.
 template <class Value>
 using Stored =
     std::conditional_t<std::same_as<motion::Element<Value>, double>, double, std::int32_t>;
@@ -43,7 +43,7 @@ inline constexpr std::tuple k_point_fields{
 
 template <class Record, class... Values>
 Record record_of(const std::tuple<motion::Field<Record, Values>...>& fields);
-/// What such a list is of.
+/// The record type of a field list.
 template <const auto& fields>
 using RecordOf = decltype(record_of(fields));
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr char32_t k_broken = 0xFFFFFFFF;
 
-/// Takes one code point off the front; k_broken when the bytes are no UTF-8 (RFC 3629).
+/// Removes the first code point and returns it; k_broken if the bytes are not UTF-8 (RFC 3629).
 char32_t take_code_point(std::string_view& text) {
   const auto lead = static_cast<std::uint8_t>(text.front());
   const std::size_t length = lead < 0x80   ? 1
@@ -25,7 +25,7 @@ char32_t take_code_point(std::string_view& text) {
     if ((byte & 0xC0U) != 0x80) return k_broken;
     point = point << 6U | (byte & 0x3FU);
   }
-  // Longer than need be, half of a surrogate pair, or past the last code point.
+  // Overlong, half of a surrogate pair, or past the last code point.
   constexpr std::array<char32_t, 5> least{0, 0, 0x80, 0x800, 0x10000};
   if (point < least[length] || (point >= 0xD800 && point < 0xE000) || point > 0x10FFFF) {
     return k_broken;

@@ -1,8 +1,7 @@
-// How a world's states and outcomes are named in archives, and how their bytes are
-// read.
+// How a world's states and outcomes are named in archives, and how their bytes are read.
 //
-// The archive and the services treat states as opaque bytes; a world (worker/worlds) gives this
-// description and one StateReader, and a program's main joins the two.
+// The archive and the services treat states as opaque bytes. Each world (worker/worlds) provides a
+// WorldLayout and a StateReader; a program's main function connects the two sides.
 #pragma once
 
 #include <cstddef>
@@ -18,18 +17,19 @@
 namespace sleight::archive {
 
 struct Dimension {
-  std::string name;  ///< e.g. "collision"; one name has one size within a group
+  std::string name;  ///< such as "collision"; one size per name within a group
   std::size_t size = 0;
 };
 
 /// A named array of doubles.
 struct Variable {
-  std::string name;             ///< with its unit as suffix, e.g. "normal_rad"
-  std::vector<Dimension> dims;  ///< none for a scalar
+  std::string name;             ///< with unit as suffix, such as "normal_rad"
+  std::vector<Dimension> dims;  ///< empty for a scalar
   std::string unit;             ///< "rad", "m", "1" for a pure number
   std::string meaning;          ///< one sentence, for `long_name`
-  /// Of a state's variable: its components' normal distributions under the prior, one for each
-  /// element; of a component that is not normal NaN, of one that is fixed 0. Empty: none is.
+  /// For a state's variable: mean and standard deviation of each element under the normal prior.
+  /// NaN for an element that is not normal, standard deviation 0 for a fixed one. Empty: no normal
+  /// elements.
   std::vector<double> prior_mean = {};
   std::vector<double> prior_sd = {};
   std::size_t size() const {
@@ -45,71 +45,72 @@ struct WorldLayout {
   std::vector<Variable> variables;          ///< of the state
   std::vector<Variable> outcomes;           ///< of each scan
   std::vector<std::string> proposal_kinds;  ///< at least one
-  /// One line that a user of the samples must know; empty: none. Programs print it when a run
-  /// starts, and its archive carries it.
+  /// One line that users of the samples must know; empty: none. Programs print the warning when a
+  /// run starts, and the archive stores it.
   std::string warning = {};
-  /// P(satisfied) of draws from the prior, divided by e to this, is that of natural throws, which a
-  /// person could make blindly. Below 0 where only some draws are such throws, and all that satisfy
-  /// are among them: the log of the probability that a draw has all balls in it. Above 0 where a
-  /// draw satisfies as soon as one of several equally likely throws that it stands for does: dice
-  /// whose faces are numbered afterwards.
+  /// log of P(satisfied) under the prior divided by P(satisfied) of natural throws, which a person
+  /// could make blindly. Below 0 if only some draws are such throws and include all that satisfy:
+  /// the log of the probability that a draw has all balls in it. Above 0 if a draw stands for
+  /// several equally likely throws and satisfies if one of them does, as with dice whose faces are
+  /// numbered afterwards.
   double log_natural_throw = 0;
 };
 
-/// Of a state's variables those whose values prior draws hold: not large ones of which the
-/// distribution says all, such as a thousand normal offsets.
+/// Limit for variables whose prior draws are stored. Larger variables, such as a thousand normal
+/// offsets, are omitted because their distribution says everything.
 inline constexpr std::size_t k_prior_elements_max = 64;
 std::vector<Variable> prior_variables(const WorldLayout& layout);
-/// Of the values of all variables theirs.
+/// Returns the values of prior_variables from the values of all variables.
 std::vector<double> prior_values(const WorldLayout& layout, std::span<const double> values);
 
-/// Whether a motion ends as the outcome said.
+/// Whether a motion ends as the outcome predicted.
 enum class PlaysOut : std::uint8_t {
   yes,
-  otherwise,  ///< it takes too long to come to rest
-  failed      ///< the simulator can't carry it out
+  otherwise,  ///< takes too long to come to rest
+  failed      ///< the simulator can't complete the motion
 };
 
-/// The whole motion of a satisfying state, simulated to its end: it was perhaps decided early.
+/// A satisfying state's motion, simulated to its end, although its outcome may have been decided
+/// early.
 struct Motion {
   PlaysOut ends = PlaysOut::yes;
-  /// Of each body in the order of time, bodies in any order; none unless it plays out.
+  /// Each body's segments in order of time, bodies in any order. Empty unless `ends` is yes.
   std::vector<motion::Segment> segments{};
 };
 
-/// Reads the opaque state bytes of one world with one request. Thread-safe.
-/// REQUIRES of every function: `state` came from this world's worker (a run store is ours).
+/// Reads the opaque state bytes of one world with one request. Thread-safe. REQUIRES, for every
+/// function: this world's worker produced `state`.
 class StateReader {
  public:
   virtual ~StateReader() = default;
   virtual const WorldLayout& layout() const = 0;
-  /// The values of all variables, in layout order, row-major each.
+  /// Returns the values of all variables in layout order, each row-major.
   virtual std::vector<double> variables(base::BytesView state) const = 0;
-  /// What of an animation is compared with others: numbers whose meaning is the world's own. They
-  /// may take a simulation, and some kilobytes.
+  /// Returns numbers for comparing animations, whose meaning depends on the world. May take a
+  /// simulation, and some kilobytes.
   virtual std::vector<double> likeness(base::BytesView state) const = 0;
-  /// How unlike two animations look, in the world's own stated unit: 0 for equal ones. REQUIRES:
-  /// what likeness() gave of them.
+  /// Returns how different two animations look, in the world's stated unit; 0 for equal ones.
+  /// REQUIRES: results of likeness().
   virtual double likeness_distance(std::span<const double> a, std::span<const double> b) const = 0;
-  /// Whether that is above `distance`, which may be seen sooner than how far above.
+  /// Returns whether likeness_distance exceeds `distance`, which may be cheaper.
   virtual bool is_unlike(std::span<const double> a, std::span<const double> b,
                          double distance) const {
     return likeness_distance(a, b) > distance;
   }
-  /// The motion of a state. Only states that play out are kept as animations.
+  /// Returns the motion of a state. Only states that play out are kept as animations.
   virtual Motion play(base::BytesView state) const = 0;
-  /// What the run's animations look like; the same for each.
+  /// Returns the scene shared by all animations of the run.
   virtual const scene::Scene& scene() const = 0;
-  /// What of that is the animation's own. REQUIRES: the segments of that state's motion.
+  /// Returns the animation's own parts of the scene. REQUIRES: `segments` are the state's motion.
   virtual scene::Variation variation(base::BytesView /*state*/,
                                      std::span<const motion::Segment> /*segments*/) const {
     return {};
   }
-  /// The values of prior_variables of the nth draw from the prior, which takes no simulation: a
-  /// run's workers simulate it (RunView::for_each_prior_draw).
+  /// Returns the values of prior_variables of the nth draw from the prior, without a simulation;
+  /// the run's workers simulate the draw (RunView::for_each_prior_draw).
   virtual std::vector<double> prior_draw(std::uint64_t nth) const = 0;
-  /// log p_w of so many blind throws, as a person would make them: what the log p_w of something
-  /// found is to be compared with. Always the same ones.
+  /// Returns log p_w of `count` blind throws as a person would make them, for comparison with the
+  /// log p_w of finds. Always returns the same throws.
   virtual std::vector<double> log_priors_of_throws(std::size_t /*count*/) const { return {}; }
 };
 

@@ -1,4 +1,4 @@
-// What a batch job's ranks say to each other, as plain values; wire/ encodes and decodes them.
+// The messages between a batch job's ranks as plain values. wire/ encodes and decodes them.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,21 @@
 namespace sleight::schema {
 
 struct Hello {
-  std::string results_version;  ///< of the program
+  std::string results_version;
   std::string identity;
-  std::uint32_t threads = 1;  ///< that compute
+  std::uint32_t threads = 1;  ///< computing threads
 };
 struct Assignment {
   std::uint64_t epoch = 0;
   std::uint64_t assignment = 0;
   plan::Block block;
-  std::vector<plan::GivenState> states;  ///< of each member
+  std::vector<plan::GivenState> states;  ///< by member
 };
-/// Results have of their units only replica, first scan and number of scans.
+/// Results contain only the replica, first scan and number of scans of their units.
 struct Delivery {
   std::uint64_t epoch = 0;
   std::uint64_t assignment = 0;
-  std::vector<plan::UnitResult>
-      results;  ///< of each member; none: a state is neither given nor held
+  std::vector<plan::UnitResult> results;  ///< by member; empty: a state is missing
   plan::CacheUse cache;
 };
 struct Ping {
@@ -34,7 +33,7 @@ struct Ping {
 };
 struct Pong {
   std::uint64_t epoch = 0;
-  std::vector<std::uint64_t> assignments;  ///< that are before the worker
+  std::vector<std::uint64_t> assignments;  ///< outstanding
 };
 struct Stop {};
 struct Failure {

@@ -22,7 +22,7 @@ std::uint64_t canonical_bits(double value) {
   return std::isnan(value) ? k_canonical_nan : std::bit_cast<std::uint64_t>(value);
 }
 
-/// Hash of one dataset's values, given in any batches.
+/// Hashes one dataset's values; the split into batches doesn't matter.
 class ValueHash {
  public:
   void update(const ValuesView& values) {
@@ -86,7 +86,7 @@ bool left_out(const Group& group, const Attribute& attribute) {
           attribute.name == k_results_version || attribute.name == k_run_id);
 }
 
-/// `hash_of(group, spec)` gives the hash of a dataset's values.
+/// `hash_of(group, spec)` returns the hash of a dataset's values.
 template <class HashOf>
 std::string manifest_of(const std::vector<Group>& groups, HashOf&& hash_of) {
   std::vector<std::string> lines;
@@ -121,7 +121,7 @@ std::string hash_of_dataset(const Source& source, const Group& group, const Data
   return hash.finish();
 }
 
-/// Passes an archive on to another sink, checks model.h's invariants and hashes the values.
+/// Forwards an archive to another sink, checks model.h's invariants and hashes the values.
 class DigestingSink final : public Sink {
  public:
   explicit DigestingSink(Sink& next) : next_(next), groups_{Group{.name = std::string(k_root)}} {}
@@ -167,7 +167,7 @@ class DigestingSink final : public Sink {
 
   void finish() override { base::check_failed("only write_digested finishes the sink", ""); }
 
-  /// REQUIRES: everything has been written.
+  /// REQUIRES: all values have been written.
   std::string close() {
     std::map<std::string, std::string> hashes;
     for (Written& written : written_) {

@@ -1,6 +1,6 @@
-// The digest of an archive: one hash of its content in logical order, the same for every storage.
+// The digest of an archive: a hash of its content in logical order, independent of the storage.
 //
-// It is the SHA-256 of a manifest, a text with one line for each object:
+// The digest is the SHA-256 of a manifest, a text with one line per object:
 //
 //   sleight-archive digest 1
 //   group /posterior
@@ -8,14 +8,14 @@
 //   attribute /posterior/x units text <SHA-256 of the text>
 //   dataset /posterior/x f64 chain=4,draw=101 <SHA-256 of the values>
 //
-// Lines after the first are sorted as bytes. A double attribute is its 16 hexadecimal digits. The
-// values of a dataset are hashed in row-major order: f64, i64 and i32 as little-endian bytes, every
-// NaN as 0x7ff8000000000000, a boolean as its byte, text as its length (8 bytes) and its bytes.
-// Hence the digest knows nothing of chunks, compression, creation order or NaN payloads.
+// Lines after the first are sorted as bytes. A double attribute is written as its 16 hexadecimal
+// digits. A dataset's values are hashed in row-major order: f64, i64 and i32 as little-endian
+// bytes, every NaN as 0x7ff8000000000000, a boolean as its byte, text as its length (8 bytes) and
+// its bytes. Hence the digest does not depend on chunks, compression, creation order or NaN
+// payloads.
 //
-// Left out: the root attributes content_digest, inference_library_version, results_version and
-// run_id (format.h).
-// Two manifests that differ name the object in which the archives differ.
+// The manifest omits the root attributes content_digest, inference_library_version, results_version
+// and run_id (format.h). Comparing two manifests shows in which object two archives differ.
 #pragma once
 
 #include <functional>
@@ -25,14 +25,14 @@
 
 namespace sleight::archive {
 
-/// Reads everything, in batches. Thread-safe as far as the source is.
+/// Reads the whole archive in batches. As thread-safe as the source.
 std::string manifest(const Source& source);
-/// 64 hexadecimal digits.
+/// Returns 64 hexadecimal digits.
 std::string digest(const Source& source);
 
-/// Lets `fill` write an archive into `sink` through a checker of model.h's invariants, computes the
-/// digest on the way, adds it as the root attribute content_digest, finishes the sink and returns
-/// the digest. REQUIRES: `fill` does not call finish.
+/// Lets `fill` write an archive into `sink` while checking model.h's invariants. Computes the
+/// digest meanwhile, adds it as root attribute content_digest, finishes the sink and returns the
+/// digest. REQUIRES: `fill` does not call finish.
 std::string write_digested(Sink& sink, const std::function<void(Sink&)>& fill);
 
 }  // namespace sleight::archive

@@ -24,11 +24,11 @@ bool same(double a, double b) {
          (std::isnan(a) && std::isnan(b));
 }
 
-/// Counts the places where a rule is broken and remembers the first: one finding for each rule.
+/// Counts violations of a rule and records the first; yields one finding per rule.
 class Rule {
  public:
   explicit Rule(std::string text) : text_(std::move(text)) {}
-  /// `place` is only called for the first fault.
+  /// `place` is called only for the first violation.
   template <class Place>
   void expect(bool holds, Place&& place) {
     if (!holds && faults_++ == 0) first_ = place();
@@ -45,7 +45,7 @@ class Rule {
   std::uint64_t faults_ = 0;
 };
 
-/// A source whose structure has been found right, with typed access.
+/// Typed access to a source whose structure is valid.
 class Reader {
  public:
   explicit Reader(const Source& source) : source_(source) {}
@@ -97,7 +97,7 @@ void check_progression(const Reader& reader, std::string_view group, std::string
   rule.report(findings);
 }
 
-/// Coordinates of chains and draws, and that the groups speak of the same chains and scans.
+/// Checks the coordinates of chains and draws, and that all groups have the same chains and scans.
 void check_coordinates(const Reader& reader, Findings& findings) {
   const std::int64_t thin = reader.integer(k_posterior, "thin");
   const std::uint64_t scans = reader.size(k_sample_stats, "draw");
@@ -126,7 +126,7 @@ void check_coordinates(const Reader& reader, Findings& findings) {
   check_progression(reader, k_animations, "segment", 1, findings);
 
   if (reader.size(k_replicas, "replica") > 1) {
-    // Scans are counted from the run's begin, draws not always.
+    // Scans are counted from the start of the run, draws not always.
     Rule place("/replicas/scan is a multiple of thin, or -1");
     for_each_batch(
         reader.elements(k_replicas, "scan"), [&](std::uint64_t first, std::uint64_t count) {
@@ -215,7 +215,7 @@ void check_proposals(const Reader& reader, Findings& findings) {
   rate_rule.report(findings);
 }
 
-/// The kept animations against the rows of their scans.
+/// Compares the kept animations with the rows of their scans.
 class AnimationCheck {
  public:
   explicit AnimationCheck(const Reader& reader)
@@ -269,7 +269,7 @@ class AnimationCheck {
       order_.expect(first + i == 0 || before_ < at, here);
       before_ = at;
       segments_.expect(start[i] == next_segment_ && rows[i] >= 0, here);
-      // Wraps around instead of overflowing: the numbers may be anything.
+      // Unsigned arithmetic wraps instead of overflowing, as the numbers may be anything.
       next_segment_ = static_cast<std::int64_t>(static_cast<std::uint64_t>(start[i]) +
                                                 static_cast<std::uint64_t>(rows[i]));
       const bool inside = chain[i] >= 0 && std::cmp_less(chain[i], chains_) && draw[i] >= 0 &&
@@ -292,7 +292,7 @@ class AnimationCheck {
   const Reader& reader_;
   std::uint64_t chains_;
   std::uint64_t scans_;
-  std::vector<std::string> shared_;  ///< scalars that both groups have
+  std::vector<std::string> shared_;  ///< scalars in both groups
   std::pair<std::int64_t, std::int64_t> before_{};
   std::int64_t next_segment_ = 0;
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> kept_of_lineage_;
@@ -304,7 +304,7 @@ class AnimationCheck {
   Rule segments_{"segments are contiguous"};
 };
 
-/// What a search found: as many as are kept, in the order of starts, with their segments.
+/// Checks the finds: the number kept, the order of starts, and their segments.
 void check_finds(const Reader& reader, Findings& findings) {
   if (!reader.has_group(k_finds)) return;
   for (const char* dim : {"animation", "segment", "throw"})
@@ -329,7 +329,7 @@ void check_finds(const Reader& reader, Findings& findings) {
       order.expect(start[i] > start_before, here);
       start_before = start[i];
       segments.expect(begin[i] == next_segment && rows[i] >= 0, here);
-      // Wraps around instead of overflowing: the numbers may be anything.
+      // Unsigned arithmetic wraps instead of overflowing, as the numbers may be anything.
       next_segment = static_cast<std::int64_t>(static_cast<std::uint64_t>(begin[i]) +
                                                static_cast<std::uint64_t>(rows[i]));
     }
@@ -340,7 +340,7 @@ void check_finds(const Reader& reader, Findings& findings) {
   segments.report(findings);
 }
 
-/// An animation's rows along a dimension follow those of the one before it without gap.
+/// Checks that each animation's rows along a dimension follow the previous animation's without gap.
 void check_rows(const Reader& reader, std::string_view group, const std::string& dim,
                 Findings& findings) {
   check_progression(reader, group, dim, 1, findings);
@@ -352,7 +352,7 @@ void check_rows(const Reader& reader, std::string_view group, const std::string&
     for (std::size_t i = 0; i < count; ++i) {
       rule.expect(std::cmp_equal(start[i], next) && rows[i] >= 0,
                   [&] { return fmt::format("animation {}", first + i); });
-      // Wraps around instead of overflowing: the numbers may be anything.
+      // Unsigned arithmetic wraps instead of overflowing, as the numbers may be anything.
       next = static_cast<std::uint64_t>(start[i]) + static_cast<std::uint64_t>(rows[i]);
     }
   });
@@ -360,7 +360,7 @@ void check_rows(const Reader& reader, std::string_view group, const std::string&
   rule.report(findings);
 }
 
-/// Motions that can be shown, and what of the scene is each animation's own.
+/// Checks the motions, and each animation's own parts of the scene.
 void check_motions(const Source& source, const Reader& reader, std::string_view group,
                    const scene::Scene& scene, Findings& findings) {
   const bool is_draws = group == k_animations;
@@ -437,7 +437,7 @@ void check_prior(const Reader& reader, Findings& findings) {
   truth.report(findings);
 }
 
-/// Failures are counted under known kinds, and only where there are some.
+/// Checks that failures are counted under known kinds, and are never 0.
 void check_failures(const Reader& reader, Findings& findings) {
   for (const Attribute& attribute : reader.group(k_root).attributes) {
     if (!attribute.name.starts_with(k_failed_prefix)) continue;
@@ -472,7 +472,7 @@ std::vector<std::string> verify(const Source& source) {
   check_proposals(reader, findings);
   AnimationCheck(reader).run(findings);
   check_finds(reader, findings);
-  // Rows that are out of place have been told of; to follow them would tell of them again.
+  // Skip the scene if rows are out of place, because its checks would report them again.
   if (findings.empty()) check_scene(source, reader, findings);
   check_prior(reader, findings);
   check_digest(source, findings);

@@ -1,12 +1,12 @@
-// Whether an archive is what docs/ARCHIVE_FORMAT.md says, as far as its content can show.
+// Checks whether an archive conforms to docs/ARCHIVE_FORMAT.md, as far as its content shows.
 //
-// Checked are: the attributes and datasets with their types and dimensions; the stored digest
-// against the recomputed one; and what must hold between the values, among them
-//   lp = log_prior + log_constraint, bit for bit; 0 <= accepted <= proposed;
-//   draws are 0, thin, 2 thin, ... and every scan up to the cut;
-//   kept animations are in logical order, within keep_max and keep_per_lineage, satisfied, and
-//   equal to their scan's row in /sample_stats; their segments follow one another without gap;
-//   the scene is such, and so are the motions of its bodies.
+// The checks cover the attributes and datasets with their types and dimensions, the stored digest
+// against the recomputed one, and relations between the values, such as:
+//   - lp = log_prior + log_constraint, bit for bit; 0 <= accepted <= proposed;
+//   - draws are 0, thin, 2 thin, ... and every scan up to the cut;
+//   - kept animations are satisfied, in logical order, within keep_max and keep_per_lineage, and
+//     equal to their scan's row in /sample_stats; their segments are contiguous;
+//   - the scene and the motions of its bodies are valid.
 #pragma once
 
 #include <string>
@@ -16,9 +16,9 @@
 
 namespace sleight::archive {
 
-/// One sentence for each kind of fault, with the first place where it was found; empty for a sound
-/// archive. Values are only looked at when the structure is right. Reads everything once or twice,
-/// in batches. Throws what the source throws where data can't be read at all.
+/// Returns one sentence per kind of fault with the first place where it occurs; empty for a valid
+/// archive. Checks values only if the structure is right. Reads the archive once or twice, in
+/// batches. Throws what the source throws if data can't be read.
 std::vector<std::string> verify(const Source& source);
 
 }  // namespace sleight::archive

@@ -13,7 +13,6 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// An open attribute with its type and space.
 struct OpenAttribute {
   std::string name;
   Handle id;
@@ -49,7 +48,7 @@ std::string read_text(const Api& api, const OpenAttribute& attribute, const std:
   }
   std::string text(size, '\0');
   api.ok(H5Aread(attribute.id.get(), attribute.type.get(), text.data()), path, "read an attribute");
-  // Whatever its padding, a text ends at its first NUL character.
+  // A text ends at its first NUL character, whatever its padding.
   text.resize(std::min(text.find('\0'), text.size()));
   if (!is_clean_line(text)) {
     api.fail(path, fmt::format("the attribute {} contains control characters or is not UTF-8",
@@ -75,7 +74,7 @@ Attribute read_content(const Api& api, const OpenAttribute& attribute, const std
   return content;
 }
 
-/// REFERENCE_LIST is an array of pairs (object reference, dimension), both of fixed size.
+/// Reads REFERENCE_LIST, an array of pairs (object reference, dimension) of fixed size.
 std::vector<ScaleUse> read_uses(const Api& api, const OpenAttribute& attribute,
                                 const std::string& path) {
   struct Pair {
@@ -112,7 +111,8 @@ std::vector<ScaleUse> read_uses(const Api& api, const OpenAttribute& attribute,
   return uses;
 }
 
-/// True for the attributes of dimension scales and netCDF-4, whose marks it takes over.
+/// Returns true for attributes of dimension scales and netCDF-4, and stores their marks in
+/// `object`.
 bool take_scale_attribute(const Api& api, const OpenAttribute& attribute, const std::string& path,
                           ObjectAttributes& object) {
   const std::string& name = attribute.name;

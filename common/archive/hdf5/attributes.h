@@ -1,4 +1,5 @@
-// Attributes of an untrusted HDF5 object: ours, and those of dimension scales (reader.h).
+// Reads the attributes of an untrusted HDF5 object: the archive's own and those of dimension scales
+// (reader.h).
 #pragma once
 
 #include <optional>
@@ -10,21 +11,21 @@
 
 namespace sleight::archive::hdf5 {
 
-/// One line of a scale's REFERENCE_LIST: the scale measures this dimension of that dataset.
+/// An entry of a scale's REFERENCE_LIST: the scale measures this dimension of that dataset.
 struct ScaleUse {
   haddr_t dataset = HADDR_UNDEF;  ///< address of the dataset's header
   std::uint32_t dimension = 0;
 };
 
 struct ObjectAttributes {
-  std::vector<Attribute> content;  ///< what the model sees
+  std::vector<Attribute> content;  ///< attributes for the model
   bool is_bool = false;            ///< dtype = "bool"
   bool is_scale = false;           ///< CLASS = "DIMENSION_SCALE"
-  bool is_bare_dimension = false;  ///< a scale that only stands for a size
-  std::vector<ScaleUse> uses;      ///< of a scale
+  bool is_bare_dimension = false;  ///< a scale without values, only for a size
+  std::vector<ScaleUse> uses;      ///< if the object is a scale
 };
 
-/// `path` names the object in messages. Throws the refusals of reader.h.
+/// `path` names the object in messages. Throws as described in reader.h.
 ObjectAttributes read_attributes(const Api& api, hid_t object, const std::string& path);
 
 }  // namespace sleight::archive::hdf5

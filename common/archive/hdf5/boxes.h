@@ -1,4 +1,4 @@
-// A run of elements in row-major order, cut into boxes that HDF5's hyperslabs can name.
+// Splits a run of elements in row-major order into boxes that fit HDF5's hyperslabs.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,15 @@
 
 namespace sleight::archive::hdf5 {
 
-/// `start` and `count` by dimension, as H5Sselect_hyperslab takes them; empty for a scalar.
+/// `start` and `count` by dimension, for H5Sselect_hyperslab. Empty for a scalar.
 struct Box {
   std::vector<std::uint64_t> start;
   std::vector<std::uint64_t> count;
   std::uint64_t elements = 1;
 };
 
-/// The largest box that begins at element `first` and is itself a run of at most `count` elements
-/// of an array of size `dims`. REQUIRES: count >= 1; first lies within the array.
+/// Returns the largest box that starts at element `first` and is a contiguous run of at most
+/// `count` elements of an array of size `dims`. REQUIRES: count >= 1; `first` is within the array.
 inline Box box_at(const std::vector<std::uint64_t>& dims, std::uint64_t first,
                   std::uint64_t count) {
   CHECK_GE(count, 1U);
@@ -29,7 +29,7 @@ inline Box box_at(const std::vector<std::uint64_t>& dims, std::uint64_t first,
     box.start[d] = first % dims[d];
     first /= dims[d];
   }
-  // Take whole inner dimensions as long as the run starts at their beginning and covers them.
+  // Extend over whole inner dimensions while the run starts at their beginning and covers them.
   for (std::size_t d = rank; d-- > 0;) {
     const std::uint64_t left = dims[d] - box.start[d];
     box.count[d] = left < count ? left : count;

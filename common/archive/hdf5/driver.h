@@ -1,7 +1,8 @@
-// What our HDF5 file drivers have in common (input_file.cpp, output_file.cpp): a file is a state of
-// ours, which the file-access list names; HDF5 sees addresses without end and no blocks of its own.
+// The common part of our HDF5 file drivers (input_file.cpp, output_file.cpp). The file-access list
+// refers to a State, which represents the file. HDF5 sees an unlimited address space and no block
+// structure.
 //
-// A State has `allocated`, HDF5's end of allocation. Functions are C's, for HDF5 to call.
+// A State has `allocated`, HDF5's end of allocation. The functions are C callbacks for HDF5.
 #pragma once
 
 #include <hdf5.h>
@@ -11,14 +12,14 @@
 
 namespace sleight::archive::hdf5 {
 
-/// HDF5's view of an open file: its own fields first, then ours.
+/// HDF5's view of an open file: HDF5's own fields, followed by ours.
 template <class State>
 struct DriverFile {
   H5FD_t base;
   State* state;
 };
 
-/// The driver's part of a file-access list, which HDF5 copies as bytes.
+/// The driver's data in a file-access list, which HDF5 copies bytewise.
 template <class State>
 struct DriverInfo {
   State* state;
@@ -59,8 +60,8 @@ herr_t set_allocated_end(H5FD_t* file, H5FD_mem_t, haddr_t address) {
   return 0;
 }
 
-/// A driver that opens and closes as above; what it can do, and how it reads and writes, is the
-/// caller's to add.
+/// Returns a driver with the open and close functions above. The caller adds the driver's features
+/// and its read and write functions.
 template <class State>
 H5FD_class_t driver_for(const char* name) {
   H5FD_class_t driver{};
@@ -77,7 +78,8 @@ H5FD_class_t driver_for(const char* name) {
   return driver;
 }
 
-/// Makes a file-access list use the driver with this state. Negative on failure, as HDF5 has it.
+/// Makes a file-access list use the driver with `state`. Returns a negative value on failure, like
+/// HDF5.
 template <class State>
 herr_t use_driver(hid_t file_access_list, hid_t driver_id, State& state) {
   if (driver_id < 0) return -1;

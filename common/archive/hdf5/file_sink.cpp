@@ -13,12 +13,12 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// Fixed-size datasets up to this size are stored plainly: for these a chunk's overhead outweighs
+/// Fixed-size datasets up to this size are stored uncompressed, because a chunk's overhead exceeds
 /// what compression saves.
 constexpr std::uint64_t k_contiguous_bytes_max = 64 * 1024;
-/// Level 1: higher ones cost three times the time for some percent of space on such data.
+/// Higher levels take three times as long and save only some percent on such data.
 constexpr unsigned k_deflate_level = 1;
-/// First dimension of a dataset that grows, for cutting runs into boxes.
+/// Assumed size of a growing first dimension, for splitting runs into boxes.
 constexpr std::uint64_t k_unbounded = std::uint64_t{1} << 62;
 
 bool is_text_array(const DatasetSpec& spec) {
@@ -33,13 +33,13 @@ bool grows(const DatasetSpec& spec) {
   return !spec.dims.empty() && spec.dims[0].size == k_growing;
 }
 
-/// HDF5 has no strings of no bytes.
+/// HDF5 does not allow strings of zero bytes.
 std::size_t width_in_file(std::size_t bytes) {
   return std::max<std::size_t>(1, bytes);
 }
 
-/// Bytes of one element of text. A scalar keeps its NUL: netCDF-C 4.9.0 reads on until it finds
-/// one.
+/// Returns the bytes of one text element. A scalar keeps its NUL, because netCDF-C 4.9.0 reads
+/// until it finds one.
 std::size_t width_in_file(const DatasetSpec& spec) {
   return spec.dims.empty() ? spec.text_bytes + 1 : width_in_file(spec.text_bytes);
 }
@@ -52,7 +52,7 @@ Handle fixed_text_type(const Api& api, std::size_t bytes, H5T_str_t padding) {
   return type;
 }
 
-/// The single character that netCDF knows as its type "char".
+/// Returns the single-character type that netCDF maps to "char".
 Handle character_type(const Api& api) {
   return api.id(H5Tcopy(H5T_C_S1), H5Tclose, "", "create a character type");
 }
@@ -81,7 +81,7 @@ Handle file_type(const Api& api, const DatasetSpec& spec) {
   return api.id(H5Tcopy(plain_file_type(spec.type)), H5Tclose, spec.name, "create a datatype");
 }
 
-/// No times, and creation order as netCDF-4 wants it: for files and groups.
+/// Disables times and tracks creation order as netCDF-4 expects, for files and groups.
 void set_group_order(const Api& api, hid_t list) {
   constexpr unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
   api.ok(H5Pset_obj_track_times(list, false), "", "disable object times");
@@ -89,8 +89,8 @@ void set_group_order(const Api& api, hid_t list) {
   api.ok(H5Pset_attr_creation_order(list, order), "", "track the order of attributes");
 }
 
-/// A batch's worth of elements, whole inner dimensions first: what is written together, or read
-/// together along the last dimensions, lies together.
+/// Returns a chunk with a batch's worth of elements, filling inner dimensions first, so that
+/// elements written together or read along the last dimensions are contiguous.
 std::vector<hsize_t> chunk_of(const std::vector<std::uint64_t>& dims) {
   std::vector<hsize_t> chunk(dims.size(), 1);
   std::uint64_t left = k_batch_elements;
@@ -108,7 +108,7 @@ Handle creation_list(const Api& api, const DatasetSpec& spec,
   api.ok(H5Pset_obj_track_times(list.get(), false), spec.name, "disable object times");
   api.ok(H5Pset_attr_creation_order(list.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
          spec.name, "track the order of attributes");
-  // Without this, what no element covers (the rest of a last chunk) would be left to chance.
+  // Without a fill value, the unused rest of a last chunk would have undefined bytes.
   api.ok(H5Pset_fill_time(list.get(), H5D_FILL_TIME_ALLOC), spec.name, "set the fill time");
   const std::uint64_t bytes = grows(spec) ? 0 : element_count(spec) * 8;
   if (spec.type == ElementType::text || (!grows(spec) && bytes <= k_contiguous_bytes_max)) {
@@ -138,7 +138,7 @@ Handle dataspace(const Api& api, const DatasetSpec& spec, std::vector<std::uint6
                 spec.name, "create a dataspace");
 }
 
-/// Texts side by side, each filled up with NUL characters.
+/// Concatenates the texts, each padded with NUL characters.
 std::string padded(std::span<const std::string> texts, std::size_t width) {
   std::string bytes;
   for (const std::string& text : texts) {
@@ -358,7 +358,7 @@ void FileSink::make_scales() {
     dataset.dimension_id = next_dimension_id_++;
     put_integers(id, dataset.path, k_netcdf_dimension_id, {dataset.dimension_id}, true);
     if (!is_text_array(dataset.spec)) continue;
-    // A scale has no scales of its own: netCDF-4 names a second dimension by number.
+    // A scale has no scales of its own, so netCDF-4 names a second dimension by number.
     const Width& width = width_of(dataset.group, dataset.spec.text_bytes);
     put_integers(id, dataset.path, k_netcdf_coordinates, {dataset.dimension_id, width.dimension_id},
                  false);

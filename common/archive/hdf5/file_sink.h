@@ -1,4 +1,4 @@
-// The Sink behind write_file: one open HDF5 file. writer.h says what it promises.
+// The Sink behind write_file: one open HDF5 file. See writer.h for its guarantees.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@ namespace sleight::archive::hdf5 {
 
 class FileSink final : public Sink {
  public:
-  /// Creates the HDF5 file in `output`; both arguments must outlive it.
+  /// Creates the HDF5 file in `output`. Both arguments must outlive the sink.
   FileSink(const Api& api, OutputFile& output);
 
   void create_group(std::string_view group) override;
   void set_attribute(std::string_view group, const Attribute& attribute) override;
   DatasetHandle create_dataset(std::string_view group, const DatasetSpec& spec) override;
   void append(DatasetHandle dataset, const ValuesView& values) override;
-  /// Joins dimensions and coordinates and closes the file.
+  /// Connects dimensions with their coordinates and closes the file.
   void finish() override;
 
  private:
@@ -30,11 +30,11 @@ class FileSink final : public Sink {
     DatasetSpec spec;
     std::string path;
     Handle id{};
-    std::vector<std::uint64_t> dims{};  ///< of the file's dataset, without a text's width
+    std::vector<std::uint64_t> dims{};  ///< of the file's dataset, without the text width
     std::uint64_t position = 0;         ///< elements appended
-    std::int32_t dimension_id = -1;     ///< where it is a coordinate
+    std::int32_t dimension_id = -1;     ///< if the dataset is a coordinate
   };
-  /// A scale that stands for the width of text arrays in one group.
+  /// A scale for the width of text arrays in one group.
   struct Width {
     Handle id;
     std::int32_t dimension_id = -1;

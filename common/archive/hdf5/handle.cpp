@@ -7,8 +7,8 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// What was wrong at the bottom of HDF5's error stack, where the cause is; then empties the stack.
-/// Throws std::bad_alloc where it is memory.
+/// Returns the innermost message of HDF5's error stack, which names the cause, and clears the
+/// stack. Throws std::bad_alloc if the cause is lack of memory.
 std::string innermost_reason() {
   struct Found {
     std::string reason{};

@@ -1,11 +1,11 @@
-// Ownership and error checks for the HDF5 C API; included by this folder's sources alone.
+// Ownership and error checks for the HDF5 C API. Included only by this folder's sources.
 //
-// Every call's result goes through Api::id, Api::ok or Api::count, which turn a failure into a
-// base::Error that names the file, the object and HDF5's innermost reason. HDF5 itself prints
-// nothing, loads no plugins (a file must not choose code for us to run) and does not clean up at
-// exit (nothing of ours is open then, and after a failed write its clean-up can crash).
+// Every result goes through Api::id, Api::ok or Api::count, which turn failures into a base::Error
+// with the file, the object and HDF5's innermost reason. HDF5 itself prints nothing. It loads no
+// plugins, because a file must not choose code to run. It does not clean up at exit: no object is
+// open then, and the clean-up can crash after a failed write.
 //
-// HDF5 is one global library: all of this folder is for one thread at a time in the process.
+// HDF5 is one global library, so only one thread of the process may use this folder at a time.
 #pragma once
 
 #include <hdf5.h>
@@ -19,7 +19,7 @@
 
 namespace sleight::archive::hdf5 {
 
-/// An open HDF5 identifier with the function that closes it. A resource: moves, does not copy.
+/// An open HDF5 identifier with the function that closes it. Movable, not copyable.
 class Handle {
  public:
   using Closer = herr_t (*)(hid_t);
@@ -36,7 +36,7 @@ class Handle {
   }
 
   hid_t get() const { return id_; }
-  /// Closes now and gives the function's result; 0 when nothing was open.
+  /// Closes now and returns the function's result; 0 if nothing was open.
   herr_t close() {
     const Closer closer = std::exchange(closer_, nullptr);
     return closer == nullptr ? 0 : closer(id_);
@@ -51,21 +51,21 @@ class Handle {
   Closer closer_ = nullptr;
 };
 
-/// Checks results on behalf of one file.
+/// Checks the results of HDF5 calls for one file.
 class Api {
  public:
-  /// Starts the library on first use. `exit_code`: what a failure means for this file.
+  /// Starts the library on first use. `exit_code` is the exit code for failures of this file.
   Api(std::string path, base::ExitCode exit_code);
 
   [[noreturn]] void fail(std::string_view object, std::string_view reason) const;
 
-  /// `action` completes "can't ...". REQUIRES: called right after the HDF5 function.
+  /// `action` completes "can't ...". REQUIRES: called directly after the HDF5 function.
   Handle id(hid_t result, Handle::Closer closer, std::string_view object,
             std::string_view action) const;
   void ok(herr_t result, std::string_view object, std::string_view action) const {
     if (result < 0) fail_call(object, action);
   }
-  /// For functions that give a count, a size or a truth value, negative on failure.
+  /// For functions that return a count, size or truth value, negative on failure.
   std::uint64_t count(std::int64_t result, std::string_view object, std::string_view action) const {
     if (result < 0) fail_call(object, action);
     return static_cast<std::uint64_t>(result);

@@ -15,7 +15,7 @@ namespace {
 
 using ReadState = InputFile::State;
 
-/// Fills `to` from a place of the file, with zeros past its end. False when the disk fails.
+/// Reads from the file at `address`, with zeros past its end. False if the disk fails.
 bool read_at(int descriptor, std::uint64_t address, std::byte* to, std::size_t size) {
   while (size > 0) {
     const ssize_t got = ::pread(descriptor, to, size, static_cast<off_t>(address));

@@ -14,7 +14,7 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// A dataset during the walk, before its dimensions have names.
+/// A dataset whose dimensions have no names yet.
 struct FoundDataset {
   std::string name;
   haddr_t address = HADDR_UNDEF;
@@ -89,7 +89,7 @@ class Walk {
                               by ? *by : "of an unknown version", *number, k_format_version));
   }
 
-  /// In the order of creation where the file tracks it, else by name.
+  /// Returns links in creation order if the file tracks it, else by name.
   std::vector<FoundLink> links_of(hid_t group, const std::string& path) {
     H5G_info_t info{};
     api_.ok(H5Gget_info(group, &info), path, "list");
@@ -149,7 +149,7 @@ class Walk {
     found.stored.id =
         api_.id(H5Dopen2(group, link.name.c_str(), H5P_DEFAULT), H5Dclose, path, "open");
     const hid_t id = found.stored.id.get();
-    // The storage first: a virtual dataset's space already reaches for other files.
+    // Check the storage first: a virtual dataset's space would already access other files.
     const Handle list = api_.id(H5Dget_create_plist(id), H5Pclose, path, "read the property list");
     check_storage(list.get(), path);
     found.attributes = read_attributes(api_, id, path);
@@ -193,7 +193,7 @@ class Walk {
     const H5S_class_t kind = H5Sget_simple_extent_type(space.get());
     if (kind == H5S_SCALAR) return {};
     const int rank = H5Sget_simple_extent_ndims(space.get());
-    // A text array has one dimension more than the model sees.
+    // A text array has one dimension more in the file than in the model.
     if (kind != H5S_SIMPLE || rank < 1 || rank > static_cast<int>(k_rank_max) + 1) {
       api_.fail(path, fmt::format("expected at most {1} dimensions, found {0}", rank, k_rank_max));
     }
@@ -203,7 +203,7 @@ class Walk {
     return {dims.begin(), dims.end()};
   }
 
-  /// Sets the model's type and dimensions; gives the bytes of one element of the file.
+  /// Sets the model's type and dimensions, and returns the bytes per element in the file.
   std::size_t set_type(FoundDataset& found, const std::vector<std::uint64_t>& file_dims,
                        const std::string& path) const {
     const Handle type =
@@ -297,7 +297,7 @@ class Walk {
     }
   }
 
-  /// Turns the datasets of a group into the model's, with the names that the scales give.
+  /// Converts a group's datasets to the model's, with dimension names from the scales.
   void name_dimensions(std::vector<FoundDataset>& datasets, Group& group) {
     for (FoundDataset& found : datasets) {
       if (found.attributes.is_bare_dimension) continue;

@@ -1,4 +1,4 @@
-// The walk over an untrusted HDF5 file: what is in it, or why it is refused (reader.h).
+// Walks an untrusted HDF5 file and returns its contents, or refuses it (reader.h).
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct Contents {
   std::map<std::string, StoredDataset> datasets;  ///< by path
 };
 
-/// `file` is open; `file_bytes` is its length. Throws the refusals.
+/// REQUIRES: `file` is open; `file_bytes` is its length. Throws if the file is refused.
 Contents inspect(const Api& api, hid_t file, std::uint64_t file_bytes);
 
 }  // namespace sleight::archive::hdf5

@@ -16,7 +16,7 @@ namespace {
 using State = OutputFile::State;
 
 herr_t query(const H5FD_t*, unsigned long* flags) {
-  // Few large writes: HDF5 gathers metadata and small data before it calls write.
+  // Few large writes: HDF5 gathers metadata and small data before calling write.
   *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
            H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
   return 0;
@@ -26,7 +26,8 @@ haddr_t get_eof(const H5FD_t* file, H5FD_mem_t) {
   return state_of<State>(file).written;
 }
 
-/// Reads written bytes; zeros beyond the end. After a failure zeros too: nothing uses them then.
+/// Reads written bytes, and zeros beyond the end. After a failure reads only zeros, which nothing
+/// uses.
 herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t size,
                   void* buffer) {
   State& state = state_of<State>(file);
@@ -48,7 +49,7 @@ herr_t write_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t
   return 0;
 }
 
-/// Gives the file the length that HDF5 has allocated.
+/// Extends the file to the length allocated by HDF5.
 herr_t truncate_file(H5FD_t* file, hid_t, hbool_t) {
   State& state = state_of<State>(file);
   if (state.written == state.allocated) return 0;

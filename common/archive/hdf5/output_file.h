@@ -1,9 +1,9 @@
-// The file that HDF5 writes an archive into, as an HDF5 file driver that never fails half-way.
+// An HDF5 file driver that writes an archive and hides write failures from HDF5.
 //
-// When a write fails (a full disk), HDF5 1.10.8 can neither close the file nor forget it: objects
-// stay open for the life of the process, and closing again crashes (both seen). So the driver keeps
-// the first failure to itself and goes on as if all were well; HDF5 closes cleanly, and the writer
-// then asks for the failure and drops the file. After a failure nothing more is written.
+// If a write fails (a full disk), HDF5 1.10.8 can neither close the file nor abandon it: objects
+// stay open until the process ends, and closing again crashes (both observed). So the driver
+// records the first failure, writes nothing more and reports success. HDF5 closes cleanly; the
+// writer then checks for the failure and drops the file.
 //
 // Not thread-safe.
 #pragma once
@@ -21,28 +21,29 @@ namespace sleight::archive::hdf5 {
 
 class OutputFile {
  public:
-  /// Creates `path`, or empties it. Throws base::Error naming the path and the system's reason.
+  /// Creates or truncates `path`. Throws base::Error with the path and the system's reason.
   OutputFile(std::string path, base::FileSystem& file_system);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Makes H5Fcreate with this file-access list write here, whatever name it is given.
-  /// Negative on failure, as HDF5 has it. The list may be used once, while this object lives.
+  /// Makes H5Fcreate with this file-access list write to this file, whatever name H5Fcreate gets.
+  /// Returns a negative value on failure, like HDF5. The list may be used once, while this object
+  /// lives.
   herr_t use_in(hid_t file_access_list);
 
-  /// Throws base::Error with the first failure of a read or write since the creation, if any.
+  /// Throws base::Error with the first failed read or write since creation, if any.
   void throw_failure() const;
 
-  /// Closes the file, which on a network file system may be when a write fails. Throws like
-  /// throw_failure. REQUIRES: HDF5 has closed it.
+  /// Closes the file; on a network file system a write may fail only now. Throws like
+  /// throw_failure. REQUIRES: HDF5 has closed the file.
   void close();
 
-  /// What the driver's functions work on.
+  /// State for the driver's functions.
   struct State {
     std::unique_ptr<base::File> file;
     std::uint64_t allocated = 0;  ///< HDF5's end of allocation
-    std::uint64_t written = 0;    ///< end of what was written, as far as HDF5 knows
-    std::error_code failure{};    ///< the first one
+    std::uint64_t written = 0;    ///< end of the written bytes in HDF5's view
+    std::error_code failure{};    ///< first failure
   };
 
  private:

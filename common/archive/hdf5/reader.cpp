@@ -71,7 +71,7 @@ class FileSource final : public Source {
   std::vector<std::string> read_texts(const std::string& path, const StoredDataset& stored,
                                       std::uint64_t first, std::uint64_t count) const {
     const std::uint64_t width = stored.text_bytes;
-    // The whole of a file's text arrays fits below k_dataset_bytes_max, but not into memory.
+    // A file's text arrays may be within k_dataset_bytes_max but exceed memory.
     if (count * width > k_text_bytes_max) api_.fail(path, "texts are too long");
     const Handle type = api_.id(H5Dget_type(stored.id.get()), H5Tclose, path, "read the datatype");
     std::string bytes(count * width, '\0');
@@ -81,7 +81,7 @@ class FileSource final : public Source {
     for (std::uint64_t i = 0; i < count; ++i) {
       std::string text = bytes.substr(i * width, width);
       text.resize(std::min(text.find('\0'), text.size()));
-      // Only the request has lines.
+      // Only the request may have several lines.
       const bool clean =
           path == path_of(k_root, k_request) ? is_clean_text(text) : is_clean_line(text);
       if (!clean) api_.fail(path, "the text contains control characters or is not UTF-8");
@@ -126,7 +126,7 @@ class FileSource final : public Source {
   Api api_;
   std::unique_ptr<InputFile> input_;
   Handle file_;
-  Contents contents_;  // closes its datasets before the file
+  Contents contents_;  // declared after the file, so that its datasets close first
 };
 
 }  // namespace
@@ -137,7 +137,7 @@ void start() {
 
 std::unique_ptr<Source> open_file(const std::string& path) {
   start();
-  // A pipe or a device would keep us waiting.
+  // Don't block on a pipe or a device.
   base::Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   struct stat status {};
   if (!file || ::fstat(file.get(), &status) != 0) {
@@ -157,7 +157,7 @@ std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile&
   api.ok(input->use_in(access.get()), "", "set the file driver");
   api.ok(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "", "set the close degree");
   if (!input->has_signature()) api.fail("", "not an HDF5 file");
-  // The driver needs no name; one that isn't absolute makes HDF5 ask for the working folder.
+  // The driver needs no name, but a relative one would make HDF5 query the working folder.
   Handle file =
       api.id(H5Fopen("/archive", H5F_ACC_RDONLY, access.get()), H5Fclose, "", "open as HDF5");
   Contents contents = inspect(api, file.get(), open.bytes);

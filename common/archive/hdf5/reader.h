@@ -1,17 +1,17 @@
-// Archives from HDF5 files that may be damaged or hostile.
+// Reads archives from HDF5 files that may be damaged or hostile.
 //
-// Before any value is read, open_file walks the whole file and refuses whatever our writer would
-// not have written: soft and external links, objects with several names (and so cycles), groups
-// below groups, committed and variable-length types, virtual datasets, external storage, filters
-// other than shuffle, deflate and fletcher32, dimensions without coordinate, sizes beyond the
-// limits below and in limits.h or beyond what the file's bytes can hold. Variable-length data is
-// never read: the names of dimensions come from the scales' REFERENCE_LIST, not from
-// DIMENSION_LIST.
+// Before reading any value, open_file walks the whole file and refuses everything that our writer
+// doesn't produce: soft and external links, objects with several names (and so cycles), nested
+// groups, committed and variable-length types, virtual datasets, external storage, filters other
+// than shuffle, deflate and fletcher32, dimensions without coordinate, and sizes beyond the limits
+// below, the limits in limits.h or the file's length. Variable-length data is never read: the names
+// of dimensions come from the scales' REFERENCE_LIST, not from DIMENSION_LIST.
 //
 // Each refusal is a base::Error with ExitCode::bad_archive that names the file, the object and the
-// reason. Damage in compressed values shows only when they are read, and damage in plain ones only
-// by the digest (verify.h). HDF5 itself may crash or hang on a damaged file before any check of
-// ours can run: programs open archives by a reader process (archive/remote), which calls this.
+// reason. Damage in compressed values is detected only when they are read, and damage in
+// uncompressed values only by the digest (verify.h). HDF5 itself may crash or hang on a damaged
+// file before any of our checks. So programs open archives through a reader process
+// (archive/remote), which calls open_descriptor.
 //
 // One thread at a time in the process (handle.h).
 #pragma once
@@ -25,26 +25,27 @@
 
 namespace sleight::archive::hdf5 {
 
-/// One chunk, uncompressed: read at once by HDF5.
+/// Uncompressed size of a chunk, which HDF5 reads at once.
 inline constexpr std::uint64_t k_chunk_bytes_max = 64 * 1024 * 1024;
-/// Deflate can't do better than this, so no dataset is larger than its storage times this.
+/// Deflate's maximum ratio, so a dataset is at most this many times its storage.
 inline constexpr std::uint64_t k_deflate_ratio_max = 1032;
 
-/// Starts the HDF5 library, which opening does otherwise.
+/// Starts the HDF5 library ahead of the first open.
 void start();
 
-/// Opens an archive for reading. A file that does not exist or can't be read is an environment
-/// error (ExitCode::environment); everything else as above.
+/// Opens an archive for reading. Throws ExitCode::environment if the file does not exist or can't
+/// be read; otherwise see above.
 std::unique_ptr<Source> open_file(const std::string& path);
 
-/// A file that is open for reading.
+/// A file open for reading.
 struct OpenFile {
   int descriptor = -1;
   std::uint64_t bytes = 0;  ///< its length
 };
 
-/// The same of such a file, which it takes over. `name`: for messages. REQUIRES: start() was
-/// called, and it is a regular file. Makes no system call but for memory and to read it.
+/// Like open_file, for an open file, of which it takes ownership. `name`: for messages. REQUIRES:
+/// start() was called, and the file is regular. Makes no system calls except to read the file and
+/// for memory.
 std::unique_ptr<Source> open_descriptor(const std::string& name, const OpenFile& open);
 
 }  // namespace sleight::archive::hdf5

@@ -1,19 +1,19 @@
-// How the model's types and attributes look in an HDF5 file: what writer and reader share.
+// HDF5 representation of the model's types and attributes, shared by writer and reader.
 #pragma once
 
 #include <string_view>
 
 namespace sleight::archive::hdf5 {
 
-/// The attribute by which xarray marks booleans, which netCDF lacks: they are stored as int8.
+/// Attribute with which xarray marks booleans, which netCDF lacks. They are stored as int8.
 inline constexpr const char* k_dtype_attribute = "dtype";
 inline constexpr const char* k_dtype_bool = "bool";
 
-/// Text arrays are arrays of characters with one more dimension; this attribute says how to decode.
+/// Text arrays are character arrays with one more dimension. This attribute gives their encoding.
 inline constexpr const char* k_encoding_attribute = "_Encoding";
 inline constexpr const char* k_encoding_utf8 = "utf-8";
 
-/// Attributes of HDF5's dimension scales and of netCDF-4, which are no part of the content.
+/// Attributes of HDF5's dimension scales and of netCDF-4, which are not part of the content.
 inline constexpr const char* k_class_attribute = "CLASS";
 inline constexpr const char* k_class_scale = "DIMENSION_SCALE";
 inline constexpr const char* k_name_attribute = "NAME";
@@ -22,7 +22,7 @@ inline constexpr const char* k_dimension_list = "DIMENSION_LIST";
 inline constexpr const char* k_netcdf_dimension_id = "_Netcdf4Dimid";
 inline constexpr const char* k_netcdf_coordinates = "_Netcdf4Coordinates";
 
-/// netCDF-4's name for a scale that only stands for a dimension's size; the size follows.
+/// netCDF-4's name for a scale that only defines a dimension's size. The size follows the name.
 inline constexpr std::string_view k_bare_dimension =
     "This is a netCDF dimension but not a netCDF variable.";
 

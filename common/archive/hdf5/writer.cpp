@@ -11,7 +11,7 @@
 namespace sleight::archive::hdf5 {
 namespace {
 
-/// Removes the temporary file unless it has been given its place.
+/// Removes the temporary file unless it was renamed to its place.
 class Temporary {
  public:
   Temporary(base::FileSystem& file_system, std::string path)
@@ -23,7 +23,7 @@ class Temporary {
     try {
       file_system_.remove(path_);
     } catch (const base::Error&) {
-      // The failure that brought us here is the one to report.
+      // Report only the failure that led here.
     }
   }
 

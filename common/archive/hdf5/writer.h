@@ -1,14 +1,14 @@
-// Archives as HDF5 files that xarray (netcdf4, h5netcdf) and h5py open as they are.
+// Writes archives as HDF5 files that xarray (netcdf4, h5netcdf) and h5py open directly.
 //
 // Invariants:
-//  1. A reader never sees a torn file. The archive is written to `<path>.tmp.<process id>` beside
-//     its place, closed, synced and renamed, and the folder is synced; a failure before the rename
-//     leaves the file at `path` as it was and removes the temporary one. A process that is killed
-//     leaves the temporary one behind: it may be removed at any time.
-//  2. Equal content gives equal bytes: no times in the file, one fixed order of creation, chunks
-//     whose shape follows from the dataset's alone, and fixed batches (columns.h).
-//  3. Dimensions are HDF5 dimension scales, in the form that netCDF-4 writes; text arrays are
-//     arrays of single characters, since netCDF-C 4.9.0 crashes on arrays of fixed-length strings.
+//  1. A reader never sees an incomplete file. The archive is written to `<path>.tmp.<process id>`
+//     beside its place, closed, synced and renamed, and the folder is synced. A failure before the
+//     rename leaves the file at `path` unchanged and removes the temporary file. A killed process
+//     leaves its temporary file behind, which may be removed at any time.
+//  2. Equal content gives equal bytes: no times in the file, a fixed creation order, chunks whose
+//     shape depends only on the dataset's shape, and fixed batches (columns.h).
+//  3. Dimensions are HDF5 dimension scales in netCDF-4's form. Text arrays are arrays of single
+//     characters, because netCDF-C 4.9.0 crashes on arrays of fixed-length strings.
 //
 // One thread at a time in the process (handle.h).
 #pragma once
@@ -21,8 +21,8 @@
 
 namespace sleight::archive::hdf5 {
 
-/// Writes the archive that `fill` gives (see write_digested, which checks it) and returns its
-/// digest. Throws base::Error naming the file when it can't be written; also what `fill` throws.
+/// Writes the archive produced by `fill`, checked by write_digested, and returns its digest. Throws
+/// base::Error with the file's name if writing fails, and what `fill` throws.
 std::string write_file(const std::string& path, base::FileSystem& file_system,
                        const std::function<void(Sink&)>& fill);
 

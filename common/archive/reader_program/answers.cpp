@@ -21,7 +21,7 @@ using remote::AnswerHead;
 using remote::AnswerKind;
 using remote::Question;
 
-/// A dataset by its number in the contents.
+/// A dataset, found by its number in the contents.
 struct Numbered {
   const Group* group = nullptr;
   const DatasetSpec* spec = nullptr;
@@ -53,7 +53,7 @@ bool refuse(std::uint32_t number, std::string_view reason,
              std::as_bytes(std::span<const char>(reason)));
 }
 
-/// Does it, and says why where that fails.
+/// Does `work`; if it throws, sends the reason as a refusal.
 template <class Work>
 bool or_refuse(std::uint32_t number, std::uint64_t memory_bytes, const Work& work) {
   try {
@@ -87,14 +87,14 @@ bool say_values(std::uint32_t number, const Values& values) {
           head.bytes = bytes.size();
           return say(head, bytes);
         } else {
-          return false;  // texts: above
+          return false;  // texts were handled above
         }
       },
       values);
 }
 
-/// Reads what is asked for; and while the program makes something of that, what it will ask for
-/// next if it goes through a dataset from its beginning, as all do that take it whole.
+/// Answers questions. While the client processes an answer, reads ahead what a client that reads
+/// the whole dataset from its start will request next.
 class ForwardReader {
  public:
   explicit ForwardReader(const Source& source) : source_(source), datasets_(numbered(source)) {}
@@ -119,7 +119,7 @@ class ForwardReader {
   }
 
  private:
-  /// Some batches.
+  /// Limit for reading ahead: some batches.
   static constexpr std::uint64_t k_ahead_elements_max = 8 * k_batch_elements;
 
   Values read(const Question& question) const {
@@ -127,7 +127,7 @@ class ForwardReader {
     return source_.read(group->name, spec->name, question.first, question.count);
   }
 
-  /// What can't be read is said when it is asked for.
+  /// Errors are reported when the data are requested.
   void read_ahead() {
     try {
       ahead_ = read(next_);
@@ -140,7 +140,7 @@ class ForwardReader {
   const Source& source_;
   std::vector<Numbered> datasets_;
   Question next_{.first = ~std::uint64_t{0}};
-  Values ahead_;  ///< the answer to next_, where that is known
+  Values ahead_;  ///< answer to next_, if already read
   bool knows_next_ = false;
 };
 

@@ -1,5 +1,5 @@
-// A reader process' part of the conversation that archive/remote/messages.h describes: says what is
-// in an archive, then answers questions until nobody asks any more.
+// A reader process's side of the protocol in archive/remote/messages.h: sends the archive's
+// contents, then answers questions until the pipe is closed.
 //
 // Not thread-safe.
 #pragma once
@@ -14,17 +14,17 @@
 
 namespace sleight::archive::reader_program {
 
-/// An archive's name in the reader's messages, which it leaves out of what it says: the program
-/// that asks knows it, and the reader need not.
+/// The archive's name in the reader's messages. It is removed before sending, because the client
+/// knows the path and the reader does not.
 inline constexpr const char* k_nameless = "archive";
 
-/// Opens the archive, and answers. Returns the process' exit code. What `open` throws is a refusal:
-/// base::Error and std::bad_alloc. `memory_bytes`: how much there is, for words.
+/// Opens the archive and answers questions. Returns the process's exit code. Exceptions base::Error
+/// and std::bad_alloc from `open` are sent as refusals. `memory_bytes`: memory limit, for messages.
 int answer(const std::function<std::unique_ptr<Source>()>& open, std::uint64_t memory_bytes);
 
-/// Says it all, to the answers' descriptor. False where nobody listens any more.
+/// Writes an answer completely to the answers' descriptor. False: nobody reads any more.
 bool say(const remote::AnswerHead& head, std::span<const std::byte> bytes);
-/// Waits for a question. False where nobody asks any more.
+/// Waits for a question. False: nobody asks any more.
 bool hear(remote::Question& question);
 
 }  // namespace sleight::archive::reader_program

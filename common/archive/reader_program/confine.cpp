@@ -36,7 +36,7 @@ void limit(__rlimit_resource_t resource, rlim_t most, std::string_view what) {
   require(::setrlimit(resource, &now) == 0, what, errno);
 }
 
-/// The system calls that are permitted: all others end the process.
+/// The permitted system calls; any other kills the process.
 class Permits {
  public:
   Permits() : filter_(::seccomp_init(SCMP_ACT_KILL_PROCESS), &::seccomp_release) {
@@ -45,7 +45,7 @@ class Permits {
 
   void permit(int call) { note(::seccomp_rule_add(filter_.get(), SCMP_ACT_ALLOW, call, 0)); }
 
-  /// If its argument, from 0, equals `value` where `mask` has ones.
+  /// Permits `call` if its argument (counted from 0), masked with `mask`, equals `value`.
   void permit_if(int call, unsigned argument, std::uint64_t mask, std::uint64_t value) {
     const scmp_arg_cmp is_it{argument, SCMP_CMP_MASKED_EQ, mask, value};
     note(::seccomp_rule_add_array(filter_.get(), SCMP_ACT_ALLOW, call, 1, &is_it));
@@ -70,24 +70,24 @@ class Permits {
 };
 
 void permit_what_reading_needs(Permits& permits) {
-  // The archive, questions and answers.
+  // Archive, questions and answers.
   permits.permit_of(SCMP_SYS(read), remote::k_questions_descriptor);
   permits.permit_of(SCMP_SYS(write), remote::k_answers_descriptor);
   permits.permit_of(SCMP_SYS(pread64), remote::k_archive_descriptor);
   permits.permit_of(SCMP_SYS(close), remote::k_archive_descriptor);
-  // Memory, of which none may hold code.
+  // Memory, but never executable.
   permits.permit_if(SCMP_SYS(mmap), 2, PROT_EXEC, 0);
   permits.permit_if(SCMP_SYS(mprotect), 2, PROT_EXEC, 0);
   for (const int call : {SCMP_SYS(brk), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise),
                          SCMP_SYS(futex), SCMP_SYS(getrandom)})
     permits.permit(call);
-  // The time, where the kernel's own page doesn't tell it.
+  // Time, for kernels that don't provide it without a system call.
   permits.permit(SCMP_SYS(clock_gettime));
   permits.permit(SCMP_SYS(gettimeofday));
-  // HDF5 sleeps for a nanosecond before it reads metadata with a wrong checksum again.
+  // HDF5 sleeps for a nanosecond before rereading metadata with a wrong checksum.
   permits.permit(SCMP_SYS(nanosleep));
   permits.permit(SCMP_SYS(clock_nanosleep));
-  // The end: in order, or as abort() has it.
+  // Normal exit and abort().
   for (const int call :
        {SCMP_SYS(exit), SCMP_SYS(exit_group), SCMP_SYS(rt_sigreturn), SCMP_SYS(rt_sigprocmask),
         SCMP_SYS(rt_sigaction), SCMP_SYS(getpid), SCMP_SYS(gettid), SCMP_SYS(restart_syscall)})
@@ -113,12 +113,12 @@ void permit_what_sanitizers_need(Permits& permits) {
 }  // namespace
 
 void end_with_lifeline(int lifeline) {
-  // The kernel signals each change of the pipe; nobody writes into it, so that is its end. The
-  // signal's default action ends the process, even one that spins.
+  // The kernel signals each change of the pipe, and nobody writes to the pipe, so the signal means
+  // its end. The default action ends the process even in an endless loop.
   const bool is_armed = ::fcntl(lifeline, F_SETOWN, ::getpid()) == 0 &&
                         ::fcntl(lifeline, F_SETFL, O_ASYNC | O_NONBLOCK) == 0;
   require(is_armed, "watch the parent process", errno);
-  // It may have gone before.
+  // The other end may have closed before.
   pollfd watched{lifeline, POLLIN, 0};
   if (::poll(&watched, 1, 0) != 0) ::_exit(0);
 }
@@ -130,7 +130,7 @@ void confine(std::uint64_t address_space_bytes) {
   (void)address_space_bytes;
 #else
   limit(RLIMIT_AS, address_space_bytes, "limit memory");
-  // No number is left for another descriptor.
+  // No descriptor number is left for opening another file.
   limit(RLIMIT_NOFILE, remote::k_lifeline_descriptor + 1, "disable opening of files");
 #endif
   require(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0, "drop privileges", errno);

@@ -22,7 +22,7 @@ namespace {
 
 constexpr int k_bug = static_cast<int>(base::ExitCode::bug);
 
-/// The only argument; 0 where it is none.
+/// Parses the only argument; 0 if it is invalid.
 std::uint64_t memory_bytes_of(int argc, const char* const* argv) {
   std::uint64_t bytes = 0;
   if (argc != 2) return 0;
@@ -52,7 +52,7 @@ int run_confined(int argc, const char* const* argv, const std::function<int(cons
   Given given{.memory_bytes = memory_bytes_of(argc, argv)};
   if (given.memory_bytes == 0 || !has_its_descriptors(given))
     return refuse_to_start("only sleight starts this program, to read archives");
-  // Writing to somebody who has gone is then an error like others.
+  // A write to a closed pipe then fails like any other write.
   std::signal(SIGPIPE, SIG_IGN);
   int code = k_bug;
   try {
@@ -61,14 +61,14 @@ int run_confined(int argc, const char* const* argv, const std::function<int(cons
     confine(given.memory_bytes);
     code = work(given);
   } catch (const std::exception& error) {
-    // Of the archive `work` says it itself: this is what couldn't be given up.
+    // `work` reports errors of the archive itself, so this is a failure to confine the process.
     const std::string_view reason = error.what();
     say({.kind = remote::AnswerKind::refusal,
          .type = remote::k_of_environment,
          .bytes = reason.size()},
         std::as_bytes(std::span<const char>(reason)));
   }
-  // Without what libraries do at exit, for which there is no permit.
+  // Skip the libraries' exit handlers, whose system calls are not permitted.
   ::_exit(code);
 }
 

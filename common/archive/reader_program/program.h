@@ -1,5 +1,5 @@
-// The whole of a reader process, but for what it answers with: its main, and those of tests which
-// behave badly under the same limits.
+// The main function of a reader process. Tests use it too, for readers that misbehave under the
+// same limits.
 #pragma once
 
 #include <cstdint>
@@ -7,17 +7,17 @@
 
 namespace sleight::archive::reader_program {
 
-/// What a reader process has.
+/// The arguments of a reader process.
 struct Given {
   std::uint64_t memory_bytes = 0;
-  std::uint64_t archive_bytes = 0;  ///< length of the file that it is to read
+  std::uint64_t archive_bytes = 0;  ///< length of the archive's file
 };
 
-/// What a main does: takes its place, gives everything up (confine.h), and then runs `work`, with
-/// whose exit code the process ends.
+/// Prepares the process, confines it (confine.h) and runs `work`, whose result is the process's
+/// exit code.
 int run_confined(int argc, const char* const* argv, const std::function<int(const Given&)>& work);
 
-/// The work of `sleight-reader`.
+/// The `work` of `sleight-reader`.
 int read_and_answer(const Given& given);
 
 }  // namespace sleight::archive::reader_program

@@ -1,10 +1,9 @@
-// Whether what a reader process says of an archive's contents can be: what hdf5/inspect.h makes
-// sure of in a file, judged anew from its answer, since a hostile file may have taken the process
-// over.
+// Checks whether the contents reported by a reader process are valid. hdf5/inspect.h checks the
+// same in the file, but a hostile file may have taken over the process.
 //
-// Whoever reads a Source relies on these: names are plain words and unique in their place, the root
-// group comes first, every dimension is named by a dataset of its own, sizes stay in their limits
-// (limits.h) and don't overflow, and texts hold nothing that could steer a terminal.
+// Users of a Source rely on these properties: names are plain words and unique in their place, the
+// root group comes first, each dimension has a dataset of its name, sizes are within limits.h and
+// don't overflow, and texts contain nothing that could control a terminal.
 //
 // Thread safety: pure.
 #pragma once
@@ -16,13 +15,14 @@
 
 namespace sleight::archive::remote {
 
-/// Empty where they can be; else what is wrong, naming the object, fit to be shown.
+/// Returns a description of the fault, safe for display and naming the object. Empty if there is
+/// none.
 std::string fault_of_contents(const std::vector<Group>& groups);
 
-/// Whether a dataset may hold such a text: only the request has lines.
+/// Returns whether the dataset may contain this text. Only the request may have several lines.
 bool is_text_for(std::string_view group, std::string_view dataset, std::string_view text);
 
-/// `text` without what could steer a terminal, cut to a length that can be shown.
+/// Returns `text` without anything that could control a terminal, truncated for display.
 std::string shown_text(std::string_view text);
 
 }  // namespace sleight::archive::remote

@@ -10,7 +10,7 @@
 namespace sleight::archive::remote {
 namespace {
 
-/// Scalars and texts, one after the other.
+/// Appends scalars and texts to an answer.
 class Composer {
  public:
   template <class T>
@@ -28,7 +28,7 @@ class Composer {
   base::ByteWriter writer_;
 };
 
-/// The way back. Whatever is missing is 0 or empty, and `failed` says that something was.
+/// The reverse of Composer. Missing data read as 0 or empty, and set `failed`.
 class Decomposer {
  public:
   explicit Decomposer(base::BytesView bytes) : rest_(bytes) {}
@@ -47,7 +47,7 @@ class Decomposer {
     return failed_ ? std::string()
                    : std::string(reinterpret_cast<const char*>(part.data()), part.size());
   }
-  /// How many of something follow.
+  /// Reads how many items follow.
   std::uint32_t get_count(std::uint64_t most) {
     const auto count = get<std::uint32_t>();
     if (count > most) failed_ = true;
@@ -72,7 +72,7 @@ class Decomposer {
   bool failed_ = false;
 };
 
-/// Which of an attribute's alternatives follows; as in Attribute::value.
+/// The alternative of an attribute's value that follows, as in Attribute::value.
 enum class AttributeKind : std::uint8_t { integer = 0, number = 1, text = 2 };
 
 void put_attributes(const std::vector<Attribute>& attributes, Composer& to) {

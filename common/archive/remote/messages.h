@@ -1,21 +1,21 @@
-// What a reader process and the program that asks it say to one another.
+// The protocol between a reader process and its client.
 //
-// The reader (archive/reader_program) begins: an answer with the number 0 says what is in the
-// archive. Then each question is followed by one answer with the question's number:
+// The reader (archive/reader_program) starts with an answer numbered 0 that describes the archive's
+// contents. Then each question is followed by one answer with the question's number:
 //
 //   question  number u32, dataset u32, first u64, count u64
-//   answer    number u32, kind u8, type u8, nothing u16, bytes u64, and then so many bytes:
+//   answer    number u32, kind u8, type u8, nothing u16, bytes u64, followed by `bytes` bytes:
 //             contents   the groups (encode_contents)
 //             values     elements in the type's own size; each text as its length u32 and its bytes
-//             refusal    why the reader can't give it, for people, without the archive's name;
-//                        its type is 1 where that isn't the archive's fault, which can be at the
-//                        beginning alone
+//             refusal    why the reader can't answer, for people, without the archive's name;
+//                        its type is 1 if the archive is not at fault, which is possible only
+//                        for the first answer
 //
-// Datasets are numbered from 0 in the order in which the contents have them. Numbers are
-// little-endian. Both ends are of one build, so there are no versions.
+// Datasets are numbered from 0 in the order of the contents. Numbers are little-endian. Both ends
+// come from one build, so there are no versions.
 //
-// The reader may have been taken over by a hostile file: everything here that takes an answer apart
-// expects any bytes. Thread safety: values and pure functions.
+// A hostile file may have taken over the reader, so everything here that decodes answers accepts
+// any bytes. Thread safety: values and pure functions.
 #pragma once
 
 #include <array>
@@ -31,11 +31,11 @@
 
 namespace sleight::archive::remote {
 
-/// Where the reader process has its ends, from its first instruction on.
+/// Descriptors that the reader process has from its start.
 inline constexpr int k_questions_descriptor = 0;
 inline constexpr int k_answers_descriptor = 1;
 inline constexpr int k_archive_descriptor = 3;
-/// A pipe of which the program that asks holds the other end, and says nothing: it ends with it.
+/// A pipe whose other end the client holds without writing. When the pipe closes, the reader ends.
 inline constexpr int k_lifeline_descriptor = 4;
 
 struct Question {
@@ -55,15 +55,15 @@ enum class AnswerKind : std::uint8_t { contents = 1, values = 2, refusal = 3 };
 /// The type of a refusal.
 inline constexpr std::uint8_t k_of_archive = 0;
 inline constexpr std::uint8_t k_of_environment = 1;
-inline constexpr std::uint8_t k_of_memory = 2;  ///< there is too little for it
+inline constexpr std::uint8_t k_of_memory = 2;  ///< too little memory
 
-/// What every answer begins with.
+/// The start of every answer.
 struct AnswerHead {
   std::uint32_t number = 0;
-  AnswerKind kind = AnswerKind::refusal;  ///< any byte, in what a stranger says
-  std::uint8_t type = 0;                  ///< of values their ElementType, of a refusal whose fault
+  AnswerKind kind = AnswerKind::refusal;  ///< may be any byte in a received answer
+  std::uint8_t type = 0;  ///< for values the ElementType, for a refusal the party at fault
   std::uint16_t nothing = 0;
-  std::uint64_t bytes = 0;  ///< that follow
+  std::uint64_t bytes = 0;  ///< number of bytes that follow
   bool operator==(const AnswerHead&) const = default;
 };
 inline constexpr std::size_t k_head_bytes = 16;
@@ -71,25 +71,25 @@ using HeadBytes = std::array<std::byte, k_head_bytes>;
 HeadBytes encode(const AnswerHead& head);
 AnswerHead decode_head(const HeadBytes& bytes);
 
-/// The longest contents: an archive's are some tens of kilobytes.
+/// Maximum size of contents; typical archives have some tens of kilobytes.
 inline constexpr std::uint64_t k_contents_bytes_max = 16 * 1024 * 1024;
-/// The longest refusal.
+/// Maximum size of a refusal.
 inline constexpr std::uint64_t k_refusal_bytes_max = 64 * 1024;
 
 base::Bytes encode_contents(const std::vector<Group>& groups);
-/// The groups, of which fault_of_contents (contents_check.h) then judges what is in them; or why
-/// the bytes are none.
+/// Returns the groups, which fault_of_contents (contents_check.h) must check next, or why the bytes
+/// can't be decoded.
 base::Result<std::vector<Group>, std::string> decode_contents(base::BytesView bytes);
 
-/// Texts as one answer has them, and back: `count` of them, each of at most `text_bytes`.
+/// Encode and decode the texts of one answer: `count` texts of at most `text_bytes` each.
 base::Bytes encode_texts(const std::vector<std::string>& texts);
 base::Result<std::vector<std::string>, std::string> decode_texts(base::BytesView bytes,
                                                                  std::uint64_t count,
                                                                  std::uint64_t text_bytes);
-/// The most bytes that decode_texts may be given.
+/// Returns the maximum number of bytes for decode_texts.
 std::uint64_t texts_bytes_max(std::uint64_t count, std::uint64_t text_bytes);
 
-/// Of a number or a flag in an answer. REQUIRES: type is not text.
+/// Returns the size of a number or flag in an answer. REQUIRES: type is not text.
 std::size_t size_of(ElementType type);
 
 }  // namespace sleight::archive::remote

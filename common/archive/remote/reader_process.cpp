@@ -26,12 +26,12 @@
 namespace sleight::archive::remote {
 namespace {
 
-/// How long a process that has closed its pipe may take to end.
+/// Time that a process has to end after closing its pipe.
 constexpr auto k_ending = std::chrono::seconds(2);
 constexpr int k_look_every_ms = 2;
-/// Of the pipe with answers: an answer of a batch fits, so the reader needn't wait for us.
+/// Size of the answers' pipe: fits a batch, so that the reader needn't wait for this process.
 constexpr int k_pipe_bytes = 1 << 20;
-/// Above every descriptor that the new process is given, so that none is overwritten.
+/// Above all descriptors of the new process, so that none is overwritten.
 constexpr int k_first_free_descriptor = 10;
 
 [[noreturn]] void fail_start(const std::string& program, int reason) {
@@ -51,7 +51,7 @@ struct Ends {
   base::Descriptor theirs;
 };
 
-/// `is_ours_first`: whether we read from the pipe, and the other process writes.
+/// `is_ours_first`: this process reads from the pipe, and the other writes.
 Ends pipe_of(bool is_ours_first, const std::string& program) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail_start(program, errno);
@@ -61,7 +61,8 @@ Ends pipe_of(bool is_ours_first, const std::string& program) {
   return {std::move(second), raised(first, program)};
 }
 
-/// A socket in place of a pipe: sending to a process that has gone then raises no signal.
+/// Returns a socket pair instead of a pipe, because sending to an exited process then raises no
+/// signal.
 Ends socket_pair(const std::string& program) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
@@ -71,7 +72,7 @@ Ends socket_pair(const std::string& program) {
   return {std::move(first), raised(second, program)};
 }
 
-/// What posix_spawn is told, freed with its holder.
+/// Owns the arguments of posix_spawn.
 class SpawnOrders {
  public:
   SpawnOrders() {
@@ -89,11 +90,11 @@ class SpawnOrders {
     note(::posix_spawn_file_actions_adddup2(&actions_, descriptor, at));
   }
 
-  /// No descriptor but those that were placed, no signal that is ignored or blocked, and a process
-  /// group of its own, to which the terminal sends nothing.
+  /// Closes all other descriptors, resets ignored and blocked signals, and sets a new process
+  /// group, which gets no signals from the terminal.
   void clean_all_else() {
 #ifndef SLEIGHT_SANITIZED
-    // What a sanitizer finds it says there.
+    // A sanitizer reports to standard error.
     note(::posix_spawn_file_actions_addopen(&actions_, STDERR_FILENO, "/dev/null", O_WRONLY, 0));
 #endif
     note(::posix_spawn_file_actions_addclosefrom_np(&actions_, k_lifeline_descriptor + 1));
@@ -108,7 +109,7 @@ class SpawnOrders {
         &attributes_, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP));
   }
 
-  /// 0, or why not.
+  /// Returns 0, or an error number.
   int spawn(pid_t& id, const std::string& program, char* const* arguments,
             char* const* environment) const {
     if (reason_ != 0) return reason_;
@@ -179,7 +180,7 @@ ReaderProcess::ReaderProcess(const std::string& program, int archive, const Read
   Ends lifeline = pipe_of(false, program);
   const base::Descriptor raised_archive(::fcntl(archive, F_DUPFD_CLOEXEC, k_first_free_descriptor));
   if (!raised_archive) fail_start(program, errno);
-  // A larger pipe is a matter of speed, and may be refused.
+  // A larger pipe is only faster, so failure is harmless.
   ::fcntl(answers.ours.get(), F_SETPIPE_SZ, k_pipe_bytes);
   ::fcntl(answers.ours.get(), F_SETFL, O_NONBLOCK);
 
@@ -211,7 +212,7 @@ void ReaderProcess::renew_limits() {
   deadline_ = std::chrono::steady_clock::now() +
               std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                   std::chrono::duration<double>(limits_.timeout_s));
-  // Twice a question's system calls; what a second takes from the limit says nothing of a file.
+  // Renewing takes twice a question's system calls; losing one second of the limit is harmless.
   constexpr auto k_renewed_every = std::chrono::seconds(1);
   const auto now = std::chrono::steady_clock::now();
   if (now - renewed_ < k_renewed_every) return;
@@ -219,8 +220,8 @@ void ReaderProcess::renew_limits() {
   limit_processor_time();
 }
 
-/// Set from here, so that the process can give up the right to change its limits. Where it can't be
-/// set the deadline still holds.
+/// Sets the limit from this process, so that the reader can give up the right to change its limits.
+/// If that fails, the deadline still applies.
 void ReaderProcess::limit_processor_time() const {
   clockid_t clock{};
   timespec used{};
@@ -251,7 +252,7 @@ Received ReaderProcess::receive(std::span<std::byte> bytes) {
       continue;
     }
     if (got == 0 || (errno != EAGAIN && errno != EINTR)) return Received::ended;
-    // One that says a byte now and then comes here after each. What is there already is never late.
+    // A reader that sends single bytes gets here after each. Data already received is never late.
     const auto left =
         std::chrono::ceil<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());
     if (left.count() <= 0) return Received::late;
@@ -281,7 +282,7 @@ ReaderEnd ReaderProcess::end() {
     ::poll(nullptr, 0, k_look_every_ms);
   }
   id_ = -1;
-  // A program that ignores its children's ends isn't told how they ended.
+  // If this program ignores SIGCHLD, the exit status is unavailable.
   if (got < 0)
     return {.words = "the reader process has exited; the file is damaged or hostile",
             .is_abrupt = true};

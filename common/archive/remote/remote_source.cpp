@@ -24,15 +24,15 @@
 namespace sleight::archive::remote {
 namespace {
 
-/// Archives of a list whose readers look at them at the same time.
+/// Maximum archives of a list opened concurrently.
 constexpr std::size_t k_opened_at_once = 8;
 
 class RemoteSource final : public Source {
  public:
-  /// Starts the reader; take_contents says whether it could open the archive.
+  /// Starts the reader; take_contents returns whether it opened the archive.
   RemoteSource(const std::string& program, std::string path, const ReaderLimits& limits)
       : path_(std::move(path)), limits_(limits) {
-    // A pipe or a device would keep us waiting.
+    // Don't block on a pipe or a device.
     const base::Descriptor archive(
         ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     struct stat status {};
@@ -42,7 +42,7 @@ class RemoteSource final : public Source {
     process_.emplace(program, archive.get(), limits);
   }
 
-  /// REQUIRES: once, before anything else.
+  /// REQUIRES: first call, only once.
   void take_contents() {
     const AnswerHead head = receive_head();
     if (head.kind != AnswerKind::contents || head.type != 0 || head.bytes > k_contents_bytes_max)
@@ -99,7 +99,7 @@ class RemoteSource final : public Source {
     const DatasetSpec* spec = nullptr;
   };
 
-  /// Gives the reader up, for this reason.
+  /// Abandons the reader with this reason.
   [[noreturn]] void fail(std::string_view reason,
                          base::ExitCode code = base::ExitCode::bad_archive) const {
     process_.reset();
@@ -107,8 +107,8 @@ class RemoteSource final : public Source {
     throw base::Error(failure_);
   }
 
-  /// Where this process, and with it the reader, has less memory than a reader may use, nothing is
-  /// said of the file.
+  /// Throws if this process, and with it the reader, has less memory than a reader may use, because
+  /// the failure then says nothing about the file.
   void fail_for_want_of_memory() const {
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_max >= limits_.address_space_bytes)
@@ -140,7 +140,7 @@ class RemoteSource final : public Source {
     if (how_far != Received::all) fail_of(how_far);
   }
 
-  /// Throws where the reader refuses.
+  /// Throws if the reader refuses.
   AnswerHead receive_head() const {
     HeadBytes bytes{};
     receive(bytes);
@@ -169,7 +169,7 @@ class RemoteSource final : public Source {
 
   std::vector<std::string> receive_texts(const AnswerHead& head, const Numbered& asked,
                                          std::uint64_t count) const {
-    // Nothing that a reader gives at once is longer (hdf5/reader.h).
+    // The reader sends at most this many bytes at once (hdf5/reader.h).
     const std::uint64_t bytes_max = std::min(texts_bytes_max(count, asked.spec->text_bytes),
                                              k_text_bytes_max + texts_bytes_max(count, 0));
     if (head.bytes > bytes_max) fail_count();
@@ -193,9 +193,9 @@ class RemoteSource final : public Source {
   ReaderLimits limits_;
   std::vector<Group> groups_;
   std::map<std::string, Numbered> datasets_;      ///< by path
-  mutable std::optional<ReaderProcess> process_;  ///< none once it has failed
+  mutable std::optional<ReaderProcess> process_;  ///< empty after a failure
   mutable base::Error failure_{""};
-  mutable std::uint32_t asked_ = 0;  ///< questions so far
+  mutable std::uint32_t asked_ = 0;  ///< number of questions sent
 };
 
 }  // namespace
@@ -216,7 +216,7 @@ std::vector<OpenedArchive> open_all_by(const std::string& program,
                                        const ReaderLimits& limits) {
   std::vector<OpenedArchive> opened;
   for (std::size_t begin = 0; begin < paths.size(); begin += k_opened_at_once) {
-    // Start some readers; then take from each what its archive holds.
+    // Start several readers, then receive each archive's contents.
     std::vector<std::unique_ptr<RemoteSource>> started;
     for (const std::string& path :
          paths.subspan(begin, std::min(k_opened_at_once, paths.size() - begin))) {

@@ -1,9 +1,9 @@
-// Two comparisons that Cap'n Proto 0.9.2's headers use and clang doesn't find; included before all
-// else where clang compiles these headers (deploy/cmake/SleightLibraries.cmake).
+// Two comparisons that Cap'n Proto 0.9.2's headers use and clang doesn't find. Include this header
+// before all others where clang compiles them (deploy/cmake/SleightLibraries.cmake).
 //
-// `const char* == kj::StringPtr` is to be, in C++20, the turned comparison of StringPtr's own. By
-// the standard's later rule (P2468, in clang 16 and not in GCC 12) a class that has != as well has
-// none.
+// In C++20, `const char* == kj::StringPtr` should be StringPtr's own comparison with the operands
+// reversed. But by a later rule of the standard (P2468, in clang 16 and not in GCC 12), a class
+// that also has != has no reversed comparison.
 #pragma once
 
 #include <kj/string.h>

@@ -27,7 +27,7 @@ capnp::Text::Reader as_text(const std::string& text) {
   return {text.c_str(), text.size()};
 }
 
-/// All of a text: cStr() alone would end at a zero within.
+/// Returns the whole text; cStr() would end at an embedded zero.
 std::string as_string(capnp::Text::Reader text) {
   return {text.begin(), text.end()};
 }
@@ -95,7 +95,7 @@ void put_scan(const plan::ScanRecord& record, generated::Scan::Builder out) {
            record.method_values);
 }
 
-/// None, or one of each kind.
+/// Failures are absent, or counted for each kind.
 bool fits(generated::Scan::Reader in) {
   return in.getFailures().size() == 0 || in.getFailures().size() == plan::k_failure_kinds;
 }
@@ -160,13 +160,13 @@ void put_assignment(const Assignment& assignment, generated::Assignment::Builder
   if (assignment.block.ladder) put_part(*assignment.block.ladder, out.initPart());
 }
 
-/// Each scan has an inverse temperature.
+/// A unit has one inverse temperature for all scans, or one per scan.
 bool fits(const plan::Unit& unit) {
   const std::size_t given = unit.inverse_temperatures.size();
   return unit.scans > 0 && (given == 1 || given == unit.scans);
 }
 
-/// Its members are at its levels, which the ladder has.
+/// Members must be at their levels, and the levels within the ladder.
 bool fits(const plan::Block& block) {
   if (!std::ranges::all_of(block.members, [](const auto& unit) { return fits(unit); }))
     return false;
@@ -266,7 +266,6 @@ base::Result<Message, std::string> get_delivery(generated::Delivery::Reader in) 
   return Message(std::move(delivery));
 }
 
-/// Writes each kind of message into the union.
 struct Put {
   generated::Message::Builder out;
 
@@ -331,7 +330,7 @@ base::Bytes encode(const Message& message) {
 
 base::Result<Message, std::string> decode(base::BytesView bytes) {
   if (bytes.size() > k_message_bytes_max) return std::string("a message beyond the size limit");
-  // Copied into words: the bytes may lie at any address.
+  // Copy into words, because the bytes may be unaligned.
   std::vector<capnp::word> words(bytes.size() / sizeof(capnp::word));
   if (words.size() * sizeof(capnp::word) != bytes.size()) {
     return std::string("a message whose size is not a multiple of 8 bytes");
