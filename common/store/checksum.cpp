@@ -12,14 +12,14 @@
 namespace sleight::store {
 namespace {
 
-/// Gathers fields, then sums them in one go.
+/// Collects fields and hashes them at once.
 class Checksum {
  public:
   template <class T>
   void add(T value) {
     bytes(base::bytes_of(std::span<const T>(&value, 1)));
   }
-  /// Length first: neighbouring arrays can't trade elements unseen.
+  /// Adds the length first, so that moving elements between neighbouring arrays is detected.
   void array(base::BytesView values) {
     add(std::uint64_t{values.size()});
     bytes(values);

@@ -1,6 +1,6 @@
-// How the store's errors say that its files are damaged, and how others tell such errors: of a
-// run's end only the words travel (common/events/run_end.h), and no attempt gets further with such
-// a store.
+// How the store's errors report damaged files, and how callers recognise these errors. Only the
+// message of a run's end is transmitted (common/events/run_end.h), and no further attempt can
+// succeed with such a store.
 //
 // Pure; thread-safe.
 #pragma once
@@ -9,12 +9,12 @@
 
 namespace sleight::store {
 
-/// Within the words of refuse_damaged (checksum.h): a file that was changed.
+/// In messages of refuse_damaged (checksum.h): a file was changed.
 inline constexpr std::string_view k_damaged_words = ": damaged: ";
-/// Within those of a DatabaseError whose file is no database any more.
+/// In messages of DatabaseError: the file is not a database.
 inline constexpr std::string_view k_no_store_words = "the file is not a run store or is damaged";
 
-/// Whether an error's words are one of those.
+/// Returns whether an error message contains one of these texts.
 bool tells_of_damage(std::string_view words);
 
 }  // namespace sleight::store

@@ -45,26 +45,26 @@ DatabaseError::Kind kind_of(int basic_code) {
   throw DatabaseError(fmt::format("{}: {}{}", path, reason, advice), kind_of(basic), reason);
 }
 
-/// Whether a database stands still: it has no log, and this process may make none beside it. SQLite
-/// would want to, even to read.
+/// Returns whether no process can change the database: it has no log, and this process can't create
+/// one, which SQLite would need even for reading.
 bool nobody_can_write(const std::string& path) {
   const std::string folder = base::directory_of(path);
   return ::access((path + "-wal").c_str(), F_OK) != 0 && ::access(folder.c_str(), W_OK) != 0;
 }
 
-/// SQLite itself would make it for its owner alone to write, whatever the umask says; the files
-/// that it makes beside this one have its mode.
+/// Creates the file with the umask's permissions. SQLite would make it writable only by its owner,
+/// and gives its other files the same mode.
 void make_file(const std::string& path) {
   const int made = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (made >= 0) ::close(made);
 }
 
-/// Whether the disk has locks at all; Lustre may be mounted without, NFS may lack its lock server.
-/// REQUIRES: this process has no connection to the file, which would lose its locks when this
-/// descriptor is closed.
+/// Returns whether the disk supports locks. Lustre may be mounted without them, NFS may lack its
+/// lock server. REQUIRES: this process has no connection to the file, because closing this
+/// descriptor would release the connection's locks.
 bool has_file_locks(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor < 0) return true;  // SQLite says why
+  if (descriptor < 0) return true;  // SQLite will report the reason
   struct flock asked {};
   asked.l_type = F_WRLCK;
   asked.l_whence = SEEK_SET;
@@ -74,7 +74,7 @@ bool has_file_locks(const std::string& path) {
   return !fails || (reason != ENOSYS && reason != ENOLCK && reason != EOPNOTSUPP);
 }
 
-/// As SQLite reads it: what has a meaning there is spelt out.
+/// Returns the path as a URI for SQLite, with special characters escaped.
 std::string uri_of(const std::string& path) {
   std::string uri = "file:";
   for (const char character : path) {
@@ -119,7 +119,7 @@ Statement& Statement::bind(int index, std::string_view value) {
 }
 
 Statement& Statement::bind(int index, base::BytesView value) {
-  // A null pointer would bind NULL: an empty blob needs an address of its own.
+  // A null pointer would bind NULL, so an empty blob needs a non-null address.
   const void* data = value.empty() ? static_cast<const void*>("") : value.data();
   check(sqlite3_bind_blob64(statement_.get(), index, data, value.size(), SQLITE_STATIC));
   return *this;
@@ -185,26 +185,26 @@ Database::Database(const std::string& path, Access access)
   if (code != SQLITE_OK) fail(connection, path, code);
   sqlite3_extended_result_codes(connection, 1);
   sqlite3_busy_timeout(connection, k_busy_timeout_ms);
-  // What a hostile schema could do in views and triggers is not ours to run.
+  // Don't run a hostile schema's functions in views and triggers.
   sqlite3_db_config(connection, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   if (access == Access::read_write) set_write_mode();
 }
 
 void Database::set_write_mode() {
   if (is_exclusive_) {
-    // Before the first look at the log, or its index would be in shared memory.
+    // Before the first access to the log, whose index would otherwise be in shared memory.
     execute("PRAGMA locking_mode=EXCLUSIVE");
     sqlite3_db_config(connection_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }
   Statement mode = prepare("PRAGMA journal_mode=WAL");
-  // SQLite keeps another mode without a word, which would remove its journal by name.
+  // SQLite silently falls back to another mode, which would remove its journal by name.
   if (const bool is_log = mode.step() && mode.text(0) == "wal"; is_exclusive_ && !is_log) {
     throw base::Error(fmt::format(
         "{}: SQLite can't use a write-ahead log on this disk; put the run on another disk", path_));
   }
   mode.reset();
   execute("PRAGMA synchronous=FULL");
-  // Rewriting pages in place costs seeks: do it in larger steps than the default 1,000 pages.
+  // Checkpoints cost seeks, so use larger steps than the default 1,000 pages.
   execute("PRAGMA wal_autocheckpoint=4000");
 }
 

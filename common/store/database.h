@@ -1,7 +1,7 @@
-// A small RAII shell over SQLite's C interface: every return value is looked at, every failure is
-// a base::Error naming the file, the reason and what to do.
+// A small RAII wrapper of SQLite's C interface. It checks every return value; a failure is a
+// base::Error with the file, the reason and what to do.
 //
-// Thread safety: one connection is used by one thread at a time.
+// Thread safety: only one thread at a time may use a connection.
 #pragma once
 
 #include <cstdint>
@@ -20,28 +20,28 @@ struct sqlite3_stmt;
 
 namespace sleight::store {
 
-/// A prepared statement; borrowed from its Database, which must outlive it.
+/// A prepared statement. Its Database must outlive it.
 class Statement {
  public:
   Statement(sqlite3* connection, const std::string& path, std::string_view sql);
 
   Statement& bind(int index, std::int64_t value);
-  Statement& bind(int index, double value);  ///< not NaN, which SQLite turns into NULL
+  Statement& bind(int index, double value);  ///< not NaN, which SQLite stores as NULL
   Statement& bind(int index, std::string_view value);
-  /// The bytes must live until the statement is stepped or reset; nothing is copied.
+  /// Binds without copying: the bytes must live until the next step() or reset().
   Statement& bind(int index, base::BytesView value);
   Statement& bind_null(int index);
 
-  /// Whether there is a row to read.
+  /// Returns whether a row is available.
   bool step();
-  /// For statements that return nothing: steps once and resets, also when it throws.
+  /// Executes a statement without result rows: steps once and resets, even if it throws.
   void run();
   void reset();
 
   std::int64_t integer(int column) const;
   double real(int column) const;
   std::string text(int column) const;
-  /// Valid until the next step or reset.
+  /// Valid until the next step() or reset().
   base::BytesView blob(int column) const;
 
  private:
@@ -54,8 +54,8 @@ class Statement {
 
 enum class Access { read_only, read_write };
 
-/// SQLite's failure: base::Error with what a run store's user should do, and for those who do
-/// something else the kind and the bare reason.
+/// A failure of SQLite: base::Error with advice for run-store users. Other callers use the kind and
+/// the reason.
 class DatabaseError : public base::Error {
  public:
   enum class Kind { damaged, full, busy, other };
@@ -71,15 +71,16 @@ class DatabaseError : public base::Error {
 
 class Database {
  public:
-  /// Opens a file, and with read_write makes it if need be, in WAL mode with synchronous=FULL:
-  /// after COMMIT returns, the rows survive kill -9 and loss of power. With read_write on a network
-  /// disk it is the file's only connection, in all processes: SQLite then shares no memory, and
-  /// where the disk has no locks (fcntl), the caller's own is the only one. Its log then stays when
-  /// it is closed: a process whose lock has been taken over would remove its successor's by name.
+  /// Opens a file, which read_write creates if missing, in WAL mode with synchronous=FULL: after
+  /// COMMIT returns, the rows survive kill -9 and power loss. On a network disk, read_write
+  /// requires that no other process has a connection, because SQLite then uses no shared memory;
+  /// without file locks (fcntl) on the disk, only the caller's lock prevents others. Closing then
+  /// leaves the log, because a process that has lost its lock could otherwise delete its
+  /// successor's log by name.
   Database(const std::string& path, Access access);
-  /// Whether it is the only connection that there may be.
+  /// Returns whether this must be the file's only connection.
   bool is_exclusive() const { return is_exclusive_; }
-  /// Moves the log into the file, as closing does where others may connect.
+  /// Moves the log into the file, as closing does unless the connection is exclusive.
   void empty_log();
 
   void execute(const std::string& sql);

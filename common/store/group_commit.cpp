@@ -6,7 +6,7 @@
 namespace sleight::store {
 namespace {
 
-/// What a result takes in the queue, near enough to bound memory and group sizes.
+/// Returns the approximate size of a result in the queue, for limiting memory and group sizes.
 std::size_t bytes_of(const plan::UnitResult& result) {
   std::size_t bytes = sizeof(result) + result.state_after.size();
   for (const plan::ScanRecord& scan : result.scans) {
@@ -64,13 +64,13 @@ void GroupCommit::put_into(std::vector<T> Group::*part, T what) {
   (queue_.*part).push_back(std::move(what));
   queue_bytes_ += bytes;
   ++put_;
-  // The writer is woken for a group's first entry, which starts the wait, and for its last.
+  // Wake the writer for a group's first entry, which starts the wait, and for its last.
   if (is_first || queue_bytes_ >= k_group_bytes) changed_.notify_all();
 }
 
 void GroupCommit::flush() {
   std::unique_lock lock(mutex_);
-  // What others put meanwhile is not waited for: they might never stop.
+  // Wait only for earlier entries, because other threads might never stop putting new ones.
   const std::uint64_t wanted = put_;
   ++flushing_;
   changed_.notify_all();
@@ -90,14 +90,13 @@ void GroupCommit::work() {
     changed_.wait(lock, [&] { return ending_ || !is_empty(queue_); });
     if (is_empty(queue_)) return;
 
-    // Wait for company, unless somebody waits for us.
+    // Wait for more entries, unless a caller is waiting in flush.
     changed_.wait_for(lock, std::chrono::duration<double>(k_group_wait_s),
                       [&] { return ending_ || flushing_ > 0 || queue_bytes_ >= k_group_bytes; });
     Group group = std::exchange(queue_, {});
     queue_bytes_ = 0;
     lock.unlock();
 
-    // Make the group durable.
     std::exception_ptr failure;
     std::uint64_t scans = 0;
     try {

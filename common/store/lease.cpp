@@ -16,10 +16,10 @@ namespace sleight::store {
 namespace {
 
 constexpr std::string_view k_title = "sleight lease 1";
-/// Of a name in the text: a host's has 64 bytes at most.
+/// Maximum length of a value: a host's name has at most 64 bytes.
 constexpr std::size_t k_value_bytes_max = 128;
 
-/// Of one line, and printable: it comes from the system, or from a file that others may write.
+/// Returns one printable line; the text comes from the system or from a file writable by others.
 std::string value_of(std::string_view text) {
   std::string value(text.substr(0, k_value_bytes_max));
   std::ranges::replace_if(
@@ -27,7 +27,7 @@ std::string value_of(std::string_view text) {
   return value;
 }
 
-/// The lines `key value` of a text under its title; none where it is no such text.
+/// Returns the lines `key value` below the title; nothing if the text has another form.
 std::optional<std::map<std::string, std::string, std::less<>>> lines_of(std::string_view text) {
   std::map<std::string, std::string, std::less<>> values;
   for (bool is_first = true; !text.empty(); is_first = false) {
@@ -94,18 +94,18 @@ Lease::Outcome Lease::try_take() {
   const std::vector<std::uint64_t> all = files_.list();
   if (all.empty()) return take(1, false);
 
-  // Whose is the newest?
+  // Find the holder of the newest lease.
   const std::uint64_t newest = all.back();
   const double asked_s = clock_.now_s();
   std::optional<std::string> text = files_.read(newest);
   const double seen_s = clock_.now_s();
-  if (!text) return Unsure{};  // withdrawn, or the list was old
+  if (!text) return Unsure{};  // withdrawn, or the list is out of date
   const std::optional<LeaseText> other = LeaseText::from_text(*text);
   if (other && (other->is_released || files_.is_gone(other->holder)))
     return take(newest + 1, other->owes_copies);
   if (other && files_.is_here(other->holder)) return Held{other};
 
-  // Another machine's: it lives if it renews.
+  // The holder is on another machine: it lives if it renews.
   const double lease_s = other ? other->lease_s : k_lease_s;
   if (!seen_ || seen_->generation != newest) {
     seen_ = Seen{.generation = newest, .text = *std::move(text), .since_s = seen_s};
@@ -121,9 +121,9 @@ Lease::Outcome Lease::take(std::uint64_t generation, bool owes_copies) {
   text_.owes_copies = owes_copies;
   const double begin_s = clock_.now_s();
   own_ = files_.make(generation, text_.to_text());
-  if (!own_) return Unsure{};  // another was faster
+  if (!own_) return Unsure{};  // another process was faster
 
-  // An old list may have led here, to a number that was in use before: then a newer one exists.
+  // An out-of-date list may have led to a generation already used. Then a newer one exists.
   const std::vector<std::uint64_t> all = files_.list();
   if (!all.empty() && all.back() > generation) {
     own_.reset();
@@ -145,9 +145,9 @@ bool Lease::renew() {
   ++text_.beat;
   own_->write(text_.to_text());
   const std::vector<std::uint64_t> all = files_.list();
-  // A renewal that comes too late is none: it may not have been seen in time.
+  // A late renewal does not count, because observers may have missed it.
   const bool is_in_time = clock_.now_s() < end_s_;
-  // Nobody takes a lease that is renewed in time, unless this clock stood still.
+  // Nobody takes a lease renewed in time, unless this clock has stalled.
   const bool is_newest = all.empty() || all.back() <= generation_;
   if (!is_in_time || !is_newest) {
     is_lost_ = true;
@@ -159,7 +159,7 @@ bool Lease::renew() {
 
 void Lease::release() {
   if (!may_act()) return;
-  // First: the next holder may read it before this call has come back.
+  // Set first, because the next holder may read the file before write() returns.
   is_lost_ = true;
   text_.is_released = true;
   own_->write(text_.to_text());

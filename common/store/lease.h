@@ -1,40 +1,40 @@
-// A lock for disks that several machines share, where flock holds on one machine or not at all: a
-// lease that its holder renews, in a file.
+// A lock for disks shared by several machines, where flock works only within one machine or not at
+// all. The lock is a file with a lease that its holder renews.
 //
-// Every hold of the lock has a number, its generation, and a file `lease.N`. Making that file is
-// the only step that decides: it succeeds for one process alone, as link(2) does. Whoever wants the
-// lock looks at the newest file and makes the next one, if the newest one's holder has let go, is
-// known to be dead, or has not renewed for a whole lease. Nothing is ever taken away from a holder:
-// a lock file that is renamed or removed leaves a moment without one, in which a third process
-// takes the lock while the second thinks that it has it.
+// Every hold of the lock has a number, its generation, and a file `lease.N`. Only creating that
+// file decides: like link(2), it succeeds for exactly one process. A process that wants the lock
+// reads the newest file. It creates the next one if the newest holder has released the lock, is
+// known to be dead, or has not renewed for a whole lease. A holder's file is never taken away:
+// renaming or removing a lock file would leave a moment without one, in which a third process takes
+// the lock while the second believes that it has it.
 //
-// Time is each process's own, and no two machines' clocks are compared. The holder of a lease of 60
-// s (k_lease_s) renews it every 3 s by writing its file, and may act for 45 s (k_lease_held_share)
-// from the moment at which the last renewal that succeeded began. An observer waits until it has
-// seen the same bytes for 60 s of its own.
+// Each process measures time with its own clock; clocks of different machines are never compared.
+// The holder of a 60 s lease (k_lease_s) renews it every 3 s by writing its file. The holder may
+// act for 45 s (k_lease_held_share) from the start of its last successful renewal. An observer
+// waits until it has seen the same bytes for 60 s by its own clock.
 //
 //   take:    list; read the newest file twice, a lease apart, unless its holder is gone;
-//            make `lease.N+1` with my text (else: another was faster);
-//            list: is mine the newest? (else: what I saw was old; withdraw)
-//   renew:   begin := now; write my file; if now < end of my lease: it ends at begin + 45 s now
+//            create `lease.N+1` with my text (failure: another process was faster);
+//            list: is mine the newest? (no: my first list was out of date; withdraw)
+//   renew:   begin := now; write my file; if now < end of my lease: its end := begin + 45 s
 //            list: is mine the newest?
 //   may act: now < end of my lease, and it was never lost
 //
 // Invariants
-//   1. At no moment may two holders act. A holder's last renewal began at s and was there to be
-//      read before an observer's first look at t >= s. A later one would have counted only if it
-//      had been there before s + 45 s, so before the observer's last look, after t + 60 s: it would
-//      have been seen. So the holder stopped at s + 45 s. The 15 s between are for clocks that run
-//      at different rates.
-//   2. A lease that has ended never comes back: the holder stops for good.
-//   3. The newest file is never removed, so that generations only grow; older ones go.
-//   4. Two processes of one machine see each other: a dead holder is noticed at once, and a live
-//      one keeps the lock, whatever its lease says.
-// REQUIRES of the disk: a read that begins after a write has ended sees it (NFS: close to open); a
-// folder's list is up to date after an own change in it.
+//   1. No two holders may act at the same moment. Suppose that a holder's last renewal began at s
+//      and was readable before an observer's first read at t >= s. A later renewal would count only
+//      if it was readable before s + 45 s, hence before the observer's last read after t + 60 s,
+//      and the observer would have seen it. So the holder stopped at s + 45 s. The remaining 15 s
+//      allow for clocks that run at different rates.
+//   2. An expired lease is never renewed: its holder stops for good.
+//   3. The newest file is never removed, so generations only grow. Older files are removed.
+//   4. Processes of one machine see each other: a dead holder is noticed at once, and a live one
+//      keeps the lock even after its lease has expired.
+// REQUIRES of the disk: a read that begins after a write has ended sees the write (NFS: close to
+// open). A folder's list is up to date after a change by the same machine.
 //
-// Pure but for LeaseFiles and the clock. Thread safety: may_act from any thread; the rest
-// from one at a time.
+// Pure except for LeaseFiles and the clock. Thread safety: may_act from any thread, the rest from
+// one thread at a time.
 #pragma once
 
 #include <atomic>
@@ -50,104 +50,104 @@
 namespace sleight::store {
 
 inline constexpr double k_lease_s = 60;
-/// Of a lease, as long as its holder may act.
+/// Share of a lease during which its holder may act.
 inline constexpr double k_lease_held_share = 0.75;
-/// Of a lease, the time between two renewals.
+/// Time between renewals as a share of the lease.
 inline constexpr double k_renew_share = 0.05;
-/// Of a strange file: no more is believed.
+/// Longest lease accepted in a file.
 inline constexpr double k_lease_s_max = 600;
 
-/// The process that holds a lock, or wants it.
+/// A process that holds or requests a lock.
 struct LeaseHolder {
-  std::string host{};         ///< its name: for people, and part of `machine`
-  std::string machine{};      ///< one start of one kernel, and its process numbers; "": unknown
-  std::int64_t process = 0;   ///< its number there
-  std::uint64_t started = 0;  ///< ticks of its machine's clock: numbers are used again
-  std::string since{};        ///< wall time, for people: when it took the lock
+  std::string host{};         ///< host name: for people, and part of `machine`
+  std::string machine{};      ///< identifies boot and process-number space; "": unknown
+  std::int64_t process = 0;   ///< process id on that machine
+  std::uint64_t started = 0;  ///< start in clock ticks, because process ids are reused
+  std::string since{};        ///< wall-clock time of taking the lock, for people
 };
 
-/// A lease as its file tells.
+/// The content of a lease file.
 struct LeaseText {
   LeaseHolder holder{};
-  std::string token{};  ///< nobody else's
+  std::string token{};  ///< unique to this holder
   double lease_s = k_lease_s;
-  std::uint64_t epoch = 0;  ///< of the run's session; 0: not known yet
-  std::uint64_t beat = 0;   ///< renewals so far
+  std::uint64_t epoch = 0;  ///< of the run's session; 0: unknown
+  std::uint64_t beat = 0;   ///< number of renewals
   bool is_released = false;
-  bool owes_copies = false;  ///< Lease::owes_copies
+  bool owes_copies = false;  ///< see Lease::owes_copies
 
-  /// Of k_lease_text_bytes, so that a file is always overwritten whole.
+  /// Returns k_lease_text_bytes bytes, so that a file is always overwritten as a whole.
   std::string to_text() const;
-  /// None where it isn't one.
+  /// Returns nothing if `text` is not a lease.
   static std::optional<LeaseText> from_text(const std::string& text);
 };
 inline constexpr std::size_t k_lease_text_bytes = 1024;
 
-/// What a lease does to the disk and asks of its machine. A test stands in for them; the real ones
-/// are in lease_files.h. Functions throw base::Error where the disk fails.
+/// The operations of a lease on the disk and the machine. Tests replace them; lease_files.h has the
+/// real ones. Functions throw base::Error if the disk fails.
 class LeaseFiles {
  public:
-  /// A lease's own file, open for writing: never another's that has got its name.
+  /// A lease's own file, open for writing. Never another lease's file under the same name.
   class Own {
    public:
     virtual ~Own() = default;
-    /// Replaces its text, and returns when the server has it.
+    /// Replaces the text, and returns once the server has it.
     virtual void write(const std::string& text) = 0;
   };
 
   virtual ~LeaseFiles() = default;
-  /// Generations that have a file, ascending.
+  /// Returns the generations that have a file, ascending.
   virtual std::vector<std::uint64_t> list() = 0;
-  /// None where there is no such file.
+  /// Returns nothing if the file does not exist.
   virtual std::optional<std::string> read(std::uint64_t generation) = 0;
-  /// Makes a generation's file with this text, which no other has; null if it is there already.
+  /// Creates a generation's file with this unique text. Null if it already exists.
   virtual std::unique_ptr<Own> make(std::uint64_t generation, const std::string& text) = 0;
-  /// No error where there is no such file.
+  /// Not an error if the file does not exist.
   virtual void remove(std::uint64_t generation) = 0;
-  /// True only if it ran on this machine and does so no more.
+  /// True only if the holder ran on this machine and has ended.
   virtual bool is_gone(const LeaseHolder& holder) = 0;
-  /// True if it runs on this machine.
+  /// True if the holder is running on this machine.
   virtual bool is_here(const LeaseHolder& holder) = 0;
 };
 
-/// One lease from the wish to its end.
+/// One lease, from the first attempt to its end.
 class Lease {
  public:
-  /// Borrows both. `text`: the holder and the token; lease_s counts for this lease.
+  /// Borrows `files` and `clock`. `text`: holder, token and lease_s of this lease.
   Lease(LeaseFiles& files, const base::Clock& clock, LeaseText text);
 
   struct Taken {};
-  /// Another has it: it was seen to renew, or runs on this machine.
+  /// Another process has the lease: it renewed, or runs on this machine.
   struct Held {
-    std::optional<LeaseText> by{};  ///< none: a file that says nothing
+    std::optional<LeaseText> by{};  ///< empty: the file can't be parsed
   };
-  /// Nothing is known yet: look again after a while.
+  /// Undecided: call again later.
   struct Unsure {
     std::optional<LeaseText> by{};
-    double left_s = 0;  ///< until it counts as dead, if it does not renew
+    double left_s = 0;  ///< until the holder counts as dead unless it renews
   };
   using Outcome = std::variant<Taken, Held, Unsure>;
-  /// Tries to take it; called again and again while unsure. REQUIRES: not taken yet.
+  /// Tries to take the lease; call repeatedly while Unsure. REQUIRES: not taken yet.
   Outcome try_take();
 
-  /// Whether a holder on another machine never let go, so that it may write what it has open, and
-  /// nobody has replaced these files since.
+  /// True if a holder on another machine never released the lock, so that it may still write its
+  /// open files, and nobody has replaced these files since.
   bool owes_copies() const { return text_.owes_copies; }
-  /// They are replaced; is known to others with the next renewal.
+  /// Marks the files as replaced. The next renewal writes the mark.
   void set_copied() { text_.owes_copies = false; }
 
-  /// Writes that the holder lives. True if it may act on; a disk that failed is tried again by the
-  /// next call, until the lease ends. REQUIRES: taken.
+  /// Renews the lease, and returns whether the holder may continue. If the disk fails, the next
+  /// call tries again until the lease ends. REQUIRES: taken.
   bool renew();
-  /// With the next renewal.
+  /// Written by the next renewal.
   void set_epoch(std::uint64_t epoch) { text_.epoch = epoch; }
-  /// Lets go: the next one takes it at once. Does nothing where it was not taken, or has ended.
-  /// REQUIRES: nothing is done any more that the lock is for.
+  /// Releases the lease, so that the next process takes it at once. No effect if the lease was not
+  /// taken or has ended. REQUIRES: everything that the lock protects is finished.
   void release();
 
-  /// Whether what the lock protects may be changed now.
+  /// Returns whether the protected files may be changed now.
   bool may_act() const;
-  /// Whoever has taken the lock from this one, where that is known.
+  /// Returns the process that took the lock from this one, if known.
   std::optional<LeaseText> successor();
 
   double renew_every_s() const { return text_.lease_s * k_renew_share; }
@@ -164,7 +164,7 @@ class Lease {
   std::atomic<double> end_s_ = 0;
   std::atomic<bool> is_lost_ = false;
 
-  /// What was seen of another's lease, and since when.
+  /// The last content seen of another's lease, and since when.
   struct Seen {
     std::uint64_t generation = 0;
     std::string text{};

@@ -52,7 +52,7 @@ int open_file(const std::string& path, int flags) {
   return ::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0666);
 }
 
-/// In one write, so that a reader on this machine sees one text or the other.
+/// Writes the text at once, so that a reader on this machine sees either the old or the new text.
 void write_whole(int descriptor, const std::string& path, const std::string& text) {
   const ssize_t put = ::pwrite(descriptor, text.data(), text.size(), 0);
   if (put >= 0 && static_cast<std::size_t>(put) != text.size()) errno = ENOSPC;
@@ -81,7 +81,7 @@ class OwnFile final : public LeaseFiles::Own {
   std::string path_;
 };
 
-/// Of a file of the kernel's; "" where there is none.
+/// Returns the text of a kernel file; "" if there is none.
 std::string kernel_text(const std::string& path) {
   try {
     return base::read_text_file(path, 4096);
@@ -90,12 +90,12 @@ std::string kernel_text(const std::string& path) {
   }
 }
 
-/// When a process of this machine was started, in the kernel's ticks; none if there is no such one,
-/// or it has ended and its parent has not asked yet.
+/// Returns when a local process started, in kernel ticks. Returns nothing if there is no such
+/// process, or if it has ended but was not reaped.
 std::optional<std::uint64_t> start_of(std::int64_t process) {
   const std::string folder = fmt::format("/proc/{}", process);
   const std::string stat = kernel_text(folder + "/stat");
-  // proc(5): the command's name, in parentheses, may hold anything; the state comes after it.
+  // proc(5): the command's name, in parentheses, may contain anything; the state follows it.
   const std::size_t name_end = stat.rfind(')');
   if (name_end == std::string::npos || name_end + 2 >= stat.size()) return std::nullopt;
   std::string_view rest = std::string_view(stat).substr(name_end + 2);
@@ -110,14 +110,14 @@ std::optional<std::uint64_t> start_of(std::int64_t process) {
   std::from_chars(rest.data(), rest.data() + rest.size(), start);
   if (state == 'X') return std::nullopt;
   if (state != 'Z') return start;
-  // Its first thread has ended; others may live.
+  // The first thread has ended; other threads may still run.
   std::error_code failure;
   const std::filesystem::directory_iterator threads(folder + "/task", failure);
   if (failure || std::distance(begin(threads), end(threads)) <= 1) return std::nullopt;
   return start;
 }
 
-/// What a server may say of a disk without links.
+/// Error codes that a server may return if the disk has no links.
 bool has_no_links(int reason) {
   return reason == EPERM || reason == EOPNOTSUPP || reason == ENOSYS || reason == EMLINK;
 }
@@ -127,7 +127,7 @@ bool has_no_links(int reason) {
 LeaseHolder this_process() {
   std::array<char, HOST_NAME_MAX + 1> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
-  // One start of one kernel, and within it one space of process numbers.
+  // Identifies the boot, and within it one space of process numbers.
   std::string boot = kernel_text("/proc/sys/kernel/random/boot_id");
   boot = boot.substr(0, boot.find('\n'));
   std::error_code failure;
@@ -149,7 +149,7 @@ LeaseHolder this_process() {
 
 std::string make_token() {
   std::array<std::uint64_t, 2> random{};
-  // Without these bytes two processes could take each other's file for theirs.
+  // Without random bytes two processes could mistake each other's file for their own.
   CHECK_EQ(::getrandom(random.data(), sizeof random, 0), static_cast<ssize_t>(sizeof random));
   return fmt::format("{:016x}{:016x}", random[0], random[1]);
 }
@@ -178,7 +178,7 @@ std::optional<std::string> PosixLeaseFiles::read(std::uint64_t generation) {
   const std::string path = path_of(generation);
   const Descriptor file(open_file(path, O_RDONLY));
   if (!file.is_open()) {
-    // A server may say ESTALE of a file that another machine has just removed.
+    // The server may return ESTALE for a file that another machine has just removed.
     if (errno == ENOENT || errno == ESTALE) return std::nullopt;
     fail(path, "open");
   }
@@ -200,7 +200,7 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
   }
   ::unlink(unique.c_str());
 
-  // Whose it is, the file says: the server's answer to link may have been lost and asked for again.
+  // The content shows who created the file, as link() may have been repeated after a lost answer.
   Descriptor file(open_file(path, O_RDWR));
   if (!file.is_open()) {
     if (errno == ENOENT || errno == ESTALE) return nullptr;
@@ -208,7 +208,8 @@ std::unique_ptr<LeaseFiles::Own> PosixLeaseFiles::make(std::uint64_t generation,
   }
   if (read_whole(file.number(), path) != text) return nullptr;
 
-  // What killed processes left of theirs; one that lives has to try again, and finds this one.
+  // Remove leftovers of killed processes. A live process whose file is removed tries again and
+  // finds this lease.
   for (const std::string& name : base::PosixFileSystem().names_in(folder_)) {
     if (name.starts_with(k_new_prefix)) ::unlink((folder_ + "/" + name).c_str());
   }

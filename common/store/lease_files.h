@@ -1,12 +1,11 @@
-// Leases (lease.h) as files of a folder on a disk that machines share, and what a machine knows of
-// its processes.
+// Leases (lease.h) as files in a folder on a shared disk, and what a machine can tell about its
+// processes.
 //
-// A lease's file is written whole under a name of its own, then linked to `lease.N`: link(2) makes
-// a name for one process alone on every kind of network disk that has links, and O_EXCL on those
-// that have none (some FUSE and SMB). A server's answer may be lost: whose file it is, the file
-// tells.
+// A lease's file is written completely under a temporary name, then linked to `lease.N`. link(2) is
+// exclusive on every network disk with links, and O_EXCL on those without (some FUSE and SMB). The
+// server's answer may be lost, so the file's content shows who created it.
 //
-// Thread safety: as Lease's.
+// Thread safety: as Lease.
 #pragma once
 
 #include <memory>
@@ -18,15 +17,15 @@
 
 namespace sleight::store {
 
-/// This process, as its machine knows it; the time is now.
+/// Returns this process as a holder since now.
 LeaseHolder this_process();
 
-/// Never the same twice.
+/// Returns a text that is never repeated.
 std::string make_token();
 
 class PosixLeaseFiles final : public LeaseFiles {
  public:
-  /// `self`: this process, or what a test says that it is.
+  /// `self`: this process, or another holder in tests.
   PosixLeaseFiles(std::string folder, LeaseHolder self);
 
   std::vector<std::uint64_t> list() override;
@@ -36,7 +35,7 @@ class PosixLeaseFiles final : public LeaseFiles {
   bool is_gone(const LeaseHolder& holder) override;
   bool is_here(const LeaseHolder& holder) override;
 
-  /// Whether a folder has a lease that its holder has not let go.
+  /// Returns whether a folder has a lease that was not released.
   static bool any_held(const std::string& folder);
 
  private:

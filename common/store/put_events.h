@@ -1,4 +1,4 @@
-// Events on their way into the run store, and how far a run's events are told.
+// Events on their way into the run store, and the progress of event numbering.
 //
 // Thread safety: values.
 #pragma once
@@ -10,8 +10,8 @@
 
 namespace sleight::store {
 
-/// Up to which results a run's events are told, and how many were: what comes next follows from it
-/// (service/coordinator/event_sequence.h).
+/// The results whose events have been created, and the number of those events. The next events
+/// follow from it (service/coordinator/event_sequence.h).
 struct ToldFrontier {
   std::uint64_t scans = 0;      ///< of all chains
   std::uint64_t starts = 0;     ///< of the search
@@ -21,10 +21,10 @@ struct ToldFrontier {
   bool operator==(const ToldFrontier&) const = default;
 };
 
-/// Events without numbers, which they get when they are committed.
+/// Events without numbers, which the commit assigns.
 struct PutEvents {
   std::vector<events::RunEvent> events;
-  ToldFrontier reached;  ///< with these
+  ToldFrontier reached;  ///< including these events
 };
 
 }  // namespace sleight::store

@@ -26,7 +26,7 @@
 namespace sleight::store {
 namespace {
 
-/// Between two looks at another's lease, and at whether to stop.
+/// Interval for checking another's lease and stop_requested.
 constexpr std::chrono::milliseconds k_look_every(100);
 
 std::string name_of(const LeaseText& lease) {
@@ -48,7 +48,6 @@ std::string name_of(const LeaseText& lease) {
 
 }  // namespace
 
-/// The lease, and the thread that renews it.
 struct RunLock::Leased {
   Leased(std::string place, const RunLockOptions& options)
       : folder(std::move(place)),
@@ -65,7 +64,7 @@ struct RunLock::Leased {
     try {
       lease.release();
     } catch (const base::Error&) {
-      // The disk is away: its lease ends by itself.
+      // The disk is unavailable, so the lease expires by itself.
     }
   }
   Leased(const Leased&) = delete;
@@ -82,9 +81,9 @@ struct RunLock::Leased {
   LeaseHolder self;
   base::BootClock clock;
   PosixLeaseFiles files;
-  mutable std::mutex mutex;  ///< of all below; `lease` too, but for may_act
+  mutable std::mutex mutex;  ///< guards all members below, and `lease` except may_act
   Lease lease;
-  double last_s = 0;  ///< when a renewal was tried
+  double last_s = 0;  ///< time of the last attempt to renew
   std::condition_variable changed;
   bool is_ending = false;
   std::thread thread;
@@ -118,7 +117,7 @@ void RunLock::Leased::renew_now() {
   try {
     (void)lease.renew();
   } catch (const base::Error&) {
-    // The disk failed: tried again, until the lease ends; then check tells.
+    // The disk failed. Renewing is retried until the lease ends, which check() then reports.
   }
 }
 
@@ -175,7 +174,7 @@ void RunLock::keep() {
   if (!leased_ || leased_->thread.joinable()) return;
   {
     const std::scoped_lock lock(leased_->mutex);
-    leased_->renew_now();  // what has been told since it was taken is there to be read
+    leased_->renew_now();  // makes what was set since taking the lease readable
   }
   leased_->thread = std::thread([lock = leased_.get()] { lock->renew_always(); });
 }
@@ -193,7 +192,7 @@ void RunLock::check() const {
     const std::scoped_lock lock(leased_->mutex);
     by = leased_->lease.successor();
   } catch (const base::Error&) {
-    // Whose it is now, another start will say.
+    // The new holder is unknown here; the next start will report it.
   }
   throw base::Error(
       base::ExitCode::conflict,

@@ -1,11 +1,11 @@
-// One process writes a run: the lock in its folder.
+// The lock in a run's folder, which lets only one process write the run.
 //
-// On a local disk it is flock on the file `lock`, which the kernel frees however the process ends.
-// On a network disk (base/network_disk.h) it is a lease (lease.h). A lease may end while the
-// process lives, because the disk or the process stood still for too long. Then another may have
-// the run, and this one must not write: `check` comes before and after every commit. A folder that
-// has a lease's file is locked by a lease whatever its disk is, so that two opinions of one disk
-// end in one kind of lock.
+// On a local disk the lock is flock on the file `lock`, which the kernel releases however the
+// process ends. On a network disk (base/network_disk.h) it is a lease (lease.h). A lease may end
+// during the process's life, because the disk or the process stalled for too long. Then another
+// process may have the run, and this one must not write, so `check` precedes and follows every
+// commit. A folder with a lease file is always locked by a lease, so that processes that disagree
+// about the disk use the same lock.
 //
 // Thread safety: check from any thread, set_epoch from one; the rest belongs to the owner.
 #pragma once
@@ -21,36 +21,37 @@
 namespace sleight::store {
 
 struct RunLockOptions {
-  /// Asked while it waits for a dead holder's lease to end; base::Error(interrupted) if true.
+  /// Polled while waiting for a dead holder's lease to end. If true, throws
+  /// base::Error(interrupted).
   std::function<bool()> stop_requested{};
-  /// False: the lease of a holder on another machine is taken for good, alive or not.
+  /// False: don't wait; treat the lease of a holder on another machine as held, alive or not.
   bool waits = true;
   double lease_s = k_lease_s;
-  std::optional<LeaseHolder> self{};  ///< for tests: this process as another machine's
+  std::optional<LeaseHolder> self{};  ///< for tests: this process as on another machine
 };
 
 class RunLock {
  public:
-  /// Makes the folder if need be. Throws base::Error(conflict), naming the other process, when it
-  /// is taken. On a network disk that takes as long as a renewal where the holder is alive on
-  /// another machine, and a whole lease where it died there.
+  /// Locks the folder, creating it if missing. Throws base::Error(conflict) naming the holder if
+  /// the lock is held. On a network disk this takes one renewal if the holder is alive on another
+  /// machine, and a whole lease if it died there.
   explicit RunLock(const std::string& folder, RunLockOptions options = {});
-  /// Lets go. REQUIRES: nothing is written any more.
+  /// Releases the lock. REQUIRES: nothing is written any more.
   ~RunLock();
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
 
-  /// Begins to renew the lease, in a thread; until then the process may fork safely, and must come
-  /// here within the lease or call renew. Nothing on a local disk, or if it does so already.
+  /// Starts a thread that renews the lease. Until then the process may fork safely, and must call
+  /// keep or renew within the lease. No effect on a local disk, or if already started.
   void keep();
-  /// Renews the lease now if that is due; for those who are long about something before keep.
+  /// Renews the lease now if due, during long work before keep.
   void renew();
-  /// Throws base::Error(conflict) where the run may be another's by now.
+  /// Throws base::Error(conflict) if another process may have the run now.
   void check() const;
-  /// For people who are refused: the session's number.
+  /// Sets the session's number, shown to processes that are refused.
   void set_epoch(std::uint64_t epoch);
-  /// Whether a process on another machine had the lock and never let go: a file that it has open,
-  /// it may still write, whatever the lock says. Such files are replaced (take_over.h).
+  /// True if a holder on another machine never released the lock. Whatever the lock says, that
+  /// process may still write files that it has open; they must be replaced (take_over.h).
   bool owes_copies() const;
   void set_copied();
 

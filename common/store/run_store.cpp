@@ -15,8 +15,8 @@
 namespace sleight::store {
 namespace {
 
-// The densities have no type: a REAL column would give a stored -0 back as 0. Failures are NULL
-// where there are none, so that the index of those that have some is empty in most runs.
+// The densities have no type, because a REAL column would return a stored -0 as 0. Failures are
+// NULL if there are none, so that their index is empty in most runs.
 constexpr const char* k_schema = R"(
   CREATE TABLE IF NOT EXISTS run(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
   CREATE TABLE IF NOT EXISTS scan(
@@ -45,7 +45,7 @@ constexpr const char* k_schema = R"(
 
 constexpr const char* k_insert_event = "INSERT INTO event VALUES(?1,?2,?3)";
 
-/// SQLite may have rolled back on its own; a second rollback's complaint is of no interest.
+/// Ignores errors, because SQLite may already have rolled back.
 void roll_back(Database& database) {
   try {
     database.execute("ROLLBACK");
@@ -57,7 +57,6 @@ void roll_back(Database& database) {
 
 namespace {
 
-/// Opens it as the one that writes.
 std::shared_ptr<SharedDatabase> open_to_write(const std::string& folder, RunLock* lock) {
   if (lock != nullptr && lock->owes_copies()) replace_files_of_run(folder, *lock);
   return std::make_shared<SharedDatabase>(RunStore::database_path(folder), Access::read_write);
@@ -86,7 +85,7 @@ struct RunStore::Writer {
   Statement current_epoch;
   Statement insert_event;
   Statement set_told;
-  GroupCommit group_commit;  // last: its thread uses the statements
+  GroupCommit group_commit;  // last member: its thread uses the statements
 };
 
 RunStore::RunStore(const std::string& folder, const RunIdentity& identity, RunLock* lock)
@@ -94,7 +93,7 @@ RunStore::RunStore(const std::string& folder, const RunIdentity& identity, RunLo
       connection_(open_to_write(folder, lock)),
       database_(connection_->only_database()) {
   create_or_check(identity);
-  // A new file's name is durable only when its folder is synced.
+  // A new file's name is durable only after syncing its folder.
   base::PosixFileSystem file_system;
   file_system.sync_directory_of(database_path(folder));
   file_system.sync_directory_of(folder);
@@ -116,7 +115,7 @@ void RunStore::create_or_check(const RunIdentity& identity) {
     return value;
   };
 
-  // Refuse a store that is somebody else's.
+  // Refuse a store that belongs to another run.
   const std::string& path = database_.path();
   if (const auto format = stored_text("format_version");
       format && *format != std::to_string(k_store_format)) {
@@ -143,7 +142,7 @@ void RunStore::create_or_check(const RunIdentity& identity) {
             identity.program_version));
   }
 
-  // Refuse stored results without the keys that say whose they are.
+  // Refuse stored results without the keys that identify their run.
   const bool is_new = !stored_text("epoch");
   Statement any =
       database_.prepare("SELECT EXISTS(SELECT 1 FROM scan), EXISTS(SELECT 1 FROM replica)");
@@ -180,7 +179,7 @@ void RunStore::take_epoch(const std::optional<std::string>& last, const RunIdent
   set.bind(1, "chains").bind(2, std::int64_t{identity.chains}).run();
   set.bind(1, "epoch").bind(2, static_cast<std::int64_t>(epoch_)).run();
 
-  // The session is known before it has done anything: one that dies leaves this.
+  // Record the session before it does anything, so that a session that dies leaves this row.
   program_version_ = identity.program_version;
   Statement sum = database_.prepare("SELECT COALESCE(SUM(next_scan), 0) FROM replica");
   if (sum.step()) scans_before_ = static_cast<std::uint64_t>(sum.integer(0));
@@ -221,9 +220,9 @@ void RunStore::read_told() {
 }
 
 std::uint64_t RunStore::close(events::RunEnd end) {
-  // The writer's thread goes, so that the connection is this thread's alone.
+  // End the writer's thread, so that only this thread uses the connection.
   if (end.end != events::End::failed) writer_->group_commit.flush();
-  writer_->group_commit.end();  // until then its thread looks here for the statements
+  writer_->group_commit.end();  // its thread uses writer_'s statements until here
   writer_.reset();
   end.epoch = epoch_;
   const SharedDatabase::Turn turn = connection_->turn();
@@ -342,7 +341,7 @@ void RunStore::commit(GroupCommit::Group& group) {
   database_.execute("BEGIN IMMEDIATE");
   std::uint64_t last = last_event_;
   try {
-    // Fence: a session that was taken for dead must not write beside its successor.
+    // Fence: a session presumed dead must not write beside its successor.
     refuse_if_fenced(writer_->current_epoch);
     for (const plan::UnitResult& result : group.results)
       insert(result);
@@ -355,7 +354,7 @@ void RunStore::commit(GroupCommit::Group& group) {
     if (!group.events.empty()) set_told(group.events.back().reached);
     refuse_if_lock_is_lost();
     database_.execute("COMMIT");
-    // A commit that ended after the lock did may be missing in what another has taken over.
+    // If the lock ended before the commit did, the next holder's copy may lack the commit.
     refuse_if_lock_is_lost();
   } catch (...) {
     roll_back(database_);
@@ -388,13 +387,13 @@ void RunStore::insert(const plan::UnitResult& result) {
   const auto chain = std::int64_t{result.unit.replica.chain.value};
   const auto replica = std::int64_t{result.unit.replica.replica.value};
 
-  // Refuse a gap: a unit continues what is stored or repeats part of it.
+  // Refuse a gap: a unit must continue or repeat stored scans.
   Statement& next = writer_->next_scan;
   next.bind(1, chain).bind(2, replica);
   const bool is_known = next.step();
   const std::int64_t next_scan = is_known ? next.integer(0) : 0;
   next.reset();
-  // A replica that comes into being later begins where its chain is then.
+  // A replica added later begins at its chain's current scan.
   if (is_known || replica == 0)
     CHECK_LE(result.unit.first_scan.value, static_cast<std::uint64_t>(next_scan));
 

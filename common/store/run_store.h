@@ -1,22 +1,23 @@
-// The run store: the truth of a run. A SQLite database into which every scan's result
-// goes once, under its logical key (chain, replica, scan); archives are derived from it.
+// The run store: a SQLite database with every scan's result, stored once under its logical key
+// (chain, replica, scan). Archives are derived from it.
 //
-// On disk it is the folder `<archive>.run`, with `store.sqlite` and the lock (run_lock.h) in it.
+// On disk the store is the folder `<archive>.run` with `store.sqlite` and the lock (run_lock.h).
 //
 // Invariants
-//   1. What committed() has counted survives kill -9 of any process and loss of power.
+//   1. Everything that committed() counts survives kill -9 of any process and power loss.
 //   2. A key's first result stays: a doubled or late one changes nothing.
-//   3. A store belongs to one request and one results version; every session that writes takes a
-//      new epoch, and a writer of an older epoch is refused (fencing).
-//   4. Of each replica, the scans from its first, mostly 0, to next_scan-1 are present without a
-//      gap, and the state after the last of them; all of a unit becomes visible in one transaction.
-//   5. Every row carries a checksum: what a disk or a person changed is refused when it is read.
-//   6. On a network disk a commit counts only if the run's lock was still this process's after it.
-//   7. A session that ends in order, or by an error, leaves how it ended (sessions.h); one without
-//      that runs, or died.
-//   8. Events of the run are numbered from 1 without a gap, in the order in which they are put, and
-//      each is committed with or after all results that were put before it (told_events.h). A
-//      session's end is one of them.
+//   3. A store belongs to one request and one results version. Every session that writes takes a
+//      new epoch, and writers of older epochs are refused (fencing).
+//   4. Each replica's scans from its first, usually 0, to next_scan-1 are present without gaps, and
+//      so is the state after the last of them. All scans of a unit become visible in one
+//      transaction.
+//   5. Every row has a checksum: changes by a disk or a person are refused on reading.
+//   6. On a network disk a commit counts only if this process still holds the run's lock
+//      afterwards.
+//   7. A session that ends cleanly or by an error records how it ended (sessions.h). A session
+//      without that record is running or died.
+//   8. Events are numbered from 1 without gaps in the order of put(), and each is committed with or
+//      after all results put before it (told_events.h). A session's end is an event.
 // Thread safety: put, flush and committed may be called from any thread; the rest from one.
 #pragma once
 
@@ -41,19 +42,19 @@
 
 namespace sleight::store {
 
-/// Of the tables; a store of another format is refused.
+/// Version of the tables. Stores of other versions are refused.
 inline constexpr std::int64_t k_store_format = 6;
 
-/// Whose results a store holds.
+/// The request and version whose results a store contains.
 struct RunIdentity {
-  std::string identity_text;    ///< the part of the normalised request that decides the chains
-  std::string request_text;     ///< the whole normalised request of this session
-  std::string results_version;  ///< of the program: decides whether it may go on
-  std::string program_version;  ///< base::version(): for people
+  std::string identity_text;    ///< the part of the normalised request that determines the chains
+  std::string request_text;     ///< this session's whole normalised request
+  std::string results_version;  ///< a different version can't resume the run
+  std::string program_version;  ///< base::version(), for display
   std::uint32_t chains = 0;
 };
 
-/// Where a replica goes on.
+/// The point from which a replica continues.
 struct ReplicaProgress {
   plan::ReplicaKey replica;
   std::uint64_t next_scan = 0;
@@ -62,50 +63,48 @@ struct ReplicaProgress {
 
 class RunStore {
  public:
-  /// Opens or makes the store in a folder, under a new epoch. Throws base::Error(conflict) when it
-  /// belongs to another request or results version. REQUIRES: the caller holds the folder's
-  /// RunLock, which is borrowed;
-  /// null only where it is no lease (run_lock.h).
+  /// Opens or creates the store in a folder, with a new epoch. Throws base::Error(conflict) if the
+  /// store belongs to another request or results version. REQUIRES: the caller holds the folder's
+  /// RunLock, which is borrowed. Null is allowed only if the lock is no lease (run_lock.h).
   RunStore(const std::string& folder, const RunIdentity& identity, RunLock* lock = nullptr);
-  /// Commits what was put, if it can; failures are not told: flush() first.
+  /// Commits pending results if possible, without reporting failures; call flush() first.
   ~RunStore();
 
   std::uint64_t epoch() const { return epoch_; }
 
-  /// What earlier sessions stored, by replica in order; empty for a new run. Throws base::Error
-  /// when the store is damaged, as replay does.
+  /// Returns what earlier sessions stored, ordered by replica; empty for a new run. Throws
+  /// base::Error if the store is damaged, as does replay.
   std::vector<ReplicaProgress> progress();
-  /// Visits every stored scan of a replica in order, in batches, for a plan to catch up; records
-  /// come without state and outcome. Throws base::Error when what is stored has been changed.
+  /// Visits every stored scan of a replica in order, in batches, so that a plan can catch up.
+  /// Records lack state and outcome. Throws base::Error if the stored rows were changed.
   void replay(plan::ReplicaKey replica, const ReplayVisit& visit);
-  /// The same of all replicas, the one that is least far first (scan_rows.h).
+  /// Visits the scans of all replicas; the one furthest behind comes first (scan_rows.h).
   void replay_all(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                            std::span<const plan::ScanRecord>)>& visit);
 
-  /// Takes a result to be committed soon; throws the failure of an earlier commit: a full disk, or
-  /// base::Error(conflict) once another session has taken a newer epoch (fencing).
+  /// Queues a result for committing. Throws the failure of an earlier commit: a full disk, or
+  /// base::Error(conflict) if another session has taken a newer epoch (fencing).
   void put(plan::UnitResult result);
-  /// Returns when all that was put is committed; throws as put does.
+  /// Waits until all queued results are committed. Throws like put.
   void flush();
-  /// How far earlier sessions have told the run's events.
+  /// Returns the progress of event numbering in earlier sessions.
   const ToldFrontier& told() const { return told_; }
-  /// Takes events to be numbered and committed soon, after all results that were put before, and
-  /// up to which results all is then told. Throws as put does.
+  /// Queues events to be numbered and committed after all results put before, together with the
+  /// results that they cover. Throws like put.
   void put(PutEvents events);
-  /// Sets what hears of events, with their numbers, as soon as they are committed, in the thread
-  /// that commits. On return nothing that was set before is called any more.
+  /// Sets the function that receives events with their numbers right after their commit, in the
+  /// committing thread. After return the previous function is not called any more.
   using Told = std::function<void(std::span<const events::RunEvent>)>;
   void on_told(Told told);
-  /// Commits what was put and records how the session ended, under the store's epoch whatever
-  /// `end.epoch` says; throws as put does. A session that failed is recorded so even where what was
-  /// put last can't be committed. Returns the number of the end as an event. Nothing may be put or
-  /// flushed afterwards.
+  /// Commits queued results and records how the session ended, under the store's epoch regardless
+  /// of `end.epoch`. Throws like put. A failure is recorded even if the last results can't be
+  /// committed. Returns the event number of the end. REQUIRES: no put or flush follows.
   std::uint64_t close(events::RunEnd end);
-  /// Scans committed in this session.
   std::uint64_t committed() const;
 
-  /// For readers of this process, in any thread: a connection of their own, which does not see what
-  /// isn't committed, or on a network disk the writer's. REQUIRES: it goes before the store does.
+  /// Returns a database for readers in this process, in any thread: a connection of its own, which
+  /// sees only committed rows, or on a network disk the writer's connection. REQUIRES: released
+  /// before the store is destroyed.
   std::shared_ptr<SharedDatabase> to_read();
 
   static std::string database_path(const std::string& folder) { return folder + "/store.sqlite"; }
@@ -124,14 +123,14 @@ class RunStore {
 
   RunLock* lock_;
   std::shared_ptr<SharedDatabase> connection_;
-  Database& database_;  ///< the connection's, for turns
+  Database& database_;  ///< the connection's database, used within turns
   std::uint64_t salt_ = 0;
   std::uint64_t epoch_ = 0;
   std::string program_version_;
   std::uint64_t scans_before_ = 0;
   ToldFrontier told_;             ///< by earlier sessions
-  std::uint64_t last_event_ = 0;  ///< number of the last one that is committed
-  std::mutex telling_;            ///< of on_told_
+  std::uint64_t last_event_ = 0;  ///< number of the last committed event
+  std::mutex telling_;            ///< guards on_told_
   Told on_told_;
   struct Writer;
   std::unique_ptr<Writer> writer_;

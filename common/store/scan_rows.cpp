@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t k_replay_batch = 4096;
 
-/// A length that does not fit shows in the row's checksum.
+/// The row's checksum detects a length that does not fit.
 template <class T>
 void assign_bytes(std::vector<T>& values, base::BytesView bytes) {
   values.resize(bytes.size() / sizeof(T));
@@ -76,7 +76,7 @@ bool RowReplay::step(const ReplayVisit& visit) {
     select.bind(3, static_cast<std::int64_t>(next_)).bind(4, static_cast<std::int64_t>(end_));
     while (select.step()) {
       const auto scan = static_cast<std::uint64_t>(select.integer(0));
-      // A replica may have come into being later than its chain.
+      // A replica may have been added later than its chain began.
       if (!has_begun_) next_ = scan;
       has_begun_ = true;
       if (scan != next_) break;
@@ -88,8 +88,8 @@ bool RowReplay::step(const ReplayVisit& visit) {
     }
   }
   is_over_ = batch_.size() < k_replay_batch;
-  // Between batches nothing is being read: a writer's log can be cut short meanwhile, and on a
-  // network disk it has its turn.
+  // No statement is active between batches, so a writer can truncate its log, or take its turn on a
+  // network disk.
   if (batch_.empty()) return false;
   visit(base::ScanIndex{next_ - batch_.size()}, batch_);
   return true;

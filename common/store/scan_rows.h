@@ -1,7 +1,7 @@
-// Scans as the run store's table holds them, read back as records. Whatever is read here decides
-// something, what a resumed plan does or what an archive says, so every row's checksum is verified.
+// Reads scans from the run store's table as records. They determine what a resumed plan does or
+// what an archive contains, so every row's checksum is verified.
 //
-// Thread safety: as SharedDatabase's.
+// Thread safety: as SharedDatabase.
 #pragma once
 
 #include <cstdint>
@@ -16,43 +16,42 @@
 
 namespace sleight::store {
 
-/// What a store says of itself under a key of its table `run`. Throws base::Error where it has no
-/// such key.
+/// Returns the value of a key in the store's table `run`. Throws base::Error if the key is missing.
 std::string run_value(SharedDatabase& database, std::string_view key);
 
-/// The columns that read_record reads, in its order, for a SELECT on table scan.
+/// The columns that read_record reads, in order, for a SELECT on table scan.
 inline constexpr const char* k_record_columns =
     "log_prior, log_constraint, inverse_temperature, satisfied, lineage, proposed, accepted, "
     "outcome, failures, overlapping_starts, method_values, state, checksum";
 inline constexpr int k_record_column_count = 13;
 
-/// A row's key, and the salt of its store.
+/// The key of a row, and the salt of its store.
 struct RowKey {
   std::uint64_t salt = 0;
   plan::ReplicaKey replica;
   std::uint64_t scan = 0;
 };
 
-/// Reads k_record_columns from column `first` of the present row. Throws base::Error, naming chain
-/// and scan, if the row is not as it was written.
+/// Reads k_record_columns from column `first` of the current row. Throws base::Error with chain and
+/// scan if the row was changed.
 void read_record(const Database& database, const RowKey& key, Statement& select, int first,
                  plan::ScanRecord& record);
 
 using ReplayVisit = std::function<void(base::ScanIndex, std::span<const plan::ScanRecord>)>;
 
-/// A replica's scans below `end` in order, batch by batch, from its first one to the first gap;
-/// records come without outcome, and without state but of finds, from which chains may start. Each
-/// batch is a turn, and is visited after it.
+/// Visits a replica's scans below `end` in order, in batches, from its first scan to the first gap.
+/// Records lack the outcome, and the state except in finds, from which chains may start. Each batch
+/// is read in one turn and visited afterwards.
 class RowReplay {
  public:
-  /// Borrows the database.
+  /// Borrows `database`.
   RowReplay(SharedDatabase& database, std::uint64_t salt, const plan::ReplicaKey& replica,
             std::uint64_t end);
 
-  /// Visits the next batch; false where there is none.
+  /// Visits the next batch. False: no more batches.
   bool step(const ReplayVisit& visit);
   const plan::ReplicaKey& replica() const { return replica_; }
-  /// The scan after the last that was visited; 0 before the first.
+  /// Returns the scan after the last visited one; 0 before the first.
   std::uint64_t next() const { return next_; }
   bool is_over() const { return is_over_; }
 
@@ -67,15 +66,15 @@ class RowReplay {
   std::vector<plan::ScanRecord> batch_{};
 };
 
-/// All of them to their ends, the one that is least far first: of replicas that hang together, as a
-/// ladder's do, a plan never has to keep more than some batches until the others have come.
+/// Replays all replicas to their ends; the replica furthest behind comes first. So for replicas
+/// that depend on each other, as in a ladder, a plan never has to store more than some batches.
 void replay_together(std::span<RowReplay> replays,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit);
 
-/// Visits a replica's scans below `end` in order, in batches, from its first one to the first gap;
-/// records come without state and outcome. Each batch is a turn, and is visited after it. Returns
-/// the scan after the last, 0 if there is none.
+/// Visits a replica's scans below `end` in order, in batches, from its first scan to the first gap.
+/// Records lack state and outcome. Each batch is read in one turn and visited afterwards. Returns
+/// the scan after the last; 0 if there is none.
 std::uint64_t replay_rows(SharedDatabase& database, std::uint64_t salt,
                           const plan::ReplicaKey& replica, std::uint64_t end,
                           const ReplayVisit& visit);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view k_folder_ending = ".run";
 
-/// Why a store on a network disk can't be read just now, and what can be.
+/// Reports why a store on a network disk can't be read now, and what can be read instead.
 [[noreturn]] void refuse_to_read(const std::string& folder, const std::string& disk,
                                  const std::string& reason) {
   const std::string own = own_archive_of(folder);
@@ -60,7 +60,7 @@ std::shared_ptr<SharedDatabase> open_to_read(const std::string& folder) {
   if (!disk || !base::PosixFileSystem().exists(path))
     return std::make_shared<SharedDatabase>(path, Access::read_only);
 
-  // As the writer for a while: the log may have to be read back first, which only a writer can.
+  // Open as a temporary writer, because recovering the log may require writing.
   std::unique_ptr<RunLock> lock;
   try {
     lock = std::make_unique<RunLock>(folder, RunLockOptions{.waits = false});

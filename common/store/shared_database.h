@@ -1,14 +1,14 @@
-// A database connection at which several threads take turns.
+// A database connection that several threads use in turns.
 //
-// On a local disk SQLite lets any number of connections read beside one that writes. On a network
-// disk there is no memory that they could share, so a process has a single connection for all:
-// group commits and readers take turns. Turns come in the order in which they were asked for, so
-// that a commit waits for one turn at most of every other thread; a reader takes one for some rows,
-// and visits them afterwards.
+// On a local disk SQLite allows any number of reading connections beside a writing one. On a
+// network disk connections can't share memory, so a process has a single connection, used in turns
+// by group commits and readers. Turns are granted in the order of requests, so a commit waits for
+// at most one turn of each other thread. A reader's turn covers a batch of rows, which it visits
+// afterwards.
 //
 // Invariants
-//   1. Between turns no statement is being stepped and no transaction is open.
-//   2. A turn calls nobody that might ask for another.
+//   1. Between turns no statement is active and no transaction is open.
+//   2. Code within a turn must not call anything that might take a turn.
 // Thread-safe.
 #pragma once
 
@@ -26,12 +26,12 @@ namespace sleight::store {
 class SharedDatabase {
  public:
   SharedDatabase(const std::string& path, Access access);
-  /// One that holds a run's lock as long as it lives.
+  /// A connection that holds a run's lock during its life.
   SharedDatabase(std::unique_ptr<RunLock> lock, const std::string& path, Access access);
   SharedDatabase(const SharedDatabase&) = delete;
   SharedDatabase& operator=(const SharedDatabase&) = delete;
 
-  /// The connection is the calling thread's as long as the object lives.
+  /// Reserves the connection for the calling thread while the object lives.
   class Turn {
    public:
     explicit Turn(SharedDatabase& shared);
@@ -46,24 +46,24 @@ class SharedDatabase {
   };
   [[nodiscard]] Turn turn() { return Turn(*this); }
   const std::string& path() const { return database_.path(); }
-  /// For whoever owns it and takes turns itself, or while it is alone with it.
+  /// For an owner that takes turns itself or has the only access.
   Database& only_database() { return database_; }
 
  private:
-  std::unique_ptr<RunLock> lock_;  // first: it goes last
+  std::unique_ptr<RunLock> lock_;  // first member, so destroyed last
   Database database_;
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards all members below
   std::condition_variable changed_;
   std::uint64_t asked_ = 0;
   std::uint64_t served_ = 0;
 };
 
-/// The store of a run, for a process that does not write it. On a local disk that is a connection
-/// of its own, beside a writer. On a network disk it takes the run's lock as long as it lives, and
-/// where that is held throws base::Error(conflict) that says why and names the latest archive.
+/// Opens a run's store in a process that does not write it. On a local disk this is a separate
+/// connection beside a writer. On a network disk the connection holds the run's lock during its
+/// life. If the lock is taken, throws base::Error(conflict) with the reason and the latest archive.
 std::shared_ptr<SharedDatabase> open_to_read(const std::string& folder);
 
-/// The archive that a run itself writes, however its folder is named; "" where it can't be told.
+/// Returns the path of the archive that the run itself writes; "" if unknown.
 std::string own_archive_of(const std::string& folder);
 
 }  // namespace sleight::store

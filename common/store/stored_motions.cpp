@@ -16,14 +16,14 @@
 namespace sleight::store {
 namespace {
 
-// The key is the whole state: two states never share a motion.
+// The key is the whole state, so two states never share a motion.
 constexpr const char* k_motions_schema = R"(
   CREATE TABLE IF NOT EXISTS motion(
     state BLOB PRIMARY KEY, ends INTEGER NOT NULL, columns INTEGER NOT NULL, numbers BLOB NOT NULL,
     checksum INTEGER NOT NULL);
 )";
 
-/// Of a segment: each element of its fields as a double.
+/// Size of a segment: each element of its fields as a double.
 constexpr std::size_t k_segment_bytes = motion::k_elements * sizeof(double);
 
 base::Bytes bytes_of(std::span<const motion::Segment> segments) {
@@ -37,7 +37,7 @@ base::Bytes bytes_of(std::span<const motion::Segment> segments) {
   return writer.take();
 }
 
-/// None of bytes that are not those of segments.
+/// Returns nothing if the bytes are not a whole number of segments.
 std::optional<std::vector<motion::Segment>> segments_of(base::BytesView bytes) {
   if (bytes.size() % k_segment_bytes != 0) return std::nullopt;
   std::vector<motion::Segment> segments(bytes.size() / k_segment_bytes);
@@ -57,12 +57,12 @@ std::optional<std::vector<motion::Segment>> segments_of(base::BytesView bytes) {
   return is_sound ? std::optional(std::move(segments)) : std::nullopt;
 }
 
-/// As a map's key: GCC 12 warns wrongly where vectors of bytes are compared.
+/// Returns the bytes as a map key; GCC 12 warns wrongly about comparing vectors of bytes.
 std::string text_of(base::BytesView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// 0 if there is none.
+/// Returns 0 if there is no such file.
 std::uintmax_t bytes_of_file(const std::string& path) {
   std::error_code failure;
   const std::uintmax_t bytes = std::filesystem::file_size(path, failure);
@@ -73,7 +73,7 @@ std::uintmax_t bytes_of_file(const std::string& path) {
 
 struct StoredMotions::File {
   explicit File(const std::string& path) : database(path, Access::read_write) {
-    // What a loss of power takes is simulated again, and others are not waited for.
+    // Motions lost in a power failure are simulated again. Don't wait for other processes.
     database.execute("PRAGMA synchronous=OFF");
     database.execute("PRAGMA busy_timeout=200");
     database.execute(k_motions_schema);

@@ -1,13 +1,14 @@
-// Motions of kept animations, remembered beside a run's store: `motions.sqlite` in its folder.
+// A cache of kept animations' motions beside a run's store: `motions.sqlite` in its folder.
 //
-// It is no part of the run: it may be deleted at any time, and what it has lost or got wrong is
-// simulated again. So nothing waits for the disk, every row carries a checksum, and a file that is
-// damaged is made anew. Where it can't be used nothing is remembered, which is said once; a full
-// disk also gets its space back. It does not grow beyond k_motions_file_bytes_max. Motions belong
-// to one request and one program version, since a results version does not cover readers: checksums
-// are salted with these, so that no program takes another one's motions.
+// The cache is not part of the run: it may be deleted at any time, and missing or damaged motions
+// are simulated again. So nothing waits for the disk, every row has a checksum, and a damaged file
+// is replaced by an empty one. If the file can't be used, nothing is cached, which is reported
+// once; on a full disk the file is also removed. The file does not grow beyond
+// k_motions_file_bytes_max. Motions belong to one request and one program version, because a
+// results version does not cover readers. Checksums are salted with both, so that no program uses
+// another version's motions.
 //
-// Thread safety: one thread at a time; several processes may have one file.
+// Thread safety: one thread at a time; several processes may share one file.
 #pragma once
 
 #include <cstddef>
@@ -23,18 +24,18 @@
 
 namespace sleight::store {
 
-/// Motions are written when so many bytes wait.
+/// Size of pending motions at which they are written.
 inline constexpr std::size_t k_motions_bytes = 8U << 20U;
-/// What comes later is not remembered: some 20,000 motions of ten balls.
+/// Maximum size of the file, some 20,000 motions of ten balls. Later motions are not cached.
 inline constexpr std::uint64_t k_motions_file_bytes_max = std::uint64_t{2} << 30U;
 
 class StoredMotions final : public archive::Motions {
  public:
-  /// Opens or makes the file. `owner`: what the motions hang on besides the state, as text; those
-  /// of another owner are taken for damaged, and replaced as they are simulated again.
+  /// Opens or creates the file. `owner`: text of everything besides the state that motions depend
+  /// on. Motions of another owner count as damaged and are replaced when simulated again.
   StoredMotions(const std::string& folder, const std::string& owner,
                 std::uint64_t file_bytes_max = k_motions_file_bytes_max);
-  /// Writes what waits, if it can.
+  /// Writes pending motions if possible.
   ~StoredMotions() override;
   StoredMotions(const StoredMotions&) = delete;
   StoredMotions& operator=(const StoredMotions&) = delete;
@@ -48,7 +49,7 @@ class StoredMotions final : public archive::Motions {
   struct File;
   std::optional<archive::Motion> read(base::BytesView state);
   void write();
-  /// Does it; where the file turns out to be damaged, makes it anew and does it once more.
+  /// Calls `act`; if the file is damaged, replaces it by an empty one and calls `act` again.
   void attempt(const std::function<void()>& act);
   void remove_file();
   void give_up(const std::string& reason);
@@ -56,8 +57,8 @@ class StoredMotions final : public archive::Motions {
   std::string path_;
   std::uint64_t salt_;
   std::uint64_t file_bytes_max_;
-  bool is_usable_ = true;  ///< false: nothing is remembered
-  bool is_full_ = false;   ///< nothing more is
+  bool is_usable_ = true;  ///< false: nothing is cached
+  bool is_full_ = false;   ///< true: nothing more is cached
   std::unique_ptr<File> file_;
   std::map<std::string, archive::Motion> waiting_{};  ///< by state
   std::size_t waiting_bytes_ = 0;

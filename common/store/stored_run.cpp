@@ -14,12 +14,12 @@
 namespace sleight::store {
 namespace {
 
-/// Draws are read for so many scans of a chain at once.
+/// Scans of a chain read at once for draws.
 constexpr std::uint64_t k_scans_at_a_time = 256;
-/// In one turn: their states may be large. Nothing is being read while rows are visited.
+/// Rows per turn; few, because their states may be large.
 constexpr std::uint64_t k_rows_at_a_time = 64;
 constexpr std::uint64_t k_failures_at_a_time = 1024;
-/// Of these, only whether they found something is read.
+/// Starts per turn, of which only the success is read.
 constexpr std::uint64_t k_starts_at_a_time = 16384;
 constexpr std::uint64_t k_lanes = plan::k_island_lanes;
 
@@ -42,7 +42,7 @@ RowKey StoredRun::key_of(base::ChainId chain, std::int64_t replica, std::int64_t
 }
 
 std::uint32_t StoredRun::count_replicas() const {
-  // Of those that the cut has: a ladder may have got more levels since.
+  // Only replicas within the cut, as a ladder may have gained levels since.
   const SharedDatabase::Turn turn = database_->turn();
   Statement most = turn->prepare(
       "SELECT MAX(replica) FROM replica AS known WHERE chain<?1 AND EXISTS(SELECT 1 FROM scan "
@@ -84,8 +84,8 @@ void StoredRun::for_each_draw(
   };
   std::uint64_t draw = 0;
   for (const auto& [first, end] : draw_ranges()) {
-    // Some scans at a time, of all replicas, in order. Nothing is being read while they are
-    // visited, which may take long: a writer's log can be cut short meanwhile.
+    // Read some scans of all replicas, then visit them in order. Visiting may take long, so no
+    // statement is active and a writer can truncate its log.
     for (std::uint64_t scan = first; scan < end; scan += k_scans_at_a_time) {
       read_some(scan, std::min(end, scan + k_scans_at_a_time));
       std::ranges::sort(some, {}, [](const Draw& one) { return std::pair(one.scan, one.replica); });
@@ -198,7 +198,7 @@ std::vector<std::pair<std::int64_t, std::int64_t>> StoredRun::find_places(
     std::uint64_t finds) const {
   std::vector<std::pair<std::int64_t, std::int64_t>> places;
   for (const std::int64_t lane : lanes()) {
-    // A lane's finds are in order: none after its first so many is among the first of all.
+    // A lane's finds are in order, so only its first `finds` can be among the first of all lanes.
     std::int64_t next = 0;
     for (std::uint64_t found = 0; found < finds;) {
       const SharedDatabase::Turn turn = database_->turn();
@@ -246,7 +246,7 @@ std::vector<StoredRun::FindRow> StoredRun::find_rows() const {
       rows.push_back({.start = start_of(place), .chain = place.second, .scan = place.first});
     return rows;
   }
-  // Chain k relaxes the find k.
+  // Chain k relaxes find k.
   const std::vector<std::int64_t> chains = chains_of_takes();
   if (chains.empty()) return rows;
   const auto places = find_places(static_cast<std::uint64_t>(chains.back()) + 1);
@@ -261,7 +261,7 @@ std::vector<StoredRun::FindRow> StoredRun::find_rows() const {
 
 void StoredRun::for_each_find(
     const std::function<void(std::uint64_t, const plan::ScanRecord&)>& visit) const {
-  // Starts are numbered by (scan, lane). Which rows they are is read first.
+  // Starts are numbered by (scan, lane). Determine their rows first.
   const std::vector<FindRow> rows = find_rows();
   for_each_row(
       rows.size(), "find",
@@ -303,7 +303,7 @@ void StoredRun::for_each_prior_draw(
 }
 
 plan::FailureCounts StoredRun::failures() const {
-  // Of a search those of the starts up to its last find; and of the chains up to its last take.
+  // Count failures of starts up to the last find, and of chains up to the last take.
   std::uint64_t starts = 0;
   std::int64_t chains = cut_.chains;
   std::uint64_t scans = cut_.scans;
@@ -314,7 +314,7 @@ plan::FailureCounts StoredRun::failures() const {
       scans = std::uint64_t{cut_.relax_scans} + 1;
     }
   }
-  // By (scan, chain, replica), as the index has them; each batch goes on after the last one's end.
+  // Ordered by (scan, chain, replica) like the index; each batch starts after the previous one.
   const std::string rows = fmt::format(
       "SELECT chain, replica, scan, {} FROM scan INDEXED BY scan_failures "
       "WHERE failures IS NOT NULL AND (chain>=?2 OR (scan<?1 AND chain<?7)) AND scan>=?3 "
@@ -372,7 +372,7 @@ void for_each_stored(SharedDatabase& database,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit) {
   const std::uint64_t salt = salt_of(run_value(database, "identity"));
-  // How far each replica is at one moment; rows up to there never change.
+  // Read each replica's progress at one moment; rows up to there never change.
   std::vector<std::pair<plan::ReplicaKey, std::uint64_t>> replicas;
   {
     const SharedDatabase::Turn turn = database.turn();

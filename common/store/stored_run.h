@@ -1,7 +1,7 @@
-// A run as it stands in its store, cut at a common scan: what archives are derived from.
+// A run's results from its store, cut at a common scan, from which archives are derived.
 //
-// Reads beside a writer, in turns that are short; nothing is being read while rows are visited.
-// Thread safety: one thread at a time.
+// Works beside a writer, in short turns; no statement is active while rows are visited. Thread
+// safety: one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +19,23 @@
 
 namespace sleight::store {
 
-/// How far a run is read.
+/// How much of a run is read.
 struct StoredCut {
   std::uint32_t chains = 0;
-  std::uint64_t scans = 0;  ///< the first so many of every chain
-  std::uint64_t finds = 0;  ///< the first so many of its search; or takes, where finds are relaxed:
-  std::uint32_t relax_scans = 0;  ///< then the scan of their chains that may be a take
-  std::uint64_t prior_draws = 0;  ///< the first so many
-  bool of_islands = false;  ///< its one chain's scans are free islands, by number (plan/unit.h)
+  std::uint64_t scans = 0;        ///< the first `scans` of every chain
+  std::uint64_t finds = 0;        ///< the first `finds` of the search, or takes if relaxed
+  std::uint32_t relax_scans = 0;  ///< if finds are relaxed: the scan that may be a take
+  std::uint64_t prior_draws = 0;  ///< the first `prior_draws`
+  bool of_islands = false;        ///< the only chain's scans are free islands (plan/unit.h)
 };
 
 class StoredRun final : public archive::RunView {
  public:
-  /// REQUIRES: what the cut has is committed.
+  /// REQUIRES: everything in the cut is committed.
   StoredRun(std::shared_ptr<SharedDatabase> database, const StoredCut& cut);
-  /// Through a connection of its own (open_to_read).
+  /// Uses a connection of its own (open_to_read).
   StoredRun(const std::string& folder, const StoredCut& cut);
-  /// Which of these are draws, where not all are. REQUIRES: so many are there.
+  /// Sets which scans are draws, if not all are. REQUIRES: these scans are in the cut.
   void set_draws(plan::Draws draws);
 
   std::uint32_t chains() const override { return cut_.chains; }
@@ -58,8 +58,8 @@ class StoredRun final : public archive::RunView {
   plan::Report report() const override { return report_; }
   plan::FailureCounts failures() const override;
 
-  /// Visits the scans of every replica up to the cut, in batches, as RunStore::replay does: for a
-  /// plan to learn from them what it learns.
+  /// Visits the scans of every replica up to the cut, in batches, like RunStore::replay, so that a
+  /// plan can learn from them.
   void replay(const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                        std::span<const plan::ScanRecord>)>& visit) const;
   void set_report(plan::Report report) { report_ = std::move(report); }
@@ -68,22 +68,22 @@ class StoredRun final : public archive::RunView {
   std::uint32_t count_replicas() const;
   void for_each_island(
       const std::function<void(base::ScanIndex, const plan::ScanRecord&)>& visit) const;
-  /// Rows by their places, some at a time. `what` is said of one that is not there.
+  /// Visits rows in batches by their places. `what` names a missing row in the error.
   using PlaceOfRow = std::function<std::pair<base::ChainId, std::uint64_t>(std::uint64_t nth)>;
   void for_each_row(
       std::uint64_t count, const char* what, const PlaceOfRow& place_of,
       const std::function<void(std::uint64_t nth, const plan::ScanRecord&)>& visit) const;
-  /// Scans [first, end) that are draws, and all of them together.
+  /// Returns the ranges [first, end) of scans that are draws.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> draw_ranges() const;
   RowKey key_of(base::ChainId chain, std::int64_t replica, std::int64_t scan) const;
 
-  /// The lanes of its search.
+  /// Returns the lanes of the search.
   std::vector<std::int64_t> lanes() const;
-  /// The first so many starts of its search that found something, as (scan, lane), in order.
+  /// Returns the first `finds` successful starts of the search, as (scan, lane), in order.
   std::vector<std::pair<std::int64_t, std::int64_t>> find_places(std::uint64_t finds) const;
-  /// By take its chain: the first so many whose relaxed finds satisfy.
+  /// Returns the chain of each take: the first chains whose relaxed finds satisfy.
   std::vector<std::int64_t> chains_of_takes() const;
-  /// Where each of finds() begins and is: the place of its start, and its row.
+  /// The number of a find's start, and the find's row.
   struct FindRow {
     std::uint64_t start = 0;
     std::int64_t chain = 0;
@@ -96,13 +96,13 @@ class StoredRun final : public archive::RunView {
   std::uint64_t salt_ = 0;
   std::uint32_t replicas_ = 1;
   plan::Draws draws_;
-  std::vector<std::uint64_t> part_ends_{};  ///< of draws_.parts: draws up to and with each
+  std::vector<std::uint64_t> part_ends_{};  ///< draws up to the end of each of draws_.parts
   plan::Report report_;
 };
 
-/// Visits all scans that are committed, replica by replica in order, in batches, as one moment left
-/// them; records come without state and outcome. Beside a writer: what it commits meanwhile is not
-/// seen. Throws base::Error where the store can't be read, or has been changed.
+/// Visits all committed scans, replica by replica in order, in batches, as of one moment; later
+/// commits of a writer are not seen. Records lack state and outcome. Throws base::Error if the
+/// store can't be read or was changed.
 void for_each_stored(SharedDatabase& database,
                      const std::function<void(const plan::ReplicaKey&, base::ScanIndex,
                                               std::span<const plan::ScanRecord>)>& visit);

@@ -26,13 +26,13 @@ namespace sleight::store {
 namespace {
 
 constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
-/// Between two looks at its files the writer may have turned the log over.
+/// Maximum attempts, because the writer may rotate the log between two reads.
 constexpr int k_looks_max = 100;
-/// Of a file so much is read at once; far more than a line has.
+/// Bytes read from a file at once, far more than a line has.
 constexpr std::uint64_t k_told_piece_bytes = 256U << 10U;
 
-/// The store's connection, once it has a run's tables; they come into being all at once. Null
-/// before.
+/// Returns the store's connection. Null until the run's tables exist, which are all created at
+/// once.
 std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
   if (::access(RunStore::database_path(folder).c_str(), F_OK) != 0) return nullptr;
   std::shared_ptr<SharedDatabase> database = open_to_read(folder);
@@ -54,7 +54,7 @@ std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
 
 }  // namespace
 
-/// A file of the log that is open for reading, or none.
+/// A log file open for reading, or none.
 class ToldEvents::LogFile {
  public:
   explicit LogFile(const std::string& path)
@@ -77,14 +77,15 @@ class ToldEvents::LogFile {
   bool is(std::uint64_t device, std::uint64_t inode) const {
     return is_there() && device == device_ && inode == inode_;
   }
-  /// Whether a place is in this file, behind a line: a new file may have a deleted one's inode.
+  /// Returns whether the file contains a position after a line. A new file may reuse a deleted
+  /// file's inode.
   bool has(std::uint64_t device, std::uint64_t inode, std::uint64_t offset) const {
     if (!is(device, inode) || offset > bytes_) return false;
     char before = '\n';
     return offset == 0 || (::pread(descriptor_, &before, 1, static_cast<off_t>(offset - 1)) == 1 &&
                            before == '\n');
   }
-  /// A piece from a place on, of what the file had when it was opened.
+  /// Returns a piece from `offset`, within the file's size when opened.
   std::string piece_from(std::uint64_t offset) const {
     std::string text;
     if (!is_there() || offset >= bytes_) return text;
@@ -108,7 +109,7 @@ class ToldEvents::LogFile {
   std::uint64_t bytes_ = 0;
 };
 
-/// What one call comes to.
+/// The answer of one call.
 struct ToldEvents::Answer {
   std::size_t numbered_max = 0;
   std::vector<events::RunEvent> numbered{};
@@ -155,7 +156,7 @@ void ToldEvents::read_log(Answer& answer) {
       take(now, answer);
       return;
     }
-    // It is another file than last time: that one may have become the old one.
+    // The file differs from the last one, which may have become the old log.
     const LogFile old(events::old_event_log_path(folder_));
     if (LogFile again(path); again.is_there() != now.is_there() ||
                              (now.is_there() && !again.is(now.device(), now.inode())))
@@ -173,19 +174,18 @@ void ToldEvents::read_log(Answer& answer) {
   }
 }
 
-/// What the file at place_ has from there on; false: there is more, which the answer has no room
-/// for.
+/// Reads the file from place_. False: the answer has no room for the rest.
 bool ToldEvents::take(const LogFile& file, Answer& answer) {
   while (true) {
     const std::uint64_t begin = place_.offset;
     const std::string text = file.piece_from(begin);
     if (!take_lines(text, answer)) return false;
-    // A piece without a whole line is one that is being written.
+    // A piece without a whole line is still being written.
     if (text.size() < k_told_piece_bytes || place_.offset == begin) return true;
   }
 }
 
-/// Takes whole lines and moves the place past them; likewise.
+/// Reads whole lines and moves the place past them. False as in take().
 bool ToldEvents::take_lines(const std::string& text, Answer& answer) {
   for (std::size_t begin = 0;;) {
     const std::size_t end = text.find('\n', begin);
@@ -208,7 +208,7 @@ bool ToldEvents::take_lines(const std::string& text, Answer& answer) {
   }
 }
 
-/// Those before `end` that the answer has room for.
+/// Adds events before `end` as far as the answer has room.
 void ToldEvents::fill_from_store(std::uint64_t end, Answer& answer) {
   if (answer.is_full()) return;
   const std::shared_ptr<SharedDatabase> database = open_store(folder_);

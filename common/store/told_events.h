@@ -1,16 +1,15 @@
-// What a run has told, read from its folder: its log of events (common/events/event_log.h), and
-// from its store the numbered events that the log has lost.
+// Reads a run's events from its folder: the event log (common/events/event_log.h), and from the
+// store the numbered events missing in the log.
 //
 // Invariants
-//   1. Numbered events come in order, from the number asked for on, without a gap, each once.
-//   2. An event with a number is in the store: it stays what it is, whatever becomes of the run.
-//   3. Of events without a number each answer has the newest one of each kind that is new to the
-//      reader, behind the numbered ones.
+//   1. Numbered events are returned in order from the requested number, without gaps, each once.
+//   2. Numbered events are in the store, so they never change.
+//   3. Each answer ends with the newest unnumbered event of each kind that is new to the reader.
 //
-// Reads beside the writer, which it never holds up. Only where something is missing from the log is
-// the store opened, which on a network disk the writer's process alone can do.
+// Reading never delays the writer. The store is opened only if events are missing in the log; on a
+// network disk only the writer's process can do so.
 //
-// Thread safety: one reader in one thread; any number of readers of a run.
+// Thread safety: one reader in one thread; any number of readers per run.
 #pragma once
 
 #include <cstddef>
@@ -22,33 +21,33 @@
 
 namespace sleight::store {
 
-/// Follows a run from a number on: for watchers, which ask again and again.
+/// Follows a run's events from a number, for watchers that poll repeatedly.
 ///
 ///   ToldEvents told(folder, last_number_seen + 1);
 ///   told.next(100) -> {5, 6, 7, progress}    told.next(100) -> {}    told.next(100) -> {8} ...
 ///
-/// The folder and its run may come into being later, and the log may be deleted meanwhile.
+/// The folder and its run may be created later, and the log may be deleted meanwhile.
 class ToldEvents {
  public:
-  /// REQUIRES: number at least 1.
+  /// REQUIRES: number >= 1.
   explicit ToldEvents(std::string folder, std::uint64_t number = 1);
 
-  /// What is new in the log, at most so many numbered events; the store is asked for those that the
-  /// log has lost. Where nothing is new it costs an open file and a look at its size. Throws
-  /// base::Error where the store is needed and can't be read. REQUIRES: numbered_max at least 1.
+  /// Returns new events of the log, at most `numbered_max` numbered ones, with missing ones from
+  /// the store. If there is nothing new, this costs opening a file and reading its size. Throws
+  /// base::Error if the store is needed and can't be read. REQUIRES: numbered_max >= 1.
   std::vector<events::RunEvent> next(std::size_t numbered_max);
 
-  /// Likewise, and then what the store alone has: where the log could not be written. For when a
-  /// program has ended, and now and then.
+  /// Like next(), and then events that are only in the store because the log couldn't be written.
+  /// Call after a program has ended, and from time to time.
   std::vector<events::RunEvent> rest(std::size_t numbered_max);
 
-  /// Of the numbered event that comes next.
+  /// Returns the number of the next numbered event.
   std::uint64_t number() const { return number_; }
 
  private:
   struct LogPlace {
     std::uint64_t device = 0;
-    std::uint64_t inode = 0;  ///< 0: no log has been read
+    std::uint64_t inode = 0;  ///< 0: no log was read
     std::uint64_t offset = 0;
   };
   class LogFile;
@@ -64,7 +63,7 @@ class ToldEvents {
   LogPlace place_;
 };
 
-/// Everything from a number on as it stands, log and store: at most so many numbered events.
+/// Returns all events from `number` in log and store, at most `numbered_max` numbered ones.
 std::vector<events::RunEvent> events_told(const std::string& folder, std::uint64_t number,
                                           std::size_t numbered_max);
 
