@@ -1,6 +1,6 @@
-// Little-endian byte strings for what is stored or sent: chain states, outcomes, counts.
+// Little-endian byte strings for stored or sent data: chain states, outcomes, counts.
 //
-// A reader checks every length before it reads: bytes may come from a damaged or hostile file.
+// The reader checks every length, because bytes may come from a damaged or hostile file.
 #pragma once
 
 #include <bit>
@@ -20,7 +20,6 @@ static_assert(std::endian::native == std::endian::little, "stored bytes are litt
 using Bytes = std::vector<std::byte>;
 using BytesView = std::span<const std::byte>;
 
-/// Appends scalars and bytes in order.
 class ByteWriter {
  public:
   template <class T>
@@ -37,7 +36,7 @@ class ByteWriter {
   Bytes bytes_;
 };
 
-/// Reads scalars and bytes in order; nothing once the bytes have run out.
+/// Reads scalars and bytes in order; returns nothing after the end.
 class ByteReader {
  public:
   explicit ByteReader(BytesView bytes) : rest_(bytes) {}
@@ -50,7 +49,7 @@ class ByteReader {
     rest_ = rest_.subspan(sizeof(T));
     return value;
   }
-  /// The next so many, in place.
+  /// Returns the next `size` bytes without copying.
   std::optional<BytesView> bytes(std::size_t size) {
     if (rest_.size() < size) return std::nullopt;
     const BytesView found = rest_.first(size);
@@ -63,7 +62,7 @@ class ByteReader {
   BytesView rest_;
 };
 
-/// The bytes of an array of scalars, in place.
+/// Returns the bytes of an array of scalars without copying.
 template <class T>
 requires std::is_arithmetic_v<T> BytesView bytes_of(std::span<const T> values) {
   return std::as_bytes(values);

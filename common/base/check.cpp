@@ -12,7 +12,7 @@
 namespace sleight::base {
 namespace {
 
-/// Notes are never freed: another thread may be printing them.
+/// Notes are never freed, because another thread may be printing them.
 struct Note {
   std::string line;
   const Note* before = nullptr;
@@ -24,7 +24,7 @@ void print(const std::string& message) {
   std::fflush(stderr);
 }
 
-/// In two, since 16 bytes are not atomic everywhere: a listener is set with its context first.
+/// Two atomics, because 16 bytes are not atomic everywhere. The context is set before the function.
 std::atomic<void*> listener_context = nullptr;
 std::atomic<decltype(BugListener::heard)> listener_heard = nullptr;
 
@@ -38,7 +38,7 @@ void tell_listener(const std::string& place, const std::string& words) {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
   } catch (const std::bad_alloc&) {
-    // Libraries allocate where nothing may be thrown; and no bug of ours is to be told.
+    // Libraries allocate even where nothing may be thrown. Lack of memory is not a bug to report.
     std::fprintf(stderr, "%s\n", k_too_little_memory);
     std::_Exit(static_cast<int>(ExitCode::environment));
   } catch (const std::exception& failure) {
@@ -57,7 +57,7 @@ void check_failed(std::string_view condition, std::string_view operands, const c
                   int line) {
   const std::string place = fmt::format("{}:{}", file, line);
   const std::string words = fmt::format("check failed: {} ({})", condition, operands);
-  tell_listener(place, words);  // first: stderr's reader may have gone, and take us along
+  tell_listener(place, words);  // first, because writing to a closed stderr may end the process
   print(fmt::format("{}: {}\n", place, words));
   std::abort();
 }

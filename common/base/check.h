@@ -1,11 +1,11 @@
-// Checks for bugs. They stay on in release, print both operands and stop the process: a state that
-// "can't happen" must not reach an archive. What can happen (bad input, full disk, a lost process)
-// is never a CHECK: see result.h and error.h.
+// Checks for bugs. They stay on in release builds, print both operands and abort the process,
+// because an "impossible" state must not reach an archive. Expected failures (bad input, full disk,
+// a lost process) are never a CHECK: see result.h and error.h.
 //
-// A bug's report should say how to see it again. So a program's main notes what repeats its run:
-// the command line, the request, the seed. These notes, and who hears of a bug, are the one state
-// of a process as a whole that this library has; they change nothing but what is told when a check
-// fails, in whatever thread, or an exception is caught by nobody.
+// A bug's report should allow the bug to be reproduced. So a program's main records what repeats
+// its run: the command line, the request, the seed. These notes and the bug listener are this
+// library's only global state. They affect only the output after a failed check in any thread or an
+// uncaught exception.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,34 +15,33 @@
 
 namespace sleight::base {
 
-/// Prints `file:line: check failed: condition (operands)` to stderr and aborts. The place is the
-/// caller's; std::source_location is missing from the clang that builds the fuzzers.
+/// Prints `file:line: check failed: condition (operands)` to stderr and aborts. Default arguments
+/// give the caller's place, because the clang that builds the fuzzers lacks std::source_location.
 [[noreturn]] void check_failed(std::string_view condition, std::string_view operands,
                                const char* file = __builtin_FILE(), int line = __builtin_LINE());
 
-/// Adds a line to what is printed after a failed check. For a program's main: a few lines a
-/// process, which are kept for its life. Thread-safe.
+/// Adds a line to the output after a failed check. For a program's main: a few lines, which are
+/// never freed. Thread-safe.
 void add_repeat_note(std::string_view line);
 
-/// The notes in the order in which they were added, each ended by a newline.
+/// Returns the notes in order of addition, each with a newline.
 std::string repeat_notes();
 
-/// Hears of a check that fails, and of an exception that nobody catches (`place` is then empty),
-/// before the process aborts; in whatever thread, so that it may call little but write(2).
+/// Called before the process aborts, for a failed check or an uncaught exception (`place` is then
+/// empty). Runs in any thread, so it may call little more than write(2).
 struct BugListener {
   void (*heard)(void* context, const std::string& place, const std::string& words) = nullptr;
   void* context = nullptr;
 };
 
-/// In place of the one before; an empty one takes it away. For a program's main. Thread-safe.
+/// Replaces the listener; an empty one removes it. For a program's main. Thread-safe.
 void set_bug_listener(BugListener listener);
 
-/// Arguments as one line that a shell reads as the same ones.
+/// Returns the arguments as one line, quoted for a shell.
 std::string command_line(int argc, const char* const* argv);
 
-/// From now on an exception that nobody catches is printed, with the notes, before the process
-/// aborts; where it is std::bad_alloc it ends with ExitCode::environment. Call it first thing in a
-/// main.
+/// Makes uncaught exceptions print their message and the notes before aborting. An uncaught
+/// std::bad_alloc exits with ExitCode::environment. Call this first in a main function.
 void report_uncaught_exceptions();
 
 namespace detail {

@@ -1,7 +1,7 @@
-// Time as an interface, so that logic with time-outs is tested without waiting.
+// Time as an interface, so that code with time-outs is tested without waiting.
 //
-// Nothing that a clock measured may enter an archive (docs/DETERMINISM): clocks serve progress
-// lines, time limits and the sizes of work units, none of which changes a result.
+// No clock's value may enter an archive (docs/DETERMINISM). Clocks serve progress lines, time
+// limits and sizes of work units, none of which changes a result.
 #pragma once
 
 namespace sleight::base {
@@ -10,7 +10,7 @@ namespace sleight::base {
 class Clock {
  public:
   virtual ~Clock() = default;
-  /// Seconds since an arbitrary moment; never goes back.
+  /// Returns seconds since an arbitrary moment, never decreasing.
   virtual double now_s() const = 0;
 };
 
@@ -19,16 +19,16 @@ class SteadyClock final : public Clock {
   double now_s() const override;
 };
 
-/// Goes on while the machine sleeps: what another machine may have done meanwhile hangs on it.
+/// Also counts while the machine sleeps, because other machines may act meanwhile.
 class BootClock final : public Clock {
  public:
   double now_s() const override;
 };
 
-/// Processor time of the calling thread, in seconds.
+/// Returns the processor time of the calling thread.
 double thread_processor_s();
 
-/// For tests: stands still until it is moved. Not thread-safe.
+/// For tests: changes only when it is moved. Not thread-safe.
 class ManualClock final : public Clock {
  public:
   double now_s() const override { return now_s_; }

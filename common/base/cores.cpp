@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "200000 100000": microseconds of CPU time in each period. Of "max 100000", and of version 1's
-/// -1, there is no quota.
+/// Parses "200000 100000": microseconds of CPU time per period. "max 100000" and version 1's -1
+/// mean no quota.
 std::optional<double> cores_of(std::istream& quota, std::istream& period) {
   double quota_us = 0;
   double period_us = 0;
@@ -43,14 +43,14 @@ std::string text_of(const char* path) {
 std::optional<std::uint32_t> core_quota(std::string_view groups, const std::string& root) {
   std::optional<double> least;
   std::istringstream lines{std::string(groups)};
-  // "0::/a/b" in version 2, "4:cpu,cpuacct:/a/b" in version 1.
+  // Lines are "0::/a/b" in version 2, "4:cpu,cpuacct:/a/b" in version 1.
   for (std::string number, controllers, path; std::getline(lines, number, ':') &&
                                               std::getline(lines, controllers, ':') &&
                                               std::getline(lines, path);) {
     if (!controllers.empty() && fmt::format(",{},", controllers).find(",cpu,") == std::string::npos)
       continue;
     const fs::path top = fs::path(root) / controllers;
-    // A container sees its own group as the top, whatever the path says.
+    // A container sees its own group as the top, whatever the path.
     for (fs::path below = fs::path(path).relative_path();; below = below.parent_path()) {
       if (const auto quota = quota_of_group(top / below))
         least = std::min(least.value_or(*quota), *quota);

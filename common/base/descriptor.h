@@ -1,4 +1,4 @@
-// An open file, pipe or process that is closed with its holder.
+// An open file, pipe or process that is closed by its owner's destructor.
 #pragma once
 
 #include <unistd.h>
@@ -7,7 +7,7 @@
 
 namespace sleight::base {
 
-/// Move-only; below 0: none.
+/// Move-only. A negative number: none.
 class Descriptor {
  public:
   explicit Descriptor(int number = -1) : number_(number) {}
@@ -22,7 +22,7 @@ class Descriptor {
 
   int get() const { return number_; }
   explicit operator bool() const { return number_ >= 0; }
-  /// Gives it away.
+  /// Releases ownership.
   int release() { return std::exchange(number_, -1); }
   void reset(int number = -1) {
     if (number_ >= 0) ::close(number_);

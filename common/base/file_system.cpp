@@ -37,7 +37,7 @@ std::error_code last_error() {
   return {errno, std::system_category()};
 }
 
-/// The status of what is there; none where nothing is.
+/// Returns the status of a path; nothing if it does not exist.
 std::optional<struct stat> status_of(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) return status;
@@ -60,7 +60,7 @@ class PosixFile final : public File {
           ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
       if (put < 0 && errno == EINTR) continue;
       if (put < 0) return last_error();
-      // A write of nothing would be tried for ever.
+      // A write of zero bytes would be retried for ever.
       if (put == 0) return {ENOSPC, std::system_category()};
       bytes = bytes.subspan(static_cast<std::size_t>(put));
       offset += static_cast<std::uint64_t>(put);

@@ -1,8 +1,8 @@
-// The operating system's file effects that durability rests on, behind one interface so that a
-// test can make any of them fail.
+// The file operations on which durability depends, as an interface in which tests can make any of
+// them fail.
 //
-// The promise that callers build on them: a file written beside its place, sync_file, rename,
-// sync_directory, in this order, is found whole or not at all after a crash or loss of power.
+// Callers rely on this sequence: after writing a file beside its place, sync_file, rename and
+// sync_directory, in this order, a crash or power loss leaves the file complete or absent.
 #pragma once
 
 #include <cstddef>
@@ -19,41 +19,41 @@
 
 namespace sleight::base {
 
-/// A file open for reading and writing at any place. Its functions return the system's reason
-/// instead of throwing it: a C library calls them (archive/hdf5). Not thread-safe.
+/// A file open for reading and writing at any position. Its functions return the system's error
+/// code instead of throwing, because a C library calls them (archive/hdf5). Not thread-safe.
 class File {
  public:
-  virtual ~File() = default;  ///< closes it, whatever comes of that
-  /// Writes all of `bytes`, or says why not; then a part of them may be there.
+  virtual ~File() = default;  ///< closes the file, ignoring errors
+  /// Writes all of `bytes`, or returns an error; then a part may have been written.
   virtual std::error_code write_at(std::uint64_t offset, BytesView bytes) = 0;
-  /// Fills `bytes`: with zeros beyond the end, and where it can't be read.
+  /// Fills `bytes`, with zeros beyond the end and after errors.
   virtual std::error_code read_at(std::uint64_t offset, std::span<std::byte> bytes) = 0;
   virtual std::error_code resize(std::uint64_t size) = 0;
-  /// On a network file system a write may fail only here. REQUIRES: nothing is called after it.
+  /// On a network file system a write may fail only here. REQUIRES: last call.
   virtual std::error_code close() = 0;
 };
 
-/// Every function but create throws base::Error naming the path and the system's reason.
+/// Every function except create throws base::Error with the path and the system's reason.
 class FileSystem {
  public:
   virtual ~FileSystem() = default;
   virtual bool exists(const std::string& path) const = 0;
-  /// False where there is nothing.
+  /// False if the path does not exist.
   virtual bool is_directory(const std::string& path) const = 0;
-  /// Names of what lies in a folder, sorted.
+  /// Returns the sorted names in a folder.
   virtual std::vector<std::string> names_in(const std::string& folder) const = 0;
-  /// Makes an empty file, also of one that is there, but not through a link. Returns the system's
-  /// reason where it can't: callers know what to say of it.
+  /// Creates or empties a file, but does not follow a link. Returns the system's error code,
+  /// because callers word the message.
   virtual Result<std::unique_ptr<File>, std::error_code> create(const std::string& path) = 0;
   /// fsync of a file's content.
   virtual void sync_file(const std::string& path) = 0;
-  /// fsync of the folder that holds `path`: makes a rename or a new name durable.
+  /// fsync of the folder of `path`, which makes a rename or a new name durable.
   virtual void sync_directory_of(const std::string& path) = 0;
-  /// Replaces `to` in one step.
+  /// Replaces `to` atomically.
   virtual void rename(const std::string& from, const std::string& to) = 0;
-  /// No error when there is no such file.
+  /// Not an error if the file does not exist.
   virtual void remove(const std::string& path) = 0;
-  /// No error when it is there already.
+  /// Not an error if the folder exists.
   virtual void make_folder(const std::string& path) = 0;
 };
 
@@ -70,16 +70,15 @@ class PosixFileSystem final : public FileSystem {
   void make_folder(const std::string& path) override;
 };
 
-/// The folder part of a path, "." where there is none.
+/// Returns the folder part of a path; "." if there is none.
 std::string directory_of(const std::string& path);
 
-/// Makes a file of this text, or replaces its content; not in one step, and not durable. Throws
-/// base::Error.
+/// Creates or overwrites a file, neither atomically nor durably. Throws base::Error.
 void write_text_file(FileSystem& files, const std::string& path, std::string_view text);
 
-/// The whole of a text file. Throws base::Error when it can't be read or exceeds `bytes_max`.
+/// Reads a text file. Throws base::Error if the file can't be read or exceeds `bytes_max`.
 std::string read_text_file(const std::string& path, std::size_t bytes_max);
-/// The same of standard input, to its end.
+/// Reads standard input to its end, with the same errors.
 std::string read_standard_input(std::size_t bytes_max);
 
 }  // namespace sleight::base

@@ -16,8 +16,8 @@ struct Id {
   friend constexpr auto operator<=>(Id, Id) = default;
 };
 
-/// An index into arrays as a type of its own. It reads as its number without a cast, and a number
-/// becomes one only in so many words: Index{n}. So does an index of another kind; the two don't
+/// An index into arrays as a type of its own. It converts to its number implicitly, but a number or
+/// an index of another kind only explicitly to it: Index{n}. Indices of different kinds don't
 /// compare.
 template <class Tag>
 struct Index {
@@ -35,11 +35,11 @@ struct Index {
       delete;
 };
 
-/// An independent chain, or an independent ladder of tempered replicas: the archive's `chain`.
+/// An independent chain, or an independent ladder of tempered replicas. The archive's `chain`.
 using ChainId = Id<struct ChainTag, std::uint32_t>;
-/// One of a ladder's replicas; a plain chain has replica 0 alone.
+/// A replica of a ladder. A plain chain has only replica 0.
 using ReplicaId = Id<struct ReplicaTag, std::uint32_t>;
-/// Scan 0 is the start (a draw from the prior); every later one is `iterations_per_scan` proposals.
+/// Scan 0 is the start (a draw from the prior); each later scan is `iterations_per_scan` proposals.
 using ScanIndex = Id<struct ScanTag, std::uint64_t>;
 
 }  // namespace sleight::base

@@ -1,16 +1,16 @@
-// Where memory is short.
+// Handles lack of memory.
 #pragma once
 
 #include <cstddef>
 
 namespace sleight::base {
 
-/// What people are told, after the program's name.
+/// Message for people, after the program's name.
 inline constexpr const char* k_too_little_memory =
     "too little memory; if a limit is set (ulimit -v, or a job's memory), raise it";
 
-/// Throws std::bad_alloc where this process could not have so many bytes more. Before calls of
-/// libraries that crash for want of memory.
+/// Throws std::bad_alloc if this process can't allocate `bytes` more. Call before library functions
+/// that crash without memory.
 void require_memory(std::size_t bytes);
 
 }  // namespace sleight::base

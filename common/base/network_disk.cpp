@@ -10,7 +10,7 @@
 namespace sleight::base {
 namespace {
 
-// statfs(2), and the sources of Lustre and GPFS for theirs.
+// From statfs(2), and the sources of Lustre and GPFS.
 constexpr std::array<std::pair<unsigned long, const char*>, 9> k_types{{{0x6969, "NFS"},
                                                                         {0x517B, "SMB"},
                                                                         {0xFF534D42, "SMB"},
@@ -21,7 +21,7 @@ constexpr std::array<std::pair<unsigned long, const char*>, 9> k_types{{{0x6969,
                                                                         {0x65735546, "FUSE"},
                                                                         {0x01021997, "9P"}}};
 
-/// The name that belongs to the type that statfs gives, or none.
+/// Returns the name of a file-system type reported by statfs, or nothing.
 std::optional<std::string> network_file_system_of_type(unsigned long type) {
   for (const auto& [known, name] : k_types) {
     if (known == type) return name;

@@ -1,9 +1,9 @@
-// Whether a path lies on a disk that other machines see too. There SQLite's shared memory and flock
-// hold on one machine alone, or not at all.
+// Detects disks shared with other machines. There SQLite's shared memory and flock work only within
+// one machine, or not at all.
 //
-// The environment may know better: SLEIGHT_NETWORK_DISK=1 says that every disk is one (for a disk
-// that we don't know, and for tests), 0 that none is (for a FUSE disk of this machine alone). All
-// programs that write one folder must be told the same.
+// The environment can override the detection: SLEIGHT_NETWORK_DISK=1 makes every disk a network
+// disk (for unknown disks, and for tests), 0 makes none (for a FUSE disk used by this machine
+// only). All programs that write a folder must use the same setting.
 //
 // Thread-safe.
 #pragma once
@@ -15,9 +15,9 @@ namespace sleight::base {
 
 inline constexpr const char* k_network_disk_variable = "SLEIGHT_NETWORK_DISK";
 
-/// The network file system on which a file or folder lies: "NFS", "SMB", "Lustre", "GPFS", "Ceph"
-/// or "FUSE", which may stand for any; k_network_disk_variable where that alone says so. None for
-/// local disks, and where there is no such path.
+/// Returns the network file system of a path: "NFS", "SMB", "Lustre", "GPFS", "Ceph" or "FUSE",
+/// which may be any, or k_network_disk_variable if only the variable says so. Returns nothing for
+/// local disks and missing paths.
 std::optional<std::string> network_file_system(const std::string& path);
 
 }  // namespace sleight::base

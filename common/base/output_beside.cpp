@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As many as the system itself follows.
+/// The system's own limit.
 constexpr int k_links_max = 40;
 
 [[noreturn]] void fail_to_write(const std::string& place, const std::error_code& reason) {
@@ -38,7 +38,7 @@ std::string where_links_lead(const std::string& path) {
     std::error_code is_none;
     const fs::path target = fs::read_symlink(place, is_none);
     if (is_none) return place.string();
-    place = place.parent_path() / target;  // a target from the root stands alone
+    place = place.parent_path() / target;  // an absolute target replaces the path
   }
   fail_to_write(path, std::make_error_code(std::errc::too_many_symbolic_link_levels));
 }
@@ -47,7 +47,7 @@ OutputBeside::OutputBeside(const std::string& path) : place_(where_links_lead(pa
   std::error_code none;
   if (fs::exists(place_, none) && !fs::is_regular_file(place_, none)) return;
   beside_ = fmt::format("{}.tmp.{}", place_, ::getpid());
-  // What has this name is of a process that was killed, or a trap.
+  // An existing file of this name was left by a killed process, or is a trap.
   ::unlink(beside_.c_str());
   const Descriptor made(
       ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666));

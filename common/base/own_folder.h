@@ -1,4 +1,4 @@
-// Where a person's files of one kind are, by the XDG base directory specification.
+// Finds the folders of a user's files by the XDG base directory specification.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace sleight::base {
 
-/// $`variable`/sleight/`name`, or ~/`below_home`/sleight/`name` where the variable is not set or no
-/// absolute path; none without a home. Nothing is made.
+/// Returns $`variable`/sleight/`name`, or ~/`below_home`/sleight/`name` if the variable is unset or
+/// not an absolute path; nothing without a home. Creates nothing.
 std::optional<std::filesystem::path> own_folder(const char* variable, const char* below_home,
                                                 const std::string& name);
 

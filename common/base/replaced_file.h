@@ -1,4 +1,4 @@
-// Files whose content is replaced in one step.
+// Files whose content is replaced atomically.
 //
 // Thread safety: calls for different files are independent.
 #pragma once
@@ -11,14 +11,14 @@
 
 namespace sleight::base {
 
-/// Who may read a file that is made.
+/// Read permission of a created file.
 enum class Readers : std::uint8_t {
-  usual,  ///< as the process's umask has it
-  owner   ///< from its first byte on
+  usual,  ///< according to the process's umask
+  owner   ///< only the owner, from the first byte
 };
 
-/// As write_text_file, but in one step and durable: written beside it, synced and renamed. What an
-/// earlier try left beside it goes. Throws base::Error; then the old content stands.
+/// Like write_text_file, but atomic and durable: writes beside the file, syncs and renames. Removes
+/// leftovers of earlier tries. Throws base::Error; the old content then stays.
 void replace_text_file(FileSystem& files, const std::string& path, std::string_view text,
                        Readers readers = Readers::usual);
 

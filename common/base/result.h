@@ -1,4 +1,4 @@
-// Either a value or the reason why there is none, for outcomes that are expected.
+// A value, or the reason why there is none, for expected outcomes.
 #pragma once
 
 #include <utility>
@@ -8,7 +8,7 @@
 
 namespace sleight::base {
 
-/// Holds a T or an E. Reading the one that isn't there is a bug and stops the process.
+/// Holds a T or an E. Reading the absent one is a bug and stops the process.
 template <class T, class E>
 class [[nodiscard]] Result {
  public:

@@ -1,4 +1,4 @@
-// What a file descriptor's terminal is and can do; asked here alone.
+// The properties of a file descriptor's terminal.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@
 namespace sleight::base {
 
 struct Terminal {
-  std::size_t columns = 80;  ///< 80 x 24 where the terminal doesn't say
+  std::size_t columns = 80;  ///< 80 x 24 if unknown
   std::size_t rows = 24;
-  bool has_escapes = false;  ///< ANSI escape codes: TERM is neither unset nor "dumb"
+  bool has_escapes = false;  ///< supports ANSI escape codes: TERM is set and not "dumb"
 };
 
-/// None: it is no terminal. Reads the environment.
+/// Returns nothing if the descriptor is not a terminal. Reads the environment.
 std::optional<Terminal> terminal_at(int file_descriptor);
 
 }  // namespace sleight::base

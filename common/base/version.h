@@ -5,8 +5,9 @@
 
 namespace sleight::base {
 
-/// `release+g<commit>`, with `.dirty.<hash>` for a changed tree and `release+src.<hash>` outside
-/// git (deploy/version). Two builds with one version give the same bits for the same request.
+/// Returns `release+g<commit>`, with `.dirty.<hash>` for a changed tree, or `release+src.<hash>`
+/// outside git (deploy/version). Builds with equal versions give the same bits for the same
+/// request.
 std::string_view version();
 
 }  // namespace sleight::base

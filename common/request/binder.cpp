@@ -16,14 +16,14 @@ std::string with_unit(std::string words, std::string_view unit) {
   return unit.empty() ? words : fmt::format("{} {}", words, unit);
 }
 
-/// "an integer from 1 to 64", and "1 .. 64" for the table of keys.
+/// Describes a range as "an integer from 1 to 64", and as "1 .. 64" for the table of keys.
 void describe_range(const IntegerOptions& options, KeySpec& spec) {
   spec.range = fmt::format("{} .. {}", options.minimum, options.maximum);
   spec.expected = with_unit(
       fmt::format("an integer from {} to {}", options.minimum, options.maximum), options.unit);
 }
 
-/// "a number above 0 and at most 1", and "(0, 1]" for the table of keys.
+/// Describes a range as "a number above 0 and at most 1", and as "(0, 1]" for the table of keys.
 void describe_range(const NumberOptions& options, KeySpec& spec) {
   const bool has_minimum = options.minimum != NumberOptions{}.minimum;
   const bool has_maximum = options.maximum != NumberOptions{}.maximum;
@@ -143,7 +143,7 @@ void Binder::angle_deg(std::string_view key, double& value_rad, const NumberOpti
   in_degrees.unit = "degrees";
   const double fallback = degrees_of_radians(value_rad);
   const double degrees = *read_number(key, fallback, in_degrees);
-  // The default's own bits are kept where nothing else was asked for.
+  // An unchanged default keeps its exact bits.
   if (degrees != fallback) value_rad = radians_of_degrees(degrees);
 }
 

@@ -1,4 +1,4 @@
-// One declaration of a key serves reading, normalising and help.
+// A single declaration of each key for reading, normalising and help.
 //
 // A bind function names each key of a section once:
 //
@@ -8,18 +8,19 @@
 //                   .help = "normal speed after a collision, relative to before"});
 //   }
 //
-// Run over a section of a file it reads: given values go into the members, errors into the
-// diagnostics. Run with no section it changes nothing. Either way keys() then tells, for each key
-// in the order of declaration, what it is (for help) and what it is now (for the normalised text).
+// If the binder has a section of a file, declaring a key reads it: given values are stored in the
+// members, errors in the diagnostics. Without a section the members don't change. In both cases
+// keys() then describes each key in order of declaration (for help) with its current value (for the
+// normalised text).
 //
 // Invariants
-//   1. A member's value before the call is the key's default; a member without a usable given
-//      value keeps it. So after any run every member is in range, if its default was.
+//   1. A member's value before the call is the key's default, and the member keeps it if no valid
+//      value is given. So after any run every member is in range, if its default was.
 //   2. Defaults do not depend on other keys, and a bind function declares the same keys every time.
-//   3. keys() of a run without errors, written as TOML and read again, gives the same members and
+//   3. After a run without errors, keys() written as TOML and read again gives the same members and
 //      the same keys().
-// Errors of the file are diagnostics (diagnostic.h says where each is placed); a default out of
-// range or a key declared twice is a bug and stops the process. Not thread-safe.
+// Errors in the file become diagnostics, placed as diagnostic.h describes. A default out of range
+// or a key declared twice is a bug and stops the process. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -39,41 +40,41 @@
 
 namespace sleight::request {
 
-/// Whether a file may leave the key out.
+/// Whether a file may omit the key.
 enum class Presence {
-  defaulted,  ///< yes: the default holds
-  optional,   ///< yes: nothing holds, and the normalised text leaves it out too
-  required,   ///< no: there is no default
+  defaulted,  ///< optional in a file, with a default
+  optional,   ///< optional without a default; omitted in the normalised text
+  required,   ///< a file must give the key
 };
 
-/// What a key is, in words for people.
+/// A key's description for people.
 struct KeySpec {
   std::string key = {};
   std::string unit = {};      ///< "D", "m/s2", "degrees"; empty for a pure number
-  std::string range = {};     ///< short: "(0, 1]", "1 .. 64", "true or false", "a | b"
-  std::string expected = {};  ///< as after "expected": "a number above 0 and at most 1"
-  std::string fallback = {};  ///< the default as TOML; empty unless defaulted
+  std::string range = {};     ///< such as "(0, 1]", "1 .. 64", "true or false", "a | b"
+  std::string expected = {};  ///< text after "expected", such as "a number above 0 and at most 1"
+  std::string fallback = {};  ///< default as TOML; empty unless `defaulted`
   Presence presence = Presence::defaulted;
   std::string help = {};  ///< one line
 };
 
 struct BoundKey {
   KeySpec spec;
-  std::string value;  ///< as TOML; empty where an optional or required key is not given
+  std::string value;  ///< as TOML; empty if an optional or required key is not given
 };
 
 /// An array of tables.
 struct BoundTables {
   std::string key;
-  std::string name;             ///< "[section.key]": what stands between a section's brackets
-  std::vector<BoundKey> specs;  ///< what the keys of each are, with their defaults
-  std::vector<std::vector<BoundKey>> tables;  ///< those that the file has
+  std::string name;             ///< "[section.key]": the text between the brackets of the section
+  std::vector<BoundKey> specs;  ///< description of each table's keys, with their defaults
+  std::vector<std::vector<BoundKey>> tables;  ///< the tables in the file
 };
 
-/// A finite number; an integer will do in the file. -0 is read as 0.
+/// A finite number, which a file may also give as an integer. -0 is read as 0.
 struct NumberOptions {
   double minimum = std::numeric_limits<double>::lowest();
-  bool above_minimum = false;  ///< the range is open there
+  bool above_minimum = false;  ///< the minimum is excluded
   double maximum = std::numeric_limits<double>::max();
   bool below_maximum = false;
   std::string_view unit = "";
@@ -97,7 +98,7 @@ struct TablesOptions {
   std::string_view help = "";
 };
 
-/// One of a key's choices: its name in the file and what it stands for.
+/// One of a key's choices: its name in the file and its value.
 template <class T>
 struct Named {
   std::string_view name;
@@ -106,17 +107,17 @@ struct Named {
 
 class Binder {
  public:
-  /// Reads `section`; with null there is nothing to read, and keys() lists the defaults.
-  /// Both are borrowed for the binder's life.
+  /// Reads `section`. Null: nothing is read, and keys() lists the defaults. `section` and
+  /// `diagnostics` are borrowed.
   Binder(std::string section_name, const Section* section, Diagnostics& diagnostics);
 
   void number(std::string_view key, double& value, const NumberOptions& options);
 
-  /// In the file in degrees, in `options` too; `value_rad` in radians. The normalised text has the
-  /// degrees as they were given, so no digits are made up by converting there and back.
+  /// An angle in degrees in the file and in `options`; `value_rad` is in radians. The normalised
+  /// text repeats the given degrees, so no digits appear from converting back and forth.
   void angle_deg(std::string_view key, double& value_rad, const NumberOptions& options);
 
-  /// A number that is there or not. REQUIRES: `value` is empty.
+  /// An optional number. REQUIRES: `value` is empty.
   void optional_number(std::string_view key, std::optional<double>& value,
                        const NumberOptions& options);
 
@@ -129,7 +130,7 @@ class Binder {
         *read_integer(key, static_cast<std::int64_t>(value), Presence::defaulted, options));
   }
 
-  /// An integer that is there or not. REQUIRES: `value` is empty; the range fits T.
+  /// An optional integer. REQUIRES: `value` is empty; the range fits T.
   template <class T>
   requires std::is_integral_v<T>
   void optional_integer(std::string_view key, std::optional<T>& value,
@@ -156,7 +157,7 @@ class Binder {
     value = choices[*read_choice(key, now, names_of(choices), Presence::defaulted, help)].value;
   }
 
-  /// One of `choices` by name, which a file must give. `value` is left alone where it does not.
+  /// One of `choices` by name, which a file must give. Without it `value` is unchanged.
   template <class T>
   void required_choice(std::string_view key, T& value, std::span<const Named<T>> choices,
                        std::string_view help) {
@@ -164,9 +165,9 @@ class Binder {
     if (chosen) value = choices[*chosen].value;
   }
 
-  /// `[[section.key]]`, any number of tables, each with keys of its own that `bind` declares for
-  /// one of `values`; these become as many as the file has. Once more it is bound without a file,
-  /// to a T{}, for help. Beyond the most that there may be tables are an error, and not bound.
+  /// `[[section.key]]`: any number of tables. `bind` declares the keys of a table for one element
+  /// of `values`, which is resized to the number of tables. `bind` is also called once for a T{},
+  /// for help. Tables beyond the maximum are an error and are not bound.
   template <class T>
   void tables(std::string_view key, std::vector<T>& values, const TablesOptions& options,
               const std::function<void(Binder& table, T& value)>& bind) {
@@ -184,25 +185,25 @@ class Binder {
     }
   }
 
-  /// What the normalised text says of a key that the file leaves out, since it follows from other
-  /// keys; empty: nothing. REQUIRES: the key is declared.
+  /// Sets the normalised text's value of a key absent from the file, if it follows from other keys.
+  /// Empty: the key is omitted. REQUIRES: the key is declared.
   void settle(std::string_view key, std::string value);
 
-  /// Whether the file gives the key, rightly or wrongly.
+  /// Returns whether the file gives the key, valid or not.
   bool given(std::string_view key) const;
 
-  /// Whether the key is declared and its value free of errors: what a check of several keys asks
-  /// first, so that one slip is not reported twice.
+  /// Returns whether the key is declared and its value has no error. Checks of several keys call
+  /// valid() first, so that an error is not reported twice.
   bool valid(std::string_view key) const;
 
-  /// An error of this key against others, placed at the key, or at the section if only its default
-  /// is at odds. The message follows `'key' in [section]: `.
+  /// Adds an error about this key's conflict with others, placed at the key, or at the section if
+  /// the key has its default. The message follows `'key' in [section]: `.
   void error(std::string_view key, std::string_view message);
 
-  /// Whether no key that was read so far has an error.
+  /// Returns whether all keys read so far are free of errors.
   bool is_sound() const { return invalid_.empty(); }
 
-  /// Of the section's or table's head in the file; 0: the file has none.
+  /// Line of the section's or table's header in the file. 0: not in a file.
   std::uint32_t line() const { return section_ == nullptr ? 0 : section_->place.line; }
 
   const std::string& section_name() const { return section_name_; }
@@ -231,9 +232,9 @@ class Binder {
                                          const std::vector<std::string>& names, Presence presence,
                                          std::string_view help);
 
-  /// Adds the key and looks its value up: null if the file does not give it.
+  /// Adds the key and returns its given value; null if the file does not give it.
   const Value* declare(KeySpec spec);
-  /// Null if there are none, or too many.
+  /// Returns null if there are no tables, or too many.
   const TableArray* declare_tables(std::string_view key, const TablesOptions& options);
   void refuse(const Value& value, std::string_view hint = "");
   void fail(std::string_view key, Place place, std::string_view message);

@@ -14,10 +14,10 @@ static_assert(k_burn_in_rounds == 4 && k_lanes == 8 && k_particles == 64 &&
                   k_island_burn_in_rounds == 1 && k_solutions_asked_for == 5,
               "the help states these defaults");
 
-/// A key that a method doesn't have would do nothing in silence.
+/// Refuses keys that the method would silently ignore.
 void refuse_other_methods_keys(Binder& sampler, Method method) {
   if (!sampler.valid("method")) return;
-  if (method == Method::search) return;  // which has hardly any
+  if (method == Method::search) return;  // search is checked in settle_search
   const bool has_islands = method == Method::sequential;
   const bool is_plain = method == Method::metropolis_hastings || has_islands;
   const bool burns_in = has_islands || (!is_plain && method != Method::parallel_tempering);
@@ -45,8 +45,7 @@ void refuse_other_methods_keys(Binder& sampler, Method method) {
   refuse("steps_per_level", has_steps, "\"tempered_transitions\" or \"annealed_importance\"");
 }
 
-/// A tempered transition goes through all temperatures, down and up again, and has only so many
-/// iteration numbers of its own.
+/// A tempered transition visits all temperatures twice, and has a limited number of iterations.
 void check_excursions(Binder& sampler, const SamplerParameters& p) {
   if (p.method != Method::tempered_transitions || !sampler.valid("method")) return;
   for (const char* key : {"replicas", "steps_per_level", "iterations_per_scan"}) {
@@ -62,7 +61,7 @@ void check_excursions(Binder& sampler, const SamplerParameters& p) {
                             steps, levels, k_excursion_iterations_max));
 }
 
-/// What comes before the scans that are judged, and what excursions and ascents consist of.
+/// Binds annealing and burn-in, and the parts of excursions and ascents.
 void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
   sampler.optional_integer(
       "anneal_scans", p.anneal_scans,
@@ -224,7 +223,7 @@ void bind_output(Binder& output, OutputParameters& p) {
                "or method \"search\": 100"});
 }
 
-/// Keys of the common sections that say something of a search.
+/// Keys of the common sections that apply to a search.
 constexpr std::array<std::string_view, 2> k_sampler_keys_of_search{"method", "seed"};
 constexpr std::array<std::string_view, 4> k_sampler_keys_of_takes{"method", "seed", "relax_scans",
                                                                   "iterations_per_scan"};
@@ -233,8 +232,8 @@ constexpr std::array<std::string_view, 1> k_stop_keys_of_search{"found"};
 constexpr std::array<std::string_view, 1> k_stop_keys_of_takes{"takes"};
 constexpr std::array<std::string_view, 2> k_output_keys_of_search{"keep_max", "prior_draws"};
 
-/// Of a section's first keys all others say nothing: given ones are errors, defaults are not
-/// repeated.
+/// Restricts a section's first keys to `keys`: other given keys are errors, and their defaults are
+/// omitted.
 void keep_only(Binder& section, std::size_t first_keys, std::span<const std::string_view> keys,
                std::string_view why) {
   const std::vector<BoundKey> all = section.keys();
@@ -252,8 +251,8 @@ void settle_few_prior_draws(Binder& output, OutputParameters& p) {
   output.settle("prior_draws", fmt::format("{}", k_prior_draws_of_search));
 }
 
-/// What follows from the method once all keys are bound. A world's keys are of chains: the common
-/// ones come first.
+/// Applies a search's rules after all keys are bound. Common keys are bound first; a world's keys
+/// apply to chains.
 void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionRequest& request) {
   const auto all = [](const Binder& section) { return section.keys().size(); };
   const bool relaxes = request.sampler.relax_scans.has_value();
@@ -274,7 +273,7 @@ void settle_search(SectionBinders& sections, std::size_t common_keys, DirectionR
   settle_few_prior_draws(sections.output, request.output);
 }
 
-/// Whether no key is given but the seed, and perhaps this one.
+/// Returns whether no key is given except the seed and perhaps `key`.
 bool leaves_open_but(const Binder& sampler, std::string_view key) {
   const auto& keys = sampler.keys();
   return std::none_of(keys.begin(), keys.end(), [&](const BoundKey& bound) {
@@ -295,8 +294,8 @@ void let_world_choose(SectionBinders& sections, DirectionRequest& request,
   world.serve_best(of_world, request.sampler, request.stop, request.parameters);
 }
 
-/// A request that asks for finds or takes and nothing else wants a search, and so does one that
-/// leaves all open.
+/// Chooses a search if the request has only finds or takes as stop rules, or leaves everything
+/// open.
 void settle_method(SectionBinders& sections, DirectionRequest& request, const WorldBinding& world) {
   const auto& rules = sections.stop.keys();
   const auto asks_for_more_than = [&](std::string_view one) {
@@ -319,12 +318,12 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
   CHECK(request.sampler.relax_scans.has_value());
 }
 
-/// Without a sampler the world says what serves it best; people see what is found before anything
-/// is drawn in proportion.
+/// Lets the world choose the sampler if the request leaves it open. Finds are then shown before any
+/// draws.
 void settle_default(SectionBinders& sections, DirectionRequest& request,
                     const WorldBinding& world) {
   if (request.sampler.method == Method::search) return;
-  // Who asks for the odds says no more by naming the only method that tells them.
+  // Naming `sequential` adds nothing to a request for odds, because no other method estimates them.
   const bool names_islands = request.stop.odds && request.sampler.method == Method::sequential;
   if (!leaves_open_but(sections.sampler, names_islands ? "method" : "") || !world.serve_best)
     return;
@@ -334,7 +333,7 @@ void settle_default(SectionBinders& sections, DirectionRequest& request,
   sections.stop.settle("found", fmt::format("{}", *request.stop.found));
 }
 
-/// Where no rule ends the run.
+/// Sets the default stop rule if none is given.
 void settle_stop(SectionBinders& sections, DirectionRequest& request) {
   const bool searches = request.sampler.method == Method::search;
   const bool relaxes = request.sampler.relax_scans.has_value();
@@ -352,7 +351,7 @@ void settle_stop(SectionBinders& sections, DirectionRequest& request) {
   stop.settle(key, fmt::format("{}", k_solutions_asked_for));
 }
 
-/// Takes are finds of a search that a chain relaxes for so many scans: one key goes with the other.
+/// Checks that `takes` and `relax_scans` occur together: takes are finds that a chain relaxes.
 void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   const bool searches = request.sampler.method == Method::search;
   if (request.sampler.relax_scans && !searches && sections.sampler.valid("method"))
@@ -364,12 +363,12 @@ void check_takes(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
-/// Nothing but islands estimates P(satisfied) as it goes with an error that can be planned; and
-/// then nothing but islands is made.
+/// Only islands estimate P(satisfied) on the way with a plannable error. With odds, a run makes
+/// only islands.
 void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   const Method method = request.sampler.method;
   if (!sections.sampler.valid("method")) return;
-  if (method == Method::search) return;  // which has no such rules at all
+  if (method == Method::search) return;  // has no stop rules for odds
   if (!sections.stop.given("odds") || !sections.stop.valid("odds")) return;
   if (method != Method::sequential)
     return sections.stop.error("odds",
@@ -391,8 +390,8 @@ void settle_odds(SectionBinders& sections, DirectionRequest& request) {
   sections.output.settle("keep_max", fmt::format("{}", k_keep_max_of_odds));
 }
 
-/// Burn-ins of plain chains are judged over all of them, in rounds of their own; those of ladders
-/// by where lineages began.
+/// Burn-ins of plain chains are judged over all chains, in rounds of their own; burn-ins of ladders
+/// by the origin of lineages.
 void check_start(SectionBinders& sections, const DirectionRequest& request) {
   const SamplerParameters& p = request.sampler;
   if (p.start == Start::prior) return sections.sampler.settle("start", "");
@@ -419,7 +418,7 @@ void check_start(SectionBinders& sections, const DirectionRequest& request) {
   }
 }
 
-/// Tours have their own burn-in, and no rounds.
+/// Tours have their own burn-in and no rounds.
 void check_tours(SectionBinders& sections, const DirectionRequest& request) {
   if (!request.sampler.tour_scans || !sections.sampler.valid("tour_scans")) return;
   if (sections.sampler.given("burn_in_rounds"))
@@ -432,7 +431,7 @@ void check_tours(SectionBinders& sections, const DirectionRequest& request) {
                         "instead");
 }
 
-/// Islands and searches are for worlds that act in stages.
+/// Islands and searches require worlds that act in stages.
 void check_stages(SectionBinders& sections, const DirectionRequest& request,
                   const WorldBinding& world, std::span<const WorldBinding> worlds) {
   if (world.acts_in_stages) return;

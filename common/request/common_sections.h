@@ -1,5 +1,4 @@
-// The keys that every request has, whatever its world: bound here once for reading and for help.
-// Internal to common/request.
+// Binds the keys common to all worlds, for reading and for help. Internal to common/request.
 #pragma once
 
 #include <array>
@@ -11,7 +10,7 @@
 
 namespace sleight::request {
 
-/// One binder for each section, in the order of the normalised text.
+/// The binders of the sections, in the order of the normalised text.
 struct SectionBinders {
   Binder world;
   Binder constraint;
@@ -26,12 +25,12 @@ struct SectionBinders {
   }
 };
 
-/// Binds all keys to `request`: the common ones, and those of the world that [world] names. Returns
-/// that world; null if the name is missing or unknown, and then no world's keys are bound.
+/// Binds the common keys and the keys of the world named in [world] to `request`. Returns that
+/// world. If the name is missing or unknown, returns null and binds no world's keys.
 const WorldBinding* bind_sections(SectionBinders& sections, std::span<const WorldBinding> worlds,
                                   DirectionRequest& request);
 
-/// Names that people look for in a request though they belong to the command line.
+/// Returns whether people often expect this command-line option as a key of a request.
 bool is_command_line_option(std::string_view key);
 
 }  // namespace sleight::request

@@ -1,15 +1,17 @@
-// An error in a request, with its place: `requests/hi.toml:12:9: unknown key 'lamda' in ...`.
+// An error in a request with its place: `requests/hi.toml:12:9: unknown key 'lamda' in ...`.
 //
-// Lines and columns count from 1; columns count characters (code points), not bytes, so a tab and
-// an accented letter are one column each. The place is that of
-//   - the key, where the key is the matter: unknown, given in the wrong section, at odds with
-//     another key; a section counts as a key, so [world] is placed at its `w`;
-//   - the value, where the value is the matter: of the wrong type or out of range;
-//   - the section's name, where a key is missing from it; 1:1, where the section itself is missing;
-//   - the character that could not be read, where the file is not TOML.
-// What an option of the command line gives has no line (0): the option stands in the file's place,
-// `--set sampler.sed=1: unknown key 'sed' in ...`.
-// Messages are one line without control characters, whatever the file holds.
+// Lines and columns count from 1. Columns count characters (code points), not bytes, so a tab or an
+// accented letter is one column. The place is
+//
+//   - the key, if the key is unknown, is in the wrong section, or conflicts with another key; a
+//     section counts as a key, so [world] is placed at its `w`;
+//   - the value, if it has the wrong type or is out of range;
+//   - the section's name, if a key is missing in it, or 1:1 if the section is missing;
+//   - the unreadable character, if the file is not TOML.
+//
+// A value from the command line has no line (0). The option then replaces the file name: `--set
+// sampler.sed=1: unknown key 'sed' in ...`. Messages are one line without control characters,
+// whatever the file contains.
 #pragma once
 
 #include <compare>
@@ -26,23 +28,23 @@ struct Place {
   friend auto operator<=>(const Place&, const Place&) = default;
 };
 
-/// Of what is in no file.
+/// Place of a value that is not in a file.
 inline constexpr Place k_no_place{.line = 0, .column = 0};
 
 struct Diagnostic {
-  std::string file;  ///< made printable; of an error in no file, what gave it
+  std::string file;  ///< printable file name, or the option that gave the value
   Place place;
   std::string message;
   friend bool operator==(const Diagnostic&, const Diagnostic&) = default;
 };
 
-/// `file:line:column: message`, in no file `file: message`; without a line end.
+/// Returns `file:line:column: message`, or `file: message` without a line, without a line end.
 std::string to_string(const Diagnostic& diagnostic);
 
-/// More than these are counted, not shown: a hostile file must not fill a terminal or a log.
+/// Further errors are counted but not shown, so that a hostile file can't fill a terminal or a log.
 inline constexpr std::size_t k_diagnostics_max = 200;
 
-/// Gathers the errors of one file. Not thread-safe.
+/// Collects the errors of one file. Not thread-safe.
 class Diagnostics {
  public:
   explicit Diagnostics(std::string_view file);
@@ -50,8 +52,8 @@ class Diagnostics {
   void add(Place place, std::string message);
   bool empty() const { return found_.empty(); }
 
-  /// All errors by place, those of one place in the order in which they were added. Beyond
-  /// k_diagnostics_max a last one says how many more there are.
+  /// Returns all errors sorted by place, and in order of addition at the same place. Beyond
+  /// k_diagnostics_max a last entry reports the number of further errors.
   std::vector<Diagnostic> sorted() const;
 
  private:

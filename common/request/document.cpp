@@ -10,9 +10,9 @@
 
 #include "common/request/text.h"
 
-// toml++ is compiled here, from its headers: Debian's shared library is built to throw, and with
-// limits that we can't set. Its assertions are off, neither checked nor assumed (which NDEBUG
-// would make of them): some are wrong about hostile input, for which an error follows anyway.
+// toml++ is compiled here from its headers, because Debian's shared library throws exceptions and
+// has fixed limits. Its assertions are neither checked nor assumed (as NDEBUG would do): some fail
+// for hostile input, for which an error follows anyway.
 #ifdef NDEBUG
 #undef NDEBUG
 #endif
@@ -22,9 +22,9 @@
 #define TOML_ENABLE_FORMATTERS 0
 #define TOML_ENABLE_WINDOWS_COMPAT 0
 #define TOML_MAX_NESTED_VALUES 8
-#define TOML_FLOAT_CHARCONV 1  // exact, whatever the locale
-// Asked whether a letter such as U+00E4 is white space, toml++ 3.3 runs into what it declares
-// unreachable. Here it answers no.
+#define TOML_FLOAT_CHARCONV 1  // exact in any locale
+// When checking whether a letter such as U+00E4 is white space, toml++ 3.3 reaches code that it
+// declares unreachable. Here that code returns false.
 #include <toml++/impl/preprocessor.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE
@@ -36,8 +36,8 @@
 namespace sleight::request {
 namespace {
 
-/// What may stand behind a dot in a bitmap's string, as the normalised text has it on one line, but
-/// in no dotted key.
+/// Characters that may follow a dot in a bitmap's string, which the normalised text writes on one
+/// line, but not in a dotted key.
 constexpr std::string_view k_never_after_a_keys_dot = ".#\\";
 
 constexpr std::size_t k_value_characters_max = 40;
@@ -47,7 +47,7 @@ Place place_of(const toml::source_position& position) {
   return {std::max<std::uint32_t>(position.line, 1), std::max<std::uint32_t>(position.column, 1)};
 }
 
-/// The nearest place in the text: at its end the parser counts a column too far.
+/// Moves a place into the text, because the parser counts one column too far at its end.
 Place within(std::string_view text, Place place) {
   for (std::uint32_t line = 1; line < place.line; ++line) {
     const std::size_t end = text.find('\n');
@@ -61,7 +61,7 @@ Place within(std::string_view text, Place place) {
   return {place.line, std::min(place.column, static_cast<std::uint32_t>(length) + 1)};
 }
 
-/// What the parser must not be given, at the place where that shows.
+/// Returns why the text must not be parsed, and where, if so.
 std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
   if (text.size() > k_request_bytes_max) {
     return {{Place{}, fmt::format("the file has {} bytes; the limit for a request is {} (1 MiB)",
@@ -89,7 +89,7 @@ std::optional<std::pair<Place, std::string>> refusal(std::string_view text) {
   return std::nullopt;
 }
 
-/// The parser's words, without its own name for what a request calls too deep.
+/// Returns the parser's message without its internal name for the nesting limit.
 std::string syntax_message(std::string_view description) {
   std::string message = printable(description, k_syntax_message_characters_max);
   const std::string_view jargon = " (TOML_MAX_NESTED_VALUES)";
@@ -117,7 +117,7 @@ bool by_place(const Entry& a, const Entry& b) {
   return a.place < b.place;
 }
 
-/// REQUIRES: an array of tables.
+/// REQUIRES: `array` is an array of tables.
 TableArray tables_of(const std::string& section, const toml::key& key, const toml::array& array) {
   TableArray tables{std::string(key.str()), {}};
   for (const toml::node& node : array) {

@@ -1,9 +1,8 @@
-// A run that shall go on beyond what it was asked for: the same request with a longer [stop].
+// Extends a run beyond its original request, by the same request with a longer [stop].
 //
-// All else stays, the sampler included: a request that left it open has one by now, and for other
-// rules of [stop] the world might choose another. The run goes on with the same chains, and its
-// archive is that of the longer request run at once.
-//
+// All else stays, including a sampler that the world chose, because for other rules of [stop] the
+// world might choose another one. The run continues with the same chains. Its archive equals that
+// of the longer request run from scratch.
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -16,25 +15,24 @@
 
 namespace sleight::request {
 
-/// Rules of [stop], of which the first that holds ends the longer run; at least one.
+/// Rules of [stop] for the longer run, at least one. The first that holds ends the run.
 struct Extension {
   std::optional<std::uint64_t> scans{};
   std::optional<std::uint32_t> rounds{};
-  /// Independent ones, and as many finds where [stop] asks for finds; of a search finds.
+  /// Independent solutions, and as many finds if [stop] has `found`; for a search only finds.
   std::optional<std::uint32_t> solutions{};
   std::optional<double> odds{};  ///< standard error of log P, in nats
   friend bool operator==(const Extension&, const Extension&) = default;
 };
 
-/// Why an extension is none, as a sentence.
+/// The reason why an extension is refused, as a sentence.
 struct NotLonger {
   std::string why;
 };
 
-/// The normalised text of the longer request, to be read again: read_request then judges the
-/// values. The extension's rules take the place of [stop]'s, but for `found` beside chains, which
-/// is the search before them. Refused where the extension is empty, or asks for no more than [stop]
-/// did.
+/// Returns the normalised text of the longer request, for read_request, which checks the values.
+/// The extension's rules replace those of [stop], except `found` for a search before chains.
+/// Refuses an empty extension, or one that requests no more than [stop] did.
 base::Result<std::string, NotLonger> extended_text(const DirectionRequest& request,
                                                    const Extension& extension);
 

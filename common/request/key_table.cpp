@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t k_columns = 5;
 using Row = std::array<std::string, k_columns>;
 
-/// Longer ones, of many names, stand in the last column.
+/// Longer ranges, of many names, go to the last column.
 constexpr std::size_t k_range_characters_max = 24;
 constexpr std::size_t k_help_characters = 60;
 
@@ -25,7 +25,7 @@ Row row_of(const KeySpec& spec) {
           fallback, is_long ? fmt::format("{}: {}", spec.help, spec.range) : spec.help};
 }
 
-/// The next line of `text`, which loses it: as many words as fit, one at least.
+/// Removes and returns the next line of `text`: as many words as fit, at least one.
 std::string_view next_line(std::string_view& text, std::size_t characters_max) {
   std::size_t end = text.size();
   if (end > characters_max) {
@@ -37,7 +37,7 @@ std::string_view next_line(std::string_view& text, std::size_t characters_max) {
   return line;
 }
 
-/// Columns as wide as their widest entry, two spaces apart; the last one goes on below itself.
+/// Pads columns to their widest entry, two spaces apart. The last column is wrapped.
 std::string aligned(const std::vector<Row>& rows) {
   std::array<std::size_t, k_columns> widest{};
   for (const Row& row : rows) {
@@ -62,7 +62,7 @@ std::string aligned(const std::vector<Row>& rows) {
 }  // namespace
 
 std::vector<SectionKeys> request_keys(const WorldBinding& world) {
-  // A request of this world alone, with only its name in it, has every key at its default.
+  // A request with only this world's name has every key at its default.
   Document document;
   document.sections.push_back({"world", {}, {{"name", {}, {.held = world.name, .place = {}}}}});
   Diagnostics diagnostics("keys");
@@ -88,7 +88,7 @@ std::vector<SectionKeys> request_keys(const WorldBinding& world) {
 
 std::string key_table(const WorldBinding& world) {
   std::vector<SectionKeys> sections = request_keys(world);
-  // Few people need [sampler], which has the most keys.
+  // Few people need [sampler], which has the most keys, so it comes last.
   std::stable_partition(sections.begin(), sections.end(),
                         [](const SectionKeys& keys) { return keys.name != "sampler"; });
   const Row title{"key", "unit", "range", "default", "meaning"};

@@ -21,7 +21,7 @@ std::size_t edits_max(std::string_view name) {
 }
 
 bool is_front_of(std::string_view front, std::string_view whole) {
-  constexpr std::size_t k_front_min = 3;  // shorter fronts fit too many names
+  constexpr std::size_t k_front_min = 3;  // shorter starts match too many names
   return front.size() >= k_front_min && whole.size() > front.size() && whole.starts_with(front) &&
          whole[front.size()] == '_';
 }
@@ -29,8 +29,8 @@ bool is_front_of(std::string_view front, std::string_view whole) {
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // row[i] holds the distances of the first i characters of `a` to every front of `b`; only the
-  // last three rows are ever looked at.
+  // row[i] holds the distances from the first i characters of `a` to every prefix of `b`. Only the
+  // last three rows are used.
   std::array<std::vector<std::size_t>, 3> row;
   for (auto& r : row)
     r.resize(b.size() + 1);
@@ -52,7 +52,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::optional<std::string> nearest(std::string_view written, std::span<const std::string> known) {
-  constexpr std::size_t k_length_max = 64;  // no name of ours is near a longer one
+  constexpr std::size_t k_length_max = 64;  // no known name is near a longer one
   if (written.size() > k_length_max) return std::nullopt;
   const std::string wanted = folded(written);
 
@@ -60,7 +60,7 @@ std::optional<std::string> nearest(std::string_view written, std::span<const std
   std::size_t least = 0;
   for (const std::string& name : known) {
     const std::size_t edits = edit_distance(wanted, folded(name));
-    // A name of which every character is replaced is not a slip of the finger.
+    // Replacing every character of a name is not a typing error.
     if (edits > edits_max(name) || edits >= std::min(wanted.size(), name.size())) continue;
     if (!best || edits < least) best = name, least = edits;
   }

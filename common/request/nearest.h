@@ -1,4 +1,4 @@
-// What a mistyped name was probably meant to be.
+// Suggests the intended name for a mistyped one.
 //
 // Pure; thread-safe.
 #pragma once
@@ -10,13 +10,14 @@
 
 namespace sleight::request {
 
-/// Edits that turn `a` into `b`: a character put in, left out, replaced, or two neighbours swapped
-/// (optimal string alignment: no character is edited twice). Counts bytes. Takes time |a| |b|.
+/// Returns the number of edits that turn `a` into `b`: inserting, deleting or replacing a
+/// character, or swapping two neighbours (optimal string alignment: no character is edited twice).
+/// Counts bytes. Takes time |a| |b|.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The known name that `written` most likely stands for; the earlier of equals; none where nothing
-/// is near. Near is: at most 1 + length / 4 edits, upper case and '-' for '_' being free; or one
-/// is the other up to a '_', as `sigma` of `sigma_diameters`.
+/// Returns the known name nearest to `written`, the first of equals, or nothing if none is near. A
+/// name is near if it differs by at most 1 + length / 4 edits, where case and '-' for '_' are free,
+/// or if one is the start of the other up to a '_', such as `sigma` of `sigma_diameters`.
 std::optional<std::string> nearest(std::string_view written, std::span<const std::string> known);
 
 }  // namespace sleight::request

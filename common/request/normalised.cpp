@@ -26,7 +26,7 @@ NormalisedSection& section_of(DirectionRequest& request, std::string_view name) 
   return *at;
 }
 
-/// Whether a rule of [stop] ends runs of islands by what these say.
+/// Returns whether a rule of [stop] ends a run depending on its islands' results.
 bool hangs_on_islands(std::string_view rule) {
   return rule == "independent_solutions" || rule == "odds";
 }

@@ -26,7 +26,7 @@ std::vector<std::string> names_of(const Binder& section) {
   return names;
 }
 
-/// Tells why a key that no section declares is wrong, and what was probably meant.
+/// Reports why an undeclared key is wrong, and suggests the intended one.
 class UnknownKeys {
  public:
   UnknownKeys(const SectionBinders& sections, Diagnostics& diagnostics)
@@ -42,7 +42,7 @@ class UnknownKeys {
                                                 meant_section(section.name)));
   }
 
-  /// `section_known` is whether all keys that the section may have are declared.
+  /// `section_known`: all possible keys of the section are declared.
   void key(const Entry& entry, const std::string& section, bool section_known) {
     const std::size_t index = static_cast<std::size_t>(
         std::find(section_names_.begin(), section_names_.end(), section) - section_names_.begin());
@@ -54,7 +54,7 @@ class UnknownKeys {
                                               section, meant_key(entry, known)));
   }
 
-  /// Of a table of an array.
+  /// Reports an undeclared key in a table of an array.
   void table_key(const Entry& entry, const BoundTables& array) {
     std::vector<std::string> known;
     for (const BoundKey& bound : array.specs)
@@ -165,14 +165,14 @@ void report_unknown(const Document& document, const SectionBinders& sections, bo
   }
 }
 
-/// Whether a section is there in the right form or in a wrong one, of which report_unknown tells.
+/// Returns whether a section exists, perhaps in a wrong form, which report_unknown reports.
 bool is_mentioned(const Document& document, std::string_view section) {
   return document.find(section) != nullptr ||
          std::any_of(document.loose.begin(), document.loose.end(),
                      [&](const Entry& entry) { return entry.key == section; });
 }
 
-/// Some scan is left to count.
+/// Checks that scans remain after annealing and burn-in.
 void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& request) {
   for (const char* key :
        {"method", "round_scans", "burn_in_rounds", "anneal_scans", "tour_scans"}) {
@@ -181,7 +181,7 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
   if (!stop.valid("scans") || !request.stop.scans) return;
   const std::uint64_t before = scans_before_draws(request.sampler);
   if (*request.stop.scans > before) return;
-  // Who gave none of the keys that decide it did not choose it.
+  // If none of the deciding keys is given, the number of scans before draws is the default.
   const bool is_chosen = sampler.given("method") || sampler.given("anneal_scans") ||
                          sampler.given("burn_in_rounds") || sampler.given("round_scans") ||
                          sampler.given("tour_scans");
@@ -198,7 +198,7 @@ void check_scans(Binder& stop, const Binder& sampler, const DirectionRequest& re
 }
 
 void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& request) {
-  // The rounds are not longer than any run may be.
+  // A run's rounds must not exceed the maximum scans.
   if (request.stop.rounds && sampler.valid("round_scans")) {
     const std::uint64_t scans =
         request.sampler.round_scans * ((std::uint64_t{1} << *request.stop.rounds) - 1);
@@ -213,7 +213,7 @@ void check_stop(Binder& stop, const Binder& sampler, const DirectionRequest& req
 
   check_scans(stop, sampler, request);
 
-  // So many lineages can exist.
+  // Plain chains have only one lineage each.
   const bool plain_chains = request.sampler.method == Method::metropolis_hastings &&
                             request.sampler.start == Start::prior;
   if (request.stop.independent_solutions && plain_chains && sampler.valid("method") &&
@@ -247,7 +247,7 @@ std::vector<NormalisedSection> normalised_sections(const SectionBinders& section
   return normalised;
 }
 
-/// Whether finds of the request's world can be relaxed, if it names one.
+/// Returns whether finds of the world named in the request can be relaxed.
 bool can_be_relaxed(const Document& document, std::span<const WorldBinding> worlds) {
   const Section* world = document.find("world");
   const Entry* name = world == nullptr ? nullptr : world->find("name");
@@ -257,7 +257,7 @@ bool can_be_relaxed(const Document& document, std::span<const WorldBinding> worl
          });
 }
 
-/// The rules of [stop] that ask for an answer to this request.
+/// Returns the rules of [stop] that request this kind of answer.
 std::vector<const char*> rules_of(const Document& document, const std::optional<Answer>& answer,
                                   std::span<const WorldBinding> worlds) {
   if (answer == Answer::takes) return {"takes"};
@@ -283,7 +283,7 @@ std::vector<const char*> rules_of(const Document& document, const std::optional<
   return {"independent_solutions"};
 }
 
-/// Puts what is asked for in the place of [stop].
+/// Replaces [stop] by the command line's goal.
 void ask_for(Document& document, const Asked& asked, std::span<const WorldBinding> worlds) {
   CHECK(asked.number >= 1 && asked.number <= k_independent_solutions_max);
   const Section* given = document.find("stop");
@@ -297,7 +297,7 @@ void ask_for(Document& document, const Asked& asked, std::span<const WorldBindin
   document.sections.push_back(std::move(stop));
 }
 
-/// What lies in no file came from a set, whose text then stands in the place of the file.
+/// An error without a place in the file came from a set, whose text replaces the file name.
 std::vector<Diagnostic> named_by_sets(std::vector<Diagnostic> errors,
                                       std::span<const KeySet> sets) {
   for (Diagnostic& error : errors) {
@@ -336,13 +336,13 @@ base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
   apply_sets(document, sets);
   if (asked) ask_for(document, *asked, worlds);
 
-  // Every key that is declared takes its value from the file.
+  // Read every declared key from the file.
   Diagnostics diagnostics(file);
   DirectionRequest request;
   SectionBinders sections(document, diagnostics);
   const WorldBinding* world = bind_sections(sections, worlds, request);
 
-  // What is left over, missing or at odds is an error too.
+  // Report unknown, missing and conflicting keys.
   report_unknown(document, sections, world != nullptr, diagnostics);
   if (!is_mentioned(document, "world")) {
     diagnostics.add({}, fmt::format("missing section [world]; add it with a name, for example "

@@ -24,7 +24,7 @@ Diagnostic wrong(std::string_view text, std::string message) {
   return {printable(option_of(text), k_text_characters_max), k_no_place, std::move(message)};
 }
 
-/// A set as it is written: before its ranges are spread out.
+/// A set as given, with ranges not yet expanded.
 struct Written {
   std::string section;
   std::string key;
@@ -52,13 +52,13 @@ base::Result<Written, std::string> split(std::string_view text) {
   return written;
 }
 
-/// A TOML value, or a word that stands for itself.
+/// Returns a TOML value, or the text itself as a string.
 base::Result<Value, std::string> value_of(std::string_view text) {
   const std::string name = "value";
   auto document = parse_document(fmt::format("{} = {}\n", name, text), "");
   if (document) {
     const std::vector<Entry>& entries = document.value().loose;
-    // More than the one value: the text goes on behind a line's end.
+    // More than one value: the text continues after a line end.
     if (entries.size() == 1 && entries.front().key == name && document.value().sections.empty())
       return Value{entries.front().value.held, k_no_place};
     if (entries.empty()) return Value{Unwanted::table, k_no_place};
@@ -73,7 +73,7 @@ struct IntegerRange {
   std::int64_t last = 0;
 };
 
-/// "1..20"; none where it is none.
+/// Parses "1..20"; nothing if the text is not a range.
 std::optional<IntegerRange> range_of(std::string_view text) {
   IntegerRange range;
   const char* end = text.data() + text.size();
@@ -85,7 +85,7 @@ std::optional<IntegerRange> range_of(std::string_view text) {
   return range;
 }
 
-/// What stands between the commas of "{1,4,16}", outside of quotes; none where it is no list.
+/// Splits "{1,4,16}" at commas outside quotes; nothing if the text is not a list.
 std::optional<std::vector<std::string_view>> items_of(std::string_view text) {
   if (text.size() < 2 || text.front() != '{' || text.back() != '}') return std::nullopt;
   text = text.substr(1, text.size() - 2);
@@ -110,7 +110,7 @@ std::optional<std::vector<std::string_view>> items_of(std::string_view text) {
   return items;
 }
 
-/// Values as they are written, each of which a request gets.
+/// The values of a set in TOML, one per request.
 struct Values {
   std::vector<std::string> texts;
   bool is_range = false;
@@ -120,7 +120,7 @@ std::string too_many() {
   return fmt::format("the limit for a group is {} requests", k_combinations_max);
 }
 
-/// Adds the values of one item, which may be a range. The reason where it can't.
+/// Adds the values of an item, which may be a range. Returns the error, if any.
 std::optional<std::string> spread(std::string_view item, Values& values) {
   const std::optional<IntegerRange> range = range_of(item);
   if (!range) {
@@ -154,7 +154,7 @@ base::Result<Values, std::string> values_of(std::string_view text) {
   return values;
 }
 
-/// One set with all its values.
+/// A set with all its values.
 struct Spread {
   std::vector<KeySet> choices;
   bool is_range = false;
@@ -201,7 +201,7 @@ base::Result<ReadSets, std::vector<Diagnostic>> read_sets(std::span<const std::s
       if (same.section == first.section && same.key == first.key)
         errors.push_back(wrong(text, "the key is set twice; remove one of the two"));
     }
-    // Neither factor is above the limit, so their product can't overflow.
+    // Neither factor exceeds the limit, so the product can't overflow.
     read.combinations *= set.value().choices.size();
     if (read.combinations > k_combinations_max) {
       errors.push_back(wrong(text, too_many()));

@@ -1,17 +1,16 @@
-// Keys that the command line gives in place of a request's file: `--set sampler.seed=7`.
+// Keys given on the command line instead of in a request's file: `--set sampler.seed=7`.
 //
-// A set is SECTION.KEY=VALUE. VALUE is a TOML value; a word that is none is a string, so that
-// `--set world.word=HI` needs no quotes within quotes. It replaces what the file says of that key,
-// or adds it, before anything is read: so a set has the errors that the file would have, with
-// `--set sampler.sed=1` in the place's stead.
+// A set is SECTION.KEY=VALUE. VALUE is a TOML value. Any other word counts as a string, so `--set
+// world.word=HI` needs no nested quotes. A set replaces or adds the key before the request is read.
+// So it has the same errors as a file, with `--set sampler.sed=1` as their place.
 //
-// A range makes a group of requests, one for each value: `sampler.seed=1..20` (whole numbers, both
-// ends included), or a list `sampler.chains={1,4,16}` of values and ranges. Several ranges make all
-// combinations; those of the first set change slowest.
+// A range makes a group of requests, one per value: `sampler.seed=1..20` (integers, both ends
+// included), or a list `sampler.chains={1,4,16}` of values and ranges. Several ranges yield all
+// combinations; the values of the first set change slowest.
 //
 // Invariants
-//   1. Sets of a combination have distinct keys, so their order changes nothing.
-//   2. A group has at most k_combinations_max requests, and there is at least one.
+//   1. Sets of a combination have distinct keys, so their order doesn't matter.
+//   2. A group has 1 to k_combinations_max requests.
 // Values and pure functions; thread-safe.
 #pragma once
 
@@ -27,39 +26,40 @@
 
 namespace sleight::request {
 
-/// One key and its value. Made by expand_sets and plain_sets.
+/// A key and its value, made by expand_sets or plain_sets.
 struct KeySet {
   std::string text;     ///< "sampler.seed=3", printable
-  std::string section;  ///< empty: none was named, which reading refuses
+  std::string section;  ///< empty: no section given, which is an error on reading
   std::string key;
   Value value;
 };
 
-/// Requests of a group.
+/// Maximum requests of a group.
 inline constexpr std::size_t k_combinations_max = 10'000;
-/// Sets of one request.
+/// Maximum sets of a request.
 inline constexpr std::size_t k_sets_max = 100;
 
-/// The sets of each request that `texts` ask for, or what is wrong with these; without ranges one
-/// combination, without texts an empty one.
+/// Returns the sets of each request described by `texts`, or the errors. Without ranges there is
+/// one combination, without texts an empty one.
 base::Result<std::vector<std::vector<KeySet>>, std::vector<Diagnostic>> expand_sets(
     std::span<const std::string> texts);
 
-/// expand_sets for what runs one request: a range is an error that says what takes it.
+/// Like expand_sets for a single request: a range is an error that names the commands that accept
+/// it.
 base::Result<std::vector<KeySet>, std::vector<Diagnostic>> plain_sets(
     std::span<const std::string> texts);
 
-/// Whether one of them sets SECTION.KEY, or any key of the section where `key` is empty. For
-/// options that give the same.
+/// Returns the set of SECTION.KEY, or of any key of the section if `key` is empty; null if none.
+/// For options that give the same key.
 const KeySet* find_set(std::span<const KeySet> sets, std::string_view section,
                        std::string_view key = {});
 
-/// Puts each value in its place of the document. Places are {0, n + 1} of the n-th set, as of an
-/// error in no file.
+/// Inserts each value into the document. The place of the n-th set is {0, n + 1}, which marks an
+/// error outside the file.
 void apply_sets(Document& document, std::span<const KeySet> sets);
 
-/// As read_request, of the text with these sets. Errors of a set have its text as file, and
-/// k_no_place. `asked` replaces [stop], whatever sets say of it.
+/// Like read_request, for the text with these sets. Errors of a set have the set's text as file,
+/// and k_no_place. `asked` replaces [stop] even if sets give it.
 base::Result<DirectionRequest, std::vector<Diagnostic>> read_request_with(
     std::string_view text, std::string_view file, std::span<const WorldBinding> worlds,
     std::span<const KeySet> sets, std::optional<Asked> asked = {});

@@ -1,5 +1,5 @@
-// What a world's serve_best sets of a request that leaves the sampler open (direction_request.h):
-// each of these sets a value and says so in the normalised text.
+// Helper for a world's serve_best, which chooses the sampler of a request (direction_request.h).
+// Each function sets a value and adds it to the normalised text.
 // Not thread-safe.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace sleight::request {
 
 class Settled {
  public:
-  /// REQUIRES: the sampler's keys are not given.
+  /// REQUIRES: the request does not give the sampler's keys.
   explicit Settled(Binder& sampler) : sampler_(sampler) {}
 
   void word(std::string_view key, std::string_view chosen) {

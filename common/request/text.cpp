@@ -13,7 +13,7 @@ namespace {
 
 constexpr double k_radians_per_degree = 0.017453292519943295;  // pi / 180, rounded once
 
-/// Whether a terminal would act on it, or show text in another order than it is stored.
+/// Returns whether a terminal would interpret the character or reorder or hide text because of it.
 bool is_unprintable(char32_t c) {
   return c < 0x20 || (c >= 0x7f && c <= 0x9f)  // C0, DEL, C1
          || c == 0xad || c == 0x61c            // soft hyphen, Arabic letter mark
@@ -33,7 +33,7 @@ std::optional<CodePoint> front_code_point(std::string_view text) {
   const unsigned char lead = byte(0);
   if (lead < 0x80) return CodePoint{lead, 1};
 
-  // The lead byte tells the length, and the least code point that needs that length.
+  // The lead byte determines the length and the smallest code point that needs this length.
   std::size_t bytes = 0;
   char32_t least = 0;
   char32_t value = 0;
@@ -57,7 +57,7 @@ std::optional<CodePoint> front_code_point(std::string_view text) {
 }
 
 std::size_t character_count(std::string_view text) {
-  // Every character has one byte that does not continue another: not 10xxxxxx.
+  // Every character has exactly one byte that is not a continuation byte (10xxxxxx).
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
   }));
@@ -83,7 +83,7 @@ std::string printable(std::string_view text, std::size_t characters_max) {
 
 std::string plain_number(double value) {
   std::string digits = fmt::format("{}", value);
-  // 1e-06 is 1e-6.
+  // Shorten 1e-06 to 1e-6.
   const std::size_t exponent = digits.find("e-0");
   if (exponent != std::string::npos) digits.erase(exponent + 2, 1);
   return digits;
