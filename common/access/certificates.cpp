@@ -23,7 +23,7 @@ namespace sleight::access {
 namespace {
 
 constexpr long k_valid_s = 3650L * 86400;
-constexpr long k_clocks_differ_s = 86400;  // a client's clock may be behind ours
+constexpr long k_clocks_differ_s = 86400;  // a client's clock may be behind this machine's
 
 struct Freer {
   void operator()(X509* it) const { ::X509_free(it); }
@@ -38,7 +38,7 @@ struct Freer {
 template <class T>
 using Held = std::unique_ptr<T, Freer>;
 
-/// OpenSSL's reason for what has just failed.
+/// Returns OpenSSL's reason for the last failure.
 std::string reason() {
   const unsigned long code = ::ERR_get_error();
   ::ERR_clear_error();
@@ -78,7 +78,7 @@ Held<X509> first_certificate(std::string_view text) {
   return certificate;
 }
 
-/// Nobody is asked for a key's passphrase.
+/// Prevents prompts for a key's passphrase.
 int no_passphrase(char*, int, int, void*) {
   return 0;
 }
@@ -116,7 +116,7 @@ base::Descriptor connect_to_host(const ServerAddress& address, double seconds_ma
                                 std::strerror(error == EINPROGRESS ? ETIMEDOUT : error)));
 }
 
-/// A connection of its own, for a look at a server.
+/// A separate connection for inspecting a server.
 class Handshake {
  public:
   Handshake(const ServerAddress& address, const std::string& name, double seconds_max)
@@ -131,7 +131,7 @@ class Handshake {
 
   void trust_anybody() const { ::SSL_set_verify(tls_.get(), SSL_VERIFY_NONE, nullptr); }
 
-  /// Certificates in PEM, or the system's, for a name.
+  /// Trusts certificates in PEM, or the system's, for a host name.
   void trust(const std::string& certificates, const std::string& name) const {
     X509_STORE* store = ::SSL_CTX_get_cert_store(context_.get());
     if (certificates.empty())
@@ -221,7 +221,7 @@ std::optional<std::string> self_signed_name(std::string_view certificate) {
     const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
     if (name->type == GEN_DNS) return text_of(name->d.dNSName);
   }
-  // Without any, the common name stands for one.
+  // Without alternative names, use the common name.
   const X509_NAME* subject = ::X509_get_subject_name(first.get());
   const int at = ::X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
   if (names || at < 0) return std::nullopt;
@@ -233,7 +233,7 @@ std::vector<std::string> certificates_in(std::string_view text) {
   std::vector<std::string> found;
   while (const Held<X509> one{::PEM_read_bio_X509(reader.get(), nullptr, nullptr, nullptr)})
     found.push_back(pem_of(one.get()));
-  ::ERR_clear_error();  // there are no more
+  ::ERR_clear_error();  // no more certificates
   return found;
 }
 

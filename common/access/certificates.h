@@ -1,9 +1,9 @@
-// Certificates of a service's TLS: one of its own making, and the fingerprint by which people know
-// it.
+// TLS certificates of a service: self-signed ones, and the fingerprints by which people verify
+// them.
 //
-// A certificate that vouches for itself, as the one that the service makes (k_self_name), is
-// trusted by a client because it has that very certificate (`sleight login --fingerprint`),
-// whatever the machine is called. Those of an authority are checked by host name as usual.
+// A client trusts a self-signed certificate, such as the one made by the service (k_self_name),
+// because it has exactly this certificate (`sleight login --fingerprint`), whatever the machine's
+// name. Certificates of an authority are checked by host name as usual.
 //
 // Thread safety: any thread.
 #pragma once
@@ -19,38 +19,39 @@ namespace sleight::access {
 
 inline constexpr const char* k_self_name = "sleight-service";
 
-/// As PEM texts. A certificate may be followed by those that it hangs on.
+/// A certificate and its key as PEM texts. The certificates of its authorities may follow the
+/// certificate.
 struct Keypair {
   std::string certificate{};
   std::string key{};
 };
 
-/// P-256, valid for ten years. Throws base::Error where OpenSSL fails.
+/// Returns a P-256 key pair, valid for ten years. Throws base::Error if OpenSSL fails.
 Keypair make_self_signed();
 
-/// "SHA256:" and 64 hexadecimal digits, of the first certificate of a PEM text. Throws base::Error
-/// where there is none.
+/// Returns "SHA256:" and 64 hexadecimal digits for the first certificate of a PEM text. Throws
+/// base::Error if there is none.
 std::string fingerprint_of(std::string_view certificate);
 
-/// Of the first certificate, where it vouches for itself: the name that it is for. None: it is
-/// somebody else's, or has no name.
+/// Returns the first certificate's host name if it is self-signed. Nothing: signed by another
+/// party, or without a name.
 std::optional<std::string> self_signed_name(std::string_view certificate);
 
-/// Each certificate of a PEM text by itself.
+/// Splits a PEM text into its certificates.
 std::vector<std::string> certificates_in(std::string_view text);
 
-/// Whether the first one's time has come and is not over.
+/// Returns whether the current time is within the first certificate's validity.
 bool is_valid_now(std::string_view certificate);
 
-/// Throws base::Error, which says what is wrong with them, unless the key is the certificate's.
+/// Throws base::Error with the reason unless the key belongs to the certificate.
 void check_keypair(const Keypair& keypair);
 
-/// The certificate that a server shows to anybody, as PEM; nothing is trusted or checked. Throws
-/// base::Error where nobody answers so within some seconds.
+/// Returns the certificate that a server presents, as PEM, without checking it. Throws base::Error
+/// if there is no valid answer within `seconds_max`.
 std::string certificate_shown_at(const ServerAddress& address, double seconds_max);
 
-/// Why a server's certificate is not trusted for a name by these certificates (PEM; empty: by those
-/// that the system trusts), in OpenSSL's words; empty: it is. Throws as certificate_shown_at.
+/// Returns OpenSSL's reason why a server's certificate is not trusted for `name` by the authorities
+/// in `trusted` (PEM; empty: the system's). Empty if it is trusted. Throws as certificate_shown_at.
 std::string fault_of_certificate_at(const ServerAddress& address, const std::string& name,
                                     const std::string& trusted, double seconds_max);
 

@@ -1,5 +1,4 @@
-// Where a service is reached over TCP: "render.example.org:7423", "192.0.2.7",
-// "[2001:db8::7]:7423".
+// The TCP address of a service: "render.example.org:7423", "192.0.2.7", "[2001:db8::7]:7423".
 //
 // Thread safety: pure functions.
 #pragma once
@@ -11,18 +10,18 @@
 
 namespace sleight::access {
 
-inline constexpr std::uint16_t k_port = 7423;  ///< where none is given
+inline constexpr std::uint16_t k_port = 7423;  ///< the default
 
 struct ServerAddress {
-  std::string host{};  ///< a name or a number, without brackets
+  std::string host{};  ///< name or numeric address, without brackets
   std::uint16_t port = k_port;
   bool operator==(const ServerAddress&) const = default;
 };
 
-/// As text, always with its port.
+/// Returns the address as text, always with its port.
 std::string text_of(const ServerAddress& address);
 
-/// None where it is no address: an odd character, a port beyond 65535.
+/// Returns nothing if the text is not an address, as with an odd character or a port beyond 65535.
 std::optional<ServerAddress> server_address_of(std::string_view text);
 
 }  // namespace sleight::access

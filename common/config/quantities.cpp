@@ -11,7 +11,7 @@ namespace sleight::config {
 namespace {
 
 struct Unit {
-  std::string_view name;  ///< in lower case
+  std::string_view name;  ///< lower case
   double factor;
 };
 
@@ -27,7 +27,7 @@ constexpr std::array<Unit, 10> k_sizes{{{"", 1},
                                         {"tib", 1024.0 * 1024 * 1024 * 1024}}};
 constexpr std::array<Unit, 4> k_times{{{"", 1}, {"s", 1}, {"m", 60}, {"h", 3600}}};
 
-/// The number times its unit's factor; none where there is no number or no such unit.
+/// Multiplies the number by its unit's factor; nothing if the number or the unit is invalid.
 template <std::size_t n>
 std::optional<double> quantity_of(std::string_view text, const std::array<Unit, n>& units) {
   double number = 0;
@@ -69,7 +69,7 @@ std::string bytes_text(std::uint64_t bytes) {
 }
 
 std::string duration_text(double duration_s) {
-  // Halves and tenths of a unit are exact enough to read back; thirds are left in seconds.
+  // Multiples of a tenth of a unit read back exactly; others stay in seconds.
   for (const auto& [factor, name] : {std::pair{3600.0, 'h'}, std::pair{60.0, 'm'}}) {
     if (duration_s >= factor && std::fmod(duration_s * 10, factor) == 0)
       return fmt::format("{}{}", duration_s / factor, name);

@@ -1,4 +1,4 @@
-// Sizes and times as people write them: "24 GB", "1.5 GiB", "10s", "5m", "1.5h".
+// Parses and formats sizes and times: "24 GB", "1.5 GiB", "10s", "5m", "1.5h".
 //
 // Pure; thread-safe.
 #pragma once
@@ -10,23 +10,23 @@
 
 namespace sleight::config {
 
-inline constexpr std::uint64_t k_bytes_max = std::uint64_t{1}
-                                             << 53U;  ///< 9 PB: JSON has it exactly
-inline constexpr double k_duration_s_max = 1e9;       ///< 32 years
+inline constexpr std::uint64_t k_bytes_max = std::uint64_t{1} << 53U;  ///< 9 PB, exact in JSON
+inline constexpr double k_duration_s_max = 1e9;                        ///< 32 years
 
-/// A number, a space if wanted, and B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB
-/// (powers of 1024); upper and lower case are the same, and without a unit it is bytes. Rounded to
-/// whole bytes. None for anything else, and beyond k_bytes_max.
+/// Parses a number, an optional space, and B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB
+/// (powers of 1024), in any case; bytes without a unit. Rounds to whole bytes. Returns nothing for
+/// other text, and beyond k_bytes_max.
 std::optional<std::uint64_t> bytes_of(std::string_view text);
 
-/// Seconds of "90", "90s", "5m" or "1.5h". None for anything else, 0 and above k_duration_s_max.
+/// Parses "90", "90s", "5m" or "1.5h" to seconds. Returns nothing for other text, 0 and above
+/// k_duration_s_max.
 std::optional<double> duration_s_of(std::string_view text);
 
-/// The largest unit of 1000 that leaves a whole number: "24 GB", "1500 MB", "17 B". bytes_of reads
-/// it back to the same.
+/// Formats bytes in the largest decimal unit with a whole number: "24 GB", "1500 MB", "17 B".
+/// bytes_of reads back the same value.
 std::string bytes_text(std::uint64_t bytes);
 
-/// "10s", "5m", "1.5h": duration_s_of reads it back to the same.
+/// Formats seconds as "10s", "5m" or "1.5h". duration_s_of reads back the same value.
 std::string duration_text(double duration_s);
 
 }  // namespace sleight::config

@@ -30,16 +30,15 @@ constexpr std::size_t k_shown_characters_max = 60;
 constexpr std::size_t k_name_bytes_max = 255;
 constexpr std::string_view k_sections[] = {"limits", "slurm"};
 
-/// Whole numbers that a key takes.
+/// A key's range of integers.
 struct Range {
   std::uint64_t minimum = 0;
   std::uint64_t maximum = k_integer_max;
   std::string_view unit = "";
 };
 
-/// Each key once: its name, its member, what it may be and what it is. A visitor has `path`,
-/// `name`, `address`, `flag`, `count` (also of a limit), `bytes` (also of a limit) and
-/// `duration_s`.
+/// Lists each key once: name, member, type and help. A visitor has `path`, `name`, `address`,
+/// `flag`, `count` (also for limits), `bytes` (also for limits) and `duration_s`.
 template <class AnySettings, class Visitor>
 void visit(AnySettings& s, Visitor& visitor) {
   visitor.path("state", s.state, "folder for jobs, archives and the log");
@@ -92,7 +91,7 @@ void visit(AnySettings& s, Visitor& visitor) {
                "batch script (absolute path); default: the installed direct.sbatch");
 }
 
-/// A value with what gave it.
+/// A value with its origin.
 struct Found {
   Value value;
   Origin origin = Origin::fallback;
@@ -100,7 +99,7 @@ struct Found {
   Place place = request::k_no_place;  ///< in the file
 };
 
-/// As the command line or the environment has it: digits are an integer.
+/// Converts text from the command line or the environment: digits become an integer.
 Value value_of(const std::string& text) {
   std::int64_t integer = 0;
   const char* end = text.data() + text.size();
@@ -109,7 +108,7 @@ Value value_of(const std::string& text) {
   return {text, request::k_no_place};
 }
 
-/// Reads each key from the first source that gives it, and gathers what is wrong.
+/// Reads each key from the first source that has it, and collects errors.
 class Reader {
  public:
   Reader(const Surroundings& surroundings, const std::string& file, const Document& document,
@@ -161,7 +160,7 @@ class Reader {
     if (!found) return;
     std::optional<bool> is_on;
     if (const auto* held = std::get_if<bool>(&found->value.held)) is_on = *held;
-    // Command line and environment have texts alone.
+    // The command line and the environment contain only text.
     if (found->origin != Origin::file) {
       const auto* text = std::get_if<std::string>(&found->value.held);
       if (text != nullptr && (*text == "true" || *text == "1")) is_on = true;
@@ -219,7 +218,7 @@ class Reader {
     take(setting, *duration_s, *found);
   }
 
-  /// REQUIRES: every key was read.
+  /// REQUIRES: every key has been read.
   void report_unknown() {
     for (const Given& given : command_line_)
       CHECK(std::find(keys_.begin(), keys_.end(), given.key) != keys_.end());
@@ -249,7 +248,7 @@ class Reader {
     return std::find(std::begin(k_sections), std::end(k_sections), name) != std::end(k_sections);
   }
 
-  /// "'jobs' in [limits]", "'cores'".
+  /// Returns for example "'jobs' in [limits]" or "'cores'".
   static std::string name_in_file(std::string_view key) {
     const std::size_t dot = key.find('.');
     if (dot == std::string_view::npos) return fmt::format("'{}'", key);
@@ -268,7 +267,7 @@ class Reader {
                                   : key == "allow_root" ? "SLEIGHT_ALLOW_ROOT"
                                                         : "";
     if (!name.empty()) {
-      // Shells pass a variable that is switched off as an empty one.
+      // Shells pass a disabled variable as an empty one.
       const auto text = surroundings_.variable(name);
       if (text && !text->empty())
         return Found{{*text, request::k_no_place}, Origin::environment, std::string(name)};
@@ -315,7 +314,7 @@ class Reader {
                                                    "above its keys",
                                                    entry.key));
     }
-    // A key in the wrong place is nearer than a mistyped one.
+    // A key in the wrong section is more likely than a mistyped one.
     std::string_view other_section;
     for (const std::string_view section : k_sections) {
       const std::string there = fmt::format("{}.{}", section, entry.key);
@@ -343,7 +342,7 @@ class Reader {
   std::vector<std::string> keys_;
 };
 
-/// A folder of the XDG base directories; by that specification a relative one does not count.
+/// Returns a folder by the XDG specification, which ignores relative paths.
 std::optional<std::string> xdg_folder(const Surroundings& surroundings, std::string_view name,
                                       std::string_view below_home) {
   const auto is_absolute = [](const std::optional<std::string>& path) {
@@ -361,7 +360,7 @@ Settings defaults_of(const Surroundings& surroundings) {
   Settings settings;
   settings.state.value = xdg_folder(surroundings, "XDG_STATE_HOME", ".local/state").value_or("");
   settings.cores.value = std::min(surroundings.cores, k_cores_max);
-  // Whole megabytes, for those who read it.
+  // Whole megabytes are easier to read.
   constexpr std::uint64_t k_megabyte = 1'000'000;
   settings.memory_bytes.value =
       std::max(surroundings.memory_bytes / 4 * 3 / k_megabyte * k_megabyte, k_megabyte);
@@ -377,7 +376,7 @@ Settings defaults_of(const Surroundings& surroundings) {
   return settings;
 }
 
-/// A certificate and its key come together.
+/// Requires a certificate and its key together.
 void settle_certificate(const Settings& settings, std::vector<request::Diagnostic>& wrong) {
   const auto& certificate = settings.tls_certificate;
   const auto& key = settings.tls_key;
@@ -388,7 +387,7 @@ void settle_certificate(const Settings& settings, std::vector<request::Diagnosti
                                              : "tls_certificate requires tls_key"});
 }
 
-/// What jobs may have of a batch system has nothing to do with the daemon's machine.
+/// Limits of jobs under a batch system don't depend on the daemon's machine.
 void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong) {
   const std::string& backend = settings.backend.value;
   if (backend == "local") return;
@@ -407,7 +406,7 @@ void settle_backend(Settings& settings, std::vector<request::Diagnostic>& wrong)
                                request::printable(backend, k_shown_characters_max))});
 }
 
-/// The socket lies in the state folder unless it has a place of its own.
+/// Puts the socket into the state folder unless another place is set.
 void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) {
   if (settings.state.value.empty()) {
     wrong.push_back(
@@ -438,7 +437,7 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
                                k_socket_path_bytes_max)});
 }
 
-/// Tells each key's value for people and for JSON.
+/// Makes each key's row for display and for JSON.
 class RowMaker {
  public:
   std::vector<Row> rows;
@@ -536,8 +535,7 @@ base::Result<Settings, std::vector<request::Diagnostic>> settings_of(
     document = std::move(parsed).value();
   }
 
-  // Every key takes its value from the first source that gives it; what the file has beside them is
-  // an error.
+  // Each key is read from the first source that has it. Unknown keys of the file are errors.
   Settings settings = defaults_of(surroundings);
   std::vector<request::Diagnostic> wrong;
   Reader reader(surroundings, path, document, command_line, wrong);

@@ -1,4 +1,4 @@
-// The shell of settings.h: this process's environment, machine and file.
+// Reads this process's environment, machine and file for settings.h.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t k_file_bytes_max = std::size_t{64} << 10U;
 
-/// None where there is no file; one that can't be read is an error, as it may hold limits.
+/// Returns nothing if the file does not exist. An unreadable file is an error, because it may
+/// contain limits.
 std::optional<ConfigFile> file_here(const Surroundings& surroundings) {
   const auto path = config_path_of(surroundings);
   std::error_code none;

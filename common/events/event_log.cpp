@@ -28,7 +28,7 @@ std::string old_event_log_path(const std::string& folder) {
 
 namespace {
 
-/// An open file, or none.
+/// A file open for reading, or none.
 class Reader {
  public:
   explicit Reader(const std::string& path)
@@ -89,7 +89,7 @@ void EventLog::open() {
     give_up(std::strerror(errno));
     return;
   }
-  // A process that was killed may have left a part of a line.
+  // A killed process may have left an incomplete line.
   const std::string text = Reader(path).content();
   const std::size_t last = text.rfind('\n');
   bytes_ = last == std::string::npos ? 0 : last + 1;
@@ -119,12 +119,12 @@ void EventLog::append(const RunEvent& event) {
   const std::string line = to_line(event);
   if (bytes_ > 0 && bytes_ + line.size() > bytes_max_ / 2) turn_over();
   if (descriptor_ < 0) return;
-  // A part of a line is no line: what follows it would be lost with it.
+  // Remove an incomplete line, which would also spoil the line after it.
   const ssize_t written = ::write(descriptor_, line.data(), line.size());
   if (written != static_cast<ssize_t>(line.size())) {
     const std::string reason = written < 0 ? std::strerror(errno) : "no space for a whole line";
     if (::ftruncate(descriptor_, static_cast<off_t>(bytes_)) != 0) {
-      // Whoever reads leaves the part out.
+      // Readers skip the incomplete line.
     }
     give_up(reason);
     return;
@@ -151,7 +151,7 @@ void EventLog::give_up(const std::string& reason) {
 }
 
 std::vector<RunEvent> read_event_log(const std::string& folder) {
-  // Both files of one moment: between opening the two, the writer may turn over.
+  // Read both files of the same moment: the writer may rotate them between the two opens.
   std::string text;
   for (int tries = 0; tries < 100; ++tries) {
     const Reader now(event_log_path(folder));

@@ -1,12 +1,13 @@
-// A run's events as a file in its folder, for whoever watches: other processes, other nodes, a
-// service that was not there when they happened.
+// A run's events in files of its folder, for watchers: other processes, other machines, or a
+// service that was not running at the time.
 //
-// Two files, `events.log` and `events.old.log`, each of at most half the bound: when the first is
-// full it takes the place of the second. Lines are run_event.h's, appended whole.
+// There are two files, `events.log` and `events.old.log`, each at most half the size limit. When
+// the first is full, it replaces the second. Each event is a line as in run_event.h, appended as a
+// whole.
 //
-// Nothing rests on the log: what it has lost is made again from the store. So it is not synced to
-// the disk, and a disk that fails ends no run. That is said once; a second later it is tried again.
-// A log that somebody deletes is begun anew, likewise.
+// Nothing depends on the log, because lost events are restored from the store. So the log is not
+// synced, and a failing disk does not end a run: the failure is reported once, and writing is
+// retried after a second. A deleted log is started again in the same way.
 //
 // Thread safety: one writer in one thread; any number of readers anywhere.
 #pragma once
@@ -21,18 +22,18 @@
 namespace sleight::events {
 
 inline constexpr std::uint64_t k_event_log_bytes_max = 4U << 20U;
-/// After so long it is looked whether the log can be written, and is where it was.
+/// Interval for checking that the log can be written and still exists.
 inline constexpr double k_event_log_look_every_s = 1;
 
-/// The log in a run's folder, and what was the log before.
+/// Return the paths of the log in a run's folder and of the previous log.
 std::string event_log_path(const std::string& folder);
 std::string old_event_log_path(const std::string& folder);
 
 class EventLog {
  public:
-  /// Goes on with the log of an earlier session, whose last line may be torn: it is cut off.
+  /// Continues the log of an earlier session, and removes an incomplete last line.
   explicit EventLog(std::string folder, std::uint64_t bytes_max = k_event_log_bytes_max);
-  /// Borrows a clock.
+  /// Borrows `clock`.
   EventLog(std::string folder, std::uint64_t bytes_max, const base::Clock& clock);
   ~EventLog();
   EventLog(const EventLog&) = delete;
@@ -51,13 +52,13 @@ class EventLog {
   base::SteadyClock own_clock_;
   const base::Clock& clock_;
   double looked_s_;
-  int descriptor_ = -1;  ///< -1: it can't be written at present
+  int descriptor_ = -1;  ///< -1: not writable at present
   std::uint64_t bytes_ = 0;
   bool has_complained_ = false;
 };
 
-/// What the log has, in order; a line that is being written is left out, and one that is damaged.
-/// Nothing where there is no log.
+/// Returns the log's events in order, without damaged lines and a line still being written. Empty
+/// if there is no log.
 std::vector<RunEvent> read_event_log(const std::string& folder);
 
 }  // namespace sleight::events

@@ -8,7 +8,7 @@
 namespace sleight::events {
 namespace {
 
-/// Longer times are shown as this: a slow start can promise ages that no integer holds.
+/// Limit for displayed times, because a slow start can predict times that overflow an integer.
 constexpr double k_seconds_max = 1e12;
 
 double percent(std::uint64_t part, std::uint64_t whole) {
@@ -38,7 +38,7 @@ std::string clock_time(double seconds) {
 
 namespace {
 
-/// "5 found after 0.2 s", of the session.
+/// Returns for example "5 found after 0.2 s", for this session.
 std::string finds_in_words(const Progress& progress) {
   const plan::Finds& finds = progress.finds;
   const bool all = finds.found >= finds.wanted && finds.found > 0;
@@ -51,7 +51,7 @@ double per_second(std::uint64_t count, const Progress& progress) {
   return progress.elapsed_s > 0 ? static_cast<double>(count) / progress.elapsed_s : 0;
 }
 
-/// "1,200 of 4,000 scans (30%)  0:12 left", or "1,200 scans".
+/// Returns for example "1,200 of 4,000 scans (30%) 0:12 left", or "1,200 scans".
 std::string scans_in_words(const Progress& progress) {
   if (progress.scans_total == 0) return fmt::format("{} scans", grouped(progress.scans_done));
   std::string words = fmt::format("{} of {} scans ({:.0f}%)", grouped(progress.scans_done),
@@ -65,7 +65,7 @@ std::string scans_in_words(const Progress& progress) {
   return words;
 }
 
-/// Simulations of all kinds, and what they still are for besides scans.
+/// Returns the simulation rate, and the work besides scans.
 std::string effort_in_words(const Progress& progress) {
   const double rate = per_second(progress.session_simulations, progress);
   std::string words = fmt::format("{} sims/s", grouped(static_cast<std::uint64_t>(rate)));
@@ -76,7 +76,7 @@ std::string effort_in_words(const Progress& progress) {
   return words;
 }
 
-/// Islands and time left; an island is a scan.
+/// Returns the islands and the time left. An island is a scan.
 std::string odds_line(const std::string& name, const Progress& progress) {
   std::string line = fmt::format("{}  ", name);
   if (progress.finds.wanted > 0) line += finds_in_words(progress) + "  ";
@@ -99,7 +99,7 @@ std::string search_line(const std::string& name, const Progress& progress) {
     line += fmt::format("  {} of {} relaxed  {}", grouped(finds.relaxed),
                         grouped(finds.relaxed_wanted), scans_in_words(progress));
   }
-  // A start's simulations are told when it ends, which can take long.
+  // Simulations are counted when their start ends, which may take long.
   line += progress.session_simulations == 0
               ? fmt::format("  first starts running for {}", clock_time(progress.elapsed_s))
               : fmt::format("  {} simulations  {}", grouped(progress.session_simulations),

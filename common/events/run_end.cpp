@@ -57,11 +57,11 @@ std::string line_of(const RunEnd& end) {
   json::Value json;
   json::FieldWriter writer(json, json::None::null);
   end_fields(writer, end);
-  // Bytes that are no UTF-8 (a file's name) become U+FFFD.
+  // Invalid UTF-8, as in a file's name, becomes U+FFFD.
   return json.dump() + "\n";
 }
 
-/// The first and the last `half` bytes.
+/// Shortens text to its first and last `half` bytes.
 std::string without_middle(const std::string& words, std::size_t half) {
   if (words.size() <= 2 * half) return words;
   return words.substr(0, half) + std::string(k_left_out) + words.substr(words.size() - half);
@@ -85,7 +85,7 @@ RunEnd end_by(const std::exception& error) {
 
 std::string to_line(const RunEnd& end) {
   std::string line = line_of(end);
-  // A character may take six bytes in JSON, so that the words are cut until they fit.
+  // A character may take six bytes in JSON, so shorten the message until the line fits.
   RunEnd shorter = end;
   for (std::size_t half = k_end_line_bytes_max / 2; line.size() > k_end_line_bytes_max; half /= 2) {
     shorter.words = without_middle(end.words, half);

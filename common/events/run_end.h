@@ -1,12 +1,13 @@
-// How a session of a run ended: one record, which the run store keeps and supervisors read.
+// The record of how a session of a run ended, stored in the run store and read by supervisors.
 //
-// A session is one start of a run's program. It leaves its record in the run store before it ends,
-// and, where a supervisor asked for it, as one line in a pipe (clients/cli/end_report.h): a full
-// disk or a refusal leaves nothing in the store. A session without a record died.
+// A session is one start of a run's program. Before it exits, the session writes its record to the
+// run store and, if a supervisor requested it, as one line to a pipe (clients/cli/end_report.h).
+// The pipe is needed because after a full disk or a refusal the store has no record. A session
+// without a record died.
 //
-// The line is a JSON object with all fields below by their names, `end` by name_of and `exit_code`
-// as a number, and ends with a newline. It is at most k_end_line_bytes_max long, so that a pipe
-// takes it whole; longer words lose their middle.
+// The line is a JSON object with all fields below by name, `end` by name_of and `exit_code` as a
+// number, followed by a newline. It has at most k_end_line_bytes_max bytes, so that a pipe accepts
+// it at once; longer messages lose their middle.
 //
 // Thread safety: values.
 #pragma once
@@ -22,44 +23,44 @@
 
 namespace sleight::events {
 
-/// A pipe takes so much at once, or nothing (PIPE_BUF of Linux).
+/// Bytes that a pipe accepts atomically (PIPE_BUF of Linux).
 inline constexpr std::size_t k_end_line_bytes_max = 4096;
 
 enum class End {
-  finished,           ///< what the request asks for is there
-  gave_up,            ///< a search that found less than was asked for: another would end so too
-  no_draws,           ///< all scans are made, and the burn-in had not ended: likewise
-  time_limit,         ///< stopped in order by its --time-limit
-  stop_requested,     ///< stopped in order by a signal
+  finished,           ///< the request's goal is reached
+  gave_up,            ///< a search found less than requested; a rerun would too
+  no_draws,           ///< all scans ended within burn-in; a rerun would too
+  time_limit,         ///< stopped cleanly by its --time-limit
+  stop_requested,     ///< stopped cleanly by a signal
   simulation_failed,  ///< --strict, and a simulation failed
-  failed,             ///< an error, of which `exit_code` is the kind and `words` what it says
-  bug                 ///< a check of ours failed at `place`
+  failed,             ///< an error: `exit_code` is its kind, `words` its message
+  bug                 ///< a check failed at `place`
 };
 
 struct RunEnd {
-  std::uint64_t epoch = 0;  ///< of the session; 0: it ended before it had the run store
+  std::uint64_t epoch = 0;  ///< of the session; 0: it ended before opening the run store
   End end = End::finished;
-  base::ExitCode exit_code = base::ExitCode::ok;  ///< of the run so ended; of a bug, `bug`
-  std::uint64_t scans = 0;                        ///< that every chain has in the archive
-  std::uint64_t found = 0;                        ///< by a search, in the archive
-  std::uint64_t solutions = 0;                    ///< independent ones, earlier sessions included
-  std::string digest{};                           ///< of the archive; empty: the session wrote none
+  base::ExitCode exit_code = base::ExitCode::ok;  ///< of the run; `bug` for a bug
+  std::uint64_t scans = 0;                        ///< of every chain in the archive
+  std::uint64_t found = 0;                        ///< finds in the archive
+  std::uint64_t solutions = 0;                    ///< independent, all sessions
+  std::string digest{};                           ///< of the archive; empty: none written
   std::string words{};                            ///< for people: the error, or what is missing
   std::string place{};                            ///< of a failed check: "file.cpp:12"
 
   bool operator==(const RunEnd&) const = default;
 };
 
-/// "finished", "time_limit" and so on, as in the enumeration.
+/// Returns the enumerator's name: "finished", "time_limit", ...
 std::string_view name_of(End end);
 
-/// Of a session that an exception ended: base::Error's kind and words; any other is a bug of ours.
+/// Returns the end of a session by an exception: base::Error's kind and message, or a bug.
 RunEnd end_by(const std::exception& error);
 
-/// The record as a line.
+/// Returns the record as a line.
 std::string to_line(const RunEnd& end);
 
-/// None for anything that to_line did not write, with or without its newline.
+/// Parses a line written by to_line, with or without its newline; nothing for other text.
 std::optional<RunEnd> run_end_of(std::string_view line);
 
 }  // namespace sleight::events

@@ -10,7 +10,7 @@ namespace {
 
 using Json = json::Value;
 
-// Each kind's fields, once for both ways.
+// Each kind's fields, listed once for reading and writing.
 template <class Visitor, class T>
 void visit_fields(Visitor& fields, T& what) {
   using Kind = std::remove_const_t<T>;
@@ -90,8 +90,7 @@ constexpr std::string_view k_name<ArchiveWritten> = "archive_written";
 template <>
 constexpr std::string_view k_name<RunEnd> = "ended";
 
-/// Reads a kind if the object is of it. Throws json::Error for a field that is not as it was
-/// written.
+/// Reads the event if `kind` matches. Throws json::Error for invalid fields.
 template <class T>
 bool read_kind(std::string_view kind, const Json& object, std::optional<RunEvent>& event) {
   if (kind != k_name<T>) return false;

@@ -42,7 +42,7 @@ std::optional<base::Bytes> bytes_of_hexadecimal(std::string_view text) {
   return bytes;
 }
 
-/// FNV-1a (Fowler, Noll, Vo) of two texts after each other, as 16 hexadecimal digits.
+/// Returns FNV-1a (Fowler, Noll, Vo) of two concatenated texts, as 16 hexadecimal digits.
 std::string checksum_of(std::string_view first, std::string_view second) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (const std::string_view text : {first, second}) {
@@ -54,7 +54,7 @@ std::string checksum_of(std::string_view first, std::string_view second) {
   return fmt::format("{:016x}", hash);
 }
 
-/// Reads keys of a section, and remembers the first thing that is wrong.
+/// Reads keys of a section, and records the first error.
 class Keys {
  public:
   Keys(const request::Section& section, std::string path)
@@ -76,7 +76,7 @@ class Keys {
     complain(value->place, fmt::format("'{}' must be an integer from 0 to {}", key, max));
     return 0;
   }
-  /// What `parse` makes of a text; nothing, and a complaint, if it makes nothing of it.
+  /// Returns parse(text), and records an error if it is empty.
   template <class Parse>
   auto parsed(std::string_view key, const Parse& parse, std::string_view expected) {
     auto value = parse(text(key));
@@ -103,7 +103,7 @@ class Keys {
   std::optional<request::Diagnostic> complaint_;
 };
 
-/// What the file's checksum says of it; nothing if it holds, or there is none.
+/// Returns an error if the file's checksum is wrong; nothing if it is right or absent.
 std::optional<request::Diagnostic> damage_of(const request::Section& section, std::string_view text,
                                              const std::string& path) {
   const request::Entry* entry = section.find("checksum");
@@ -141,7 +141,7 @@ std::string to_text(const FailureFile& file) {
 
 base::Result<FailureFile, request::Diagnostic> read(std::string_view text,
                                                     const std::string& path) {
-  // Part it where the request begins.
+  // Split the text where the request begins.
   const std::size_t begin = std::min(text.find(k_request_begin), text.size());
   const std::string_view head = text.substr(0, begin);
   const std::string_view rest = text.substr(begin);

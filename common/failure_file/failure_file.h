@@ -1,4 +1,4 @@
-// A failed simulation as a file that repeats it: `sleight replay FILE`.
+// A file that reproduces a failed simulation: `sleight replay FILE`.
 //
 //   # A simulation that failed. `sleight replay FILE` repeats it.
 //   [failure]
@@ -13,11 +13,11 @@
 //   [world]
 //   ...
 //
-// The state is hexadecimal, in the world's own encoding; from [world] on stands the whole request,
-// as `sleight check` prints it. The checksum is FNV-1a (64 bits) of all other lines, so that a file
-// that was damaged is not taken for a simulation that succeeds by now; a file without that line is
-// taken as it is, so that a person may change one on purpose. The file is TOML and may come from
-// anywhere: reading trusts nothing. Thread safety: pure functions.
+// The state is hexadecimal, in the world's own encoding. From [world] on, the file contains the
+// whole request as `sleight check` prints it. The checksum is FNV-1a (64 bits) of all other lines,
+// so that a damaged file is not mistaken for a simulation that now succeeds. A file without a
+// checksum is accepted, so that people can edit it. The file is TOML and untrusted. Thread safety:
+// pure functions.
 #pragma once
 
 #include <cstddef>
@@ -32,18 +32,19 @@ namespace sleight::failure_file {
 
 struct FailureFile {
   std::string program_version;
-  std::string request_text;  ///< as it stands in the file, behind as many lines as there
+  std::string request_text;  ///< padded with empty lines to keep the file's line numbers
   plan::ReplicaKey replica;
   plan::FailedSimulation failed;
 };
 
 std::string to_text(const FailureFile& file);
 
-/// The file, or what is wrong with it. The request is not looked into.
+/// Returns the file's content, or what is wrong with it. Does not parse the request.
 base::Result<FailureFile, request::Diagnostic> read(std::string_view text, const std::string& path);
 
-/// What the file of a failure is called, by where in the run it happened: "failure-0-3-1760.toml"
-/// is of chain 0, replica 3, scan 1760. `nth` of that scan, from 0; the first has no number.
+/// Returns a failure's file name from its place in the run: "failure-0-3-1760.toml" is chain 0,
+/// replica 3, scan 1760. `nth`: index among the scan's failures; the first has no number in its
+/// name.
 std::string name_of(const plan::ReplicaKey& replica, base::ScanIndex scan, std::size_t nth);
 
 }  // namespace sleight::failure_file

@@ -1,4 +1,4 @@
-// A record's fields as members of a JSON object, listed once for both ways:
+// Maps a record's fields to members of a JSON object, listed once for reading and writing:
 //
 //   template <class Visit, class Change>
 //   void change_fields(Visit& visit, Change& change) {
@@ -7,10 +7,9 @@
 //     visit.part("counts", change.counts, counts_fields);
 //   }
 //
-// FieldWriter writes the fields in their order. FieldReader throws Error for a value of another
-// kind.
+// FieldWriter writes the fields in order. FieldReader throws Error for a value of the wrong kind.
 //
-// Thread safety: each belongs to one thread.
+// Thread safety: each object belongs to one thread.
 #pragma once
 
 #include <optional>
@@ -22,15 +21,15 @@
 
 namespace sleight::json {
 
-/// What an optional without a value is in the object, and what a missing field means.
+/// How an empty optional is written, and what a missing field means.
 enum class None {
-  left_out,  ///< a missing field keeps the value that it has
+  left_out,  ///< a missing field keeps its value
   null       ///< a missing field is an Error
 };
 
 class FieldWriter {
  public:
-  /// REQUIRES: `object` is one, or null.
+  /// REQUIRES: `object` is an object or null.
   FieldWriter(Value& object, None none) : object_(object), none_(none) {}
 
   template <class T>
@@ -56,7 +55,7 @@ class FieldWriter {
     if (value) return as(name, *value, to, of);
     if (none_ == None::null) object_[name] = nullptr;
   }
-  /// The fields of a record within this one.
+  /// Writes a nested record.
   template <class T, class Fields>
   void part(const char* name, const T& value, const Fields& fields) {
     FieldWriter inner(object_[name], none_);
@@ -75,7 +74,7 @@ class FieldWriter {
 
 class FieldReader {
  public:
-  /// Throws Error where `object` is none.
+  /// Throws Error if `object` is not an object.
   FieldReader(const Value& object, None none) : object_(object), none_(none) {
     static_cast<void>(object.items());
   }
@@ -84,7 +83,7 @@ class FieldReader {
   void operator()(const char* name, T& value) {
     read(name, value, [](const Value& found, auto& to) { assign(found, to); });
   }
-  /// `of` makes the value of what was stored: an optional, none where that is unknown.
+  /// `of` converts a stored value to an optional, which is empty for an unknown value.
   template <class T, class To, class Of>
   void as(const char* name, T& value, const To&, const Of& of) {
     read(name, value, [&](const Value& found, auto& to) {

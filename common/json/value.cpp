@@ -11,8 +11,8 @@ namespace sleight::json {
 
 using Library = nlohmann::ordered_json;
 
-/// Both ways. Keys are unique on either side, so members are put at the end without a search for
-/// their key, which the types' own operators make.
+/// Converts values to and from the library's. Keys are unique on both sides, so members are
+/// appended without the look-up that the types' own operators make.
 struct Conversion {
   static Library library(const Value& value) { return std::visit(Conversion(), value.value_); }
   static Value value(const Library& read, int depth);

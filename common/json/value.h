@@ -1,13 +1,12 @@
-// JSON values. This header is small on purpose: the JSON library that reads and writes the text is
-// included by value.cpp alone, since each source that includes it takes seconds longer to compile.
+// JSON values. Only value.cpp includes the JSON library that reads and writes text, because each
+// source that includes it takes seconds longer to compile.
 //
 // Invariants
-//   1. An object keeps the order in which its keys were added; a key stands in it once.
-//   2. A whole number is an std::uint64_t from 0 on, an std::int64_t below 0; all others are
-//   doubles.
-//   3. Parsed values are nested at most k_depth_max deep.
-//   4. Text that is not UTF-8 is written with U+FFFD in place of what is wrong; NaN and infinities
-//      are written as null.
+//   1. An object keeps its keys in order of addition, each key once.
+//   2. Integers are stored as std::uint64_t from 0, as std::int64_t below 0. Other numbers are
+//      doubles.
+//   3. Parsed values are nested at most k_depth_max levels deep.
+//   4. Invalid UTF-8 is written as U+FFFD; NaN and infinities are written as null.
 // A value type; thread-safe as such.
 #pragma once
 
@@ -27,16 +26,16 @@
 
 namespace sleight::json {
 
-/// Deeper text is refused: values are freed and written recursively.
+/// Deeper text is refused, because values are freed and written recursively.
 inline constexpr int k_depth_max = 200;
 
-/// A text is not JSON, or a value is not what its reader expected.
+/// Text is not JSON, or a value has an unexpected kind.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-struct Conversion;  // the source's
+struct Conversion;  // defined in value.cpp
 
 template <class T>
 concept is_map = requires {
@@ -60,10 +59,10 @@ class Value {
   Value(const char* text);
   Value(std::string_view text);
   Value(std::string text);
-  /// An object if each element is an array of two whose first is a text, else an array: so
+  /// Creates an object if each element is an array of two with a text first, else an array. So
   /// Value{{"a", 1}, {"b", 2}} is {"a": 1, "b": 2}.
   Value(std::initializer_list<Value> elements);
-  /// An array of a range's elements; of a map an object.
+  /// Creates an array of a range's elements, or an object from a map.
   template <std::ranges::input_range Range>
   requires(!std::convertible_to<const Range&, std::string_view> &&
            !std::same_as<std::remove_cvref_t<Range>, Value>) Value(const Range& range)
@@ -86,25 +85,25 @@ class Value {
   static Value array(std::initializer_list<Value> elements);
   static Value object();
 
-  /// Throws Error, with the place in the text.
+  /// Throws Error with the position in the text.
   static Value parse(std::string_view text);
-  /// Null where the text is not JSON.
+  /// Returns null if the text is not JSON.
   static Value parse_or_null(std::string_view text);
 
-  /// The text of this value: on one line, or `indent` spaces per level. `is_ascii`: all else is
-  /// escaped.
+  /// Returns the value as text, on one line or with `indent` spaces per level. `is_ascii`: escapes
+  /// all other characters.
   std::string dump(int indent = -1, bool is_ascii = false) const;
 
   bool is_null() const;
   bool is_boolean() const;
   bool is_number() const;
-  bool is_whole() const;  ///< a whole number that is not negative
+  bool is_whole() const;  ///< a non-negative integer
   bool is_string() const;
   bool is_array() const;
   bool is_object() const;
 
-  /// The value as a bool, a number, a string, or a vector or map of these. Throws Error if it is of
-  /// another kind, or a whole number that T does not hold.
+  /// Returns a bool, a number, a string, or a vector or map of these. Throws Error if the value has
+  /// another kind, or is an integer out of T's range.
   template <class T>
   T get() const {
     if constexpr (std::same_as<T, bool>) {
@@ -131,18 +130,18 @@ class Value {
       return values;
     }
   }
-  /// Throws Error if it is no string.
+  /// Throws Error if the value is not a string.
   const std::string& text() const;
-  /// Throws Error if it is no array.
+  /// Throws Error if the value is not an array.
   const Array& elements() const;
-  /// Throws Error if it is no object.
+  /// Throws Error if the value is not an object.
   const Object& items() const;
 
-  /// Elements of an array, members of an object, 0 of null, 1 of all else.
+  /// Returns the number of elements or members; 0 for null, 1 for other values.
   std::size_t size() const;
   bool empty() const { return size() == 0; }
 
-  /// The value of a key; null pointer where it is missing or this is no object.
+  /// Returns a key's value; null pointer if the key is missing or this is not an object.
   const Value* find(std::string_view key) const;
   bool contains(std::string_view key) const { return find(key) != nullptr; }
   /// Throws Error if the key or the element is missing.
@@ -154,14 +153,15 @@ class Value {
   const Value& operator[](T index) const {
     return at(static_cast<std::size_t>(index));
   }
-  /// Adds null under a key that is missing. Null becomes an object; throws Error for other kinds.
+  /// Adds null if the key is missing. Null becomes an object; throws Error for other kinds.
   Value& operator[](std::string_view key);
   Value& operator[](const char* key) { return (*this)[std::string_view(key)]; }
   template <std::integral T>
   Value& operator[](T index) {
     return const_cast<Value&>(std::as_const(*this).at(static_cast<std::size_t>(index)));
   }
-  /// The value of a key, or `otherwise` where it is missing. Throws Error if it is of another kind.
+  /// Returns a key's value, or `otherwise` if the key is missing. Throws Error if the kind is
+  /// wrong.
   template <class T>
   T value(std::string_view key, T otherwise) const {
     const Value* found = find(key);
@@ -175,18 +175,18 @@ class Value {
 
   /// Null becomes an array; throws Error for other kinds.
   void push_back(Value element);
-  /// Takes a key away, if it is there.
+  /// Removes a key if present.
   void erase(std::string_view key);
-  /// Sets each of another object's keys.
+  /// Sets all keys of `other`.
   void update(const Value& other);
 
-  /// Numbers are equal by value; objects whatever the order of their keys.
+  /// Compares numbers by value, and objects regardless of key order.
   friend bool operator==(const Value& a, const Value& b);
-  /// As a test's message shows it.
+  /// Prints the value in test messages.
   friend std::ostream& operator<<(std::ostream& out, const Value& value);
 
  private:
-  /// What the header's templates hand to the source.
+  /// Integer arguments passed from the header's templates to value.cpp.
   struct Whole {
     std::uint64_t bits = 0;
     bool is_negative = false;

@@ -1,8 +1,8 @@
-// The fields of a segment, listed once: the columns of an archive's motions, the numbers of a
-// motion beside a run's store, the columns that the gallery's page reads.
+// The fields of a segment, listed once for the columns of an archive's motions, the cached motions
+// beside a run's store, and the columns read by the gallery's page.
 //
-// A field that is added here is written and read in all three places. The archive's checker has a
-// list of its own (common/archive/structure.cpp), so that it is a second opinion.
+// A field added here is written and read in all three places. The archive's checker has a separate
+// list (common/archive/structure.cpp), so that it checks independently.
 //
 // Thread safety: constants and pure functions.
 #pragma once
@@ -21,19 +21,19 @@
 
 namespace sleight::motion {
 
-/// A field of a record that an archive keeps in a column.
+/// A record's field with its column in an archive.
 template <class Record, class Value>
 struct Field {
-  const char* name;  ///< of the column
+  const char* name;  ///< name of the column
   Value Record::*member;
   const char* meaning;  ///< one sentence
   const char* unit = "1";
 };
-/// Clang finds it by itself from version 17 on.
+/// Clang deduces this by itself from version 17.
 template <class Record, class Value>
 Field(const char*, Value Record::*, const char*, const char* = "1") -> Field<Record, Value>;
 
-/// In the order of the archive's columns. Numbers of modes and causes mean what is said here.
+/// In the order of the archive's columns. These texts define the numbers of modes and causes.
 inline constexpr std::tuple k_fields{
     Field{"body", &Segment::body, "feature of /scene that moves"},
     Field{"start_s", &Segment::start_s, "time at which the segment begins", "s"},
@@ -54,13 +54,13 @@ inline constexpr std::tuple k_fields{
     Field{"angular_acceleration_radps2", &Segment::angular_acceleration_radps2,
           "constant angular acceleration in the scene's frame", "rad s-2"}};
 
-/// Calls act(field) of each, in their order.
+/// Calls act(field) for each field in order.
 template <class Fields, class Act>
 constexpr void for_each_field(const Fields& fields, Act act) {
   std::apply([&](const auto&... each) { (act(each), ...); }, fields);
 }
 
-/// A field's value as numbers: one, three of a vector (x, y, z), four of a rotation (w, x, y, z).
+/// Returns a value as numbers: one, three for a vector (x, y, z), four for a rotation (w, x, y, z).
 template <std::integral Value>
 constexpr std::array<Value, 1> elements_of(Value value) {
   return {value};
@@ -86,12 +86,12 @@ using Element = typename Elements<Value>::value_type;
 template <class Value>
 inline constexpr std::size_t k_width = std::tuple_size_v<Elements<Value>>;
 
-/// How many numbers a segment has.
+/// The number of elements in a segment.
 inline constexpr std::size_t k_elements = std::apply(
     []<class... Values>(const Field<Segment, Values>&...) { return (k_width<Values> + ...); },
     k_fields);
 
-/// The largest number of a field of whole numbers. REQUIRES: a line for each enumeration.
+/// Maximum of an integer field. REQUIRES: a specialisation for each enumeration.
 template <class Value>
 inline constexpr auto k_last = std::numeric_limits<Value>::max();
 template <>
@@ -99,8 +99,8 @@ inline constexpr std::size_t k_last<Mode> = k_mode_names.size() - 1;
 template <>
 inline constexpr std::size_t k_last<Cause> = k_cause_names.size() - 1;
 
-/// The value with these elements; none if a number is out of the field's range.
-/// REQUIRES: k_width<Value> numbers.
+/// Returns the value with these elements; nothing if a number is out of range. REQUIRES:
+/// k_width<Value> numbers.
 template <class Value, class Number>
 std::optional<Value> value_of(const Number* numbers) {
   if constexpr (std::same_as<Value, math::Vec3>) {

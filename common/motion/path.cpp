@@ -11,14 +11,14 @@
 namespace sleight::motion {
 namespace {
 
-/// How far the square of a quaternion's norm may be from 1.
+/// Tolerance of a quaternion's squared norm.
 constexpr double k_norm_off_max = 1e-3;
 
 bool is_sane(const Segment& segment) {
   bool is_sane = true;
   for_each_field(k_fields, [&]<class Value>(const Field<Segment, Value>& field) {
     if constexpr (std::same_as<Element<Value>, double>) {
-      // False of NaN.
+      // False for NaN.
       for (const double element : elements_of(segment.*field.member))
         is_sane = is_sane && std::abs(element) <= k_number_max;
     }

@@ -1,4 +1,4 @@
-// The motion of a whole animation: of each body its segments, in the order of time.
+// The motion of a whole animation: each body's segments in order of time.
 //
 // Thread safety: values; const functions may be called from several threads at once.
 #pragma once
@@ -24,20 +24,21 @@ struct Pose {
 class Path {
  public:
   explicit Path(std::uint32_t body = 0) : body_(body) {}
-  /// REQUIRES: in the order of starts.
+  /// REQUIRES: segments are appended in order of start.
   void append(const Segment& segment) { segments_.push_back(segment); }
 
   std::uint32_t body() const { return body_; }
   std::span<const Segment> segments() const { return segments_; }
   bool enters() const { return !segments_.empty(); }
-  /// REQUIRES: it enters.
+  /// REQUIRES: the body enters.
   double start_s() const { return segments_.front().start_s; }
-  /// When its last segment begins: it rests from then on. REQUIRES: it enters.
+  /// Start of the last segment, from which the body rests. REQUIRES: the body enters.
   double rest_s() const { return segments_.back().start_s; }
 
-  /// The segment in force, the last if several begin then; null before it enters.
+  /// Returns the segment at a time, the last of several that start then; null before the body
+  /// enters.
   const Segment* segment_at(double t_s) const;
-  /// Nothing before it enters; later than its last start, what that segment says.
+  /// Returns nothing before the body enters. After the last start, evaluates the last segment.
   std::optional<Pose> pose_at(double t_s) const;
   std::optional<math::Vec3> centre_at(double t_s) const;
 
@@ -48,18 +49,18 @@ class Path {
 
 class Animation {
  public:
-  /// Of segments in any order of bodies, each body's in the order of starts. What is wrong with
-  /// numbers from a file that isn't ours: bodies that the scene doesn't have, starts that go back
-  /// or are not finite, numbers beyond k_number_max, orientations that are no rotations. Kept
+  /// Builds an animation from segments with any order of bodies, each body's in order of start.
+  /// Returns what is wrong if an untrusted file has unknown bodies, starts that decrease or are not
+  /// finite, numbers beyond k_number_max, or orientations that are not rotations. Stored
   /// orientations have norm 1.
   static base::Result<Animation, std::string> of(std::span<const Segment> segments,
                                                  std::size_t bodies);
 
-  /// By body.
+  /// Indexed by body.
   std::span<const Path> paths() const { return paths_; }
   const Path& path(std::uint32_t body) const { return paths_[body]; }
   std::size_t bodies() const { return paths_.size(); }
-  /// When the last body came to rest; 0 if none enters.
+  /// Time when the last body came to rest; 0 if no body enters.
   double end_s() const { return end_s_; }
   std::size_t segment_count() const;
 
@@ -68,7 +69,7 @@ class Animation {
   double end_s_ = 0;
 };
 
-/// Larger numbers, in SI units, are no motion of anything that is simulated here.
+/// Limit for numbers in SI units; no simulated motion reaches it.
 inline constexpr double k_number_max = 1e9;
 
 }  // namespace sleight::motion

@@ -13,14 +13,14 @@ namespace {
 using math::Quat;
 using math::Vec3;
 
-/// The most that a step of Magnus' expansion may turn by its second term. What is left out is of
-/// the size of this times the angle of a step.
+/// Limit for the rotation in one step by the second term of Magnus' expansion. The neglected terms
+/// are about this times the step's angle.
 constexpr double k_second_term_rad = 1e-6;
-/// An axis that turns by less than this share is taken to stand still: that is below rounding.
+/// An axis that turns by a smaller share counts as fixed, because the turn is below rounding.
 constexpr double k_straight = 0x1p-40;
 
 Quat turned(const Quat& orientation, const Vec3& w, const Vec3& a, double s) {
-  // The same at every step: a x (w + a s) has no s in it.
+  // Equal at every step: a x (w + a s) does not depend on s.
   const Vec3 turn_of_axis = math::cross(a, w);
   const double size = math::norm(turn_of_axis);
   double steps = 1;

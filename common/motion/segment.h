@@ -1,15 +1,15 @@
-// A piece of a body's recorded motion, as archives hold it: a closed function of time.
+// A piece of a body's recorded motion, as stored in archives: a closed function of time.
 //
-// Every world's recordings are such pieces, so that whoever shows, searches or exports an animation
-// needs neither the world's code nor a simulator.
+// Every world records motion as segments, so an animation can be shown, searched and exported
+// without the world's code or a simulator.
 //
 //   centre       c(t) = position + velocity s + acceleration s^2 / 2       s = t - start
-//   orientation  turned by the angular velocity w(t) = w + a s, in the scene's frame
+//   orientation  rotates with angular velocity w(t) = w + a s, in the scene's frame
 //
-// A body of which the simulator knows more than that (one that tumbles with unequal moments of
-// inertia) has segments as short as that takes.
+// If a body's motion is more complex, as when tumbling with unequal moments of inertia, its
+// segments are as short as necessary.
 //
-// Units are SI, times count from the animation's beginning; the scene's frame is right-handed with
+// Units are SI. Times count from the animation's beginning. The scene's frame is right-handed with
 // z up (common/scene). Thread safety: values and pure functions.
 #pragma once
 
@@ -22,34 +22,34 @@
 
 namespace sleight::motion {
 
-/// How the body moves. In the order of k_mode_names.
+/// How the body moves, in the order of k_mode_names.
 enum class Mode : std::uint8_t {
-  flying,   ///< gravity alone acts
-  sliding,  ///< on something that doesn't move, and its surface slips
-  rolling,  ///< the same without slip
-  resting   ///< it doesn't move
+  flying,   ///< under gravity alone
+  sliding,  ///< on a fixed thing, with slip
+  rolling,  ///< on a fixed thing, without slip
+  resting   ///< not moving
 };
 inline constexpr std::array<std::string_view, 4> k_mode_names{"flying", "sliding", "rolling",
                                                               "resting"};
 
-/// What began the segment. In the order of k_cause_names.
+/// The cause of the segment's start, in the order of k_cause_names.
 enum class Cause : std::uint8_t {
   start,  ///< the body enters
-  hit,    ///< it met the partner
-  mode,   ///< it begins to slide, roll or fly
-  rest    ///< it has come to rest, or was woken
+  hit,    ///< the body met the partner
+  mode,   ///< the body begins to slide, roll or fly
+  rest    ///< the body came to rest, or was woken
 };
 inline constexpr std::array<std::string_view, 4> k_cause_names{"start", "hit", "mode", "rest"};
 
-/// Of a segment that no other thing began.
+/// Partner of segments that no other thing caused.
 inline constexpr std::int32_t k_no_partner = -1;
 
 struct Segment {
-  std::uint32_t body = 0;  ///< a feature of the scene (common/scene): bodies come first
-  double start_s = 0;      ///< it holds until the body's next one
+  std::uint32_t body = 0;  ///< a feature of the scene (common/scene), where bodies come first
+  double start_s = 0;      ///< valid until the body's next segment
   Mode mode = Mode::flying;
   Cause cause = Cause::start;
-  std::int32_t partner = k_no_partner;  ///< the feature that was hit, of cause `hit`
+  std::int32_t partner = k_no_partner;  ///< feature that was hit, if the cause is `hit`
   math::Vec3 position_m{0, 0, 0};       ///< of the centre, at the start
   math::Vec3 velocity_mps{0, 0, 0};
   math::Vec3 acceleration_mps2{0, 0, 0};
@@ -58,19 +58,19 @@ struct Segment {
   math::Vec3 angular_acceleration_radps2{0, 0, 0};
 };
 
-/// Bit for bit.
+/// Compares bit for bit.
 bool operator==(const Segment& a, const Segment& b);
 
-// REQUIRES of the following: finite numbers, t_s >= start_s, a unit orientation.
+// REQUIRES for these functions: finite numbers, t_s >= start_s, a unit orientation.
 math::Vec3 position_at(const Segment& segment, double t_s);
 math::Vec3 velocity_at(const Segment& segment, double t_s);
-/// Where the axis turns too, by Magnus' expansion to its second term (W. Magnus, Comm. Pure Appl.
-/// Math. 7, 1954) in steps that are short enough for 1e-6 rad; at most k_turn_steps_max of them.
+/// If the axis turns too, uses Magnus' expansion to the second term (W. Magnus, Comm. Pure Appl.
+/// Math. 7, 1954), in at most k_turn_steps_max steps short enough for 1e-6 rad.
 math::Quat orientation_at(const Segment& segment, double t_s);
 inline constexpr double k_turn_steps_max = 100'000;
 
-/// How far the centre of the segment strays from the straight line between two of its moments, at
-/// most: |a| d^2 / 8 of moments d apart.
+/// Returns the maximum distance of the centre from the straight line between two times of the
+/// segment: |a| d^2 / 8 for times d apart.
 double bow_m(const Segment& segment, double duration_s);
 
 }  // namespace sleight::motion

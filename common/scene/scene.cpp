@@ -13,7 +13,7 @@ constexpr double k_number_max = 1e9;
 constexpr double k_norm_off_max = 1e-3;
 
 bool is_sane(const Vec3& v) {
-  // False of NaN.
+  // False for NaN.
   return std::abs(v.x()) <= k_number_max && std::abs(v.y()) <= k_number_max &&
          std::abs(v.z()) <= k_number_max;
 }

@@ -1,12 +1,13 @@
-// What an animation's things look like: bodies, what stands still, and what a request wants where.
-// Enough to draw a run's animations without its world's code.
+// A scene description: how bodies, fixed things and goals look. Enough to draw a run's animations
+// without its world's code.
 //
 // A scene is a list of features: first the bodies, in the order of their numbers in motions
-// (common/motion), then what doesn't move, then goals. A feature is drawn as its parts. Some look
-// otherwise in each animation, which says how (Variation): vertices that are moved, parts of its
-// own, the control points of a surface.
+// (common/motion), then fixed things, then goals. A feature is drawn as its parts. An animation may
+// vary some of them (Variation): displaced vertices, additional parts, or the control points of a
+// surface.
 //
-// Frame: right-handed, z up, SI; parts of bodies are in the body's frame, all others in the
+// Frame: right-handed, z up, SI. Parts of bodies are in the body's frame, all others in the
+// scene's. Thread safety: values.
 // scene's. Thread safety: values.
 #pragma once
 
@@ -26,23 +27,23 @@ namespace sleight::scene {
 using math::Quat;
 using math::Vec3;
 
-/// In the order of k_kind_names.
+/// Kind of a feature, in the order of k_kind_names.
 enum class FeatureKind : std::uint8_t {
   body,    ///< moves
-  fixed,   ///< bodies meet it, and it doesn't move
-  wanted,  ///< a goal's place: bodies don't meet it
+  fixed,   ///< doesn't move, but bodies collide with it
+  wanted,  ///< a goal's place, without collisions
 };
 inline constexpr std::array<std::string_view, 3> k_kind_names{"body", "fixed", "wanted"};
 
-/// In the order of k_shape_names; what Part::size_m says of each.
+/// Shape of a part, in the order of k_shape_names, with the meaning of Part::size_m.
 enum class Shape : std::uint8_t {
-  sphere,   ///< x: the diameter
-  box,      ///< its sides
+  sphere,   ///< x: diameter
+  box,      ///< x, y, z: sides
   die,      ///< a box with pips: 1 on +x, 2 on +y, 3 on +z, opposite faces add up to 7
-  disc,     ///< x: the diameter, about z; no thickness
+  disc,     ///< x: diameter, about z; no thickness
   mesh,     ///< triangles
-  ground,   ///< all below z = 0 of the part's frame, without end; x and y: what to draw of it
-  surface,  ///< a B-spline surface (surface.h); x and y: its sides, z: spacing of control points
+  ground,   ///< infinite, below z = 0 of the part's frame; x and y: drawn size
+  surface,  ///< a B-spline surface (surface.h); x and y: sides, z: spacing of control points
 };
 inline constexpr std::array<std::string_view, 7> k_shape_names{"sphere", "box",    "die",    "disc",
                                                                "mesh",   "ground", "surface"};
@@ -51,9 +52,9 @@ struct Part {
   std::uint32_t feature = 0;
   Shape shape = Shape::box;
   Vec3 size_m{0, 0, 0};
-  Vec3 position_m{0, 0, 0};  ///< of its middle
+  Vec3 position_m{0, 0, 0};  ///< of the part's middle
   Quat orientation = Quat::Identity();
-  // Of a mesh: its rows among the scene's triangles.
+  // For a mesh: its rows in the scene's triangles.
   std::uint32_t first_triangle = 0;
   std::uint32_t triangles = 0;
 };
@@ -61,31 +62,30 @@ struct Part {
 inline constexpr std::int32_t k_none = -1;
 
 struct Feature {
-  std::string name{};  ///< "die 3", "table": for people and for queries
+  std::string name{};  ///< for people and queries: "die 3", "table"
   FeatureKind kind = FeatureKind::body;
-  /// The first of the bodies that may take each other's place without making another animation;
-  /// itself where there is none.
+  /// The first of the bodies that are interchangeable with this one; this body itself if none is.
   std::uint32_t twin_of = 0;
-  /// The body that a goal is for; none: any, or it is no goal.
+  /// The body that a goal is for. None: any body, or not a goal.
   std::int32_t body = k_none;
 };
 
 struct Vertex {
-  Vec3 place_m{0, 0, 0};  ///< in its part's frame
-  /// The row of the animation's offsets that is added; none: it stays.
+  Vec3 place_m{0, 0, 0};  ///< in the part's frame
+  /// Row of the animation's offset added to the vertex. None: fixed.
   std::int32_t offset = k_none;
 };
 
 struct Scene {
   std::vector<Feature> features{};
-  std::vector<Part> parts{};  ///< ascending by feature
+  std::vector<Part> parts{};  ///< sorted by feature
   std::vector<Vertex> vertices{};
   std::vector<std::array<std::uint32_t, 3>> triangles{};  ///< counter-clockwise seen from outside
-  /// The variable of states that holds vertices' offsets, (vertex, xyz) in metres; empty: none.
+  /// Variable of states with the vertices' offsets, (vertex, xyz) in metres. Empty: none.
   std::string offset_variable{};
   bool has_own_parts = false;   ///< animations have parts of their own
   bool has_own_points = false;  ///< animations have control points
-  /// A box about all that bodies do, to look at.
+  /// A box around all motion of bodies, for choosing a view.
   Vec3 low_m{0, 0, 0};
   Vec3 high_m{0, 0, 0};
 
@@ -93,7 +93,7 @@ struct Scene {
   std::optional<std::uint32_t> find(std::string_view name) const;
 };
 
-/// A control point of a surface: at (i, j) times the spacing.
+/// A control point of a surface, at (i, j) times the spacing.
 struct ControlPoint {
   std::int32_t i = 0;
   std::int32_t j = 0;
@@ -103,16 +103,17 @@ struct ControlPoint {
   friend bool operator==(const ControlPoint&, const ControlPoint&) = default;
 };
 
-/// What of a scene is an animation's own.
+/// An animation's own parts of the scene.
 struct Variation {
-  std::vector<Part> parts{};           ///< no meshes
-  std::vector<ControlPoint> points{};  ///< ascending by (j, i); those that are needed
+  std::vector<Part> parts{};           ///< without meshes
+  std::vector<ControlPoint> points{};  ///< the needed points, sorted by (j, i)
 };
 
-/// What is wrong with a scene that comes from a file; empty: nothing. Names are not empty and
-/// unique, bodies come first, indices are in their ranges, numbers finite and rotations such.
+/// Returns what is wrong with a scene from a file; empty if nothing. Checks that names are
+/// non-empty and unique, bodies come first, indices are in range, numbers are finite and rotations
+/// valid.
 std::string fault_of(const Scene& scene);
-/// Likewise of an animation's own parts.
+/// Like fault_of, for an animation's own parts.
 std::string fault_of_parts(std::span<const Part> parts, const Scene& scene);
 
 }  // namespace sleight::scene

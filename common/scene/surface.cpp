@@ -10,12 +10,12 @@
 namespace sleight::scene {
 namespace {
 
-/// A place in the order of points.
+/// Sort key of points.
 std::pair<std::int32_t, std::int32_t> key_of(const ControlPoint& point) {
   return {point.j, point.i};
 }
 
-/// Of control points that a patch's index can't reach. Further away there is no table.
+/// Limit for patch indices; no table extends that far.
 constexpr double k_index_max = 1e9;
 
 std::optional<std::int32_t> patch_at(double place_m, double spacing_m) {
@@ -36,7 +36,7 @@ Surface::Surface(std::span<const ControlPoint> points, double spacing_m)
     : points_(points.begin(), points.end()), spacing_m_(spacing_m) {
   CHECK_GT(spacing_m, 0);
   for (const ControlPoint& point : points_) {
-    // The point is the second one, on either axis, of the patch of its own number.
+    // A point is the second one, on both axes, of the patch with the same index.
     const auto [i, j] = std::pair(point.i, point.j);
     bool is_whole = true;
     for (std::int32_t row = j - 1; is_whole && row <= j + 2; ++row) {

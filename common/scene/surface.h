@@ -1,8 +1,9 @@
-// A surface of control points as an archive holds them: those that an animation needs, and no more.
+// A surface from an archive's control points, of which there are only those that an animation
+// needs.
 //
 // Formula: a uniform bicubic B-spline, e.g. L. Piegl and W. Tiller, "The NURBS Book" (2nd edition,
-// 1997), chapter 2. The patch (i, j) lies over i spacing <= x < (i + 1) spacing, likewise y, and
-// hangs on the sixteen points from (i - 1, j - 1) to (i + 2, j + 2).
+// 1997), chapter 2. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise y, and depends
+// on the sixteen points from (i - 1, j - 1) to (i + 2, j + 2).
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -18,22 +19,22 @@
 
 namespace sleight::scene {
 
-/// The values of the four basis functions at u, 0 to 1; they add up to 1.
+/// Returns the values of the four basis functions at u from 0 to 1, which add up to 1.
 std::array<double, 4> spline_weights(double u);
 
 class Surface {
  public:
-  /// REQUIRES: spacing_m > 0; points ascending by (j, i).
+  /// REQUIRES: spacing_m > 0; points sorted by (j, i).
   Surface(std::span<const ControlPoint> points, double spacing_m);
 
-  /// Nothing where a point of the patch is missing.
+  /// Returns nothing if a point of the patch is missing.
   std::optional<double> height_m(double x_m, double y_m) const;
 
   struct Patch {
     std::int32_t i = 0;
     std::int32_t j = 0;
   };
-  /// All whose points are there, ascending by (j, i).
+  /// All patches with complete points, sorted by (j, i).
   const std::vector<Patch>& patches() const { return patches_; }
   double spacing_m() const { return spacing_m_; }
 
@@ -45,8 +46,8 @@ class Surface {
   std::vector<Patch> patches_{};
 };
 
-/// As (i, j): the points of the patches that a square of half this side about each place touches,
-/// ascending by (j, i), each once.
+/// Returns, as (i, j), the distinct points of the patches that a square with half-side half_m
+/// around any place touches, sorted by (j, i).
 std::vector<std::array<std::int32_t, 2>> indices_about(std::span<const Vec3> places_m,
                                                        double half_m, double spacing_m);
 
