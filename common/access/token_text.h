@@ -23,7 +23,6 @@ namespace sleight::access {
 inline constexpr std::string_view k_token_prefix = "sleight_";
 inline constexpr std::size_t k_token_id_characters = 10;
 inline constexpr std::size_t k_token_secret_bytes = 32;
-/// Characters of a whole token.
 inline constexpr std::size_t k_token_characters =
     k_token_prefix.size() + k_token_id_characters + 1 + 52 + 7;
 

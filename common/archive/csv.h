@@ -26,7 +26,6 @@
 
 namespace sleight::archive {
 
-/// Returns the names of all tables.
 std::vector<std::string> csv_tables();
 
 /// Writes one table in batches. If `animations` is not empty, tables of animations, segments or

@@ -28,7 +28,6 @@ inline constexpr std::uint64_t k_scene_rows_max = 4'000'000;
 /// read.
 base::Result<scene::Scene, std::string> scene_of(const Source& source);
 
-/// The motions of /animations or /finds.
 class KeptMotions {
  public:
   /// REQUIRES: scene_of returned the scene, and the group exists.

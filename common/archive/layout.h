@@ -41,7 +41,6 @@ struct ArchiveOptions {
   std::string run_id;                     ///< equal in all archives of the run
 };
 
-/// Progress of writing an archive.
 struct WritingProgress {
   enum class Part : std::uint8_t {
     learning,   ///< learning from the run's scans; reported only by some callers

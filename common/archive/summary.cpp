@@ -25,7 +25,6 @@ T attribute_of(const Source& source, std::string_view group, std::string_view na
   return *value;
 }
 
-/// Returns an empty string if there is no warning.
 std::string warning_of(const Source& source) {
   if (find_attribute(group_of(source, k_root).attributes, k_warning) == nullptr) return {};
   return attribute_of<std::string>(source, k_root, k_warning);

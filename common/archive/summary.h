@@ -24,7 +24,7 @@ struct Summary {
   std::string results_version;  ///< of the program that computed the results
   std::string run_id;           ///< equal in all archives of a run
   std::string content_digest;   ///< as stored, not recomputed
-  std::string warning;          ///< restriction on the samples' use; empty: none
+  std::string warning;          ///< what users of the samples must know; empty: nothing
   std::string request_text;     ///< normalised TOML that reproduces the archive
   std::uint64_t chains = 0;
   std::uint64_t scans = 0;   ///< per chain

@@ -45,7 +45,6 @@ class FileSystem {
   /// Creates or empties a file, but does not follow a link. Returns the system's error code,
   /// because callers word the message.
   virtual Result<std::unique_ptr<File>, std::error_code> create(const std::string& path) = 0;
-  /// fsync of a file's content.
   virtual void sync_file(const std::string& path) = 0;
   /// fsync of the folder of `path`, which makes a rename or a new name durable.
   virtual void sync_directory_of(const std::string& path) = 0;

@@ -25,7 +25,6 @@ class OutputBeside {
   /// Removes the temporary file unless it was put in place.
   ~OutputBeside();
 
-  /// The path to write to.
   const std::string& path() const { return beside_.empty() ? place_ : beside_; }
   /// Throws Error(environment) if the file can't be renamed.
   void put_in_place();

@@ -11,7 +11,6 @@
 
 namespace sleight::base {
 
-/// Read permission of a created file.
 enum class Readers : std::uint8_t {
   usual,  ///< according to the process's umask
   owner   ///< only the owner, from the first byte

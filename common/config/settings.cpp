@@ -91,7 +91,6 @@ void visit(AnySettings& s, Visitor& visitor) {
                "batch script (absolute path); default: the installed direct.sbatch");
 }
 
-/// A value with its origin.
 struct Found {
   Value value;
   Origin origin = Origin::fallback;

@@ -132,7 +132,6 @@ struct Surroundings {
   std::uint64_t memory_bytes = 0;  ///< of the machine
 };
 
-/// The configuration file's path and content.
 struct ConfigFile {
   std::string path;
   std::string text;
@@ -184,7 +183,6 @@ struct ToCall {
 };
 ToCall service_to_call();
 
-/// Returns the inputs of settings_here.
 Surroundings surroundings_here();
 
 }  // namespace sleight::config

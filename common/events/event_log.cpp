@@ -28,7 +28,6 @@ std::string old_event_log_path(const std::string& folder) {
 
 namespace {
 
-/// A file open for reading, or none.
 class Reader {
  public:
   explicit Reader(const std::string& path)

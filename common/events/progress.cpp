@@ -51,7 +51,7 @@ double per_second(std::uint64_t count, const Progress& progress) {
   return progress.elapsed_s > 0 ? static_cast<double>(count) / progress.elapsed_s : 0;
 }
 
-/// Returns for example "1,200 of 4,000 scans (30%) 0:12 left", or "1,200 scans".
+/// Returns for example "1,200 of 4,000 scans (30%)  0:12 left", or "1,200 scans".
 std::string scans_in_words(const Progress& progress) {
   if (progress.scans_total == 0) return fmt::format("{} scans", grouped(progress.scans_done));
   std::string words = fmt::format("{} of {} scans ({:.0f}%)", grouped(progress.scans_done),

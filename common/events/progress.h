@@ -13,7 +13,7 @@
 
 namespace sleight::events {
 
-/// A run's progress. Counts cover only this session unless stated otherwise.
+/// Counts cover only this session unless stated otherwise.
 struct Progress {
   std::uint64_t scans_done = 0;         ///< committed, of all chains and sessions
   std::uint64_t scans_total = 0;        ///< 0: unknown from the stop rule
@@ -35,9 +35,10 @@ struct Progress {
   double elapsed_s = 0;            ///< of this session
 };
 
-/// Returns one line, most important parts first because a terminal may truncate it: "ball_2d 12,400
-/// of 40,000 scans (31%) 0:04 left 85,200 sims/s solutions 4 round trips 12 satisfied 6,448 (52%)
-/// accepted 41% 2 workers".
+/// Returns one line, most important parts first because a terminal may truncate it. Example (one
+/// line):
+/// "ball_2d  12,400 of 40,000 scans (31%)  0:04 left  85,200 sims/s  solutions 4  round trips 12
+/// satisfied 6,448 (52%)  accepted 41%  2 workers".
 std::string progress_line(const std::string& name, const Progress& progress);
 
 /// Returns "log P about -39.1 +- 0.4, still rough (41 of 132 islands)", or "log P -39.12 +- 0.21

@@ -51,13 +51,11 @@ struct RunEnd {
   bool operator==(const RunEnd&) const = default;
 };
 
-/// Returns the enumerator's name: "finished", "time_limit", ...
 std::string_view name_of(End end);
 
 /// Returns the end of a session by an exception: base::Error's kind and message, or a bug.
 RunEnd end_by(const std::exception& error);
 
-/// Returns the record as a line.
 std::string to_line(const RunEnd& end);
 
 /// Parses a line written by to_line, with or without its newline; nothing for other text.

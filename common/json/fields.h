@@ -55,7 +55,6 @@ class FieldWriter {
     if (value) return as(name, *value, to, of);
     if (none_ == None::null) object_[name] = nullptr;
   }
-  /// Writes a nested record.
   template <class T, class Fields>
   void part(const char* name, const T& value, const Fields& fields) {
     FieldWriter inner(object_[name], none_);

@@ -177,7 +177,6 @@ class Value {
   void push_back(Value element);
   /// Removes a key if present.
   void erase(std::string_view key);
-  /// Sets all keys of `other`.
   void update(const Value& other);
 
   /// Compares numbers by value, and objects regardless of key order.

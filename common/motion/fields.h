@@ -86,7 +86,6 @@ using Element = typename Elements<Value>::value_type;
 template <class Value>
 inline constexpr std::size_t k_width = std::tuple_size_v<Elements<Value>>;
 
-/// The number of elements in a segment.
 inline constexpr std::size_t k_elements = std::apply(
     []<class... Values>(const Field<Segment, Values>&...) { return (k_width<Values> + ...); },
     k_fields);

@@ -56,7 +56,6 @@ class Animation {
   static base::Result<Animation, std::string> of(std::span<const Segment> segments,
                                                  std::size_t bodies);
 
-  /// Indexed by body.
   std::span<const Path> paths() const { return paths_; }
   const Path& path(std::uint32_t body) const { return paths_[body]; }
   std::size_t bodies() const { return paths_.size(); }

@@ -46,7 +46,7 @@ inline constexpr std::int32_t k_no_partner = -1;
 
 struct Segment {
   std::uint32_t body = 0;  ///< a feature of the scene (common/scene), where bodies come first
-  double start_s = 0;      ///< valid until the body's next segment
+  double start_s = 0;      ///< the segment is valid until the body's next one
   Mode mode = Mode::flying;
   Cause cause = Cause::start;
   std::int32_t partner = k_no_partner;  ///< feature that was hit, if the cause is `hit`

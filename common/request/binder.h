@@ -63,7 +63,6 @@ struct BoundKey {
   std::string value;  ///< as TOML; empty if an optional or required key is not given
 };
 
-/// An array of tables.
 struct BoundTables {
   std::string key;
   std::string name;             ///< "[section.key]": the text between the brackets of the section

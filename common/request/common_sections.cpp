@@ -232,8 +232,8 @@ constexpr std::array<std::string_view, 1> k_stop_keys_of_search{"found"};
 constexpr std::array<std::string_view, 1> k_stop_keys_of_takes{"takes"};
 constexpr std::array<std::string_view, 2> k_output_keys_of_search{"keep_max", "prior_draws"};
 
-/// Restricts a section's first keys to `keys`: other given keys are errors, and their defaults are
-/// omitted.
+/// Allows only `keys` among a section's first keys. Other keys are errors if given, and are omitted
+/// in the normalised text.
 void keep_only(Binder& section, std::size_t first_keys, std::span<const std::string_view> keys,
                std::string_view why) {
   const std::vector<BoundKey> all = section.keys();

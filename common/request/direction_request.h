@@ -60,7 +60,7 @@ struct SamplerParameters {
   /// Number of independent chains, or of ladders if tempered. 0 for a search without chains.
   std::uint32_t chains = 4;
   std::optional<std::uint32_t> replicas{};  ///< per ladder; empty: chosen by the ladder's barrier
-  /// Exponent of a first ladder's inverse temperatures, (i / (replicas - 1))^ladder_power. Empty:
+  /// Exponent of a first ladder's inverse temperatures, (i / (replicas - 1))^ladder_power; empty:
   /// 6.
   std::optional<std::uint32_t> ladder_power{};
   std::uint64_t seed = 1;                 ///< of all random numbers; at most k_seed_max
@@ -204,7 +204,7 @@ struct DirectionRequest {
   }
 };
 
-/// Returns the parameters of the request's world. REQUIRES: Parameters is that world's type.
+/// REQUIRES: Parameters is the type of the request's world.
 template <class Parameters>
 const Parameters& parameters_of(const DirectionRequest& request) {
   const auto* parameters = std::any_cast<Parameters>(&request.parameters);

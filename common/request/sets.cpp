@@ -154,7 +154,6 @@ base::Result<Values, std::string> values_of(std::string_view text) {
   return values;
 }
 
-/// A set with all its values.
 struct Spread {
   std::vector<KeySet> choices;
   bool is_range = false;

@@ -76,7 +76,6 @@ struct RemoteService {
 /// A Unix socket's path, or a service on another machine.
 using ServicePlace = std::variant<std::string, RemoteService>;
 
-/// An event of a watched job.
 struct WatchedEvent {
   JobId job{};
   std::uint64_t number = 0;                 ///< 0: unnumbered
@@ -100,9 +99,9 @@ class WatchSink {
 };
 
 enum class Waited : std::uint8_t {
-  settled,      ///< everything requested has arrived
-  stopped,      ///< by the sink
-  interrupted,  ///< by interrupt()
+  settled,  ///< everything requested has arrived
+  stopped,  ///< by the sink
+  interrupted,
 };
 
 /// Reports a fetch's progress and returns whether to continue. After false, received bytes stay for

@@ -24,7 +24,6 @@ class Lost : public std::exception {
   std::string words_;
 };
 
-/// interrupt() was called.
 class Interrupted : public std::exception {};
 
 /// The news of one job as received. Events are JSON lines, because a newer service's events may

@@ -48,8 +48,7 @@ bool is_readable(int descriptor) {
 
 }  // namespace
 
-// ------------------------------------------------------------------------------------------
-// handles
+// ---------------------------------------------------------------------------------------- handles
 
 /// A handle's promise waits and calls. If a callback destroys its own handle, the loop takes over
 /// the promise, because a promise can't destroy itself.

@@ -34,7 +34,7 @@ struct Loop::Impl final : kj::TaskSet::ErrorHandler {
   kj::Promise<void> look_at_signals();
 
   kj::AsyncIoContext io;
-  kj::AutoCloseFd wake_descriptor;  ///< written by post and stop
+  kj::AutoCloseFd wake_descriptor;    ///< written by post and stop
   kj::AutoCloseFd signal_descriptor;  ///< written by the signal handler; none: signals not handled
   kj::UnixEventPort::FdObserver wakes;
   kj::Own<kj::UnixEventPort::FdObserver> signals;

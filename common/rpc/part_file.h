@@ -27,7 +27,6 @@ class PartFile {
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 
-  /// Number of bytes stored so far.
   std::uint64_t bytes() const { return bytes_; }
   bool is_whole() const { return bytes_ == view_.size; }
 

@@ -40,7 +40,7 @@ using GroupId = base::Id<struct GroupTag, std::uint64_t>;  ///< from 1; written 
 // ------------------------------------------------------------------------------------- refusals
 
 enum class RefusalKind : std::uint8_t {
-  unknown,      ///< from a newer service
+  unknown,
   not_found,    ///< no such job, group, recording or call
   not_allowed,  ///< belongs to another user
   bad_request,  ///< for a request's text with `diagnostics`
@@ -53,7 +53,6 @@ enum class RefusalKind : std::uint8_t {
 };
 inline constexpr std::size_t k_refusal_kinds = 10;
 
-/// Returns for example "not_found".
 std::string_view name_of(RefusalKind kind);
 
 struct Refusal {
@@ -116,7 +115,7 @@ struct Target {
 // ------------------------------------------------------------------------------------------ jobs
 
 enum class JobState : std::uint8_t {
-  unknown,  ///< from a newer service
+  unknown,
   queued,
   starting,
   running,
@@ -128,7 +127,6 @@ enum class JobState : std::uint8_t {
 };
 inline constexpr std::size_t k_job_states = 9;
 
-/// Returns for example "queued".
 std::string_view name_of(JobState state);
 std::optional<JobState> job_state_of(std::string_view name);
 
@@ -142,7 +140,7 @@ struct StateChange {
   std::uint64_t number = 0;
   double time_s = 0;
   JobState state = JobState::unknown;
-  std::string reason{};  ///< for people
+  std::string reason{};
   std::uint64_t attempt = 0;
   bool operator==(const StateChange&) const = default;
 };
@@ -241,19 +239,18 @@ struct Extension {
 };
 
 enum class ChangeKind : std::uint8_t {
-  unknown,  ///< from a newer client
-  cancel,   ///< stops cleanly and ends, with an archive of the results so far
-  hold,     ///< stops cleanly, until `resume`
-  resume,   ///< queues a held, failed or cancelled job again
-  extend,   ///< raises [stop]; queues an ended job again
-  erase,    ///< deletes an ended job and all its data
-  pin,      ///< exempts the job from the deletion of finished jobs
+  unknown,
+  cancel,  ///< stops cleanly and ends, with an archive of the results so far
+  hold,    ///< stops cleanly, until `resume`
+  resume,  ///< queues a held, failed or cancelled job again
+  extend,  ///< raises [stop]; queues an ended job again
+  erase,   ///< deletes an ended job and all its data
+  pin,     ///< exempts the job from the deletion of finished jobs
   unpin,
   set_priority,
 };
 inline constexpr std::size_t k_change_kinds = 9;
 
-/// Returns for example "cancel".
 std::string_view name_of(ChangeKind kind);
 
 struct ChangeAsk {
@@ -321,7 +318,7 @@ struct FetchAsk {
 
 /// A file as announced before its content.
 struct FileView {
-  std::string name{};  ///< a plain file name
+  std::string name{};
   std::uint64_t size = 0;
   std::string sha256{};  ///< of the content, hexadecimal
   bool operator==(const FileView&) const = default;
@@ -331,15 +328,14 @@ struct FileView {
 
 /// Permissions of a token's session, as bits. No scope includes another.
 enum class Scope : std::uint8_t {
-  unknown = 0,  ///< from a newer program
-  read = 1,     ///< list, status, watch, logs, fetch, info
+  unknown = 0,
+  read = 1,  ///< list, status, watch, logs, fetch, info
   submit = 2,
   manage = 4,   ///< change
   operate = 8,  ///< drain and stop, if the user may
 };
 inline constexpr Scope k_scopes[] = {Scope::read, Scope::submit, Scope::manage, Scope::operate};
 
-/// Returns for example "read".
 std::string_view name_of(Scope scope);
 std::optional<Scope> scope_of(std::string_view name);
 
@@ -356,8 +352,8 @@ struct Scopes {
 };
 
 struct TokenAsk {
-  std::string token{};                      ///< complete token, drawn by the client (token_text.h)
-  std::string name{};                       ///< for people
+  std::string token{};  ///< complete token, drawn by the client (token_text.h)
+  std::string name{};
   std::optional<std::uint32_t> for_user{};  ///< uid; empty: the caller's own
   Scopes scopes{};
   double valid_s = 0;           ///< 0: no expiry

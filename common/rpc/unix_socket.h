@@ -16,7 +16,6 @@
 
 namespace sleight::rpc {
 
-/// A listening socket and its name in the file system.
 class ListeningSocket {
  public:
   /// Creates the socket with mode 0600, or 0660 with `group`. Throws base::Error with
@@ -36,7 +35,6 @@ class ListeningSocket {
   ino_t inode_ = 0;
 };
 
-/// Why connecting failed.
 enum class Unconnected : std::uint8_t {
   nobody,  ///< no socket, or nobody listens
   busy,    ///< the system's accept queue is full

@@ -117,8 +117,7 @@ void Watchers::tell_due() {
     for (const std::size_t point : std::exchange(waiter->fresh, {}))
       fresh.push_back(waiter->points[point]);
     Batches batches = collect(waiter->caller, fresh);
-    // The waiter is destroyed with its promise, in a later turn. A second fulfil() would have no
-    // effect.
+    // The waiter is destroyed with its promise, in a later turn. A second fulfill() has no effect.
     if (!batches.empty()) waiter->answer->fulfill(kj::mv(batches));
   }
 }

@@ -8,7 +8,6 @@
 //
 // Frame: right-handed, z up, SI. Parts of bodies are in the body's frame, all others in the
 // scene's. Thread safety: values.
-// scene's. Thread safety: values.
 #pragma once
 
 #include <array>

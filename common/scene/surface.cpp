@@ -10,7 +10,6 @@
 namespace sleight::scene {
 namespace {
 
-/// Sort key of points.
 std::pair<std::int32_t, std::int32_t> key_of(const ControlPoint& point) {
   return {point.j, point.i};
 }

@@ -22,7 +22,6 @@ std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica, st
 std::int64_t checksum_of(std::uint64_t salt, const plan::ReplicaKey& replica,
                          std::uint64_t next_scan, base::BytesView state);
 
-/// The key of a session's row.
 struct SessionKey {
   std::uint64_t salt = 0;
   std::uint64_t epoch = 0;
@@ -45,7 +44,7 @@ std::int64_t checksum_of_motion(std::uint64_t salt, base::BytesView state, std::
 /// Covers a text and its place, such as "job/17/", so that rows can't change places.
 std::int64_t checksum_of_text(std::string_view place, std::string_view text);
 
-/// Throws base::Error: the database at `path` contains something that we didn't write.
+/// Throws base::Error: the database at `path` was changed or damaged.
 [[noreturn]] void refuse_damaged(const std::string& path, const std::string& what);
 
 }  // namespace sleight::store

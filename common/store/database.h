@@ -72,10 +72,10 @@ class DatabaseError : public base::Error {
 class Database {
  public:
   /// Opens a file, which read_write creates if missing, in WAL mode with synchronous=FULL: after
-  /// COMMIT returns, the rows survive kill -9 and power loss. On a network disk, read_write
-  /// requires that no other process has a connection, because SQLite then uses no shared memory;
-  /// without file locks (fcntl) on the disk, only the caller's lock prevents others. Closing then
-  /// leaves the log, because a process that has lost its lock could otherwise delete its
+  /// COMMIT returns, the rows survive kill -9 and power loss. On a network disk, a read_write
+  /// connection must be the file's only one in all processes, because SQLite then uses no shared
+  /// memory; if the disk lacks file locks (fcntl), only the caller's lock ensures this. Closing
+  /// then leaves the log, because a process that has lost its lock could otherwise delete its
   /// successor's log by name.
   Database(const std::string& path, Access access);
   /// Returns whether this must be the file's only connection.

@@ -66,7 +66,6 @@ struct LeaseHolder {
   std::string since{};        ///< wall-clock time of taking the lock, for people
 };
 
-/// The content of a lease file.
 struct LeaseText {
   LeaseHolder holder{};
   std::string token{};  ///< unique to this holder
@@ -110,7 +109,6 @@ class LeaseFiles {
   virtual bool is_here(const LeaseHolder& holder) = 0;
 };
 
-/// One lease, from the first attempt to its end.
 class Lease {
  public:
   /// Borrows `files` and `clock`. `text`: holder, token and lease_s of this lease.

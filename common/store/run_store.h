@@ -89,8 +89,8 @@ class RunStore {
   void flush();
   /// Returns the progress of event numbering in earlier sessions.
   const ToldFrontier& told() const { return told_; }
-  /// Queues events to be numbered and committed after all results put before, together with the
-  /// results that they cover. Throws like put.
+  /// Queues events with the frontier that they reach. The events are numbered and committed after
+  /// all results put before. Throws like put.
   void put(PutEvents events);
   /// Sets the function that receives events with their numbers right after their commit, in the
   /// committing thread. After return the previous function is not called any more.
@@ -128,9 +128,9 @@ class RunStore {
   std::uint64_t epoch_ = 0;
   std::string program_version_;
   std::uint64_t scans_before_ = 0;
-  ToldFrontier told_;             ///< by earlier sessions
-  std::uint64_t last_event_ = 0;  ///< number of the last committed event
-  std::mutex telling_;            ///< guards on_told_
+  ToldFrontier told_;  ///< by earlier sessions
+  std::uint64_t last_event_ = 0;
+  std::mutex telling_;  ///< guards on_told_
   Told on_told_;
   struct Writer;
   std::unique_ptr<Writer> writer_;

@@ -77,7 +77,6 @@ class StoredRun final : public archive::RunView {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> draw_ranges() const;
   RowKey key_of(base::ChainId chain, std::int64_t replica, std::int64_t scan) const;
 
-  /// Returns the lanes of the search.
   std::vector<std::int64_t> lanes() const;
   /// Returns the first `finds` successful starts of the search, as (scan, lane), in order.
   std::vector<std::pair<std::int64_t, std::int64_t>> find_places(std::uint64_t finds) const;

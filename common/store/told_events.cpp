@@ -109,7 +109,6 @@ class ToldEvents::LogFile {
   std::uint64_t bytes_ = 0;
 };
 
-/// The answer of one call.
 struct ToldEvents::Answer {
   std::size_t numbered_max = 0;
   std::vector<events::RunEvent> numbered{};

@@ -41,7 +41,6 @@ class ToldEvents {
   /// Call after a program has ended, and from time to time.
   std::vector<events::RunEvent> rest(std::size_t numbered_max);
 
-  /// Returns the number of the next numbered event.
   std::uint64_t number() const { return number_; }
 
  private:

@@ -329,7 +329,6 @@ void check_finds(const Reader& reader, Findings& findings) {
       order.expect(start[i] > start_before, here);
       start_before = start[i];
       segments.expect(begin[i] == next_segment && rows[i] >= 0, here);
-      // Unsigned arithmetic wraps instead of overflowing, as the numbers may be anything.
       next_segment = static_cast<std::int64_t>(static_cast<std::uint64_t>(begin[i]) +
                                                static_cast<std::uint64_t>(rows[i]));
     }
@@ -352,7 +351,6 @@ void check_rows(const Reader& reader, std::string_view group, const std::string&
     for (std::size_t i = 0; i < count; ++i) {
       rule.expect(std::cmp_equal(start[i], next) && rows[i] >= 0,
                   [&] { return fmt::format("animation {}", first + i); });
-      // Unsigned arithmetic wraps instead of overflowing, as the numbers may be anything.
       next = static_cast<std::uint64_t>(start[i]) + static_cast<std::uint64_t>(rows[i]);
     }
   });

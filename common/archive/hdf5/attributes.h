@@ -22,7 +22,7 @@ struct ObjectAttributes {
   bool is_bool = false;            ///< dtype = "bool"
   bool is_scale = false;           ///< CLASS = "DIMENSION_SCALE"
   bool is_bare_dimension = false;  ///< a scale without values, only for a size
-  std::vector<ScaleUse> uses;      ///< if the object is a scale
+  std::vector<ScaleUse> uses;
 };
 
 /// `path` names the object in messages. Throws as described in reader.h.

@@ -28,7 +28,6 @@ class InputFile {
   /// Returns whether HDF5's signature is at one of its possible positions.
   bool has_signature() const;
 
-  /// State for the driver's functions.
   struct State {
     int descriptor = -1;
     std::uint64_t bytes = 0;

@@ -16,7 +16,7 @@ struct StoredDataset {
   Handle id;
   ElementType type = ElementType::f64;
   std::vector<std::uint64_t> dims;  ///< without the width of a text array
-  std::uint64_t text_bytes = 0;     ///< width of text
+  std::uint64_t text_bytes = 0;
 };
 
 struct Contents {

@@ -38,12 +38,11 @@ class OutputFile {
   /// throw_failure. REQUIRES: HDF5 has closed the file.
   void close();
 
-  /// State for the driver's functions.
   struct State {
     std::unique_ptr<base::File> file;
     std::uint64_t allocated = 0;  ///< HDF5's end of allocation
     std::uint64_t written = 0;    ///< end of the written bytes in HDF5's view
-    std::error_code failure{};    ///< first failure
+    std::error_code failure{};
   };
 
  private:

@@ -37,10 +37,9 @@ void start();
 /// be read; otherwise see above.
 std::unique_ptr<Source> open_file(const std::string& path);
 
-/// A file open for reading.
 struct OpenFile {
   int descriptor = -1;
-  std::uint64_t bytes = 0;  ///< its length
+  std::uint64_t bytes = 0;
 };
 
 /// Like open_file, for an open file, of which it takes ownership. `name`: for messages. REQUIRES:

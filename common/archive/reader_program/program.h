@@ -7,10 +7,9 @@
 
 namespace sleight::archive::reader_program {
 
-/// The arguments of a reader process.
 struct Given {
   std::uint64_t memory_bytes = 0;
-  std::uint64_t archive_bytes = 0;  ///< length of the archive's file
+  std::uint64_t archive_bytes = 0;
 };
 
 /// Prepares the process, confines it (confine.h) and runs `work`, whose result is the process's

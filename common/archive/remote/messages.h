@@ -57,13 +57,12 @@ inline constexpr std::uint8_t k_of_archive = 0;
 inline constexpr std::uint8_t k_of_environment = 1;
 inline constexpr std::uint8_t k_of_memory = 2;  ///< too little memory
 
-/// The start of every answer.
 struct AnswerHead {
   std::uint32_t number = 0;
   AnswerKind kind = AnswerKind::refusal;  ///< may be any byte in a received answer
   std::uint8_t type = 0;  ///< for values the ElementType, for a refusal the party at fault
   std::uint16_t nothing = 0;
-  std::uint64_t bytes = 0;  ///< number of bytes that follow
+  std::uint64_t bytes = 0;
   bool operator==(const AnswerHead&) const = default;
 };
 inline constexpr std::size_t k_head_bytes = 16;

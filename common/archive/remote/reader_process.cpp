@@ -252,7 +252,7 @@ Received ReaderProcess::receive(std::span<std::byte> bytes) {
       continue;
     }
     if (got == 0 || (errno != EAGAIN && errno != EINTR)) return Received::ended;
-    // A reader that sends single bytes gets here after each. Data already received is never late.
+    // A reader that sends single bytes reaches this point after each. Received data is never late.
     const auto left =
         std::chrono::ceil<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());
     if (left.count() <= 0) return Received::late;

@@ -33,11 +33,10 @@ struct ReaderLimits {
   double timeout_s = 900;     ///< wall-clock time per question, and for opening
 };
 
-/// How receiving an answer ended.
 enum class Received { all, ended, late };
 
 struct ReaderEnd {
-  std::string words{};  ///< for people
+  std::string words{};
   base::ExitCode exit_code = base::ExitCode::bad_archive;
   bool is_abrupt = false;  ///< such as out of memory
 };
@@ -49,7 +48,6 @@ class ReaderProcess {
   ReaderProcess(const std::string& program, int archive, const ReaderLimits& limits);
   ReaderProcess(const ReaderProcess&) = delete;
   ReaderProcess& operator=(const ReaderProcess&) = delete;
-  /// Ends the process.
   ~ReaderProcess();
 
   /// Restarts the limits for a new question.

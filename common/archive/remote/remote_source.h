@@ -33,7 +33,6 @@ std::unique_ptr<Source> open_remote(const std::string& path, const ReaderLimits&
 std::unique_ptr<Source> open_remote_by(const std::string& program, const std::string& path,
                                        const ReaderLimits& limits = {});
 
-/// The result of opening one archive of a list.
 struct OpenedArchive {
   std::string path;
   std::unique_ptr<Source> source;  ///< null if refused

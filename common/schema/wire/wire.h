@@ -17,7 +17,6 @@ namespace sleight::schema::wire {
 /// Both sides refuse larger messages; units are cut long before.
 inline constexpr std::size_t k_message_bytes_max = std::size_t{1} << 30U;
 
-/// MPI tag of all messages of a job.
 inline constexpr int k_message_tag = 1;
 /// A waiting rank polls at intervals that double from the minimum to the maximum. A blocking
 /// receive would use a whole core, polling uses under 2% of one.
