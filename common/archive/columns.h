@@ -1,7 +1,7 @@
 // Buffers between a layout that produces records and a Sink that expects long runs of elements.
 //
-// Each Column is one dataset. It passes elements on in batches of fixed size, so that the calls
-// into a sink, and hence a file's bytes, depend only on the content.
+// Each Column is one dataset. A Column passes elements on in batches of fixed size, so that the
+// calls into a sink, and hence a file's bytes, depend only on the content.
 #pragma once
 
 #include <cmath>
@@ -18,8 +18,8 @@
 
 namespace sleight::archive {
 
-/// One dataset of Element (double, int64_t, int32_t, or int8_t for booleans). The sink must outlive
-/// the Column. Call flush() before finishing the archive. Not thread-safe.
+/// A Column is one dataset of Element (double, int64_t, int32_t, or int8_t for booleans). The sink
+/// must outlive the Column. Call flush() before finishing the archive. Not thread-safe.
 template <class Element>
 class Column {
  public:

@@ -12,8 +12,8 @@
 //   /request       the normalised request that reproduces the archive, as text
 //
 // Invariants:
-//  1. The content is a function of the arguments. It does not depend on a clock, the environment or
-//     the order of results.
+//  1. The content is a function of the arguments. The content does not depend on a clock, the
+//     environment or the order of results.
 //  2. Memory does not grow with the number of scans: a few batches per dataset, and at most 2
 //     keep_max kept records (distinct.h). Only one animation's segments are in memory at a time.
 //  3. An entry that does not apply is NaN.

@@ -35,13 +35,14 @@ class RunView {
       base::ChainId /*chain*/, std::uint64_t /*thin*/,
       const std::function<void(base::ReplicaId, base::ScanIndex,
                                const plan::ScanRecord&)>& /*visit*/) const {}
-  /// Number of draws from the prior. They are visited in order from 0; their records have no state.
+  /// Number of draws from the prior. Prior draws are visited in order from 0; their records have no
+  /// state.
   virtual std::uint64_t prior_draws() const { return 0; }
   virtual void for_each_prior_draw(
       const std::function<void(std::uint64_t nth, const plan::ScanRecord&)>& /*visit*/) const {}
   /// Scans of the chains that relaxed the finds. 0: finds are as found.
   virtual std::uint64_t relax_scans() const { return 0; }
-  /// Number of finds of a search. They are visited in order, with the number of their start.
+  /// Number of finds of a search. Finds are visited in order, with the number of their start.
   virtual std::uint64_t finds() const { return 0; }
   virtual void for_each_find(
       const std::function<void(std::uint64_t start, const plan::ScanRecord&)>& /*visit*/) const {}

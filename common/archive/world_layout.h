@@ -86,8 +86,8 @@ class StateReader {
   virtual const WorldLayout& layout() const = 0;
   /// Returns the values of all variables in layout order, each row-major.
   virtual std::vector<double> variables(base::BytesView state) const = 0;
-  /// Returns numbers for comparing animations, whose meaning depends on the world. May take a
-  /// simulation, and some kilobytes.
+  /// Returns numbers for comparing animations, whose meaning depends on the world. The call may
+  /// need a simulation, and the result some kilobytes.
   virtual std::vector<double> likeness(base::BytesView state) const = 0;
   /// Returns how different two animations look, in the world's stated unit; 0 for equal ones.
   /// REQUIRES: results of likeness().

@@ -1,11 +1,11 @@
-// Checks for bugs. They stay on in release builds, print both operands and abort the process,
+// Checks for bugs. Checks stay on in release builds, print both operands and abort the process,
 // because an "impossible" state must not reach an archive. Expected failures (bad input, full disk,
 // a lost process) are never a CHECK: see result.h and error.h.
 //
 // A bug's report should allow the bug to be reproduced. So a program's main records what repeats
 // its run: the command line, the request, the seed. These notes and the bug listener are this
-// library's only global state. They affect only the output after a failed check in any thread or an
-// uncaught exception.
+// library's only global state. The notes and the listener affect only the output after a failed
+// check in any thread or an uncaught exception.
 #pragma once
 
 #include <fmt/format.h>

@@ -19,7 +19,7 @@
 
 namespace sleight::base {
 
-/// A file open for reading and writing at any position. Its functions return the system's error
+/// A file open for reading and writing at any position. File's functions return the system's error
 /// code instead of throwing, because a C library calls them (archive/hdf5). Not thread-safe.
 class File {
  public:

@@ -16,9 +16,9 @@ struct Id {
   friend constexpr auto operator<=>(Id, Id) = default;
 };
 
-/// An index into arrays as a type of its own. It converts to its number implicitly, but a number or
-/// an index of another kind only explicitly to it: Index{n}. Indices of different kinds don't
-/// compare.
+/// An index into arrays as a type of its own. An Index converts to its number implicitly. Numbers
+/// and indices of other kinds convert to an Index only explicitly: Index{n}. Indices of different
+/// kinds don't compare.
 template <class Tag>
 struct Index {
   std::uint32_t value{};

@@ -9,8 +9,8 @@ namespace sleight::base {
 inline constexpr const char* k_too_little_memory =
     "too little memory; if a limit is set (ulimit -v, or a job's memory), raise it";
 
-/// Throws std::bad_alloc if this process can't allocate `bytes` more. Call before library functions
-/// that crash without memory.
+/// Throws std::bad_alloc if this process can't allocate `bytes` more. Call this before library
+/// functions that crash if memory is short.
 void require_memory(std::size_t bytes);
 
 }  // namespace sleight::base

@@ -1,5 +1,5 @@
-// Detects disks shared with other machines. There SQLite's shared memory and flock work only within
-// one machine, or not at all.
+// Detects disks shared with other machines. On shared disks, SQLite's shared memory and flock work
+// only within one machine, or not at all.
 //
 // The environment can override the detection: SLEIGHT_NETWORK_DISK=1 makes every disk a network
 // disk (for unknown disks, and for tests), 0 makes none (for a FUSE disk used by this machine

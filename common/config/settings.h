@@ -3,10 +3,10 @@
 // Every setting has a default, so nothing needs configuring. The first of these sources that has a
 // setting determines it:
 //
-//   1. the command line
-//   2. the environment: SLEIGHT_STATE, SLEIGHT_SOCKET, SLEIGHT_SERVER, SLEIGHT_ALLOW_ROOT
-//   3. the file $XDG_CONFIG_HOME/sleight/config.toml, else ~/.config/sleight/config.toml
-//   4. the default, which may depend on the machine or on another setting
+//   1. the command line;
+//   2. the environment: SLEIGHT_STATE, SLEIGHT_SOCKET, SLEIGHT_SERVER, SLEIGHT_ALLOW_ROOT;
+//   3. the file $XDG_CONFIG_HOME/sleight/config.toml, else ~/.config/sleight/config.toml;
+//   4. the default, which may depend on the machine or on another setting.
 //
 // The file is TOML. All keys are optional:
 //

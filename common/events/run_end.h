@@ -6,8 +6,8 @@
 // without a record died.
 //
 // The line is a JSON object with all fields below by name, `end` by name_of and `exit_code` as a
-// number, followed by a newline. It has at most k_end_line_bytes_max bytes, so that a pipe accepts
-// it at once; longer messages lose their middle.
+// number, followed by a newline. The line has at most k_end_line_bytes_max bytes, so that a pipe
+// accepts it at once; longer messages lose their middle.
 //
 // Thread safety: values.
 #pragma once

@@ -33,7 +33,7 @@ struct Field {
 template <class Record, class Value>
 Field(const char*, Value Record::*, const char*, const char* = "1") -> Field<Record, Value>;
 
-/// In the order of the archive's columns. These texts define the numbers of modes and causes.
+/// In the order of the archive's columns. The meanings define the numbers of modes and causes.
 inline constexpr std::tuple k_fields{
     Field{"body", &Segment::body, "feature of /scene that moves"},
     Field{"start_s", &Segment::start_s, "time at which the segment begins", "s"},

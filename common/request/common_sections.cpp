@@ -318,8 +318,8 @@ void settle_method(SectionBinders& sections, DirectionRequest& request, const Wo
   CHECK(request.sampler.relax_scans.has_value());
 }
 
-/// Lets the world choose the sampler if the request leaves it open. Finds are then shown before any
-/// draws.
+/// Lets the world choose the sampler if the request leaves it open. The run then shows finds before
+/// it makes draws.
 void settle_default(SectionBinders& sections, DirectionRequest& request,
                     const WorldBinding& world) {
   if (request.sampler.method == Method::search) return;

@@ -17,8 +17,8 @@
 //      simulator) are command-line options, and as keys they are errors that name the option.
 //   2. All errors of a file are reported, ordered by place. A file that is not TOML has one error.
 //   3. normalised_text is canonical: every key with its value, in a fixed order. Reading it gives
-//      an equal request and the same text. It depends only on values, not on the file's notation,
-//      comments or order.
+//      an equal request and the same text. The text depends only on values, not on the file's
+//      notation, comments or order.
 // Values; thread-safe as such.
 #pragma once
 
@@ -105,7 +105,7 @@ struct StopRule {
   /// chains and end by this rule.
   std::optional<std::uint32_t> found{};
   /// For sequential: required standard error of log P(satisfied), in nats, of the estimate from
-  /// free islands. Such a run makes only islands; `scans` limits their number
+  /// free islands. A run with `odds` makes only islands; `scans` limits their number
   /// (worker/sampling/odds_rule.h).
   std::optional<double> odds{};
   /// Finds of a search, each relaxed by a chain of its own. Excludes other rules.
@@ -165,7 +165,7 @@ WorldBinding bind_world(std::string name, std::string summary,
   return binding;
 }
 
-/// Default for runs of chains. A search or an estimate of odds needs fewer.
+/// Default for runs of chains. A search or an estimate of odds needs fewer prior draws.
 inline constexpr std::uint32_t k_prior_draws = 1000;
 inline constexpr std::uint32_t k_prior_draws_of_search = 100;
 
@@ -276,10 +276,10 @@ struct Cut {
 };
 
 /// Returns normalised_text with [stop] and prior_draws set to `cut`: the request that reproduces
-/// the archive exactly. Without scans and takes it is a search. Besides the scans of islands it
-/// retains the rules odds and independent_solutions, which end runs by their islands: an archive
-/// needs them to decide whether its islands count, and a run that ended by them before the cut ends
-/// there again. REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max, found <=
+/// the archive exactly. Without scans and takes the text describes a search. Besides the scans of
+/// islands it retains the rules odds and independent_solutions, which end runs by their islands: an
+/// archive needs them to decide whether its islands count, and a run that ended by them before the
+/// cut ends there again. REQUIRES: scans, found or relaxed is not 0; scans <= k_scans_max, found <=
 /// k_found_max.
 std::string normalised_text_of(const DirectionRequest& request, const Cut& cut);
 

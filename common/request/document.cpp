@@ -11,8 +11,8 @@
 #include "common/request/text.h"
 
 // toml++ is compiled here from its headers, because Debian's shared library throws exceptions and
-// has fixed limits. Its assertions are neither checked nor assumed (as NDEBUG would do): some fail
-// for hostile input, for which an error follows anyway.
+// has fixed limits. The assertions of toml++ are neither checked nor assumed (as NDEBUG would do):
+// some fail for hostile input, for which an error follows anyway.
 #ifdef NDEBUG
 #undef NDEBUG
 #endif
@@ -24,7 +24,7 @@
 #define TOML_MAX_NESTED_VALUES 8
 #define TOML_FLOAT_CHARCONV 1  // exact in any locale
 // When checking whether a letter such as U+00E4 is white space, toml++ 3.3 reaches code that it
-// declares unreachable. Here that code returns false.
+// declares unreachable. The macro makes that code return false.
 #include <toml++/impl/preprocessor.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE

@@ -1,9 +1,8 @@
 // Extends a run beyond its original request, by the same request with a longer [stop].
 //
 // All else stays, including a sampler that the world chose, because for other rules of [stop] the
-// world might choose another one. The run continues with the same chains. Its archive equals that
-// of the longer request run from scratch.
-// Thread safety: values and pure functions.
+// world might choose another one. The run continues with the same chains. The run's archive equals
+// that of the longer request run from scratch. Thread safety: values and pure functions.
 #pragma once
 
 #include <cstdint>

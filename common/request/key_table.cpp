@@ -88,7 +88,7 @@ std::vector<SectionKeys> request_keys(const WorldBinding& world) {
 
 std::string key_table(const WorldBinding& world) {
   std::vector<SectionKeys> sections = request_keys(world);
-  // Few people need [sampler], which has the most keys, so it comes last.
+  // [sampler] comes last, because it has the most keys and few people need them.
   std::stable_partition(sections.begin(), sections.end(),
                         [](const SectionKeys& keys) { return keys.name != "sampler"; });
   const Row title{"key", "unit", "range", "default", "meaning"};

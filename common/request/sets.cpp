@@ -200,7 +200,7 @@ base::Result<ReadSets, std::vector<Diagnostic>> read_sets(std::span<const std::s
       if (same.section == first.section && same.key == first.key)
         errors.push_back(wrong(text, "the key is set twice; remove one of the two"));
     }
-    // Neither factor exceeds the limit, so the product can't overflow.
+    // Neither number of combinations exceeds the limit, so the product can't overflow.
     read.combinations *= set.value().choices.size();
     if (read.combinations > k_combinations_max) {
       errors.push_back(wrong(text, too_many()));

@@ -2,7 +2,7 @@
 //
 // A set is SECTION.KEY=VALUE. VALUE is a TOML value. Any other word counts as a string, so `--set
 // world.word=HI` needs no nested quotes. A set replaces or adds the key before the request is read.
-// So it has the same errors as a file, with `--set sampler.sed=1` as their place.
+// A set therefore has the same errors as a file, with `--set sampler.sed=1` as their place.
 //
 // A range makes a group of requests, one per value: `sampler.seed=1..20` (integers, both ends
 // included), or a list `sampler.chains={1,4,16}` of values and ranges. Several ranges yield all
@@ -50,7 +50,7 @@ base::Result<std::vector<KeySet>, std::vector<Diagnostic>> plain_sets(
     std::span<const std::string> texts);
 
 /// Returns the set of SECTION.KEY, or of any key of the section if `key` is empty; null if none.
-/// For options that give the same key.
+/// Used for options that set the same key.
 const KeySet* find_set(std::span<const KeySet> sets, std::string_view section,
                        std::string_view key = {});
 

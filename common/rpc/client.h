@@ -133,7 +133,7 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// Connects, and logs in if there is a token. Other calls do so automatically.
+  /// Connects, and logs in if there is a token. Other calls connect automatically.
   void enter();
   Submitted submit(const Submission& submission);
   JobPage list(const ListAsk& ask);

@@ -84,8 +84,8 @@ void put_text(const std::string& text, std::size_t bytes_max, const auto& set) {
 /// Limits of a list; elements beyond them are left out.
 struct Bounds {
   std::size_t written = k_no_bound;
-  /// One element more is read, so that limits.h refuses the list: elements without content cost
-  /// nothing in a message.
+  /// Maximum elements to read, one above the limit, so that limits.h refuses longer lists. Elements
+  /// without content cost nothing in a message.
   std::size_t read = k_no_bound;
   std::size_t text_bytes = k_no_bound;  ///< per text
 };

@@ -1,13 +1,13 @@
 // The values that a service and its clients exchange.
 //
-// The schema common/schema/service.capnp specifies the calls. These are its structs for C++; no
-// code outside common/rpc uses Cap'n Proto. handler.h is the service's side of the calls, client.h
-// the client's.
+// The schema common/schema/service.capnp specifies the calls. This header has the schema's structs
+// for C++; no code outside common/rpc uses Cap'n Proto. handler.h is the service's side of the
+// calls, client.h the client's.
 //
 // Invariants
 //   1. Repeating a call changes nothing more, because submissions carry the client's key and
-//      everything that a call sets is absolute. So a client may repeat a call whose answer was
-//      lost.
+//      everything that a call sets is absolute. A client may therefore repeat a call whose answer
+//      was lost.
 //   2. Text for people consists of whole sentences without control characters, and names no
 //      internals of the service.
 //   3. Values from a newer program are distinguished from wrong ones: enumerations have `unknown`.
@@ -90,7 +90,7 @@ struct Submission {
   /// Random key, drawn by the client, at most k_key_bytes_max. If the service already has a
   /// submission of this user with the same key, it returns the first answer and submits nothing.
   std::string key{};
-  /// A single job stands alone, several form a group. Either all are accepted or none.
+  /// A single job stands alone, several form a group. The service accepts either all jobs or none.
   std::vector<JobAsk> jobs{};
   bool is_group = false;  ///< true also for a group of one, as with --set sampler.seed=1..1
   bool operator==(const Submission&) const = default;

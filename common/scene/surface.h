@@ -1,5 +1,4 @@
-// A surface from an archive's control points, of which there are only those that an animation
-// needs.
+// A surface from control points. An archive stores only the points that an animation needs.
 //
 // Formula: a uniform bicubic B-spline, e.g. L. Piegl and W. Tiller, "The NURBS Book" (2nd edition,
 // 1997), chapter 2. Patch (i, j) covers i spacing <= x < (i + 1) spacing, likewise y, and depends

@@ -1,5 +1,5 @@
-// Checksums of the run store's rows (XXH3, 64 bits). SQLite has none, so a flipped bit on the disk
-// would yield a different animation without any error.
+// Checksums of the run store's rows (XXH3, 64 bits). SQLite has no checksums, so a flipped bit on
+// the disk would yield a different animation without any error.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// A small RAII wrapper of SQLite's C interface. It checks every return value; a failure is a
-// base::Error with the file, the reason and what to do.
+// A small RAII wrapper of SQLite's C interface. The wrapper checks every return value; a failure is
+// a base::Error with the file, the reason and what to do.
 //
 // Thread safety: only one thread at a time may use a connection.
 #pragma once
@@ -20,7 +20,7 @@ struct sqlite3_stmt;
 
 namespace sleight::store {
 
-/// A prepared statement. Its Database must outlive it.
+/// A prepared statement. The Database must outlive its statements.
 class Statement {
  public:
   Statement(sqlite3* connection, const std::string& path, std::string_view sql);
@@ -54,8 +54,8 @@ class Statement {
 
 enum class Access { read_only, read_write };
 
-/// A failure of SQLite: base::Error with advice for run-store users. Other callers use the kind and
-/// the reason.
+/// A failure of SQLite: base::Error with advice for run-store users. Other callers use kind() and
+/// the bare reason.
 class DatabaseError : public base::Error {
  public:
   enum class Kind { damaged, full, busy, other };

@@ -4,8 +4,8 @@
 // Invariants
 //   1. Results are committed in the order of put(), and events with or after all results put
 //      before.
-//   2. committed() counts scans whose commit has returned, without prior draws. Only these may be
-//      reported as done.
+//   2. committed() counts scans whose commit has returned, without prior draws. Only committed
+//      scans may be reported as done.
 //   3. After a failed commit nothing more is written. The next put or flush throws the failure in
 //      its caller's thread.
 //   4. The thread starts with the first result, so the process may fork safely until then.
@@ -42,7 +42,7 @@ class GroupCommit {
   };
   using Commit = std::function<void(Group&)>;
 
-  /// `commit` makes a group durable or throws. It is called from one thread.
+  /// `commit` makes a group durable or throws. Only one thread calls `commit`.
   explicit GroupCommit(Commit commit);
   /// Like end().
   ~GroupCommit();

@@ -123,7 +123,8 @@ Lease::Outcome Lease::take(std::uint64_t generation, bool owes_copies) {
   own_ = files_.make(generation, text_.to_text());
   if (!own_) return Unsure{};  // another process was faster
 
-  // An out-of-date list may have led to a generation already used. Then a newer one exists.
+  // An out-of-date list may have led to a generation already used. In that case a newer generation
+  // exists.
   const std::vector<std::uint64_t> all = files_.list();
   if (!all.empty() && all.back() > generation) {
     own_.reset();

@@ -1,12 +1,12 @@
 // A lock for disks shared by several machines, where flock works only within one machine or not at
 // all. The lock is a file with a lease that its holder renews.
 //
-// Every hold of the lock has a number, its generation, and a file `lease.N`. Only creating that
-// file decides: like link(2), it succeeds for exactly one process. A process that wants the lock
-// reads the newest file. It creates the next one if the newest holder has released the lock, is
-// known to be dead, or has not renewed for a whole lease. A holder's file is never taken away:
-// renaming or removing a lock file would leave a moment without one, in which a third process takes
-// the lock while the second believes that it has it.
+// Every hold of the lock has a number, its generation, and a file `lease.N`. Whichever process
+// creates that file has the lock: creation, like link(2), succeeds for exactly one process. A
+// process that requests the lock reads the newest file. The process creates the next file if the
+// newest holder has released the lock, is known to be dead, or has not renewed for a whole lease. A
+// holder's file is never taken away: renaming or removing a lock file would leave a moment without
+// one, in which a third process takes the lock while the second believes that it has it.
 //
 // Each process measures time with its own clock; clocks of different machines are never compared.
 // The holder of a 60 s lease (k_lease_s) renews it every 3 s by writing its file. The holder may

@@ -1,5 +1,5 @@
-// Reads scans from the run store's table as records. They determine what a resumed plan does or
-// what an archive contains, so every row's checksum is verified.
+// Reads scans from the run store's table as records. The records determine what a resumed plan does
+// or what an archive contains, so every row's checksum is verified.
 //
 // Thread safety: as SharedDatabase.
 #pragma once

@@ -19,7 +19,7 @@ constexpr std::uint64_t k_scans_at_a_time = 256;
 /// Rows per turn; few, because their states may be large.
 constexpr std::uint64_t k_rows_at_a_time = 64;
 constexpr std::uint64_t k_failures_at_a_time = 1024;
-/// Starts per turn, of which only the success is read.
+/// Starts per turn. Only their success is read.
 constexpr std::uint64_t k_starts_at_a_time = 16384;
 constexpr std::uint64_t k_lanes = plan::k_island_lanes;
 

@@ -1,9 +1,10 @@
 // Replaces files that a process on another machine may still write, when its lock is taken over
 // (RunLock::owes_copies).
 //
-// A writer may stall in the middle of a commit and continue after its lease has ended. It would
-// then overwrite its successor's pages, and no lock on a network disk can prevent that. However, it
-// writes to the file that it has opened, not to the copy that now has the name.
+// A writer may stall in the middle of a commit and continue after its lease has ended. The old
+// writer would then overwrite its successor's pages, and no lock on a network disk can prevent
+// that. However, the old writer writes to the file that it has opened, not to the copy that now has
+// the name.
 //
 // A copied database with its log is consistent even if the old writer continues meanwhile, because
 // the old writer finishes at most one commit (RunLock::check refuses the next):

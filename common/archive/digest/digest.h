@@ -11,7 +11,7 @@
 // Lines after the first are sorted as bytes. A double attribute is written as its 16 hexadecimal
 // digits. A dataset's values are hashed in row-major order: f64, i64 and i32 as little-endian
 // bytes, every NaN as 0x7ff8000000000000, a boolean as its byte, text as its length (8 bytes) and
-// its bytes. Hence the digest does not depend on chunks, compression, creation order or NaN
+// its bytes. The digest therefore does not depend on chunks, compression, creation order or NaN
 // payloads.
 //
 // The manifest omits the root attributes content_digest, inference_library_version, results_version

@@ -126,7 +126,7 @@ void check_coordinates(const Reader& reader, Findings& findings) {
   check_progression(reader, k_animations, "segment", 1, findings);
 
   if (reader.size(k_replicas, "replica") > 1) {
-    // Scans are counted from the start of the run, draws not always.
+    // Scans always count from the start of the run, draws don't.
     Rule place("/replicas/scan is a multiple of thin, or -1");
     for_each_batch(
         reader.elements(k_replicas, "scan"), [&](std::uint64_t first, std::uint64_t count) {

@@ -1,8 +1,8 @@
 // Ownership and error checks for the HDF5 C API. Included only by this folder's sources.
 //
 // Every result goes through Api::id, Api::ok or Api::count, which turn failures into a base::Error
-// with the file, the object and HDF5's innermost reason. HDF5 itself prints nothing. It loads no
-// plugins, because a file must not choose code to run. It does not clean up at exit: no object is
+// with the file, the object and HDF5's innermost reason. HDF5 itself prints nothing. HDF5 loads no
+// plugins, because a file must not choose code to run. HDF5 does not clean up at exit: no object is
 // open then, and the clean-up can crash after a failed write.
 //
 // HDF5 is one global library, so only one thread of the process may use this folder at a time.

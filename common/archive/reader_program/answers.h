@@ -14,8 +14,8 @@
 
 namespace sleight::archive::reader_program {
 
-/// The archive's name in the reader's messages. It is removed before sending, because the client
-/// knows the path and the reader does not.
+/// The archive's name in the reader's messages. The reader removes the name before sending, because
+/// only the client knows the path.
 inline constexpr const char* k_nameless = "archive";
 
 /// Opens the archive and answers questions. Returns the process's exit code. Exceptions base::Error

@@ -1,9 +1,9 @@
 // Drops a process's privileges before it reads a file that may be hostile.
 //
 // Afterwards the process can compute, allocate memory up to a limit, read its archive and
-// questions, and write answers. It can't open a file or a socket, start a program or a process, or
-// regain any privilege: any other system call kills it with SIGSYS. The parent limits its processor
-// time (archive/remote/reader_process.h), and this process can't change that limit.
+// questions, and write answers. The process can't open a file or a socket, start a program or a
+// process, or regain any privilege: any other system call kills it with SIGSYS. The parent limits
+// its processor time (archive/remote/reader_process.h), and this process can't change that limit.
 //
 // Under a sanitizer memory is not limited, and the system calls of the sanitizer's checks and
 // reports are permitted: opening files for reading, making pipes, and writing to open descriptors.

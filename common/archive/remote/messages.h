@@ -11,8 +11,8 @@
 //                        its type is 1 if the archive is not at fault, which is possible only
 //                        for the first answer
 //
-// Datasets are numbered from 0 in the order of the contents. Numbers are little-endian. Both ends
-// come from one build, so there are no versions.
+// Datasets are numbered from 0 in the order of the contents. Numbers are little-endian. Reader and
+// client come from one build, so there are no versions.
 //
 // A hostile file may have taken over the reader, so everything here that decodes answers accepts
 // any bytes. Thread safety: values and pure functions.

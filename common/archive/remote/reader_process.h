@@ -6,8 +6,8 @@
 //
 // posix_spawn starts the process, because fork is unsafe in a multi-threaded program: posix_spawn
 // runs none of our code in between. The process has only its own descriptors, a clean environment,
-// and no signals from the terminal. It ends when this object is destroyed, or when this process
-// ends in any way, because the kernel then closes its lifeline.
+// and no signals from the terminal. The process ends when this object is destroyed, or when this
+// process ends in any way, because the kernel then closes its lifeline.
 //
 // Not thread-safe; different objects are independent of each other.
 #pragma once

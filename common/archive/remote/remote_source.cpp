@@ -108,7 +108,7 @@ class RemoteSource final : public Source {
   }
 
   /// Throws if this process, and with it the reader, has less memory than a reader may use, because
-  /// the failure then says nothing about the file.
+  /// the failure may have nothing to do with the file.
   void fail_for_want_of_memory() const {
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_max >= limits_.address_space_bytes)

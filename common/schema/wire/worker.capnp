@@ -62,7 +62,7 @@ struct Unit {
 }
 
 # Members are at neighbouring temperatures and share chain and seed, which key the random numbers of
-# their swaps. They advance scan by scan and swap with each other. A member stops if its swap
+# their swaps. The members advance scan by scan and swap with each other. A member stops if its swap
 # partner is outside the part, or at endScan. All members stop after scansMax scans together; each
 # member's first scan is always made.
 struct LadderPart {
