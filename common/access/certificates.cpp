@@ -38,7 +38,6 @@ struct Freer {
 template <class T>
 using Held = std::unique_ptr<T, Freer>;
 
-/// Returns OpenSSL's reason for the last failure.
 std::string reason() {
   const unsigned long code = ::ERR_get_error();
   ::ERR_clear_error();
@@ -116,7 +115,6 @@ base::Descriptor connect_to_host(const ServerAddress& address, double seconds_ma
                                 std::strerror(error == EINPROGRESS ? ETIMEDOUT : error)));
 }
 
-/// A separate connection for inspecting a server.
 class Handshake {
  public:
   Handshake(const ServerAddress& address, const std::string& name, double seconds_max)

@@ -55,7 +55,6 @@ class Rows {
   std::int64_t next_ = 0;
 };
 
-/// A column for one field of a table.
 template <class Record, class Value>
 class FieldColumn {
  public:
@@ -96,7 +95,6 @@ auto columns_of(const Maker& maker, const char* dim) {
       [&](const auto&... each) { return std::tuple{FieldColumn(maker, dim, each)...}; }, fields);
 }
 
-/// A table whose rows each belong to one animation.
 template <const auto& fields>
 class AnimationTable {
  public:

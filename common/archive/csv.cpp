@@ -121,7 +121,6 @@ bool is_column(const DatasetSpec& spec, const std::vector<std::string>& index) {
                             &Dimension::name);
 }
 
-/// A run of consecutive rows.
 struct RowRange {
   std::uint64_t first = 0;
   std::uint64_t count = 0;
@@ -236,7 +235,6 @@ class Exporter {
 
 namespace {
 
-/// Returns the values of a dataset over animations.
 std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
                                      std::string_view name) {
   const DatasetSpec* spec = find_dataset(group, name);
@@ -256,7 +254,6 @@ std::vector<std::int64_t> numbers_of(const Source& source, const Group& group,
                                 source.name(), animation, animations));
 }
 
-/// Returns one row per given animation.
 std::vector<RowRange> single_rows(const Source& source, std::uint64_t rows,
                                   std::span<const std::uint64_t> animations) {
   std::vector<RowRange> ranges;

@@ -21,7 +21,6 @@ std::uint64_t archived_states(const RunView& view, const ArchiveOptions& options
   return view.draws() == 0 ? 0 : (view.draws() - 1) / options.thin + 1;
 }
 
-/// Writes /posterior: the state of every thin-th scan.
 class PosteriorWriter {
  public:
   PosteriorWriter(const RunView& view, const StateReader& reader, const ArchiveOptions& options,
@@ -114,7 +113,6 @@ class ProposalColumns {
   std::size_t kinds_ = 0;
 };
 
-/// Writes /sample_stats: scalars of every scan.
 class SampleStatsWriter {
  public:
   SampleStatsWriter(const RunView& view, const WorldLayout& layout, Sink& sink) {
@@ -170,7 +168,6 @@ struct NewestState {
 using NewestStates =
     std::vector<std::vector<std::optional<NewestState>>>;  ///< by chain, by replica
 
-/// Writes /replicas: the newest archived state of each chain's replicas.
 void write_replicas(const NewestStates& newest, const StateReader& reader, Sink& sink) {
   sink.create_group(k_replicas);
   Dims dims{{"chain", newest.size()}, {"replica", newest.empty() ? 1 : newest.front().size()}};
@@ -229,7 +226,6 @@ NewestStates newest_states(const RunView& view, std::uint64_t thin, NewestStates
   return all;
 }
 
-/// Writes /tempering: what the method learnt.
 void write_report(const plan::Report& report, const WorldLayout& layout, Sink& sink) {
   if (report.empty()) return;
   sink.create_group(k_tempering);
@@ -286,7 +282,6 @@ class Counted {
   WritingProgress now_;
 };
 
-/// Writes /animations: the kept draws.
 void write_animations(DistinctSelector& selector, const StateReader& reader,
                       const ArchiveOptions& options, bool in_proportion, Sink& sink,
                       const HearWriting& hear) {

@@ -19,7 +19,6 @@ Column<double> metres(Sink& sink, const char* name, const Dims& dims, const char
   return {sink, k_scene, spec_of(name, ElementType::f64, dims, long_name, "m")};
 }
 
-/// Writes the coordinate of a dimension labelled by words.
 template <std::size_t n>
 void write_names(Sink& sink, const char* dim, const std::array<std::string_view, n>& names,
                  const char* long_name) {
@@ -110,7 +109,6 @@ void write_meshes(const scene::Scene& scene, Sink& sink) {
   corner.flush();
 }
 
-/// Writes means and standard deviations of variables with normal components.
 void write_normal_priors(Sink& sink, const std::vector<Variable>& variables) {
   for (const Variable& variable : variables) {
     if (variable.prior_sd.empty()) continue;

@@ -69,7 +69,6 @@ std::vector<Expected> expected_in_all() {
   };
 }
 
-/// Returns the datasets of motions, the same for /animations and /finds.
 std::vector<Expected> expected_motions(std::string_view group) {
   using enum ElementType;
   const Names segments{"segment"};
@@ -220,7 +219,6 @@ void check_attribute(const Source& source, std::string_view group_name, std::str
   }
 }
 
-/// Checks a root attribute that may have only one value.
 template <class T>
 void check_value(const Source& source, std::string_view name, const T& expected,
                  Findings& findings) {

@@ -13,7 +13,6 @@
 
 namespace sleight::archive {
 
-/// The stored element type of a field.
 template <class Value>
 using Stored =
     std::conditional_t<std::same_as<motion::Element<Value>, double>, double, std::int32_t>;
@@ -43,7 +42,6 @@ inline constexpr std::tuple k_point_fields{
 
 template <class Record, class... Values>
 Record record_of(const std::tuple<motion::Field<Record, Values>...>& fields);
-/// The record type of a field list.
 template <const auto& fields>
 using RecordOf = decltype(record_of(fields));
 

@@ -24,7 +24,6 @@ namespace sleight::base {
 /// never freed. Thread-safe.
 void add_repeat_note(std::string_view line);
 
-/// Returns the notes in order of addition, each with a newline.
 std::string repeat_notes();
 
 /// Called before the process aborts, for a failed check or an uncaught exception (`place` is then

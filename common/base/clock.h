@@ -25,7 +25,6 @@ class BootClock final : public Clock {
   double now_s() const override;
 };
 
-/// Returns the processor time of the calling thread.
 double thread_processor_s();
 
 /// For tests: changes only when it is moved. Not thread-safe.

@@ -37,7 +37,6 @@ std::error_code last_error() {
   return {errno, std::system_category()};
 }
 
-/// Returns the status of a path; nothing if it does not exist.
 std::optional<struct stat> status_of(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) return status;

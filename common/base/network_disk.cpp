@@ -21,7 +21,6 @@ constexpr std::array<std::pair<unsigned long, const char*>, 9> k_types{{{0x6969,
                                                                         {0x65735546, "FUSE"},
                                                                         {0x01021997, "9P"}}};
 
-/// Returns the name of a file-system type reported by statfs, or nothing.
 std::optional<std::string> network_file_system_of_type(unsigned long type) {
   for (const auto& [known, name] : k_types) {
     if (known == type) return name;

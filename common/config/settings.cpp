@@ -30,7 +30,6 @@ constexpr std::size_t k_shown_characters_max = 60;
 constexpr std::size_t k_name_bytes_max = 255;
 constexpr std::string_view k_sections[] = {"limits", "slurm"};
 
-/// A key's range of integers.
 struct Range {
   std::uint64_t minimum = 0;
   std::uint64_t maximum = k_integer_max;
@@ -375,7 +374,6 @@ Settings defaults_of(const Surroundings& surroundings) {
   return settings;
 }
 
-/// Requires a certificate and its key together.
 void settle_certificate(const Settings& settings, std::vector<request::Diagnostic>& wrong) {
   const auto& certificate = settings.tls_certificate;
   const auto& key = settings.tls_key;
@@ -436,7 +434,6 @@ void settle_socket(Settings& settings, std::vector<request::Diagnostic>& wrong) 
                                k_socket_path_bytes_max)});
 }
 
-/// Makes each key's row for display and for JSON.
 class RowMaker {
  public:
   std::vector<Row> rows;

@@ -124,7 +124,6 @@ inline constexpr std::string_view k_machine_socket = "/run/sleight/socket";
 /// Longest path in a sockaddr_un, without the final zero.
 inline constexpr std::size_t k_socket_path_bytes_max = 107;
 
-/// Inputs of the settings besides the file.
 struct Surroundings {
   /// Returns an environment variable; nothing if it is unset.
   std::function<std::optional<std::string>(std::string_view name)> variable;
@@ -154,7 +153,6 @@ base::Result<Settings, std::vector<request::Diagnostic>> settings_of(
 /// Returns the file's path; nothing if neither XDG_CONFIG_HOME nor HOME is an absolute path.
 std::optional<std::string> config_path_of(const Surroundings& surroundings);
 
-/// A setting for display and for JSON.
 struct Row {
   std::string key;               ///< such as "cores" or "limits.jobs"
   std::string value;             ///< as in the file, without quotes; "none": no limit

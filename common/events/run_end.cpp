@@ -61,7 +61,6 @@ std::string line_of(const RunEnd& end) {
   return json.dump() + "\n";
 }
 
-/// Shortens text to its first and last `half` bytes.
 std::string without_middle(const std::string& words, std::size_t half) {
   if (words.size() <= 2 * half) return words;
   return words.substr(0, half) + std::string(k_left_out) + words.substr(words.size() - half);

@@ -54,7 +54,6 @@ std::string checksum_of(std::string_view first, std::string_view second) {
   return fmt::format("{:016x}", hash);
 }
 
-/// Reads keys of a section, and records the first error.
 class Keys {
  public:
   Keys(const request::Section& section, std::string path)

@@ -21,7 +21,6 @@
 
 namespace sleight::motion {
 
-/// A record's field with its column in an archive.
 template <class Record, class Value>
 struct Field {
   const char* name;  ///< name of the column

@@ -61,7 +61,6 @@ void check_excursions(Binder& sampler, const SamplerParameters& p) {
                             steps, levels, k_excursion_iterations_max));
 }
 
-/// Binds annealing and burn-in, and the parts of excursions and ascents.
 void bind_what_some_methods_have(Binder& sampler, SamplerParameters& p) {
   sampler.optional_integer(
       "anneal_scans", p.anneal_scans,
@@ -333,7 +332,6 @@ void settle_default(SectionBinders& sections, DirectionRequest& request,
   sections.stop.settle("found", fmt::format("{}", *request.stop.found));
 }
 
-/// Sets the default stop rule if none is given.
 void settle_stop(SectionBinders& sections, DirectionRequest& request) {
   const bool searches = request.sampler.method == Method::search;
   const bool relaxes = request.sampler.relax_scans.has_value();

@@ -113,7 +113,6 @@ struct StopRule {
   friend bool operator==(const StopRule&, const StopRule&) = default;
 };
 
-/// The sections that contain the world's keys.
 struct WorldSections {
   Binder& world;
   Binder& constraint;
@@ -295,7 +294,6 @@ DirectionRequest with_seed(DirectionRequest request, std::uint64_t seed);
 /// REQUIRES: stop.found or stop.takes.
 DirectionRequest search_of(DirectionRequest request);
 
-/// A section, or a table of an array, with the descriptions of its keys.
 struct SectionKeys {
   std::string name;
   std::vector<KeySpec> keys;

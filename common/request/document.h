@@ -20,7 +20,6 @@
 
 namespace sleight::request {
 
-/// A type of value that no key of a request can have.
 enum class Unwanted { array, table, date_or_time };
 
 struct Value {

@@ -12,7 +12,6 @@
 namespace sleight::request {
 namespace {
 
-/// Adds an error if a rule requests no more than before.
 template <typename Number>
 void complain_if_no_longer(std::string_view rule, const std::optional<Number>& asked,
                            const std::optional<Number>& before, bool less_is_longer,

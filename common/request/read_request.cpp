@@ -26,7 +26,6 @@ std::vector<std::string> names_of(const Binder& section) {
   return names;
 }
 
-/// Reports why an undeclared key is wrong, and suggests the intended one.
 class UnknownKeys {
  public:
   UnknownKeys(const SectionBinders& sections, Diagnostics& diagnostics)
@@ -54,7 +53,6 @@ class UnknownKeys {
                                               section, meant_key(entry, known)));
   }
 
-  /// Reports an undeclared key in a table of an array.
   void table_key(const Entry& entry, const BoundTables& array) {
     std::vector<std::string> known;
     for (const BoundKey& bound : array.specs)
@@ -283,7 +281,6 @@ std::vector<const char*> rules_of(const Document& document, const std::optional<
   return {"independent_solutions"};
 }
 
-/// Replaces [stop] by the command line's goal.
 void ask_for(Document& document, const Asked& asked, std::span<const WorldBinding> worlds) {
   CHECK(asked.number >= 1 && asked.number <= k_independent_solutions_max);
   const Section* given = document.find("stop");

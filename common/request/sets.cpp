@@ -110,7 +110,6 @@ std::optional<std::vector<std::string_view>> items_of(std::string_view text) {
   return items;
 }
 
-/// The values of a set in TOML, one per request.
 struct Values {
   std::vector<std::string> texts;
   bool is_range = false;

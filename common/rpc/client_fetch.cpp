@@ -32,7 +32,6 @@ void check_view(const FileView& view) {
   if (!is_hexadecimal || !is_file_name(view.name)) throw RefusedError(broken_answer());
 }
 
-/// One fetch over all its connections.
 class Fetching {
  public:
   Fetching(Link& link, const ClientOptions& options, FetchAsk ask, const FetchProgress& progress,

@@ -28,7 +28,6 @@ void Patience::reset() {
 
 namespace {
 
-/// The jobs of one watch, with the progress of each.
 class Watched {
  public:
   Watched(std::vector<WatchPoint> points, WatchSink& sink)

@@ -58,7 +58,6 @@ struct ServerOptions {
   Audit audit{};
 };
 
-/// For `server status`, and for tests of the limits.
 struct ServerCounts {
   std::size_t connections = 0;
   std::size_t watchers = 0;  ///< watch calls that wait for news

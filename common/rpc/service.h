@@ -103,7 +103,6 @@ struct Submitted {
   bool operator==(const Submitted&) const = default;
 };
 
-/// A job, or all jobs of a group.
 struct Target {
   std::optional<JobId> job{};
   std::optional<GroupId> group{};  ///< REQUIRES: exactly one of job and group
@@ -316,7 +315,6 @@ struct FetchAsk {
   bool operator==(const FetchAsk&) const = default;
 };
 
-/// A file as announced before its content.
 struct FileView {
   std::string name{};
   std::uint64_t size = 0;

@@ -33,7 +33,6 @@ std::optional<Refusal> check(JobId& job) {
   return job.value == 0 ? std::optional(no_such_job()) : std::nullopt;
 }
 
-/// Checks that a token's id is well-formed.
 std::optional<Refusal> check(const std::string& id) {
   if (access::is_token_id(id)) return std::nullopt;
   return Refusal{.kind = RefusalKind::not_found,
@@ -81,7 +80,6 @@ std::optional<Refusal> beyond_token(const Rule& rule, const Caller& caller) {
           fmt::format("Use a token that was created with `--scope {}`.", name_of(*rule.scope))};
 }
 
-/// Returns the start of a call's line in the audit log.
 template <class Ask>
 AuditLine line_of(const Rule& rule, const Ask& ask) {
   AuditLine line{.call = std::string(rule.audited_as)};
@@ -99,7 +97,6 @@ AuditLine line_of(const Rule& rule, const Ask& ask) {
   return line;
 }
 
-/// Returns a call's result for the audit log.
 template <class T>
 std::string made_of(const T& answer) {
   if constexpr (std::is_same_v<T, Submitted>) {
@@ -114,7 +111,6 @@ std::string made_of(const T& answer) {
   }
 }
 
-/// Forwards an answer to `reply` and reports it to `audit`.
 template <class T>
 Reply<T> audited(const Audit& audit, const Caller& caller, AuditLine line, Reply<T> reply) {
   auto owed = std::make_shared<Reply<T>>(std::move(reply));
@@ -159,7 +155,6 @@ class Counted {
   std::shared_ptr<Conversation> conversation_;
 };
 
-/// The common part of Service and File.
 struct Serving {
   std::shared_ptr<Calls> calls;
   std::shared_ptr<Conversation> conversation;

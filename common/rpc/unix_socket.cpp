@@ -40,7 +40,6 @@ class Descriptor {
   int value_;
 };
 
-/// Returns the address of a path through its open folder.
 sockaddr_un address_of(int folder, const std::string& path) {
   const std::string name = path.substr(path.rfind('/') + 1);  // npos + 1 is 0
   const std::string way = fmt::format("/proc/self/fd/{}/{}", folder, name);

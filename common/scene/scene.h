@@ -102,7 +102,6 @@ struct ControlPoint {
   friend bool operator==(const ControlPoint&, const ControlPoint&) = default;
 };
 
-/// An animation's own parts of the scene.
 struct Variation {
   std::vector<Part> parts{};           ///< without meshes
   std::vector<ControlPoint> points{};  ///< the needed points, sorted by (j, i)

@@ -35,7 +35,6 @@ inline constexpr std::size_t k_queue_bytes_max = 64U << 20U;
 
 class GroupCommit {
  public:
-  /// Results and events committed together.
   struct Group {
     std::vector<plan::UnitResult> results;
     std::vector<PutEvents> events;

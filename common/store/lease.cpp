@@ -94,7 +94,6 @@ Lease::Outcome Lease::try_take() {
   const std::vector<std::uint64_t> all = files_.list();
   if (all.empty()) return take(1, false);
 
-  // Find the holder of the newest lease.
   const std::uint64_t newest = all.back();
   const double asked_s = clock_.now_s();
   std::optional<std::string> text = files_.read(newest);

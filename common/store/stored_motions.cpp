@@ -62,7 +62,6 @@ std::string text_of(base::BytesView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Returns 0 if there is no such file.
 std::uintmax_t bytes_of_file(const std::string& path) {
   std::error_code failure;
   const std::uintmax_t bytes = std::filesystem::file_size(path, failure);

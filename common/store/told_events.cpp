@@ -54,7 +54,6 @@ std::shared_ptr<SharedDatabase> open_store(const std::string& folder) {
 
 }  // namespace
 
-/// A log file open for reading, or none.
 class ToldEvents::LogFile {
  public:
   explicit LogFile(const std::string& path)

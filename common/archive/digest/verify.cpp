@@ -76,7 +76,6 @@ class Reader {
   const Source& source_;
 };
 
-/// Calls `visit(first, count)` for consecutive batches.
 template <class Visit>
 void for_each_batch(std::uint64_t total, Visit&& visit) {
   for (std::uint64_t first = 0; first < total; first += k_batch_elements) {
@@ -215,7 +214,6 @@ void check_proposals(const Reader& reader, Findings& findings) {
   rate_rule.report(findings);
 }
 
-/// Compares the kept animations with the rows of their scans.
 class AnimationCheck {
  public:
   explicit AnimationCheck(const Reader& reader)

@@ -11,7 +11,6 @@
 
 namespace sleight::archive::hdf5 {
 
-/// An open dataset that has passed every check.
 struct StoredDataset {
   Handle id;
   ElementType type = ElementType::f64;

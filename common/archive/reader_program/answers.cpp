@@ -21,7 +21,6 @@ using remote::AnswerHead;
 using remote::AnswerKind;
 using remote::Question;
 
-/// A dataset, found by its number in the contents.
 struct Numbered {
   const Group* group = nullptr;
   const DatasetSpec* spec = nullptr;

@@ -10,7 +10,6 @@
 namespace sleight::archive::remote {
 namespace {
 
-/// Appends scalars and texts to an answer.
 class Composer {
  public:
   template <class T>
@@ -47,7 +46,6 @@ class Decomposer {
     return failed_ ? std::string()
                    : std::string(reinterpret_cast<const char*>(part.data()), part.size());
   }
-  /// Reads how many items follow.
   std::uint32_t get_count(std::uint64_t most) {
     const auto count = get<std::uint32_t>();
     if (count > most) failed_ = true;

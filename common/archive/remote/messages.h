@@ -52,7 +52,6 @@ Question decode_question(const QuestionBytes& bytes);
 
 enum class AnswerKind : std::uint8_t { contents = 1, values = 2, refusal = 3 };
 
-/// The type of a refusal.
 inline constexpr std::uint8_t k_of_archive = 0;
 inline constexpr std::uint8_t k_of_environment = 1;
 inline constexpr std::uint8_t k_of_memory = 2;  ///< too little memory

@@ -72,7 +72,6 @@ Ends socket_pair(const std::string& program) {
   return {std::move(first), raised(second, program)};
 }
 
-/// Owns the arguments of posix_spawn.
 class SpawnOrders {
  public:
   SpawnOrders() {

@@ -99,7 +99,6 @@ class RemoteSource final : public Source {
     const DatasetSpec* spec = nullptr;
   };
 
-  /// Abandons the reader with this reason.
   [[noreturn]] void fail(std::string_view reason,
                          base::ExitCode code = base::ExitCode::bad_archive) const {
     process_.reset();
