@@ -92,7 +92,7 @@ class StateReader {
   /// Returns how different two animations look, in the world's stated unit; 0 for equal ones.
   /// REQUIRES: results of likeness().
   virtual double likeness_distance(std::span<const double> a, std::span<const double> b) const = 0;
-  /// Returns whether likeness_distance exceeds `distance`, which may be cheaper.
+  /// Returns whether likeness_distance > `distance`. May be cheaper than likeness_distance.
   virtual bool is_unlike(std::span<const double> a, std::span<const double> b,
                          double distance) const {
     return likeness_distance(a, b) > distance;

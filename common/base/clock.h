@@ -19,7 +19,7 @@ class SteadyClock final : public Clock {
   double now_s() const override;
 };
 
-/// Also counts while the machine sleeps, because other machines may act meanwhile.
+/// A clock that also counts while the machine sleeps, because other machines may act meanwhile.
 class BootClock final : public Clock {
  public:
   double now_s() const override;

@@ -28,7 +28,7 @@ struct Field {
   const char* meaning;  ///< one sentence
   const char* unit = "1";
 };
-/// Clang deduces this by itself from version 17.
+/// Clang needs this deduction guide before version 17.
 template <class Record, class Value>
 Field(const char*, Value Record::*, const char*, const char* = "1") -> Field<Record, Value>;
 

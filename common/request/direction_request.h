@@ -70,7 +70,7 @@ struct SamplerParameters {
   std::optional<std::uint32_t> anneal_scans{};
   /// Rounds of parallel tempering with which simulated_tempering, tempered_transitions and
   /// annealed_importance find their temperatures. Empty: k_burn_in_rounds. For sequential, the
-  /// rounds that don't count. Empty: k_island_burn_in_rounds.
+  /// burn-in rounds. Empty: k_island_burn_in_rounds.
   std::optional<std::uint32_t> burn_in_rounds{};
   /// For annealed_importance: number of parallel ascents. Empty: k_lanes.
   std::optional<std::uint32_t> lanes{};

@@ -29,8 +29,8 @@ bool is_front_of(std::string_view front, std::string_view whole) {
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // row[i] holds the distances from the first i characters of `a` to every prefix of `b`. Only the
-  // last three rows are used.
+  // row[i] holds the distances from the first i characters of `a` to every prefix of `b`. The
+  // algorithm uses only the last three rows.
   std::array<std::vector<std::size_t>, 3> row;
   for (auto& r : row)
     r.resize(b.size() + 1);

@@ -115,8 +115,8 @@ class Authority {
 /// The news that a watcher of a job lacks.
 struct Batch {
   std::vector<StateChange> changes{};  ///< consecutive, from WatchPoint::change + 1 on
-  /// Numbered events, consecutive from WatchPoint::event + 1. Among them, at any place: at most the
-  /// newest unnumbered event of each kind that `mark` does not cover.
+  /// Numbered events, consecutive from WatchPoint::event + 1. Between them may be unnumbered events
+  /// that `mark` does not cover, at most the newest of each kind.
   std::vector<events::RunEvent> events{};
   std::uint64_t mark = 0;  ///< covers this batch's unnumbered events
   /// The job is settled, and this batch completes the watcher's numbered events. False for a batch
