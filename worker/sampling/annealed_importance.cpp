@@ -21,7 +21,7 @@ WeightSummary summary_of(std::span<const double> log_weights) {
   WeightSummary summary{.log_mean = {first.log_mean(), std::numeric_limits<double>::quiet_NaN()},
                         .effective_size = 0};
   if (first.log_sum() == k_log_zero) return summary;
-  // (sum w)^2 / sum w^2, and the relative variance of the mean, n / (n-1) (1/size - 1/n).
+  // The relative variance of the mean is n / (n-1) (1/size - 1/n).
   summary.effective_size = math::exp(2 * first.log_sum() - second.log_sum());
   if (n > 1)
     summary.log_mean.error =
@@ -42,7 +42,7 @@ AnnealedImportance::AnnealedImportance(const BurnIn& burn_in, std::uint32_t lane
 
 std::optional<plan::Unit> AnnealedImportance::next_unit(std::uint64_t horizon,
                                                         std::uint32_t scans_max) {
-  // The lane that is furthest behind.
+  // Choose the lane that is furthest behind.
   Lane* chosen = nullptr;
   for (Lane& lane : lanes_) {
     if (lane.handed_out || burn_in_.scans + lane.scan >= horizon) continue;
@@ -51,7 +51,7 @@ std::optional<plan::Unit> AnnealedImportance::next_unit(std::uint64_t horizon,
   if (chosen == nullptr) return std::nullopt;
   chosen->handed_out = true;
   const std::uint64_t step = chosen->scan % per_ascent();
-  // As far as proposals have one size, and to the ascent's end at most.
+  // A unit ends at the ascent's end, or where the proposal scales change.
   std::uint64_t scans = 1;
   const std::uint64_t most = std::min<std::uint64_t>(
       {per_ascent() - step, horizon - burn_in_.scans - chosen->scan, scans_max});
@@ -112,7 +112,7 @@ std::uint64_t AnnealedImportance::draws() const {
 }
 
 std::vector<ChainPart::Row> AnnealedImportance::rows() const {
-  // Of the ascents that all lanes have ended, in the order of draws.
+  // Collect the ascents that all lanes have completed, in the order of draws.
   std::vector<double> weights;
   std::vector<double> satisfied;
   const std::uint64_t ascents = draws() / lanes_.size();

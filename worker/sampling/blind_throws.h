@@ -1,4 +1,4 @@
-// Throws as a person would make them, blindly: what a state that was found is compared with.
+// Blind throws, with which found states are compared.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,8 @@
 
 namespace sleight::sampling {
 
-/// log p_w of so many states that `draw` draws from a stream; the same ones at every call.
+/// Returns log p_w of `count` states that `draw` makes from random streams. Every call uses the
+/// same streams.
 template <class World, class Draw>
 std::vector<double> log_priors_of_throws(const World& world, std::size_t count, const Draw& draw) {
   std::vector<double> all;

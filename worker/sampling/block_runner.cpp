@@ -11,7 +11,7 @@ namespace {
 
 using plan::UnitResult;
 
-/// A unit from the state that is given, or from what the worker holds; none if it has neither.
+/// Runs a unit from the given state, or from the worker's held state. Empty if there is neither.
 std::optional<UnitResult> run_unit(const plan::UnitWorker& worker, const plan::Unit& unit,
                                    const plan::GivenState& state) {
   if (state) return worker.run(unit, *state);
@@ -19,7 +19,6 @@ std::optional<UnitResult> run_unit(const plan::UnitWorker& worker, const plan::U
   return worker.run_from_held(unit);
 }
 
-/// The part of a ladder that a block has.
 FlowLevels levels_of(const plan::Block& block) {
   const plan::Unit& first = block.members.front();
   return {.seed = first.seed,
@@ -29,8 +28,8 @@ FlowLevels levels_of(const plan::Block& block) {
           .inverse_temperatures = block.ladder->inverse_temperatures};
 }
 
-/// A part of a ladder on its way. Its replicas are known here by their place among the members, its
-/// levels are counted from the part's first.
+/// A running part of a ladder. Replicas are numbered by their place among the members, and levels
+/// are counted from the part's first level.
 class PartRun {
  public:
   PartRun(const plan::UnitWorker& worker, const plan::Block& block)
@@ -39,8 +38,8 @@ class PartRun {
       flow_.sit(i, i, block.members[i].first_scan.value);
   }
 
-  /// The members' first scans. False when a state is neither given nor held: then nothing is run,
-  /// as far as that is known before.
+  /// Runs the members' first scans. Returns false if a state is neither given nor held. Missing
+  /// states that are known beforehand prevent all scans.
   bool begin(const plan::Block& block, std::span<const plan::GivenState> states) {
     for (std::size_t i = 0; i < block.members.size(); ++i) {
       const plan::Unit& member = block.members[i];
@@ -67,7 +66,7 @@ class PartRun {
   }
 
  private:
-  /// The level of the next scan: the hottest among equals.
+  /// Returns the level whose scan runs next; the hottest among equals.
   std::optional<std::uint32_t> furthest_behind() const {
     std::optional<std::uint32_t> next;
     for (std::uint32_t level = 0; level < flow_.size(); ++level) {
@@ -78,7 +77,7 @@ class PartRun {
     return next;
   }
 
-  /// One more scan of the member at a level, from its own state after the last.
+  /// Runs one more scan of the member at a level, from its last state.
   void run(std::uint32_t level) {
     const SwapFlow::Seat& seat = flow_.seat(level);
     UnitResult& so_far = results_[*seat.replica];
@@ -108,7 +107,7 @@ class PartRun {
   const plan::UnitWorker& worker_;
   const plan::LadderPart& part_;
   SwapFlow flow_;
-  std::vector<UnitResult> results_;  ///< by member
+  std::vector<UnitResult> results_;  ///< By member.
   std::uint64_t scans_ = 0;
 };
 
@@ -127,7 +126,7 @@ std::vector<UnitResult> BlockRunner::run(const plan::Block& block,
     if (auto result = run_unit(worker_, block.members.front(), states.front()))
       results.push_back(*std::move(result));
   }
-  // What the block cost, shared out by scans.
+  // Divide the block's cost in proportion to scans.
   std::uint64_t scans = 0;
   for (const UnitResult& result : results)
     scans += result.unit.scans;

@@ -1,9 +1,9 @@
-// Runs blocks (common/plan/block.h): units alone as they are, parts of ladders scan by scan with
-// the swaps between their members, which flow as in the plan (swap_flow.h).
+// Runs blocks (common/plan/block.h). Single units run by themselves. A part of a ladder runs scan
+// by scan, with the swaps between its members (swap_flow.h).
 //
-// Invariant: each member's records are those of its scans run one at a time at the levels at which
-// the plan would have put it; a member stops where only the plan knows its next level.
-// Thread-safe, if the worker is.
+// Invariant: each member's records equal those of scans run one at a time at the levels that the
+// plan would have chosen. A member stops where only the plan can determine its next level.
+// Thread-safe if the worker is.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace sleight::sampling {
 
 class BlockRunner final : public plan::BlockWorker {
  public:
-  /// Borrows both; the clock measures what results say they cost.
+  /// Borrows both arguments. The clock measures the cost that results report.
   BlockRunner(const plan::UnitWorker& worker, const base::Clock& clock)
       : worker_(worker), clock_(clock) {}
 

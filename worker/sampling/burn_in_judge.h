@@ -1,15 +1,17 @@
-// Whether chains that all started on one side have burnt in: judged, not assumed.
+// Judges whether chains that started from searches have burnt in.
 //
-// Chains that start from a search (stage_search.h) all lack most of what the search leaves out: it
-// seldom has a ball that was helped into its bin by another one. So they agree from the first scan
-// on, and R-hat, which looks at whether chains agree, is no proof by itself. What is judged is the
-// second half of a tour's scans, over all chains together and none left out for how it looks:
+// Chains that start from a search (stage_search.h) all lack what searches seldom produce, such as
+// helped balls. Such chains agree from the first scan on, so R-hat, which measures agreement, is no
+// sufficient test by itself. The judge looks at the second half of a tour's scans, over all chains
+// together, and excludes no chain for its values. The chains have burnt in if both conditions hold
+// for each value:
 //
-//   - split R-hat of each value is at most k_burnt_in_r_hat. Means of half chains then differ by no
-//     more than 0.66 standard deviations of a draw, as they do where each holds some 2.3 effective
-//     draws. The scans before the judged ones are as many as these: 4.5 times as long as draws are
-//     correlated, so that some 1% should be left of what the start lacked;
-//   - a value that starts at one end has left it: some draw is none of the chains' starts.
+//   - Split R-hat is at most k_burnt_in_r_hat. Means of half chains then differ by at most 0.66
+//     standard deviations of a draw, as if each half held some 2.3 effective draws. The discarded
+//     first half of the tour is then 4.5 times the correlation time of draws, so some 1% of the
+//     start's bias should be left.
+//   - A value that starts at one end has left it, so at least one draw differs from all chains'
+//     starts.
 //
 // Source of R-hat: diagnostics/r_hat.h. Thread safety: pure functions.
 #pragma once
@@ -24,21 +26,21 @@ namespace sleight::sampling {
 
 inline constexpr double k_burnt_in_r_hat = 1.2;
 
-/// What a world's burn-in is judged by.
+/// A value by which a world's burn-in is judged.
 struct BurnInValue {
   const char* name;
-  /// It begins at one end of its values in every chain, and has others in the target: chains where
-  /// it still is what it was have not burnt in.
+  /// In every chain the value starts at one end of its range, though the target also has other
+  /// values. Chains in which the value has never changed have not burnt in.
   bool starts_at_one_end = false;
 };
 
-/// What is said of one value.
 struct ValueVerdict {
-  double r_hat = 0;  ///< NaN where all draws are equal
+  double r_hat = 0;  ///< NaN if all draws are equal.
   bool passes = false;
 };
 
-/// `draws` are of a tour's second half; `starts` are the chains' values before any step.
+/// Judges `draws` from the second half of a tour. `starts` holds each chain's value before its
+/// first step.
 ValueVerdict judge_value(const BurnInValue& value, std::span<const double> starts,
                          const Chains& draws);
 

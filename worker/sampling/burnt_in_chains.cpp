@@ -121,7 +121,7 @@ std::vector<plan::Solution> BurntInChains::solutions_between(std::uint64_t after
 std::vector<plan::EndedRound> BurntInChains::rounds_between(std::uint64_t after,
                                                             std::uint64_t until) const {
   std::vector<plan::EndedRound> all;
-  // A ladder knows of a round after its last one, which it never makes.
+  // Exclude the round after the burn-in's last one, which ladders prepare but never run.
   for (const Chain& chain : chains_)
     std::ranges::copy(chain.burn_in.rounds_between(after, std::min(until, burn_in_scans_)),
                       std::back_inserter(all));
@@ -153,7 +153,8 @@ plan::Report BurntInChains::report() const {
   for (std::size_t r = 0; r < rows.front().size(); ++r) {
     const ChainPart::Row& first = rows.front()[r];
     const std::string dimension = first.dimension;
-    // As long as the longest; of draws, as many as all chains have.
+    // A row is as long as the longest chain's. Rows of draws have as many entries as every chain
+    // has draws.
     std::size_t width = 0;
     for (const std::vector<ChainPart::Row>& chain : rows)
       width = std::max(width, chain[r].values.size());

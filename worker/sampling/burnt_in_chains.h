@@ -1,7 +1,7 @@
-// Methods that need temperatures to begin with, as a Plan: every chain runs parallel tempering for
-// some rounds, and then goes on by itself with what that found (chain_part.h).
+// Methods that start from the temperatures of a burn-in, as a Plan. Every chain runs some rounds of
+// parallel tempering, whose results its ChainPart (chain_part.h) then uses.
 //
-// Rounds of the stop rule are counted from the burn-in's end; scans count everything.
+// The stop rule counts rounds from the burn-in's end. Scan counts include the burn-in.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ namespace sleight::sampling {
 
 struct BurntInOptions {
   std::uint32_t chains = 1;
-  LadderOptions ladder;  ///< of each chain's burn-in; its chain is set
+  LadderOptions ladder;  ///< Options for each chain's burn-in. Its `chain` field is overwritten.
   std::uint32_t burn_in_rounds = 1;
   StopRule stop;
   std::function<std::unique_ptr<ChainPart>(const BurnIn&)> go_on;
@@ -30,7 +30,7 @@ struct BurntInOptions {
 
 class BurntInChains final : public plan::Plan {
  public:
-  /// REQUIRES: a chain, a round and a stop rule at least.
+  /// REQUIRES: at least one chain, one burn-in round and one stop rule.
   explicit BurntInChains(const BurntInOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
@@ -46,21 +46,22 @@ class BurntInChains final : public plan::Plan {
   }
   std::vector<plan::Solution> solutions_between(std::uint64_t after,
                                                 std::uint64_t until) const override;
-  /// Of the burn-ins by ladder, then those of the stop rule, whose numbers go on from there.
+  /// The burn-in's rounds by ladder, then the stop rule's rounds, whose numbers continue those of
+  /// the burn-in.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
                                                std::uint64_t until) const override;
-  /// Of the burn-ins.
+  /// Round trips of the burn-in.
   std::optional<std::uint64_t> round_trips() const override;
   std::uint64_t scans_consumed() const override { return records_; }
   std::optional<std::uint64_t> scans_total() const override { return std::nullopt; }
-  /// What the burn-in's ladders learnt, and the rows of all parts.
+  /// The report of the burn-in's ladders and the rows of all parts.
   plan::Report report() const override;
 
  private:
   struct Chain {
     LadderRun burn_in;
-    std::unique_ptr<ChainPart> part;  ///< none before the burn-in's end
-    /// Results of later scans that a run store gave before the burn-in was known to end.
+    std::unique_ptr<ChainPart> part;  ///< Null before the burn-in's end.
+    /// Results of later scans that a run store delivered before the burn-in had ended.
     std::map<std::uint32_t, std::pair<std::uint64_t, std::vector<plan::ScanRecord>>> waiting;
     std::uint64_t scans() const { return part ? part->scans() : burn_in.scans(); }
   };
@@ -68,10 +69,10 @@ class BurntInChains final : public plan::Plan {
 
   BurntInOptions options_;
   std::uint64_t burn_in_scans_;
-  FurthestBehind order_;  ///< of chains
+  FurthestBehind order_;  ///< Order of the chains.
   StopJudge stop_;
   std::vector<Chain> chains_;
-  std::size_t burning_ = 0;  ///< chains in their burn-in
+  std::size_t burning_ = 0;  ///< Number of chains in their burn-in.
   std::uint64_t records_ = 0;
 };
 

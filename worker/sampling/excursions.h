@@ -1,6 +1,6 @@
-// A chain whose scans end with a tempered transition (tempered_transition.h), through the
-// temperatures that a burn-in has found, and some between each two: an excursion is only accepted
-// if no step of it is far.
+// A chain whose scans each end with a tempered transition (tempered_transition.h). The transition
+// passes the burn-in's temperatures and some steps between them, because an excursion is rarely
+// accepted if any of its steps is large.
 // Not thread-safe.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace sleight::sampling {
 
 class Excursions final : public ChainPart {
  public:
-  /// REQUIRES: steps_per_level at least 1.
+  /// REQUIRES: steps_per_level >= 1.
   Excursions(const BurnIn& burn_in, std::uint32_t steps_per_level);
 
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max) override;
@@ -23,13 +23,13 @@ class Excursions final : public ChainPart {
   std::uint64_t scans() const override { return scan_; }
   std::uint64_t draws() const override { return scan_ - burn_in_.scans; }
   const Solutions& solutions() const override { return solutions_; }
-  /// Lineages count what was accepted: the ladder ends at the prior.
+  /// Lineages count accepted excursions, because the ladder ends at the prior.
   std::vector<Row> rows() const override;
 
  private:
   BurnIn burn_in_;
   std::vector<double> below_;
-  std::uint64_t scan_ = 0;  ///< the next
+  std::uint64_t scan_ = 0;  ///< The next scan.
   std::uint64_t lineage_ = 0;
   std::uint64_t accepted_ = 0;
   bool handed_out_ = false;

@@ -1,11 +1,11 @@
-// Free islands and nothing else, as a Plan: where only the odds are asked for. Islands share
-// nothing, so any number of workers can be at work; odds_rule.h says how many there are.
+// Free islands alone, as a Plan for runs that request only the odds. Islands share nothing, so any
+// number of workers can run them. OddsRule (odds_rule.h) decides how many islands to make.
 //
-// To archives it is one chain whose scans are islands, by number: each draw is its island's, with
-// the island's estimate of Z as its weight. An island whose particles all died has none; in its
-// place stands a draw from the prior of weight 0.
+// Archives show the islands as the scans of one chain, ordered by island number. Each draw is an
+// island's drawn state, weighted by the island's estimate of Z. An island whose particles all died
+// contributes a draw from the prior with weight 0 instead.
 //
-// Invariant: the number of islands is a function of what they say, in order of their numbers.
+// Invariant: the number of islands is a function of their estimates in the order of island numbers.
 // Not thread-safe.
 #pragma once
 
@@ -25,8 +25,8 @@ namespace sleight::sampling {
 
 struct FreeIslandsOptions {
   std::uint64_t seed = 0;
-  double log_error = 0.1;  ///< asked for, of log P(satisfied), in nats
-  /// Islands at most.
+  double log_error = 0.1;  ///< Requested standard error of log P(satisfied), in nats.
+  /// Maximum number of islands.
   std::optional<std::uint64_t> islands_max{};
 };
 
@@ -38,9 +38,9 @@ class FreeIslands final : public plan::Plan {
   void consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records) override;
   bool finished() const override { return rule_.is_over() || scans_common() >= islands_max_; }
-  /// Islands that are done with all before them.
+  /// Number of islands before the first unfinished one.
   std::uint64_t scans_common() const override { return islands_.scans(); }
-  /// Draws have weights: none is a solution in proportion.
+  /// Always 0, because weighted draws are no solutions in the model's proportions.
   std::uint64_t solutions_found() const override { return 0; }
   std::optional<std::uint64_t> solutions_wanted() const override { return std::nullopt; }
   std::vector<plan::Solution> solutions_between(std::uint64_t, std::uint64_t) const override {
@@ -57,7 +57,8 @@ class FreeIslands final : public plan::Plan {
   NumberedLanes lanes_;
   std::uint64_t islands_max_;
   OddsRule rule_;
-  std::map<std::uint64_t, IslandEstimate> ahead_;  ///< by number: some before them aren't done
+  std::map<std::uint64_t, IslandEstimate> ahead_;  ///< Estimates by island number that wait for
+                                                   ///< islands with lower numbers.
   IslandsOfChain islands_;
 };
 

@@ -1,8 +1,8 @@
-// The chain that runs next: the one that is furthest behind, so that all arrive together at a point
-// that waits for all. Chains are known by their numbers.
+// Selects the chain that runs next: the one with the fewest scans, so that all chains reach a
+// common waiting point together. Chains are identified by their numbers.
 //
-// A chain that had nothing to give is not asked again before it moves or the horizon changes: of a
-// thousand chains that are all at work, none is asked in vain.
+// A chain that had no work is not queried again until it moves or the query changes. With a
+// thousand busy chains, no query is wasted.
 // Not thread-safe.
 #pragma once
 
@@ -16,29 +16,30 @@ namespace sleight::sampling {
 
 class FurthestBehind {
  public:
-  /// What a chain's answer hangs on besides its own results.
+  /// The conditions, besides its own results, on which a chain's work depends.
   struct Asked {
-    std::uint64_t horizon = 0;  ///< scans that may be begun
-    bool splits = false;        ///< whether a chain that is at work may give more
+    std::uint64_t horizon = 0;  ///< Scans below this number may begin.
+    bool splits = false;        ///< Whether a chain with work in progress may hand out more.
     friend bool operator==(const Asked&, const Asked&) = default;
   };
 
-  /// Chains without a scan. REQUIRES: one at least.
+  /// Chains without scans. REQUIRES: at least one chain.
   explicit FurthestBehind(std::size_t chains);
 
-  /// Scans that all have.
+  /// Number of scans that every chain has.
   std::uint64_t least() const { return by_scans_.begin()->first; }
-  /// Scans over all chains, of each at most so many.
+  /// Total scans over all chains, counting at most `end` scans of each.
   std::uint64_t sum(std::uint64_t end) const;
-  /// Chains with fewer scans than this.
+  /// Number of chains with fewer scans than `horizon`.
   std::size_t going(std::uint64_t horizon);
 
-  /// A chain has consumed results and now has so many scans, no fewer than before.
+  /// Reports that a chain has consumed results and now has `scans` scans. REQUIRES: no fewer than
+  /// before.
   void moved(std::size_t chain, std::uint64_t scans);
 
-  /// What `next` has of the chain with the fewest scans, the lowest number among equals; where that
-  /// is nothing, of the next one, and so on. REQUIRES: a chain without anything has something out
-  /// whose coming back moves it, or comes to have some for another question only.
+  /// Returns the first non-empty result of `next` over the chains in order of (scans, chain
+  /// number). REQUIRES: if `next` returns nothing for a chain, the chain has work in progress whose
+  /// result moves it, or only another `asked` can give it work.
   template <class Next>
   auto first(const Asked& asked, const Next& next) -> decltype(next(std::size_t{0})) {
     if (asked != asked_) {
@@ -53,13 +54,13 @@ class FurthestBehind {
   }
 
  private:
-  using Order = std::set<std::pair<std::uint64_t, std::size_t>>;  ///< (scans, chain)
+  using Order = std::set<std::pair<std::uint64_t, std::size_t>>;  ///< (scans, chain).
 
   std::vector<std::uint64_t> scans_;
   Order by_scans_;
-  Order may_give_;  ///< those of by_scans_ that have not answered with nothing
+  Order may_give_;  ///< Chains of by_scans_ for which `next` has not returned nothing.
   Asked asked_;
-  std::uint64_t horizon_ = 0;  ///< that going_ is of
+  std::uint64_t horizon_ = 0;  ///< The horizon for which going_ was computed.
   std::size_t going_ = 0;
 };
 

@@ -57,8 +57,8 @@ plan::Draws IndependentChains::draws() const {
   return {.first_scan = scans_before_draws_, .count = scans - std::min(scans, scans_before_draws_)};
 }
 
-/// Solutions of plain chains count from their start on. What a burn-in began isn't independent of
-/// where the chain began.
+/// Plain chains count solutions from their start. After a burn-in, lineages that began in the
+/// burn-in don't count, because they depend on where the chain began.
 bool IndependentChains::counts(const plan::ScanRecord& record, std::uint64_t scan) const {
   if (scans_before_draws_ == anneal_scans_) return true;
   return scan >= scans_before_draws_ &&
@@ -72,7 +72,8 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
   Chain& chain = chains_[replica.chain.value];
   CHECK_EQ(first_scan.value, chain.consumed);
   by_progress_.erase({chain.consumed, replica.chain.value});
-  idle_.erase({chain.consumed, replica.chain.value});  // there when it comes from a run store
+  idle_.erase({chain.consumed, replica.chain.value});  // Still idle if results come from a run
+                                                       // store.
   for (const plan::ScanRecord& record : records) {
     if (counts(record, chain.consumed)) chain.solutions.add(chain.consumed, record);
     if (has_islands_) chain.islands.add(record);

@@ -1,11 +1,11 @@
-// Chains that never meet, as a Plan: each starts from its own prior draw and makes scan after scan
-// at inverse temperature 1. Plain Metropolis-Hastings, the baseline of every other method; or
-// chains whose scans end with islands of particles, which also start them
+// Chains that never interact, as a Plan. Each chain runs scans at inverse temperature 1 from its
+// own prior draw. The kernel is plain Metropolis-Hastings, the baseline for all other methods, or
+// each scan also ends with islands of particles, which then make the start too
 // (worker/run/island_scan.h).
 //
 // Rounds double: round r (from 1) has round_scans * 2^(r-1) scans of every chain. The number of
-// independent solutions is judged at round ends only, so there all chains wait for the last one;
-// the other stop rules need no barrier.
+// independent solutions is judged at round ends only, so all chains wait there for the last one.
+// The other stop rules need no barrier.
 //
 // Invariant: the scan at which the run stops is a function of the results up to that scan.
 #pragma once
@@ -27,20 +27,20 @@ namespace sleight::sampling {
 struct IndependentChainsOptions {
   std::uint64_t seed = 0;
   std::uint32_t chains = 1;
-  std::uint64_t round_scans = 64;  ///< length of the first round
-  /// Simulated annealing first: so many scans from the prior to inverse temperature 1, in equal
-  /// steps. They belong to no round.
+  std::uint64_t round_scans = 64;  ///< Length of the first round.
+  /// Number of scans of initial simulated annealing, which goes from the prior to inverse
+  /// temperature 1 in equal steps. These scans belong to no round.
   std::uint64_t anneal_scans = 0;
-  /// Scans after these that are no draws, nor are lineages that began in them counted. They belong
-  /// to no round either.
+  /// Number of burn-in scans after the annealing. They yield no draws, belong to no round, and
+  /// lineages that begin in them are not counted.
   std::uint64_t burn_in_scans = 0;
-  bool has_islands = false;  ///< at the end of each scan
+  bool has_islands = false;  ///< Each scan ends with islands.
   StopRule stop;
 };
 
 class IndependentChains final : public plan::Plan {
  public:
-  /// REQUIRES: chains and round_scans at least 1, one stop rule at least.
+  /// REQUIRES: chains >= 1, round_scans >= 1, at least one stop rule.
   explicit IndependentChains(const IndependentChainsOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
@@ -61,15 +61,15 @@ class IndependentChains final : public plan::Plan {
   }
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
-  /// Of islands, where scans have some. Where solutions end the run, those of the first round and
-  /// before it tell the odds: they are made in any case.
+  /// The report of the islands, if scans have any. If solutions end the run, only islands up to the
+  /// end of the first round count towards the odds, because these are made in any case.
   plan::Report report() const override;
   bool learns() const override { return has_islands_ || scans_before_draws_ > 0; }
 
  private:
   struct Chain {
     std::uint64_t consumed = 0;
-    std::uint64_t lineage = 0;  ///< of the state after these
+    std::uint64_t lineage = 0;  ///< The lineage of the last consumed state.
     Solutions solutions;
     IslandsOfChain islands;
   };
@@ -77,7 +77,7 @@ class IndependentChains final : public plan::Plan {
   bool counts(const plan::ScanRecord& record, std::uint64_t scan) const;
 
   std::uint64_t common_consumed() const;
-  /// Moves on over every round end that all chains have reached, and judges there.
+  /// Advances over every round end that all chains have reached, and judges the stop rule there.
   void judge_rounds();
 
   std::uint64_t seed_;
@@ -85,9 +85,9 @@ class IndependentChains final : public plan::Plan {
   std::uint64_t scans_before_draws_;
   bool has_islands_;
   std::vector<Chain> chains_;
-  using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed, chain)
-  std::set<Progress> by_progress_;                           ///< all chains
-  std::set<Progress> idle_;                                  ///< those with no unit handed out
+  using Progress = std::pair<std::uint64_t, std::uint32_t>;  ///< (consumed scans, chain).
+  std::set<Progress> by_progress_;                           ///< All chains.
+  std::set<Progress> idle_;                                  ///< Chains with no unit handed out.
   StopJudge stop_;
 };
 

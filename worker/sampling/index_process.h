@@ -1,10 +1,10 @@
-// At which level of a ladder each replica is, scan after scan: replicas that travel between the
-// hottest and the coolest level bring new draws there (Syed et al., "Non-reversible parallel
-// tempering", 2022, call this the index process). For people to look at; nothing hangs on it.
+// The level of each replica in each scan. Replicas that travel between the hottest and the coolest
+// level bring new draws to the coolest (Syed et al., "Non-reversible parallel tempering", 2022,
+// call this the index process). The index process is for display only; no result depends on it.
 //
-// Idea. Every scan is kept up to a bound, then every second one, then every fourth: those that are
-// multiples of a stride. So what is kept is a function of the scans that were added, and never more
-// than the bound.
+// Idea. Up to a bound, every scan is stored, then every second one, then every fourth: the stored
+// scans are the multiples of a stride. So the stored set is a function of the scans added, and
+// never exceeds the bound.
 //
 // Not thread-safe.
 #pragma once
@@ -24,11 +24,13 @@ class IndexProcess {
 
   struct Moment {
     std::uint64_t scan = 0;
-    /// By replica, as far as one of them has had a level; 0 is the hottest, k_no_level: none.
+    /// Level by replica; 0 is the hottest, k_no_level means none. The list ends at the last replica
+    /// that has had a level.
     std::vector<std::uint16_t> level;
   };
 
-  /// `replica`: by level. REQUIRES: scans ascend; fewer than k_no_level levels.
+  /// Adds a scan. `replica` is indexed by level. REQUIRES: scans ascend; fewer than k_no_level
+  /// levels.
   void add(std::uint64_t scan, std::span<const std::uint32_t> replica);
 
   const std::vector<Moment>& moments() const { return moments_; }

@@ -1,8 +1,8 @@
 // Islands: sequential Monte Carlo along the animation.
 //
-// An island's particles are prefixes of one ground. Stage by stage each is extended by a choice of
-// its own and weighed by the choice's importance weight and by how its potential changed; when
-// weights have become unequal, particles are resampled.
+// An island's particles are prefixes of one ground. Each stage extends every particle by a choice.
+// The stage then multiplies the particle's weight by the choice's importance weight and by the
+// change of potential. When the weights have become unequal, the particles are resampled.
 //
 //   island(ground):
 //     each particle: the prefix without stages, weight 1
@@ -12,33 +12,36 @@
 //         Z *= mean weight; resample; weights 1
 //     Z *= mean weight; draw one particle by weight
 //
-// After the last stage p_c stands in the place of psi, so Z is an unbiased estimate of
+// After the last stage p_c replaces psi. So for any number of particles Z is an unbiased estimate
+// of
 //
 //   Z = integral of p_w p_c^beta,
 //
-// for any number of particles, and so is that of P(satisfied), the integral of p_w over
-// states that satisfy. Islands share nothing.
+// and the estimate of P(satisfied), the integral of p_w over states that satisfy, is unbiased too.
+// Islands share nothing.
 //
-// A conditional island holds one path fixed, that of a given state, as particle 0. It is drawn from
-// the distribution of an island given that this path was drawn from it: a draw of its particles is
-// a step that keeps p_w p_c^beta (particle Gibbs), and its Z is what the independence sampler over
-// islands needs of the present state (particle_steps.h).
+// A conditional island keeps the path of a given state as particle 0. The other particles are drawn
+// from the distribution of an island given that this path was drawn from it. Drawing one of its
+// particles is a Markov chain step that leaves p_w p_c^beta invariant (particle Gibbs). Its Z is
+// the current state's Z in the independence sampler over islands (particle_steps.h).
 //
-// Where a target can list its choices, the particles of an island may choose together (joint): of
-// all pairs of a particle and an alternative as many are drawn as there are particles, by weight
-// times the choice's density q, at equal steps along all pairs in order of sorts:
+// If a target can list its choices, the particles of an island may choose together (joint). From
+// all pairs of a particle and an alternative, one pair per particle is drawn, with probability
+// proportional to weight times the choice's density q. The draws are systematic: equal steps along
+// all pairs in order of sorts:
 //
 //     resample and extend: mass = sum of weight * q over pairs; pairs by weight * q / mass;
 //                          Z *= mass / particles; weight = p / q * psi after / psi before
 //
-// Expected numbers are the same, so Z stays unbiased; but of each sort there are as many as
-// expected, give or take one, and rare sorts with great weights make Z vary less.
+// Expected numbers stay the same, so Z stays unbiased. But the number of particles of each sort
+// differs from its expectation by at most one, and rare sorts with large weights make Z vary less.
 //
 // Invariants
-//   1. Random numbers are addressed by (seed, chain, island, stage, particle): an island is a pure
+//   1. Random numbers are addressed by (seed, chain, island, stage, particle). An island is a pure
 //      function of its streams, its number and, if conditional, the state.
-//   2. A particle whose weight is 0 is dead: it is not extended. When all are, Z is 0.
-// Memory: as many prefixes as there are particles, and as many again while they are resampled.
+//   2. A particle of weight 0 is dead and is not extended. If all particles are dead, Z is 0.
+//
+// Memory: one prefix per particle, twice that during resampling.
 // Sources: C. Andrieu, A. Doucet, R. Holenstein, Particle Markov chain Monte Carlo methods (Journal
 // of the Royal Statistical Society B 72, 2010); Chopin and Papaspiliopoulos (stages.h), chapter 16.
 #pragma once
@@ -69,14 +72,14 @@ struct IslandOptions {
 
 template <ActsInStages T>
 struct Island {
-  double log_z = k_log_zero;          ///< of an unbiased estimate of the integral of p_w p_c^beta
-  double log_satisfied = k_log_zero;  ///< of an unbiased estimate of P(satisfied)
-  /// Drawn by weight among the particles; none if Z is 0.
+  double log_z = k_log_zero;          ///< Log of an unbiased estimate of Z (see above).
+  double log_satisfied = k_log_zero;  ///< Log of an unbiased estimate of P(satisfied).
+  /// One of the particles, drawn by weight. Empty if Z is 0.
   std::optional<Sample<T>> drawn{};
-  double effective_size = 0;    ///< of the last stage's particles, by weight
-  std::uint32_t satisfied = 0;  ///< particles that satisfy at last
-  /// A retained state that no path of prefixes reaches: one of them has psi = 0. Then the island is
-  /// none.
+  double effective_size = 0;    ///< Effective size of the last stage's particles.
+  std::uint32_t satisfied = 0;  ///< Number of particles whose final state satisfies.
+  /// No path of prefixes reaches the retained state, because one of its prefixes has psi = 0. The
+  /// other fields then mean nothing.
   bool is_unreachable = false;
 };
 
@@ -85,7 +88,7 @@ template <ActsInStages T>
 class Islands {
  public:
   using State = typename T::State;
-  /// Hears of each simulation.
+  /// Callback that receives each simulation's report.
   using Told = std::function<void(const SimulationReport&)>;
 
   Islands(
@@ -100,15 +103,15 @@ class Islands {
     CHECK_GE(options.particles, 1U);
   }
 
-  /// Of the decision on an island: no local move's.
+  /// Stream for accepting or rejecting an island, distinct from those of local moves.
   random::Stream acceptance_of(std::uint64_t number) const {
     return stream_of(random::Purpose::particle, number, 1);
   }
 
-  /// The `number`-th island.
+  /// Makes the `number`-th island.
   Island<T> free(std::uint64_t number) const { return made(number, nullptr); }
-  /// The `number`-th island whose particles choose together, where choices can be listed (see
-  /// above); else as free().
+  /// Makes the `number`-th island, with particles that choose together if the target lists its
+  /// choices (see the top of this file). Otherwise the same as free().
   Island<T> joint(std::uint64_t number) const {
     if constexpr (ListsChoices<T>) {
       Making making = begun(number, nullptr);
@@ -121,18 +124,18 @@ class Islands {
       return free(number);
     }
   }
-  /// The same given that the state was drawn from it: particle 0 keeps its path. REQUIRES:
-  /// p_w p_c^beta > 0 of the state; two particles at least.
+  /// Makes a conditional island, in which particle 0 follows the path of `state`. REQUIRES: at
+  /// least two particles, and p_w p_c^beta > 0 at `state`.
   Island<T> given(std::uint64_t number, const State& state) const {
     CHECK_GE(options_.particles, 2U);
     return made(number, &state);
   }
 
  private:
-  /// An island in the making.
+  /// An island under construction.
   struct Making {
     std::uint64_t number;
-    const State* retained;  ///< the state whose path particle 0 keeps; null: none
+    const State* retained;  ///< State whose path particle 0 follows; null if free.
     typename T::Ground ground;
     std::vector<typename T::Prefix> prefixes;
     std::vector<double> log_potentials;
@@ -160,7 +163,7 @@ class Islands {
     return finished(making);
   }
 
-  /// Draws the ground, and puts all particles on it.
+  /// Draws the ground and starts all particles on it.
   Making begun(std::uint64_t number, const State* retained) const {
     random::Stream stream = stream_of(random::Purpose::ground, number, 0);
     Making making{.number = number,
@@ -186,18 +189,18 @@ class Islands {
     }
   };
 
-  /// As many as there are particles, drawn by weight times mass, in systematic order: sort by sort,
-  /// particle by particle. And log of the mean over particles of weight times mass.
+  /// One choice per particle, drawn by weight times mass in systematic order: sort by sort,
+  /// particle by particle. log_mass is the log of the mean over particles of weight times mass.
   struct Chosen {
     std::vector<Choice> choices;
     double log_mass = k_log_zero;
   };
   Chosen chosen(const Making& making, std::uint32_t stage) const requires ListsChoices<T> {
-    // What each particle has of each sort, as a share of all weight.
+    // Compute each particle's mass in each sort, as a share of all weight.
     const std::vector<double> shares = making.weights.shares();
     const std::size_t sorts = target_->sorts();
     const std::size_t particles = options_.particles;
-    std::vector<double> masses(sorts * particles, 0);  // by sort and particle
+    std::vector<double> masses(sorts * particles, 0);  // By sort, then by particle.
     double sum = 0;
     for (std::uint32_t n = 0; n < particles; ++n) {
       if (making.weights.is_dead(n)) continue;
@@ -216,7 +219,7 @@ class Islands {
     for (std::size_t i = 0; i < masses.size(); ++i) {
       const double begin = std::exchange(end, end + masses[i]);
       if (next >= end || chosen.choices.size() == particles) continue;
-      // Which of the sort's alternatives lie at the next steps.
+      // Find the sort's alternatives at the next systematic steps.
       const auto n = static_cast<std::uint32_t>(i % particles);
       const std::vector<Alternative> all =
           target_->alternatives(*guide_, making.ground, stage, making.prefixes[n], i / particles);
@@ -229,13 +232,13 @@ class Islands {
         chosen.choices.push_back({n, all[at].number, math::log(all[at].weight)});
       }
     }
-    // Rounding may leave out the last one.
+    // Rounding may omit the last choice.
     CHECK(!chosen.choices.empty());
     chosen.choices.resize(particles, chosen.choices.back());
     return chosen;
   }
 
-  /// Resamples and extends at once.
+  /// Resamples and extends in one step.
   void choose_together(Making& making, std::uint32_t stage) const requires ListsChoices<T> {
     const Chosen chosen = this->chosen(making, stage);
     making.weights.start_again(chosen.log_mass);
@@ -248,7 +251,7 @@ class Islands {
         continue;
       }
       const Choice& choice = chosen.choices[n];
-      // What is chosen again comes to the same.
+      // Repeating a choice repeats its result.
       if (n > 0 && chosen.choices[n - 1].is_same(choice)) {
         prefixes.push_back(prefixes.back());
         log_potentials.push_back(log_potentials.back());
@@ -267,7 +270,7 @@ class Islands {
     making.log_potentials = std::move(log_potentials);
   }
 
-  /// Extends a particle by a choice of its own.
+  /// Extends a particle by an independent choice.
   void extend(Making& making, std::uint32_t stage, std::uint32_t n) const {
     typename T::Prefix& prefix = making.prefixes[n];
     random::Stream stream = stream_of(random::Purpose::extension, making.number, stage, n);
@@ -278,7 +281,8 @@ class Islands {
     weigh(making, stage, n, extension, prefix, making.log_potentials[n]);
   }
 
-  /// Weighs a particle by what came of its extension: after the last stage by p_c.
+  /// Updates a particle's weight after its extension. After the last stage p_c replaces the
+  /// potential.
   void weigh(Making& making, std::uint32_t stage, std::uint32_t n, const Extension& extension,
              const typename T::Prefix& prefix, double& log_potential_before) const {
     told_(extension.simulation);
@@ -297,7 +301,7 @@ class Islands {
     log_potential_before = log_potential;
   }
 
-  /// log p_c^beta of a prefix of all stages.
+  /// Returns log p_c^beta of a complete prefix.
   double log_constraint_of(const typename T::Prefix& prefix) const {
     return tempered_log_density(0, target_->log_constraint(target_->outcome_of(prefix)),
                                 options_.inverse_temperature);
@@ -330,7 +334,7 @@ class Islands {
     for (std::uint32_t n = 0; n < options_.particles; ++n) {
       const bool is_one =
           !making.weights.is_dead(n) && target_->satisfied(target_->outcome_of(making.prefixes[n]));
-      // Without p_c, which is the last potential.
+      // Remove p_c, which is the last potential, from the weight.
       satisfied.add(is_one ? making.weights.log_weight(n) - making.log_potentials[n] : k_log_zero);
       island.satisfied += is_one ? 1U : 0U;
     }

@@ -1,5 +1,4 @@
-// What the free islands of chains have said of the target, for archives: tables by chain and
-// island.
+// Archive tables of free islands' estimates, by chain and island.
 #pragma once
 
 #include <cstdint>
@@ -13,33 +12,33 @@
 
 namespace sleight::sampling {
 
-/// The free islands of one chain's scans, in order. Its start has none.
+/// The free islands of one chain's scans, in order. Scan 0, the start, has none.
 class IslandsOfChain {
  public:
-  /// The next scan's.
+  /// Adds the next scan's islands.
   void add(const plan::ScanRecord& record);
-  /// The next scan's only one.
+  /// Adds the only island of the next scan.
   void add(const IslandEstimate& island);
   const std::vector<IslandEstimate>& estimates() const { return estimates_; }
-  /// Of its first so many scans. REQUIRES: they are there.
+  /// Number of islands in the first `scans` scans. REQUIRES: these scans have been added.
   std::size_t count_of(std::uint64_t scans) const { return scans == 0 ? 0 : ends_[scans - 1]; }
   std::uint64_t scans() const { return ends_.size(); }
 
  private:
   std::vector<IslandEstimate> estimates_;
-  std::vector<std::size_t> ends_;  ///< by scan: estimates up to and with it
+  std::vector<std::size_t> ends_;  ///< By scan: number of estimates up to and including the scan's.
 };
 
-/// Scans of each chain whose islands tell the odds, where not all of them may: from `first` on, if
-/// those before have chosen how many they are; before `end`, if islands decide whether there are
-/// more.
+/// The scans of each chain whose islands count towards the odds. `first` excludes earlier islands
+/// that determined the number of islands. `end` excludes scans that are made or not depending on
+/// earlier islands.
 struct OddsScans {
   std::optional<std::uint64_t> first{};
   std::optional<std::uint64_t> end{};
 };
 
-/// Of the islands of each chain's first `scans` scans; nothing where these have none.
-/// REQUIRES: those of `odds` are among them.
+/// Reports the islands of each chain's first `scans` scans. The report is empty if there are none.
+/// REQUIRES: the range of `odds` lies within these scans.
 plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans,
                        const OddsScans& odds = {});
 

@@ -1,8 +1,8 @@
-// The weights of an island's particles, as logarithms, and the estimate of Z that they come to.
+// Log weights of an island's particles, and the resulting estimate of Z:
 //
 //   log Z = sum over resamplings of log(mean weight then) + log(mean weight now)
 //
-// Dead particles count in the mean, with weight 0. A value type.
+// Dead particles count in the mean with weight 0. A value type.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace sleight::sampling {
 
 class IslandWeights {
  public:
-  /// So many of weight 1. REQUIRES: one at least.
+  /// All weights are 1. REQUIRES: at least one particle.
   explicit IslandWeights(std::size_t particles);
 
   bool is_dead(std::size_t particle) const { return log_weights_[particle] == k_log_zero; }
@@ -26,17 +26,17 @@ class IslandWeights {
   double log_weight(std::size_t particle) const { return log_weights_[particle]; }
   bool all_dead() const;
 
-  /// Weights over their sum. REQUIRES: not all are dead.
+  /// Returns the normalised weights. REQUIRES: at least one live particle.
   std::vector<double> shares() const;
-  /// After a resampling: the mean weight goes into Z, and all weights are 1. REQUIRES: not all are
-  /// dead.
+  /// Call after resampling: multiplies Z by the mean weight and sets all weights to 1. REQUIRES: at
+  /// least one particle was live.
   void start_again();
-  /// Likewise, with this factor of Z in place of the mean weight.
+  /// Like start_again(), with this factor of Z instead of the mean weight.
   void start_again(double log_factor);
 
   double log_mean() const;
   double log_z() const { return log_z_before_ + log_mean(); }
-  /// Of the resamplings so far, without the present weights.
+  /// Log of Z's factors from the resamplings so far, without the current weights.
   double log_z_before() const { return log_z_before_; }
 
  private:

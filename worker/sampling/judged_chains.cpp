@@ -11,7 +11,8 @@ namespace sleight::sampling {
 namespace {
 
 constexpr std::uint64_t k_no_end = std::numeric_limits<std::uint64_t>::max();
-/// Longest round: a tour that has not burnt in by then goes on in rounds of this length.
+/// Maximum number of doublings. A tour that has not burnt in by then continues with rounds of the
+/// last length.
 constexpr std::uint32_t k_doublings_max = 24;
 
 }  // namespace
@@ -78,7 +79,8 @@ void JudgedChains::judge_rounds() {
     if (options_.independent_solutions && solutions_ >= *options_.independent_solutions)
       end_ = std::min(end_, round_end);
 
-    // The next tour: of chains that a run store has taken further what is known of it stays.
+    // Begin the next tour. Keep values beyond the round's end, which a run store may have
+    // delivered.
     for (Chain& chain : chains_) {
       const auto done = static_cast<std::ptrdiff_t>(round_end - tour_begin_);
       for (auto& values : chain.values)
@@ -100,7 +102,7 @@ std::optional<JudgedChains::Tour> JudgedChains::burnt_in() const {
             .log_ps = {}};
   const std::size_t first = tour.judged_from - tour.begin;
   const std::size_t count = tour.end - tour.judged_from;
-  bool passes = round_ > 0;  // before a first round there is no burn-in
+  bool passes = round_ > 0;  // A first round has no burn-in before it.
   for (std::size_t value = 0; value < options_.judged.size(); ++value) {
     OwnedChains draws{.values = {}, .chains = chains_.size(), .draws = count};
     for (const Chain& chain : chains_) {
@@ -188,7 +190,7 @@ std::optional<std::uint64_t> JudgedChains::scans_total() const {
 plan::Report JudgedChains::report() const {
   if (tours_.empty()) return {};
   plan::Report report;
-  // Tours are all chains' together: what is said of one is the same for each.
+  // All chains share their tours, so each chain's row is the same.
   const auto add =
       [&](const char* name, const char* meaning, std::size_t values,
           const std::function<double(const Tour&, std::size_t chain, std::size_t value)>& number) {

@@ -1,20 +1,20 @@
-// Chains that start from a search and burn in, as a Plan. They go on tours, all together:
+// Chains that start from searches and burn in, as a Plan. All chains make their tours together:
 //
 //   until there are enough independent solutions:
 //     each chain starts from a search of its own
-//     rounds of round_scans, 2 round_scans, 4 round_scans, ... scans, until the last one,
-//       judged over all chains, has forgotten how they started (burn_in_judge.h)
+//     rounds of round_scans, 2 round_scans, 4 round_scans, ... scans, until the last round,
+//       judged over all chains, is independent of the starts (burn_in_judge.h)
 //     each chain that satisfied in that round has one solution: a satisfying scan drawn by the seed
 //
-// The scans of the rounds that passed are the draws; those before are none. A tour that is cut
-// short has none either.
+// The scans of the rounds that passed are the draws. Earlier scans and unfinished tours yield none.
 //
 // Invariants
-//   1. What a tour comes to is a function of its results alone; all chains wait for each other at
-//      the ends of rounds.
-//   2. No chain is left out, or begun again, for how it looks by itself. The round that passes is
-//      the one that is drawn from, so its R-hat has chosen it.
-// Memory: what is judged of a tour's scans, until it ends.
+//   1. A tour's result is a function of its scans alone. All chains wait for each other at the ends
+//      of rounds.
+//   2. No chain is excluded or restarted for its own values. Draws come from the very round that
+//      passed, so that round's R-hat is subject to selection.
+//
+// Memory: the judged values of a tour's scans, until the tour ends.
 // Not thread-safe.
 #pragma once
 
@@ -32,17 +32,17 @@ namespace sleight::sampling {
 struct JudgedChainsOptions {
   std::uint64_t seed = 0;
   std::uint32_t chains = 1;
-  std::uint64_t round_scans = 64;     ///< of a tour's first round
-  std::vector<BurnInValue> judged{};  ///< the records' method_values
-  /// Ends the run after so many scans of each chain; or
+  std::uint64_t round_scans = 64;     ///< Length of a tour's first round.
+  std::vector<BurnInValue> judged{};  ///< The judged values, in the order of method_values.
+  /// Number of scans per chain after which the run ends.
   std::optional<std::uint64_t> scans{};
-  /// at the end of the tour in which so many solutions are there.
+  /// Number of solutions at which the run ends, judged at the ends of tours.
   std::optional<std::uint64_t> independent_solutions{};
 };
 
 class JudgedChains final : public plan::Plan {
  public:
-  /// REQUIRES: two chains at least; round_scans at least 4; scans or solutions.
+  /// REQUIRES: at least two chains; round_scans >= 4; a limit of scans or solutions.
   explicit JudgedChains(JudgedChainsOptions options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
@@ -55,39 +55,40 @@ class JudgedChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return options_.independent_solutions;
   }
-  /// Each is decided by the end of its tour.
+  /// A solution is decided at the end of its tour.
   std::vector<plan::Solution> solutions_between(std::uint64_t after,
                                                 std::uint64_t until) const override;
-  /// Of all tours, numbered on.
+  /// Rounds of all tours, numbered consecutively.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
                                                std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
-  /// Of tours: when they began, what was judged, R-hat of each value.
+  /// Tables by tour: begin, end, first judged scan, and R-hat of each judged value.
   plan::Report report() const override;
 
  private:
-  /// What a chain has made, and the present tour's values.
+  /// A chain's progress, and its values in the current tour.
   struct Chain {
-    std::uint64_t consumed = 0;                 ///< scans, those of earlier tours included
-    bool is_out = false;                        ///< a unit is handed out
-    std::vector<std::vector<double>> values{};  ///< by judged value, by scan of the tour
+    std::uint64_t consumed = 0;                 ///< Number of scans, earlier tours included.
+    bool is_out = false;                        ///< Whether a unit is handed out.
+    std::vector<std::vector<double>> values{};  ///< By judged value, by scan of the tour.
     std::vector<bool> satisfied{};
-    std::vector<double> log_ps{};  ///< log p_w + log p_c, likewise
+    std::vector<double> log_ps{};  ///< log p_w + log p_c by scan of the tour.
   };
   struct Tour {
     std::uint64_t begin = 0;
     std::uint64_t judged_from = 0;
     std::uint64_t end = 0;
-    std::vector<double> r_hats{};                         ///< by judged value
-    std::vector<std::optional<std::uint64_t>> counted{};  ///< by chain: the scan of its solution
-    std::vector<double> log_ps{};                         ///< of these
+    std::vector<double> r_hats{};                         ///< R-hat by judged value.
+    std::vector<std::optional<std::uint64_t>> counted{};  ///< By chain: the scan of its solution.
+    std::vector<double> log_ps{};                         ///< log p_w + log p_c of the counted
+                                                          ///< scans, by chain.
   };
 
   std::uint64_t round_length() const { return options_.round_scans << round_; }
-  /// Judges each round that all chains have reached the end of.
+  /// Judges each round that all chains have completed.
   void judge_rounds();
-  /// Whether the round that has just ended passes, as the tour then is.
+  /// Returns the current tour if the round that has just ended passes.
   std::optional<Tour> burnt_in() const;
   std::vector<std::optional<std::uint64_t>> solutions_of(std::uint64_t judged_from,
                                                          std::uint64_t end) const;
@@ -95,10 +96,10 @@ class JudgedChains final : public plan::Plan {
   JudgedChainsOptions options_;
   std::vector<Chain> chains_;
   FurthestBehind behind_;
-  std::vector<Tour> tours_{};  ///< that have burnt in
+  std::vector<Tour> tours_{};  ///< Tours that have burnt in.
   std::uint64_t tour_begin_ = 0;
-  std::uint32_t round_ = 0;        ///< of the present tour
-  std::uint64_t round_begin_ = 0;  ///< its first scan
+  std::uint32_t round_ = 0;        ///< Round of the current tour.
+  std::uint64_t round_begin_ = 0;  ///< First scan of the current round.
   std::vector<std::uint64_t> round_ends_{};
   std::uint64_t end_;
   std::uint64_t solutions_ = 0;

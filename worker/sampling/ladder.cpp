@@ -9,10 +9,11 @@
 namespace sleight::sampling {
 namespace {
 
-/// Rates below this count as this: a level that is never rejected still has a place of its own.
+/// Minimum rejection rate, so that a level whose swaps are never rejected still has a place of its
+/// own.
 constexpr double k_rejection_min = 1e-3;
 
-/// A monotone cubic through points: Fritsch and Carlson's slopes, by harmonic means.
+/// A monotone cubic through points, with Fritsch and Carlson's slopes by harmonic means.
 class MonotoneCurve {
  public:
   MonotoneCurve(std::span<const double> x, std::span<const double> y)
@@ -41,7 +42,7 @@ class MonotoneCurve {
     return y_[i] * back * back * (1 + 2 * t) + slopes_[i] * width * t * back * back +
            y_[i + 1] * t * t * (1 + 2 * back) - slopes_[i + 1] * width * t * t * back;
   }
-  /// Where it has a value, by bisection. REQUIRES: a value between the first and the last.
+  /// Finds x by bisection. REQUIRES: y between the first and the last value.
   double inverse(double y) const {
     double low = x_.front();
     double high = x_.back();

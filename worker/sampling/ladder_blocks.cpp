@@ -1,5 +1,5 @@
-// LadderRun's way out: which scans are handed out, and how they are cut into units and blocks. No
-// result depends on the cutting.
+// Outgoing work of LadderRun: which scans are handed out, and in which units and blocks. No result
+// depends on this division.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ bool LadderRun::may_run(std::uint32_t id, std::uint64_t horizon) const {
   return !replica.handed_out && replica.next_scan < horizon;
 }
 
-/// Of those that may run the lowest id among equals, or nobody.
+/// Returns the lowest id among equals, or k_nobody.
 std::uint32_t LadderRun::furthest_behind(std::uint64_t horizon) const {
   std::uint32_t chosen = k_nobody;
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
@@ -25,7 +25,7 @@ std::uint32_t LadderRun::furthest_behind(std::uint64_t horizon) const {
   return chosen;
 }
 
-/// A part of the way from the prior to the temperature that the replica has at first.
+/// Returns a unit of annealing from the prior to the replica's first temperature.
 plan::Unit LadderRun::anneal(std::uint32_t id, std::uint32_t scans_max) const {
   const Replica& replica = replicas_[id];
   const std::uint64_t scans =
@@ -42,7 +42,7 @@ plan::Unit LadderRun::anneal(std::uint32_t id, std::uint32_t scans_max) const {
           .excursion = {}};
 }
 
-/// The next scan of a replica whose level is known.
+/// Returns the next scan of a replica whose level is known.
 plan::Unit LadderRun::scan_of(std::uint32_t id) const {
   const Replica& replica = replicas_[id];
   return {.replica = {options_.chain, base::ReplicaId{id}},
@@ -66,11 +66,12 @@ std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint3
   return anneal(chosen, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, scans_max)));
 }
 
-/// Where a block of the whole ladder ends: at the end of a row, so that all levels can go on in one
-/// block again, and of as many rows as the limit has scans for; at least one that isn't begun.
+/// Returns the end scan of a block of the whole ladder. The block ends at the end of a row, so that
+/// all levels can continue together in another block. It has as many rows as the limit allows, and
+/// at least one new row.
 std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
                                         std::uint64_t end_scan, std::uint64_t scans_max) const {
-  std::uint64_t begin = 0;  // of the first row that nobody has begun
+  std::uint64_t begin = 0;  // First row that no level has begun.
   std::uint64_t sum = 0;
   for (const std::uint32_t id : ready) {
     begin = std::max(begin, replicas_[id].next_scan);
@@ -80,8 +81,8 @@ std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
   return std::min(end_scan, std::max(begin + 1, most));
 }
 
-/// By level the replica that is ready there, or nobody: one at most, since a level's scans come one
-/// after the other.
+/// Returns the ready replica by level, or k_nobody. A level has at most one, because its scans are
+/// sequential.
 std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) const {
   std::vector<std::uint32_t> ready(levels(), k_nobody);
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
@@ -90,8 +91,8 @@ std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) cons
   return ready;
 }
 
-/// Those at neighbouring levels join the one at a level, as long as they are ready and fewer than
-/// wanted, from both sides by turns.
+/// Extends a stretch from `level` to neighbouring ready levels, from both sides in turns, up to the
+/// wanted size.
 LadderRun::Stretch LadderRun::joined(std::span<const std::uint32_t> ready, std::uint32_t level,
                                      std::uint64_t wanted) {
   Stretch stretch{.first = level, .end = level + 1};
@@ -117,15 +118,15 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
     return plan::Block{.members = {*next_unit(horizon, limits.unit_scans_max)}, .ladder = {}};
   }
 
-  // A ladder that is not to be split waits until all of it can go on.
+  // An undivided ladder waits until all its levels can run.
   const std::vector<std::uint32_t> ready = ready_by_level(horizon);
   const bool is_whole = std::ranges::find(ready, k_nobody) == ready.end();
   const bool waits_for_all = ladders >= limits.threads && levels() <= limits.whole_levels_max;
   if (waits_for_all && !is_whole && std::ranges::any_of(replicas_, &Replica::handed_out))
     return std::nullopt;
 
-  // Neighbours join: all, if each can make a scan; else as many as come to the limit in a triangle
-  // whose sides lose a level with each scan.
+  // Add neighbours: the whole ladder if the limit allows each level a scan, otherwise as many
+  // levels as a triangle of scans allows that loses a level on each side with each scan.
   const auto root = static_cast<std::uint64_t>(std::sqrt(2.0 * limits.block_scans_max));
   const std::uint64_t share =
       ladders >= limits.threads ? levels() : ladders * levels() / (2 * limits.threads);
@@ -152,7 +153,7 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
   return block;
 }
 
-/// The scans of those that are ready at a stretch of levels; they are handed out.
+/// Hands out the scans of ready replicas at a stretch of levels.
 plan::Block LadderRun::block_of(std::span<const std::uint32_t> ready, const Stretch& stretch,
                                 const BlockEnd& end) {
   plan::Block block;

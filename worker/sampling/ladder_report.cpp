@@ -21,7 +21,7 @@ struct Sizes {
   std::size_t kinds = 0;
 };
 
-/// Rounds that have a scan, from a scan on.
+/// Returns the rounds that have a scan and begin at `first_scan` or later.
 std::span<const RoundReport> begun(const LadderRun& ladder, std::uint64_t first_scan) {
   const std::vector<RoundReport>& rounds = ladder.rounds();
   const bool has_scans = rounds.back().statistics.scans() > 0;
@@ -169,7 +169,7 @@ void write_levels(Tables& tables) {
                   });
 }
 
-/// Moments of an index process from a scan on.
+/// Returns the index process from a scan on.
 std::span<const IndexProcess::Moment> moments_from(const LadderRun& ladder,
                                                    std::uint64_t first_scan) {
   const std::vector<IndexProcess::Moment>& all = ladder.index_process().moments();
@@ -177,7 +177,7 @@ std::span<const IndexProcess::Moment> moments_from(const LadderRun& ladder,
   return {first, all.end()};
 }
 
-/// At which level each replica was, at moments that are thinned to a bound.
+/// Adds each replica's level at a bounded number of moments.
 void add_index_process(std::span<const LadderRun* const> ladders, std::uint64_t first_scan,
                        plan::Report& report) {
   std::size_t moments = 0;

@@ -1,5 +1,5 @@
-// What ladders learnt, as the tables of an archive's group /tempering. Sizes differ between rounds
-// and ladders: a table's dimensions are those of the largest, and the rest is NaN.
+// Results of ladders, as tables in an archive's group /tempering. Rounds and ladders differ in
+// size. Each table has the dimensions of the largest one, with NaN as padding.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace sleight::sampling {
 
-/// Rounds that begin before `burnt_in_at`, in scans, are left out: their states know of a search.
+/// Omits rounds that begin before scan `burnt_in_at`, because their states may descend from a
+/// search.
 plan::Report report_of(std::span<const LadderRun* const> ladders, std::uint64_t burnt_in_at = 0);
 
 }  // namespace sleight::sampling

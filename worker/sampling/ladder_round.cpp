@@ -33,7 +33,7 @@ std::vector<double> next_ladder(const LadderOptions& options, const RoundReport&
   return moves ? respaced(last.ladder(), rejections, levels) : last.ladder();
 }
 
-/// Sizes of proposals are tuned where they were used, and read off where they will be.
+/// Tunes proposal scales at the old levels, then interpolates them at the new levels.
 std::vector<std::vector<double>> next_scales(const LadderOptions& options, const RoundReport& last,
                                              const std::vector<double>& ladder) {
   std::vector<std::vector<double>> scales(ladder.size());
@@ -44,7 +44,7 @@ std::vector<std::vector<double>> next_scales(const LadderOptions& options, const
     learnt.push_back(tuned(last.scales[level], last.counts[level], options.has_scale));
     kinds = std::max(kinds, learnt.back().size());
   }
-  // The hottest level draws afresh and learns nothing: it goes with its neighbour.
+  // The hottest level draws from the prior and has no proposals, so it copies its neighbour.
   learnt.front() = learnt[1];
   for (std::size_t kind = 0; kind < kinds; ++kind) {
     std::vector<double> logs;

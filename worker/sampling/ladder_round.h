@@ -1,9 +1,9 @@
-// What a ladder of parallel tempering begins with, what one round of it came to, and what the next
-// one takes from that: the learning, all of which happens between rounds.
+// The adaptation of parallel tempering, all of which happens between rounds: a ladder's options,
+// one round's results, and the next round's settings.
 //
-// A round's ladder is spaced anew from the last round's rejection rates, with as many levels as the
-// barrier asks for, and the sizes of proposals are set from their acceptance. Within a round
-// nothing is learnt, so there the chain keeps its distribution.
+// Each round respaces the ladder by the last round's rejection rates, with as many levels as the
+// barrier requires, and sets proposal scales from acceptance rates. Nothing adapts within a round,
+// so each round's kernel leaves its distribution invariant.
 //
 // Thread safety: pure functions and values.
 #pragma once
@@ -20,39 +20,42 @@ namespace sleight::sampling {
 struct LadderOptions {
   std::uint64_t seed = 0;
   base::ChainId chain;
-  std::vector<double> first_ladder;  ///< ascending, 0 first, 1 last
-  bool levels_chosen = true;         ///< from the barrier; else as many as at first
+  std::vector<double> first_ladder;  ///< Ascending, from 0 to 1.
+  bool levels_chosen = true;         ///< The barrier determines the number of levels; otherwise it
+                                     ///< stays as in first_ladder.
   std::uint32_t levels_max = 64;
   bool ladder_adapts = true;
-  /// By kind of proposal: whether it has a size that is tuned (target.h).
+  /// By kind of proposal: whether it has a tuned scale (target.h).
   std::vector<bool> has_scale;
-  std::uint64_t round_scans = 64;  ///< of the first round; each later one is twice as long
-  /// Simulated annealing first: so many scans in which each replica goes from the prior to its own
-  /// temperature in equal steps. They belong to no round.
+  std::uint64_t round_scans = 64;  ///< Length of the first round. Each later round is twice as
+                                   ///< long.
+  /// Number of scans of initial simulated annealing, in which each replica goes from the prior to
+  /// its first temperature in equal steps. These scans belong to no round.
   std::uint64_t anneal_scans = 0;
-  /// The first replicas start from searches, all but the hottest; then nothing is annealed.
+  /// All first replicas but the hottest start from searches. Then there is no annealing.
   bool starts_by_search = false;
 };
 
-/// What one round came to; of the present one, so far.
+/// Results of one round. The current round's results are partial.
 struct RoundReport {
   std::uint64_t first_scan = 0;
   RoundStatistics statistics;
-  std::uint64_t round_trips = 0;            ///< hottest to coolest and back, ended in this round
-  std::uint64_t restarts = 0;               ///< arrivals at the coolest level from the hottest
-  std::vector<KindCounts> counts;           ///< by level
-  std::vector<std::vector<double>> scales;  ///< by level, by kind
+  std::uint64_t round_trips = 0;            ///< Trips from the hottest level to the coolest and
+                                            ///< back that ended in this round.
+  std::uint64_t restarts = 0;               ///< Arrivals at the coolest level from the hottest.
+  std::vector<KindCounts> counts;           ///< By level.
+  std::vector<std::vector<double>> scales;  ///< Proposal scales by level, then by kind.
 
   const std::vector<double>& ladder() const { return statistics.ladder(); }
-  /// Over all pairs of neighbours, what share of swaps is accepted. REQUIRES: a scan.
+  /// Mean acceptance rate of swaps over all neighbouring pairs. REQUIRES: at least one scan.
   double mean_swap_acceptance() const;
-  /// The first scan that isn't of the round.
+  /// The first scan after the round.
   std::uint64_t end_scan() const { return first_scan + statistics.scans_wanted(); }
 };
 
 RoundReport first_round(const LadderOptions& options);
 
-/// The round after one that is over: twice as long.
+/// Returns the round after a completed round, with twice its length.
 RoundReport next_round(const LadderOptions& options, const RoundReport& last);
 
 }  // namespace sleight::sampling

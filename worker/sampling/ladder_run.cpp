@@ -9,7 +9,6 @@
 namespace sleight::sampling {
 namespace {
 
-/// All levels of a round.
 SwapFlow flow_of(const LadderOptions& options, const std::vector<double>& ladder) {
   return SwapFlow({.seed = options.seed,
                    .chain = options.chain,
@@ -101,7 +100,6 @@ LadderRun::Row& LadderRun::row(std::uint64_t scan) {
   return rows_[scan - retired_];
 }
 
-/// A replica's level at a scan is known.
 void LadderRun::place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan) {
   CHECK_EQ(replicas_[replica].next_scan, scan);
   row(scan).replica[level] = replica;
@@ -110,7 +108,7 @@ void LadderRun::place(std::uint32_t replica, std::uint32_t level, std::uint64_t 
 
 void LadderRun::consume(base::ReplicaId id, std::uint64_t first_scan,
                         std::span<const plan::ScanRecord> records) {
-  // From a run store a replica's results may come before it is known that there will be one.
+  // A run store may deliver a replica's results before the ladder creates the replica.
   if (id.value >= replicas_.size()) {
     CHECK_LT(id.value, plan::k_replicas_end);
     replicas_.resize(id.value + 1);
@@ -135,7 +133,7 @@ void LadderRun::consume(base::ReplicaId id, std::uint64_t first_scan,
   settle(ready);
 }
 
-/// Puts results in their places as far as levels are known, and lets swaps follow from them.
+/// Consumes results as far as levels are known, and makes the swaps that follow.
 void LadderRun::settle(std::vector<std::uint32_t>& ready) {
   while (!ready.empty()) {
     const std::uint32_t id = ready.back();
@@ -152,12 +150,12 @@ void LadderRun::settle(std::vector<std::uint32_t>& ready) {
       const std::uint64_t scan = replica.next_scan++;
       const std::uint32_t level = std::exchange(replica.level, k_nobody);
       replica.lineage = replica.waiting.front().lineage;
-      // The worker ran it at this level, alone or with its neighbours.
+      // The worker ran the scan at this level, alone or with its neighbours.
       CHECK_EQ(replica.waiting.front().inverse_temperature, ladder()[level]);
       const double log_constraint = replica.waiting.front().log_constraint;
       row(scan).result[level] = std::move(replica.waiting.front());
       replica.waiting.pop_front();
-      // At a round's end it isn't known yet which temperature a level will have.
+      // At a round's end, the next temperature of a level is unknown.
       for (const SwapFlow::GoesOn& goes : flow_.made(level, log_constraint)) {
         if (goes.scan == round_end()) continue;
         place(goes.replica, goes.level, goes.scan);
@@ -176,12 +174,13 @@ const Solutions& LadderRun::solutions_since(std::uint64_t first_scan) const {
   return found->since;
 }
 
-/// Of the first replicas all but the hottest begin with a search's find.
+/// Returns whether a lineage descends from a search's find; all first replicas but the hottest
+/// start from finds.
 bool LadderRun::began_by_search(std::uint64_t lineage) const {
   return options_.starts_by_search && lineage != 0 && plan::scan_of_lineage(lineage) == 0;
 }
 
-/// Scans that all levels have are counted, in order.
+/// Counts the scans that all levels have, in order.
 void LadderRun::retire() {
   while (!rows_.empty() && retired_ < round_end() &&
          std::ranges::all_of(rows_.front().result, [](const auto& r) { return r.has_value(); })) {
@@ -216,7 +215,7 @@ void LadderRun::count_trip(std::uint32_t id, std::uint32_t level) {
   }
 }
 
-/// All replicas have reached the round's end.
+/// Begins a round. REQUIRES: all replicas have reached the last round's end.
 void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
   rounds_.push_back(next_round(options_, rounds_.back()));
   if (options_.starts_by_search) solutions_.push_back({.first_scan = retired_});
@@ -230,12 +229,12 @@ void LadderRun::begin_round(std::vector<std::uint32_t>& ready) {
   }
 }
 
-/// By level: the coolest stay the coolest; new replicas are the hottest.
+/// Returns the replicas by level. The coolest replicas stay the coolest; new ones are the hottest.
 std::vector<std::uint32_t> LadderRun::replicas_of_new_round() {
   const std::uint32_t stay = std::min(flow_.size(), levels());
   std::vector<std::uint32_t> at;
   while (at.size() + stay < levels()) {
-    // The lowest id that has not lived; from a run store its results may be here already.
+    // Take the lowest unused id. A run store may already have delivered its results.
     const auto unborn = std::ranges::find(replicas_, false, &Replica::lives);
     const auto id = static_cast<std::uint32_t>(unborn - replicas_.begin());
     if (id == replicas_.size()) replicas_.emplace_back();

@@ -1,10 +1,10 @@
-// One ladder of parallel tempering as it runs: tests/tempering/tempering_loop.cpp computes the same
-// in a few lines; here replicas run ahead of one another, on any number of workers.
+// One running ladder of parallel tempering. tests/tempering/tempering_loop.cpp computes the same in
+// a few lines. Here any number of workers run the replicas, some of which get ahead of others.
 //
-// Idea. Replicas keep their states and trade temperatures. A swap (swap.h) needs its two replicas
-// only, so within a round there is no barrier (swap_flow.h); a round's end waits for all, and there
-// the next round's ladder and proposal sizes are learnt (ladder_round.h). Results are put in their
-// places (ladder_run.cpp); units and blocks are cut from what may run (ladder_blocks.cpp).
+// Idea. Replicas keep their states and exchange temperatures. A swap (swap.h) needs only its two
+// replicas, so rounds have no internal barrier (swap_flow.h). All replicas wait at a round's end,
+// where the next round's ladder and proposal scales are computed (ladder_round.h). ladder_run.cpp
+// consumes results; ladder_blocks.cpp hands out units and blocks.
 //
 //   scan s of all levels
 //     level 0 --+                 the hottest draws from the prior, and begins a lineage
@@ -12,12 +12,14 @@
 //     level 2 --+
 //     level 3 --+-- swap?
 //
-// More levels: new replicas are prior draws and become the hottest. Fewer: the hottest go.
+// If a new round has more levels, new replicas start from prior draws and become the hottest. If a
+// new round has fewer levels, the hottest replicas are removed.
 //
 // Invariants
-//   1. What happens is a function of the results, not of the order in which replicas deliver them.
-//   2. A round's ladder and proposal scales hang on earlier rounds alone.
-//   3. Swaps draw from (seed, chain, the swap's pair of levels, scan): every pair and scan once.
+//   1. The ladder's behaviour is a function of the results, not of their order of delivery.
+//   2. A round's ladder and proposal scales depend on earlier rounds alone.
+//   3. Each swap's random number has an address of its own: (seed, chain, pair of levels, scan).
+//
 // Not thread-safe.
 #pragma once
 
@@ -41,69 +43,74 @@ class LadderRun {
  public:
   explicit LadderRun(const LadderOptions& options);
 
-  /// A unit that may run now, of a replica that is furthest behind; none if all that may run are
-  /// handed out. `horizon`: scans that may be begun.
+  /// Returns a unit of a replica that is furthest behind. Empty if every unit that can run is
+  /// handed out. `horizon`: scans below this number may begin.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
-  /// Such a unit and, as far as the limit goes, those of neighbouring levels that may run now too.
-  /// `ladders`: that go on side by side. Where each thread has one, a ladder goes to it whole, so
-  /// that no swap waits and no state travels; else a block takes half a thread's share of the
-  /// levels.
+  /// Returns a block of such a unit and, within the limits, those units of neighbouring levels that
+  /// can run now. `ladders` is the number of ladders that run side by side. With at least one
+  /// ladder per thread, a block has a whole ladder, so no swap waits and no state travels.
+  /// Otherwise a block has half a thread's share of the levels.
   std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,
                                         std::size_t ladders = 1);
   /// REQUIRES: as Plan::consume.
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
                std::span<const plan::ScanRecord> records);
 
-  /// Scans that every level has.
+  /// Number of scans that every level has.
   std::uint64_t scans() const;
   std::uint64_t records_consumed() const { return records_; }
-  /// Of these, those of scans that every level has.
+  /// Number of records of the scans that every level has.
   std::uint64_t records_counted() const;
-  /// Of all rounds.
+  /// Round trips in all rounds.
   std::uint64_t round_trips() const;
   const Solutions& solutions() const { return solutions_.front().since; }
-  /// Of lineages in the scans from a round's first one on. REQUIRES: replicas start from searches;
-  /// a round that has begun.
+  /// Solutions whose lineages satisfied in scans from `first_scan` on. REQUIRES: replicas start
+  /// from searches; `first_scan` begins a round that has begun.
   const Solutions& solutions_since(std::uint64_t first_scan) const;
-  /// The first scan at which no level's state descends from where a search has put a replica: all
-  /// levels' lineages have then begun at the hottest level, with a draw from the prior. It is as
-  /// far as is known: scans() if the last one had some.
+  /// The first scan at which no level's state descends from a search's find: all levels' lineages
+  /// have then begun at the hottest level with a prior draw. As long as some state descends from a
+  /// find, this equals scans().
   std::uint64_t searched_until() const { return searched_until_; }
-  /// Those that end with after < scans <= until. REQUIRES: every level has `until` scans.
+  /// Rounds that end with after < scans <= until. REQUIRES: every level has `until` scans.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
-  /// All rounds, the present one last.
+  /// All rounds; the last is the current one.
   const std::vector<RoundReport>& rounds() const { return rounds_; }
-  /// Of the scans that every level has, but those that anneal.
+  /// The index process over the scans that every level has, annealing excluded.
   const IndexProcess& index_process() const { return index_process_; }
   std::uint32_t replicas() const { return static_cast<std::uint32_t>(replicas_.size()); }
-  /// What another method goes on from. REQUIRES: a round has just ended.
+  /// Input for the method that follows the burn-in. REQUIRES: a round has just ended.
   BurnIn burn_in() const;
 
  private:
   static constexpr std::uint32_t k_nobody = UINT32_MAX;
-  enum class Way : std::uint8_t { unknown, up, down };  ///< to the coolest, or back from there
+  enum class Way : std::uint8_t {
+    unknown,
+    up,
+    down
+  };  ///< Direction towards the coolest level, or
+      ///< back.
 
-  using Result = plan::ScanRecord;  ///< as far as it is needed here
+  using Result = plan::ScanRecord;  ///< The fields of the record that ladders need.
   struct Replica {
-    bool lives = false;              ///< it has, or had, a level
-    std::uint64_t first_scan = 0;    ///< of its life
-    std::uint64_t next_scan = 0;     ///< whose result is to be placed
-    std::uint32_t level = k_nobody;  ///< at next_scan, once known
+    bool lives = false;              ///< Whether the replica has or had a level.
+    std::uint64_t first_scan = 0;    ///< First scan of the replica.
+    std::uint64_t next_scan = 0;     ///< The next scan whose result is consumed.
+    std::uint32_t level = k_nobody;  ///< Level at next_scan, once known.
     bool handed_out = false;
     std::uint64_t lineage = 0;
-    std::deque<Result> waiting;  ///< from next_scan on
+    std::deque<Result> waiting;  ///< Results from next_scan on.
     Way way = Way::unknown;
   };
-  /// A scan that some level lacks yet.
+  /// A scan that some level still lacks.
   struct Row {
-    std::vector<std::uint32_t> replica;  ///< by level; k_nobody before that is known
+    std::vector<std::uint32_t> replica;  ///< Replica by level; k_nobody while unknown.
     std::vector<std::optional<Result>> result;
   };
 
-  /// Levels next to each other.
+  /// Neighbouring levels.
   struct Stretch {
     std::uint32_t first = 0;
-    std::uint32_t end = 0;  ///< the first beyond
+    std::uint32_t end = 0;  ///< One past the last level.
     std::uint32_t size() const { return end - first; }
   };
   struct BlockEnd {
@@ -115,7 +122,7 @@ class LadderRun {
   std::uint32_t levels() const { return static_cast<std::uint32_t>(ladder().size()); }
   std::uint64_t round_end() const { return rounds_.back().end_scan(); }
 
-  // What comes back (ladder_run.cpp).
+  // Incoming results (ladder_run.cpp).
   Row& row(std::uint64_t scan);
   void place(std::uint32_t replica, std::uint32_t level, std::uint64_t scan);
   void settle(std::vector<std::uint32_t>& ready);
@@ -125,7 +132,7 @@ class LadderRun {
   void begin_round(std::vector<std::uint32_t>& ready);
   std::vector<std::uint32_t> replicas_of_new_round();
 
-  // What is handed out (ladder_blocks.cpp).
+  // Outgoing work (ladder_blocks.cpp).
   bool may_run(std::uint32_t replica, std::uint64_t horizon) const;
   std::uint32_t furthest_behind(std::uint64_t horizon) const;
   plan::Unit anneal(std::uint32_t id, std::uint32_t scans_max) const;
@@ -140,18 +147,19 @@ class LadderRun {
 
   LadderOptions options_;
   std::vector<Replica> replicas_;
-  std::deque<Row> rows_;  ///< from retired_ on
+  std::deque<Row> rows_;  ///< Rows from scan retired_ on.
   std::uint64_t retired_ = 0;
   std::uint64_t records_ = 0;
-  std::uint64_t records_counted_ = 0;  ///< of rounds
+  std::uint64_t records_counted_ = 0;  ///< Records of completed rows.
   std::vector<RoundReport> rounds_;
   IndexProcess index_process_;
-  SwapFlow flow_;  ///< of the present round
+  SwapFlow flow_;  ///< Swaps of the current round.
   struct SolutionsSince {
     std::uint64_t first_scan = 0;
     Solutions since{};
   };
-  /// From the start on, and, of replicas that start from searches, from each round on.
+  /// Solutions from the start on. If replicas start from searches, also solutions from each round
+  /// on.
   std::vector<SolutionsSince> solutions_{1};
   std::uint64_t searched_until_ = 0;
 };

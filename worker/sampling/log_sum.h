@@ -1,4 +1,4 @@
-// Sums of exponentials, kept as logarithms: of numbers that no double could hold.
+// Sums of exponentials as logarithms, for numbers beyond the range of double.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,10 @@ namespace sleight::sampling {
 
 inline constexpr double k_log_zero = -std::numeric_limits<double>::infinity();
 
-/// The sum of exp(x) of numbers added one by one; adding is exact in order, so that equal sequences
-/// give equal bits.
+/// The sum of exp(x) over numbers x added one by one. Equal sequences yield equal bits.
 class LogSum {
  public:
-  /// REQUIRES: no NaN, no +infinity.
+  /// REQUIRES: not NaN, not +infinity.
   void add(double log_value) {
     ++count_;
     if (log_value == k_log_zero) return;
@@ -34,9 +33,9 @@ class LogSum {
     count_ = count;
   }
   std::uint64_t count() const { return count_; }
-  /// -infinity of nothing.
+  /// -infinity for an empty sum.
   double log_sum() const { return sum_ > 0 ? greatest_ + math::log(sum_) : k_log_zero; }
-  /// Log of the mean; NaN of nothing.
+  /// Log of the mean; NaN for an empty sum.
   double log_mean() const {
     if (count_ == 0) return std::numeric_limits<double>::quiet_NaN();
     return log_sum() - math::log(static_cast<double>(count_));
@@ -44,7 +43,7 @@ class LogSum {
 
  private:
   double greatest_ = k_log_zero;
-  double sum_ = 0;  ///< of exp(x - greatest)
+  double sum_ = 0;  ///< Sum of exp(x - greatest).
   std::uint64_t count_ = 0;
 };
 

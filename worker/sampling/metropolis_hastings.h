@@ -1,16 +1,17 @@
 // Metropolis-Hastings: Algorithm 2.1 of the thesis, for any target and inverse temperature.
 //
-// Draws are addressed by (seed, chain, replica, purpose, iteration), so an iteration's outcome is a
-// pure function of the state before it. The proposal and the acceptance have streams of their own:
-// a proposal that draws more or fewer numbers doesn't shift anything else.
+// Random numbers are addressed by (seed, chain, replica, purpose, iteration), so an iteration is a
+// pure function of the state before it. Proposal and acceptance use separate streams, so the count
+// of random numbers in a proposal affects nothing else.
 //
-// Simulations cost all the time there is, so none is made whose result is known: not of a candidate
-// that is the current state, and not of one that would be rejected even at the greatest constraint
-// density that it may have (BoundsConstraint; the number that decides is drawn before). Exactly:
-// the ratio never falls, in its rounded arithmetic either, as that density grows.
+// Simulations dominate the cost, so the step avoids those whose effect is known in advance. It
+// doesn't simulate a candidate that equals the current state. Nor does it simulate a candidate that
+// would be rejected even at its greatest possible constraint density (BoundsConstraint), because
+// the acceptance number is drawn before the simulation. This early rejection is exact: the ratio is
+// monotone in that density, even in rounded arithmetic.
 //
-// A candidate whose simulation fails is refused, whatever its ratio: what is sampled is the target
-// given that the simulation succeeds.
+// A candidate whose simulation fails is always rejected, so the chain samples the target
+// conditioned on success of the simulation.
 #pragma once
 
 #include <concepts>
@@ -27,7 +28,7 @@
 
 namespace sleight::sampling {
 
-/// Which chain's random numbers to use: everything of a stream's address but purpose and iteration.
+/// The address of a chain's random numbers: all of a stream's address but purpose and iteration.
 struct ChainStreams {
   std::uint64_t seed = 0;
   base::ChainId chain;
@@ -39,21 +40,22 @@ struct ChainStreams {
   }
 };
 
-/// What happened in one iteration.
+/// Result of one iteration.
 struct StepReport {
-  std::uint32_t kind = 0;  ///< of the proposal
+  std::uint32_t kind = 0;  ///< Kind of the proposal.
   bool accepted = false;
-  bool simulated = false;  ///< whether it took a simulation to know
+  bool simulated = false;  ///< Whether the decision needed a simulation.
   SimulationReport simulation{};
 };
 
-/// So many draws from the prior in a row may fail.
+/// Maximum number of consecutive failed draws from the prior.
 inline constexpr std::uint32_t k_draws_max = 1000;
 
-/// A draw from the prior whose simulation succeeds: what a replica starts from, and what it does at
-/// inverse temperature 0. A failed one is drawn again with the next numbers of the same stream, so
-/// the draw is exact for the prior given that the simulation succeeds. `told` hears of each
-/// simulation. Throws base::Error if k_draws_max fail in a row. REQUIRES: a scan once per replica.
+/// Draws from the prior until a simulation succeeds, for a replica's start or a scan at inverse
+/// temperature 0. A failed draw is repeated with the next numbers of the same stream, so the draw
+/// is exact for the prior conditioned on success of the simulation. Calls `told` for each
+/// simulation. Throws base::Error after k_draws_max consecutive failures. REQUIRES: each scan of a
+/// replica at most once.
 template <Target T, class Told>
 Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan,
                       const Told& told) {
@@ -81,9 +83,9 @@ Sample<T> initialize(const T& target, const ChainStreams& streams) {
   return draw_afresh(target, streams, 0);
 }
 
-/// log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)), line 7. A candidate of zero density is never
-/// accepted; out of a current state of zero density (a start that breaks a hard constraint), every
-/// candidate is weighed by the prior alone, so that the chain walks on until it finds support.
+/// Returns log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)), line 7. A candidate of zero density is
+/// never accepted. If the current state has zero density (a start that breaks a hard constraint),
+/// the prior alone weighs every candidate, so the chain moves until it finds support.
 inline double log_acceptance_ratio(double current_log_prior, double current_log_constraint,
                                    double candidate_log_prior, double candidate_log_constraint,
                                    double inverse_temperature, double log_q_ratio) {
@@ -96,7 +98,7 @@ inline double log_acceptance_ratio(double current_log_prior, double current_log_
   return candidate - current + log_q_ratio;
 }
 
-/// What a step draws from: a proposal, and the number that accepts it.
+/// Random streams of a step: one for the proposal, one for the acceptance.
 struct StepStreams {
   random::Stream proposal;
   random::Stream acceptance;
@@ -107,8 +109,8 @@ inline StepStreams step_streams(const ChainStreams& streams, std::uint64_t itera
           .acceptance = streams.at(random::Purpose::acceptance, iteration)};
 }
 
-/// Lines 4 to 10 of Algorithm 2.1: one iteration, which replaces `current` or keeps it.
-/// `scales`: of proposals, by kind (ScalesProposals).
+/// Lines 4 to 10 of Algorithm 2.1: one iteration, which replaces or retains `current`. `scales`:
+/// proposal scales by kind (ScalesProposals).
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     StepStreams& streams, Sample<T>& current,
@@ -122,7 +124,7 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                         log_constraint, inverse_temperature, proposal.log_q_ratio);
   };
 
-  // It may be known what comes of it.
+  // Skip the simulation if its effect is known.
   if constexpr (std::equality_comparable<typename T::State>) {
     if (proposal.candidate == current.state) {
       return {.kind = proposal.kind,
@@ -135,7 +137,7 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
       return {.kind = proposal.kind, .accepted = false};
   }
 
-  // Simulate it, and accept it with probability min(1, ratio).
+  // Simulate the candidate, and accept it with probability min(1, ratio).
   typename T::Outcome outcome = simulate_from(target, proposal.candidate, current);
   StepReport report{
       .kind = proposal.kind, .simulated = true, .simulation = report_of(target, outcome)};
@@ -151,7 +153,8 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   return report;
 }
 
-/// The same with the random numbers of an iteration. REQUIRES: an iteration once per replica.
+/// The same step with the random numbers of an iteration. REQUIRES: each iteration of a replica at
+/// most once.
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     const ChainStreams& streams, std::uint64_t iteration,

@@ -17,9 +17,9 @@ std::optional<plan::Unit> NumberedLanes::next_unit(std::uint64_t end, std::uint3
   CHECK_GE(scans_max, 1U);
   if (idle_.empty()) return std::nullopt;
   const auto [scan, id] = *idle_.begin();
-  // Of all numbers below the end, those in the lane.
+  // Count the lane's numbers below the end.
   const std::uint64_t scans_of_lane = (end + scans_.size() - 1 - id) / scans_.size();
-  // The least number is first: where that is not asked for, none is.
+  // This lane has the least unfinished number, so the other lanes have none below the end either.
   if (scan >= scans_of_lane) return std::nullopt;
   idle_.erase(idle_.begin());
   const std::uint64_t scans = std::min<std::uint64_t>(scans_of_lane - scan, scans_max);
@@ -34,7 +34,7 @@ void NumberedLanes::consume(base::ChainId lane, base::ScanIndex first_scan, std:
   const std::uint32_t id = lane.value - first_lane_;
   CHECK_LT(id, scans_.size());
   CHECK_EQ(first_scan.value, scans_[id]);
-  idle_.erase({scans_[id], id});  // there when it comes from a run store
+  idle_.erase({scans_[id], id});  // Still idle if results come from a run store.
   scans_[id] += records;
   consumed_ += records;
   idle_.emplace(scans_[id], id);

@@ -1,6 +1,6 @@
-// Work that is numbered and dealt to lanes in turn: number n is scan n / lanes of lane n % lanes.
-// What a number comes to depends on nothing but the number, so that any of it can be done next.
-// The lane that is furthest behind comes first. Not thread-safe.
+// Numbered work, dealt to lanes in turn: number n is scan n / lanes of lane n % lanes. The result
+// of a number depends on the number alone, so numbers can be computed in any order. The lane that
+// is furthest behind comes first. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -15,23 +15,25 @@ namespace sleight::sampling {
 
 class NumberedLanes {
  public:
-  /// Lanes are chains with one replica, numbered from `first_lane` on. REQUIRES: one lane at least.
+  /// Lanes are chains with one replica, numbered from `first_lane` on. REQUIRES: at least one lane.
   NumberedLanes(std::uint32_t first_lane, std::uint32_t lanes, std::uint64_t seed);
 
-  /// The next numbers of a lane, of those below `end`; `starts` holds of each unit.
+  /// Returns the next numbers below `end` of one lane. `starts` is set in each unit.
   std::optional<plan::Unit> next_unit(std::uint64_t end, std::uint32_t scans_max);
-  /// The next so many of a lane are done. REQUIRES: the lane is ours, and has done those before.
+  /// Marks the next `records` numbers of a lane as done. REQUIRES: `lane` belongs to this object,
+  /// and its earlier numbers are done.
   void consume(base::ChainId lane, base::ScanIndex first_scan, std::size_t records);
-  /// Numbers that are done with all before them.
+  /// Count of numbers before the first unfinished number.
   std::uint64_t done() const { return done_; }
-  /// All that are done.
+  /// Count of all finished numbers.
   std::uint64_t consumed() const { return consumed_; }
 
  private:
   std::uint32_t first_lane_;
   std::uint64_t seed_;
-  std::vector<std::uint64_t> scans_;                        ///< consumed, by lane
-  std::set<std::pair<std::uint64_t, std::uint32_t>> idle_;  ///< lanes with nothing out, by scan
+  std::vector<std::uint64_t> scans_;                        ///< Consumed scans by lane.
+  std::set<std::pair<std::uint64_t, std::uint32_t>> idle_;  ///< Lanes with nothing handed out, by
+                                                            ///< scan.
   std::uint64_t done_ = 0;
   std::uint64_t consumed_ = 0;
 };

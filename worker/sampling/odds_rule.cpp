@@ -22,7 +22,7 @@ void OddsRule::add(double log_satisfied) {
 void OddsRule::judge_pilot() {
   const math::IslandOdds odds = pilot_.odds();
   if (odds.islands % k_pilot_islands != 0) return;
-  // NaN, where all are 0, is not good enough.
+  // The share is NaN if all estimates are 0, which counts as wild.
   const bool is_wild = !(odds.largest_share <= k_pilot_share_max);
   if (is_wild && odds.islands < k_pilot_islands_max) return;
   if (!std::isfinite(odds.log_mean)) {
@@ -46,7 +46,7 @@ std::uint64_t OddsRule::needed() const {
   const std::uint64_t pilot = pilot_islands();
   if (is_sized()) return pilot + batch_islands_;
   if (is_over_) return pilot;
-  // However long the pilot is, a batch comes after it, mostly.
+  // A batch usually follows the pilot, whatever the pilot's length.
   return pilot / k_pilot_islands * k_pilot_islands + k_pilot_islands + math::k_islands_min;
 }
 

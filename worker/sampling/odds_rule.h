@@ -1,27 +1,28 @@
-// How many free islands tell the odds, and which: a batch that a pilot has sized.
+// Decides how many free islands a run makes, and which of these estimate the odds: a batch whose
+// size a pilot determines.
 //
 //   island  0            32                              p + n
-//           |-- pilot, p --|-- batch, n: these alone tell P --|-- extended by n / 2 ...
+//           |-- pilot, p --|-- batch, n: estimates P --|-- extended by n / 2 ...
 //                     sizes the batch
 //
-// Pilot. 32 islands, and 32 more as long as one has more than a third of their sum: then their
-// spread says nothing yet. It ends with 1,024 in any case; if not one of these is above 0, nothing
-// more is tried.
+// Pilot. The pilot has 32 islands, and 32 more as long as one island exceeds a third of their sum,
+// because their spread is then unreliable. The pilot ends at 1,024 islands in any case. If all
+// these are 0, the run ends.
 //
-// Batch. As many as know log P to the error that is asked for, if their relative variance is half
-// as large again as the pilot's, since few islands mostly lack the large ones; and as many as an
-// error takes at least (math::k_islands_min).
+// Batch. The batch is large enough to estimate log P with the requested error even if its relative
+// variance is half as large again as the pilot's, since small pilots mostly miss the largest
+// islands. The batch has at least math::k_islands_min islands, the minimum for an error.
 //
-// Extension. Where no error can be told of the batch, since one island has more than a tenth of the
-// sum, it goes on by half of its first length, again and again, until one can, or until it is 32
-// times as long as at first.
+// Extension. If the batch allows no error estimate, because one island exceeds a tenth of the sum,
+// the batch grows by half of its first length. Extensions repeat until an error can be estimated,
+// or until the batch has 32 times its first length.
 //
-// The pilot has chosen how many islands there are, so it may not count: a run that ends when its
-// own estimate looks good ends before the rare large islands have come, and says too little.
-// Extensions have a little of that too: a batch with a large island goes on and so forgets a part
-// of it, one that lacks those stops. docs/MEASUREMENTS has how much.
+// The pilot determines the number of islands, so its islands must not count. A run that ends when
+// its own estimate looks good ends before the rare large islands appear, and underestimates P.
+// Extensions have a small bias of this kind: a batch with a large island grows and dilutes it,
+// while a batch without one stops. docs/MEASUREMENTS quantifies the bias.
 //
-// Invariant: what it says is a function of the estimates in order. A value type.
+// Invariant: the rule's results are a function of the estimates in order. A value type.
 #pragma once
 
 #include <cstdint>
@@ -38,19 +39,19 @@ class OddsRule {
   static constexpr double k_variance_lacking = 1.5;
   static constexpr std::uint64_t k_batch_growth_max = 32;
 
-  /// `log_error`: of log P, in nats. REQUIRES: above 0.
+  /// `log_error`: requested standard error of log P, in nats. REQUIRES: above 0.
   explicit OddsRule(double log_error) : log_error_(log_error) {}
 
-  /// The next island's log P(satisfied). REQUIRES: !is_over().
+  /// Adds the next island's log P(satisfied). REQUIRES: !is_over().
   void add(double log_satisfied);
 
   bool is_over() const { return is_over_; }
-  /// Islands that are needed in any case, by what is known so far; all of them once it is over.
+  /// Number of islands that are needed in any case, as far as known; the total once is_over().
   std::uint64_t needed() const;
   bool is_sized() const { return batch_islands_ > 0; }
-  /// The batch's first island. REQUIRES: is_sized().
+  /// Number of the batch's first island. REQUIRES: is_sized().
   std::uint64_t pilot_islands() const { return pilot_.odds().islands; }
-  /// Of the batch once the rule is over and has one, else of all so far.
+  /// Odds of the batch once the rule is over and has a batch; otherwise of all islands so far.
   math::IslandOdds odds() const { return is_over_ && is_sized() ? batch_.odds() : all_.odds(); }
 
  private:
@@ -61,8 +62,8 @@ class OddsRule {
   math::IslandSums pilot_;
   math::IslandSums batch_;
   math::IslandSums all_;
-  std::uint64_t first_islands_ = 0;  ///< of the batch, before it was extended
-  std::uint64_t batch_islands_ = 0;  ///< 0: not sized yet
+  std::uint64_t first_islands_ = 0;  ///< Size of the batch before its extension.
+  std::uint64_t batch_islands_ = 0;  ///< 0 while undetermined.
   bool is_over_ = false;
 };
 

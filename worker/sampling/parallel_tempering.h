@@ -1,12 +1,11 @@
-// Parallel tempering as a Plan: several independent ladders (ladder_run.h), each a chain of the
-// archive, whose draws are the states at inverse temperature 1.
+// Parallel tempering as a Plan: independent ladders (ladder_run.h), each of which is a chain of the
+// archive. The draws are the states at inverse temperature 1.
 //
-// Replicas may start from searches, so that ladders know from their first round on what solutions
-// are like. Then they burn in: until the end of the first round whose last scan has no state, at
-// any level of any ladder, that descends from a search. Each replica has then been at the hottest
-// level, where it was drawn from the prior anew. Earlier scans are no draws, and neither their
-// solutions nor their rounds are told. A ladder whose swaps don't bring all replicas there never
-// burns in.
+// Replicas may start from searches, so that ladders contain solutions from their first round on.
+// Such ladders burn in until a round ends in whose last scan no state, at any level of any ladder,
+// descends from a search. By then each replica has been at the hottest level and was redrawn from
+// the prior. Earlier scans yield no draws, and their solutions and rounds are not reported. A
+// ladder whose swaps fail to bring all replicas to the hottest level never burns in.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +22,13 @@ namespace sleight::sampling {
 
 struct ParallelTemperingOptions {
   std::uint32_t ladders = 1;
-  LadderOptions ladder;  ///< of each; its chain is set
+  LadderOptions ladder;  ///< Options of each ladder. Their `chain` field is overwritten.
   StopRule stop;
 };
 
 class ParallelTempering final : public plan::Plan {
  public:
-  /// REQUIRES: a ladder and a stop rule at least.
+  /// REQUIRES: at least one ladder and one stop rule.
   explicit ParallelTempering(const ParallelTemperingOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
@@ -45,35 +44,35 @@ class ParallelTempering final : public plan::Plan {
   }
   std::vector<plan::Solution> solutions_between(std::uint64_t after,
                                                 std::uint64_t until) const override;
-  /// Of each ladder, the burn-in's rounds too.
+  /// Rounds of each ladder, those of the burn-in included.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
                                                std::uint64_t until) const override;
   std::optional<std::uint64_t> round_trips() const override;
-  /// Of all replicas.
+  /// Scans of all replicas.
   std::uint64_t scans_consumed() const override;
-  /// With as many levels as there are now.
+  /// Estimate with the current numbers of levels.
   std::optional<std::uint64_t> scans_total() const override;
-  /// Over (chain, round): first scan, barrier, round trips and their rates, log Z, log
-  /// P(satisfied); over (chain, round, level) what is known of levels.
+  /// Tables over (chain, round): first scan, barrier, round trips and their rates, log Z, log
+  /// P(satisfied). Tables over (chain, round, level): statistics of levels.
   plan::Report report() const override;
 
   const std::vector<LadderRun>& ladders() const { return ladders_; }
 
  private:
   std::uint64_t anneal_scans_;
-  /// What follows from all ladders' having come so far.
+  /// Judges each round end that all ladders have reached.
   void judge_burn_in();
   std::uint64_t solutions_before(std::uint64_t scan) const;
-  /// Of a ladder, those that count. REQUIRES: the burn-in is over.
+  /// The solutions of a ladder that count. REQUIRES: the burn-in is over.
   const Solutions& solutions_of(const LadderRun& ladder) const;
 
   std::uint64_t round_scans_;
   bool starts_by_search_;
-  /// The end of the burn-in, in scans, once it is known; without a search there is none.
+  /// The end of the burn-in, in scans, once known. Without a search, the burn-in is empty.
   std::optional<std::uint64_t> burnt_in_at_;
   std::uint32_t rounds_judged_ = 0;
   std::vector<LadderRun> ladders_;
-  FurthestBehind order_;  ///< of ladders
+  FurthestBehind order_;  ///< Order of the ladders.
   StopJudge stop_;
 };
 

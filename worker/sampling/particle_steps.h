@@ -1,18 +1,17 @@
-// Markov chain steps by islands (island.h), for a world that acts in stages. Both keep
-// p_w p_c^beta, whatever the potentials are and however few particles there are; only how fast they
-// move hangs on these.
+// Markov chain steps by islands (island.h), for a world that acts in stages. Both steps leave p_w
+// p_c^beta invariant for any potentials and any number of particles, which only affect mixing.
 //
-//   independence step  a free island is accepted with probability min(1, Z' / Z), Z that of the
-//                      island which the present state was drawn from; then its draw is the state
-//   conditional step   an island that keeps the present state's path; its draw is the state, always
+//   independence step  accepts a free island with probability min(1, Z' / Z), where Z is from the
+//                      island that the current state was drawn from; its draw is then the state
+//   conditional step   makes an island with the current state's path; its draw is always the state
 //
-// Both leave states alone that no path of prefixes with potentials above 0 reaches, and lead to
-// none: local moves have to.
+// A state is unreachable if no path of prefixes with positive potentials leads to it. Both steps
+// leave unreachable states unchanged and never produce them, so local moves have to.
 //
-// After a local move that was accepted the island's Z is that of another state: it is stale. The
-// next independence step then draws a new island given the state, of which it takes Z alone. It
-// must not take the island's draw too: whether a chain is stale depends on its state, as accepted
-// moves do, and steps that are chosen by the state don't keep the target (a test shows it).
+// An accepted local move makes the island's Z stale, because this Z belongs to another state. The
+// next independence step then draws a conditional island, and uses only its Z. It must not use that
+// island's draw too. Staleness depends on the state through accepted moves, and steps chosen
+// depending on the state don't leave the target invariant (a test shows this).
 //
 // Source: Andrieu, Doucet, Holenstein (island.h), sections 2.4.2 and 2.4.3.
 #pragma once
@@ -27,7 +26,7 @@
 
 namespace sleight::sampling {
 
-/// A chain's present state, and log Z of the island that it was drawn from; none: stale.
+/// A chain's current state, and log Z of the island that it was drawn from. Empty log Z: stale.
 template <ActsInStages T>
 struct ParticleSample {
   Sample<T> sample;
@@ -35,8 +34,8 @@ struct ParticleSample {
 };
 
 struct ParticleStepReport {
-  bool accepted = false;  ///< a conditional step always is, where its state can be reached
-  /// Of the step's free island, or of the conditional one.
+  bool accepted = false;  ///< Always true for a conditional step whose state is reachable.
+  /// Estimates of the step's free island, or of the conditional island.
   double log_z = k_log_zero;
   double log_satisfied = k_log_zero;
   double effective_size = 0;
@@ -49,8 +48,8 @@ ParticleStepReport report_of(const Island<T>& island) {
           .effective_size = island.effective_size};
 }
 
-/// An island given the present state; its draw is the next state. REQUIRES: as Islands::given;
-/// islands of a chain have different numbers.
+/// Makes an island given the current state; its draw is the next state. REQUIRES: as
+/// Islands::given; islands of a chain have different numbers.
 template <ActsInStages T>
 ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t number,
                                     ParticleSample<T>& current) {
@@ -63,12 +62,12 @@ ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t num
   return report;
 }
 
-/// Uses two numbers of islands, `number` and the next one. A state that no path reaches stays.
-/// REQUIRES: as conditional_step.
+/// Uses the island numbers `number` and number + 1. An unreachable state stays. REQUIRES: as
+/// conditional_step.
 template <ActsInStages T>
 ParticleStepReport independence_step(const Islands<T>& islands, std::uint64_t number,
                                      ParticleSample<T>& current) {
-  // Know Z of an island that the present state was drawn from.
+  // If Z is stale, estimate it from an island given the current state.
   bool stays = false;
   if (!current.log_z) {
     const Island<T> given = islands.given(number, current.sample.state);

@@ -1,9 +1,8 @@
-// Draws from the prior, which archives keep beside a run's samples, as units of work: a plan with
-// these beside it.
+// A plan wrapped with prior draws, which archives store beside a run's samples.
 //
-// Draws are numbered over lanes (plan::k_prior_lanes, numbered_lanes.h).
-// While the plan searches, they only fill what it leaves idle; afterwards units of the two take
-// turns. Not thread-safe.
+// Draws are numbered over lanes (plan::k_prior_lanes, numbered_lanes.h). While the plan searches,
+// prior draws only fill idle time. Afterwards units of the plan and of the prior alternate. Not
+// thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -63,7 +62,7 @@ class WithPriorDraws final : public plan::Plan {
 
  private:
   bool is_drawn() const { return prior_.done() >= draws_; }
-  /// What the plan has next, or the prior: each is asked for work, in turns.
+  /// Returns the next work of the plan or of the prior, in turns.
   template <class OfPlan, class OfPrior>
   std::invoke_result_t<OfPlan> in_turn(const OfPlan& of_plan, const OfPrior& of_prior);
 

@@ -49,7 +49,7 @@ void RelaxedFinds::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
     const std::size_t id = replica.chain.value;
     Chain& moved = chain(id);
     CHECK_EQ(first_scan.value, moved.scans);
-    idle_.erase({moved.scans, id});  // there when it comes from a run store
+    idle_.erase({moved.scans, id});  // Still idle if results come from a run store.
     moved.scans += records.size();
     moved.satisfied = records.back().satisfied;
     moved.start = {};
@@ -62,7 +62,7 @@ void RelaxedFinds::consume(plan::ReplicaKey replica, base::ScanIndex first_scan,
 
 void RelaxedFinds::begin_chains() {
   for (const plan::Find& find : lanes_.finds_between(known_starts_, lanes_.starts_done())) {
-    // A find beyond these would have no chain of its own.
+    // Further finds would have no chain number of their own.
     if (begun_ == plan::k_first_lane) break;
     Chain& next = chain(begun_);
     auto found = found_ahead_.extract(find.start);

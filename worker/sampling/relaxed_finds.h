@@ -1,17 +1,17 @@
 // Finds of a search, each relaxed by a chain of its own, as a Plan that ends:
 //
-//   search for as many finds as takes are wanted
-//   relax each: a chain starts from the find and makes so many scans, fixed beforehand
-//   a state after the last scan that satisfies is a take; for one that doesn't, another find is
-//     searched for and relaxed
+//   search for one find per requested take
+//   relax each find: a chain runs a fixed number of scans from it
+//   the state after the last scan is a take if it satisfies; otherwise another find is searched
+//     for and relaxed
 //
-// A take is never chosen among a chain's scans: it is the state after the last one, or none. Takes
-// are the first so many in the order of finds, whoever makes them.
+// A take is never selected among a chain's scans: only the state after the last scan can be one.
+// The takes are the first ones in the order of finds, whichever worker makes them.
 //
-// Takes lie near what chains of the target draw; docs/MEASUREMENTS.md has how near. The shares of
-// kinds that chains seldom leave stay the search's.
+// Takes are distributed almost like draws of the target; docs/MEASUREMENTS.md quantifies the
+// difference. The shares of kinds that chains seldom leave stay those of the search.
 //
-// Chain k starts from the find k, both from 0.
+// Chain k starts from find k, both counted from 0.
 // Not thread-safe.
 #pragma once
 
@@ -32,12 +32,12 @@ namespace sleight::sampling {
 struct RelaxedOptions {
   std::uint64_t seed = 0;
   std::uint64_t takes = 1;
-  std::uint32_t scans = 1;  ///< after a find, of its chain
+  std::uint32_t scans = 1;  ///< Scans of each chain after its find.
 };
 
 class RelaxedFinds final : public plan::Plan {
  public:
-  /// REQUIRES: the lanes' finds are as many as the takes; takes and scans at least 1.
+  /// REQUIRES: the lanes request as many finds as takes; takes >= 1, scans >= 1.
   RelaxedFinds(SearchLanes lanes, const RelaxedOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
@@ -53,7 +53,7 @@ class RelaxedFinds final : public plan::Plan {
   std::uint64_t scans_consumed() const override { return lanes_.starts() + chain_scans_; }
   std::optional<std::uint64_t> scans_total() const override;
 
-  /// Chains are no draws.
+  /// Always 0, because relaxing chains yield no draws.
   std::uint64_t scans_common() const override { return 0; }
   std::uint64_t solutions_found() const override { return 0; }
   std::optional<std::uint64_t> solutions_wanted() const override { return std::nullopt; }
@@ -64,28 +64,30 @@ class RelaxedFinds final : public plan::Plan {
 
  private:
   struct Chain {
-    std::uint64_t scans = 0;  ///< consumed
-    bool satisfied = false;   ///< the last of these
-    bool is_known = false;    ///< its find counts
-    base::Bytes start{};      ///< the find, until the chain has begun
+    std::uint64_t scans = 0;  ///< Consumed scans.
+    bool satisfied = false;   ///< Whether the last consumed scan satisfies.
+    bool is_known = false;    ///< Whether the chain's find counts.
+    base::Bytes start{};      ///< The find, until the chain has begun.
   };
   std::uint64_t chain_length() const { return std::uint64_t{options_.scans} + 1; }
   Chain& chain(std::size_t id);
-  /// Gives finds that count now to their chains.
+  /// Assigns newly counted finds to their chains.
   void begin_chains();
-  /// Goes on over the chains that have ended, to the first that hasn't.
+  /// Advances over ended chains to the first chain that hasn't ended.
   void judge_chains();
 
   SearchLanes lanes_;
   RelaxedOptions options_;
-  std::map<std::uint64_t, base::Bytes> found_ahead_;  ///< by start: finds without a chain
+  std::map<std::uint64_t, base::Bytes> found_ahead_;  ///< Finds without a chain, by start.
   std::vector<Chain> chains_;
-  std::uint64_t known_starts_ = 0;                        ///< starts whose finds have chains
-  std::size_t begun_ = 0;                                 ///< chains whose finds are known
-  std::set<std::pair<std::uint64_t, std::size_t>> idle_;  ///< of these with nothing out, by scans
-  std::size_t judged_ = 0;                                ///< chains that are over, with all before
-  std::uint64_t takes_ = 0;                               ///< of these
-  std::uint64_t in_vain_ = 0;  ///< of these, the last ones without a take
+  std::uint64_t known_starts_ = 0;                        ///< Starts whose finds have chains.
+  std::size_t begun_ = 0;                                 ///< Chains whose finds are known.
+  std::set<std::pair<std::uint64_t, std::size_t>> idle_;  ///< (scans, chain) of begun chains with
+                                                          ///< nothing handed out.
+  std::size_t judged_ = 0;                                ///< Chains before the first that hasn't
+                                                          ///< ended.
+  std::uint64_t takes_ = 0;                               ///< Takes of the judged chains.
+  std::uint64_t in_vain_ = 0;                             ///< Judged chains since the last take.
   std::uint64_t chain_scans_ = 0;
 };
 

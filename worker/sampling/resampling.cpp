@@ -10,14 +10,14 @@
 namespace sleight::sampling {
 namespace {
 
-/// The particles in whose arcs the points offset, offset + 1, ... lie, where the whole circle is as
-/// long as there are particles. `offset` is from 0 to 1.
+/// Returns the particles whose arcs contain the points offset, offset + 1, ... The circle's length
+/// is the number of particles. `offset`: from 0 to 1.
 std::vector<std::uint32_t> ancestors_by_points(std::span<const double> shares, double offset) {
   const std::size_t count = shares.size();
   std::vector<std::uint32_t> ancestors;
   ancestors.reserve(count);
-  // By rounding the arcs may end before the last point: that one is the last particle's of any
-  // weight.
+  // Rounding may end the arcs before the last point. That point belongs to the last particle of
+  // positive weight.
   std::size_t last = count - 1;
   while (last > 0 && shares[last] <= 0)
     --last;
@@ -50,16 +50,19 @@ std::vector<std::uint32_t> resampled_with_first(std::span<const double> shares,
                                                 random::Stream& stream) {
   CHECK(!shares.empty());
   CHECK_GT(shares[0], 0.0);
-  // The first arc goes from 0 to `length`. An offset below its fraction finds one point more.
+  // The first arc extends from 0 to `length`. An offset below its fraction puts one more point into
+  // the arc.
   const double length = static_cast<double>(shares.size()) * shares[0];
   const double whole = std::floor(length);
   const double fraction = length - whole;
-  // Offsets weigh as many points as they find: each may be the one that is turned to place 0.
+  // An offset's weight is its number of points in the arc, because each of them may be rotated to
+  // place 0.
   const double with_more = fraction * (whole + 1) / length;
   const double offset = stream.uniform() < with_more ? fraction * stream.uniform()
                                                      : fraction + (1 - fraction) * stream.uniform();
   std::vector<std::uint32_t> ancestors = ancestors_by_points(shares, offset);
-  // The first arc's points come first. One at least: rounding may have moved the arc's end.
+  // The first arc's points come first. Rounding may have moved the arc's end, so add a point if
+  // there is none.
   const auto points = static_cast<std::uint64_t>(std::ranges::count(ancestors, 0U));
   if (points == 0) {
     ancestors[0] = 0;

@@ -1,13 +1,13 @@
-// Chains of islands that start anew, as a Plan: of sequential, with tour_scans. Each chain goes on
-// tours of a fixed number of scans, one after another:
+// Chains of islands that restart, as a Plan, for the sequential method with tour_scans. Each chain
+// makes tours of a fixed number of scans, one after another:
 //
-//   its first scan is the draw of a free island
-//   those after it, local moves and islands (worker/run/island_scan.h), burn it in
-//   the last one alone is a draw, and if it satisfies an independent solution
+//   the first scan is the draw of a free island
+//   the scans after it, local moves and islands (worker/run/island_scan.h), burn the chain in
+//   the last scan alone is a draw, and an independent solution if it satisfies
 //
-// Why solutions are not counted where a chain first comes to them: it stays long at states that
-// weigh much, and would count these once, as any other. What it counts would be in proportion to
-// how often it leaves them. At a scan that is fixed beforehand a burnt-in chain is in proportion.
+// Counting a chain's first visits to solutions would be biased: a chain stays long at states of
+// large weight but counts them once, like all others. Such counts would reflect how often a chain
+// leaves a state. At a scan fixed beforehand, a burnt-in chain has the model's proportions.
 //
 // Invariant: the scan at which the run stops is a function of the results up to that scan.
 // Not thread-safe.
@@ -28,15 +28,15 @@ struct RestartedChainsOptions {
   std::uint64_t seed = 0;
   std::uint32_t chains = 1;
   std::uint64_t tour_scans = 2;
-  /// Ends the run after so many scans of each chain; or
+  /// Number of scans per chain after which the run ends.
   std::optional<std::uint64_t> scans{};
-  /// at the end of the tour, of all chains, in which so many solutions are there.
+  /// Number of solutions at which the run ends, judged when all chains have ended a tour.
   std::optional<std::uint64_t> independent_solutions{};
 };
 
 class RestartedChains final : public plan::Plan {
  public:
-  /// REQUIRES: a chain; tours of two scans at least; scans or solutions.
+  /// REQUIRES: at least one chain; tour_scans >= 2; a limit of scans or solutions.
   explicit RestartedChains(const RestartedChainsOptions& options);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;
@@ -49,33 +49,33 @@ class RestartedChains final : public plan::Plan {
   std::optional<std::uint64_t> solutions_wanted() const override {
     return options_.independent_solutions;
   }
-  /// Each is decided by the end of its tour. (Tours have no rounds.)
+  /// A solution is decided at the end of its tour. (Tours have no rounds.)
   std::vector<plan::Solution> solutions_between(std::uint64_t after,
                                                 std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
-  /// Of the free islands of all scans but tours' first ones. Those of the first tour tell the odds,
-  /// where solutions end the run.
+  /// Reports the free islands of all scans but the first ones of tours. If solutions end the run,
+  /// only the first tour's islands count towards the odds.
   plan::Report report() const override;
 
  private:
   struct Chain {
     std::uint64_t consumed = 0;
     std::uint64_t lineage = 0;
-    bool is_out = false;            ///< a unit is handed out
-    std::vector<bool> satisfied{};  ///< by tour, at its last scan
-    std::vector<double> log_ps{};   ///< likewise: log p_w + log p_c
+    bool is_out = false;            ///< Whether a unit is handed out.
+    std::vector<bool> satisfied{};  ///< By tour, at its last scan.
+    std::vector<double> log_ps{};   ///< log p_w + log p_c by tour, at its last scan.
     IslandsOfChain islands{};
   };
 
   std::uint64_t end_of_tour(std::uint64_t tour) const { return (tour + 1) * options_.tour_scans; }
-  /// Moves on over every tour that all chains have ended.
+  /// Advances over every tour that all chains have ended.
   void judge_tours();
 
   RestartedChainsOptions options_;
   std::vector<Chain> chains_;
   FurthestBehind behind_;
-  std::uint64_t tours_ = 0;  ///< that all chains have ended
+  std::uint64_t tours_ = 0;  ///< Tours that all chains have ended.
   std::uint64_t solutions_ = 0;
   std::uint64_t end_;
 };

@@ -20,7 +20,7 @@ RoundStatistics::RoundStatistics(std::vector<double> ladder, std::uint64_t scans
 void RoundStatistics::add(std::span<const LevelScan> levels) {
   CHECK_EQ(levels.size(), ladder_.size());
   CHECK_LT(scans_, scans_wanted_);
-  // Parts of equal length, whatever the round's length is.
+  // Divide the round into parts of equal length.
   const std::uint64_t part = scans_ * k_batches / scans_wanted_;
   Batch& batch = batches_[part];
   for (std::size_t i = 0; i + 1 < ladder_.size(); ++i) {
@@ -33,7 +33,7 @@ void RoundStatistics::add(std::span<const LevelScan> levels) {
     batch.steps[i].add(stone_log_weight(ladder_, i, l));
   }
   const LevelScan& coolest = levels.back();
-  // What starts outside of a hard constraint is no draw from the target, and says nothing.
+  // A start outside a hard constraint's support is no draw from the target, so it doesn't count.
   const bool counts = coolest.satisfied && coolest.log_constraint != k_log_zero;
   batch.inverse.add(counts ? -coolest.log_constraint : k_log_zero);
   ++scans_;
@@ -46,7 +46,7 @@ std::vector<double> RoundStatistics::rejections() const {
   return rates;
 }
 
-/// `value` of the batches but one.
+/// Computes the jackknife estimate of `value`.
 template <class Value>
 Estimate RoundStatistics::jackknife(const Value& value) const {
   const double all = value(k_batches);

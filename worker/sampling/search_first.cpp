@@ -55,7 +55,7 @@ std::uint64_t SearchFirst::scans_consumed() const {
   return lanes_.starts() + (then_ ? then_->scans_consumed() : 0);
 }
 
-/// How many starts a search takes isn't known before.
+/// The number of starts that a search needs isn't known in advance.
 std::optional<std::uint64_t> SearchFirst::scans_total() const {
   if (!then_) return std::nullopt;
   const auto total = then_->scans_total();

@@ -1,5 +1,5 @@
-// A search, and the plan that comes after it, if any does: people see at once what they will get,
-// before anything is drawn in the model's proportions. The two share nothing but workers.
+// A search followed by an optional plan, so that people see examples before the first draws in the
+// model's proportions. The search and the plan share nothing but workers.
 // Not thread-safe.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace sleight::sampling {
 
 class SearchFirst final : public plan::Plan {
  public:
-  /// Null: the search is all.
+  /// Null `then`: only the search runs.
   SearchFirst(SearchLanes lanes, std::unique_ptr<plan::Plan> then);
 
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max) override;

@@ -28,13 +28,13 @@ std::optional<plan::Unit> SearchLanes::next_unit(std::uint32_t scans_max) {
   CHECK_GE(scans_max, 1U);
   if (finished() || idle_.empty()) return std::nullopt;
   const std::uint64_t missing = finds_.wanted - finds_.found;
-  // Starts that are out find something as often as those before them.
+  // Starts in progress are expected to succeed as often as earlier starts.
   const std::uint64_t finds = finds_.found + found_ahead_;
   const std::uint64_t expected = out_ * (finds + 1) / (starts_ + 1) + found_ahead_;
-  // Where a start before these found nothing, nothing else may be out.
+  // If all missing finds are expected, allow another start only if nothing is in progress.
   if (expected >= missing && out_ > 0) return std::nullopt;
 
-  // Several starts of a lane at once only if every lane gets as many.
+  // A lane gets several starts at once only if every lane gets as many.
   const std::uint64_t each = expected >= missing ? 0 : (missing - expected) / k_search_lanes;
   const auto [scan, id] = *idle_.begin();
   idle_.erase(idle_.begin());
@@ -54,7 +54,7 @@ void SearchLanes::consume(base::ChainId chain, base::ScanIndex first_scan,
   CHECK_LT(id, k_search_lanes);
   Lane& lane = lanes_[id];
   CHECK_EQ(first_scan.value, lane.found.size());
-  idle_.erase({lane.found.size(), id});  // there when it comes from a run store
+  idle_.erase({lane.found.size(), id});  // Still idle if results come from a run store.
   if (lane.handed_out > lane.found.size()) out_ -= records.size();
   for (const plan::ScanRecord& record : records) {
     lane.found.push_back(record.satisfied);

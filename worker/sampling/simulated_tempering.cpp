@@ -20,15 +20,15 @@ SimulatedTempering::SimulatedTempering(const BurnIn& burn_in)
       proposed_(burn_in.ladder.size() - 1, 0),
       accepted_(burn_in.ladder.size() - 1, 0) {
   CHECK_EQ(burn_in.log_z_steps.size() + 1, burn_in.ladder.size());
-  // From the coolest down: a level at which the burn-in saw no density, and those below it, get no
-  // weight, and the others are walked all the same.
+  // Sum from the coolest level down. A level where the burn-in saw zero density gets no weight,
+  // and neither do hotter levels.
   for (std::size_t level = burn_in.log_z_steps.size(); level-- > 0;)
     log_weights_[level] = log_weights_[level + 1] + burn_in.log_z_steps[level];
 }
 
 std::optional<plan::Unit> SimulatedTempering::next_unit(std::uint64_t horizon,
                                                         std::uint32_t /*scans_max*/) {
-  // Its next level hangs on the scan before.
+  // The next level depends on the previous scan.
   if (handed_out_ || scan_ >= horizon) return std::nullopt;
   handed_out_ = true;
   return plan::Unit{.replica = {burn_in_.chain, burn_in_.coolest},
@@ -63,7 +63,7 @@ void SimulatedTempering::consume(base::ReplicaId replica, std::uint64_t first_sc
   }
 }
 
-/// To the level of the next scan.
+/// Moves to the next scan's level.
 void SimulatedTempering::move(double log_constraint) {
   random::Stream stream(
       {.seed = burn_in_.seed, .chain = burn_in_.chain, .purpose = random::Purpose::level}, scan_);

@@ -2,16 +2,16 @@
 // applications to ancestral inference): one state whose temperature is itself a coordinate of the
 // chain.
 //
-// The chain samples (level i, x) with density proportional to w_i p_w(x) p_c(x)^beta_i. With
-// w_i = 1 / Z_i all levels are visited equally often; a burn-in has estimated log Z_i, and weights
-// stay as they are from then on, so that the chain keeps its distribution whatever they are; that
-// of the coolest level is 1. After each scan a level up or down is proposed, each with probability
-// 1/2, and accepted with probability
+// The chain samples (level i, x) with density proportional to w_i p_w(x) p_c(x)^beta_i. With w_i =
+// 1 / Z_i the chain visits all levels equally often. A burn-in estimates log Z_i, relative to the
+// coolest level's weight of 1. The weights are fixed afterwards, so the chain keeps its
+// distribution even if they are inaccurate. After each scan the chain proposes one level up or
+// down, each with probability 1/2, and accepts with probability
 //
-//   min(1, exp((beta_j - beta_i) l + log w_j - log w_i)),    l = log p_c(x);
+//   min(1, exp((beta_j - beta_i) l + log w_j - log w_i)),    l = log p_c(x).
 //
-// a proposal beyond an end stays. States at inverse temperature 1 are draws from the target; at 0
-// the scan is a draw from the prior, and a lineage begins.
+// A proposal beyond an end leaves the level unchanged. States at inverse temperature 1 are draws
+// from the target. At inverse temperature 0 the scan is a draw from the prior and begins a lineage.
 // Not thread-safe.
 #pragma once
 
@@ -40,15 +40,16 @@ class SimulatedTempering final : public ChainPart {
 
   BurnIn burn_in_;
   std::vector<double> log_weights_;
-  std::uint64_t scan_ = 0;  ///< the next
+  std::uint64_t scan_ = 0;  ///< The next scan.
   std::uint32_t level_ = 0;
   std::uint64_t lineage_ = 0;
   bool handed_out_ = false;
-  std::vector<std::uint64_t> visits_;    ///< scans, by level
-  std::vector<std::uint64_t> proposed_;  ///< moves from a level to the next cooler one, or back
+  std::vector<std::uint64_t> visits_;    ///< Number of scans by level.
+  std::vector<std::uint64_t> proposed_;  ///< Proposed moves between a level and the next cooler
+                                         ///< one, both directions.
   std::vector<std::uint64_t> accepted_;
   std::vector<double> draw_scans_;
-  bool was_hot_ = false;  ///< since it was coolest last
+  bool was_hot_ = false;  ///< Whether the chain has been hottest since it was last coolest.
   std::uint64_t round_trips_ = 0;
   Solutions solutions_;
 };

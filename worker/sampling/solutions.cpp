@@ -43,7 +43,7 @@ std::vector<plan::Solution> solutions_between(std::span<const Solutions* const> 
                      .log_p = first.log_p,
                      .decided = first.scan + 1});
   }
-  // Of one chain they are in order.
+  // One chain's solutions are already in order.
   std::ranges::stable_sort(all, {}, &plan::Solution::decided);
   return all;
 }

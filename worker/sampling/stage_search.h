@@ -1,16 +1,16 @@
-// Search: a solution built stage by stage, for a world that acts in stages.
+// Search: builds a solution stage by stage, for a world that acts in stages.
 //
 //   start from a ground of the prior
-//   until all stages stand:
-//     try the next stage; a try that is promising stands
+//   until all stages are accepted:
+//     try the next stage, and accept a try that is promising
 //     after too many tries at one stage: take the last stage back
-//     after too many tries in all: give up
+//     after too many tries in total: give up
 //
-// A solution that is found so is as wanted, and each of its quantities is one that the prior may
-// give; but solutions are not found in the proportions of p_w p_c. They are no samples: no average,
-// weight or odds may come from them. Chains may start from them.
+// A find satisfies the request, and the prior can produce each of its quantities. But finds don't
+// occur in the proportions of p_w p_c. Finds are no samples, so no average, weight or odds may be
+// computed from them. Chains may start from them.
 //
-// A builder is a world together with what it has learnt of itself. Thread safety: as the builder's.
+// A builder is a world together with its guide. Thread safety: as the builder's.
 #pragma once
 
 #include <algorithm>
@@ -25,20 +25,23 @@
 
 namespace sleight::sampling {
 
-/// The work that tries took.
+/// The work of a search.
 struct SearchEffort {
   std::uint64_t tries = 0;
-  std::uint64_t simulations = 0;  ///< of prefixes
-  std::uint64_t guesses = 0;      ///< cheap simulations that say whether a try is worth one
+  std::uint64_t simulations = 0;  ///< Simulations of prefixes.
+  std::uint64_t guesses = 0;      ///< Cheap simulations that decide whether a try deserves a full
+                                  ///< one.
   std::uint64_t steps_back = 0;
-  std::uint32_t furthest = 0;  ///< stages that stood at most
+  std::uint32_t furthest = 0;  ///< Maximum number of accepted stages.
   std::uint64_t overlapping_starts = 0;
   std::vector<plan::FailurePointer> failures{};
 };
 
 struct SearchLimits {
-  std::uint32_t tries_of_stage = 200;  ///< then the stage before is taken back
-  std::uint32_t turns_per_stage = 40;  ///< tries and steps back; all stages' together: it gives up
+  std::uint32_t tries_of_stage = 200;  ///< Tries at one stage before the previous stage is taken
+                                       ///< back.
+  std::uint32_t turns_per_stage = 40;  ///< Tries and steps back per stage. Their sum over all
+                                       ///< stages is the limit at which a search gives up.
 };
 
 template <class B>
@@ -49,8 +52,8 @@ concept StageBuilder = std::copyable<typename B::Prefix> &&
   { builder.limits() } -> std::same_as<SearchLimits>;
   /// The prefix without stages, on a ground of the prior.
   { builder.start(stream) } -> std::same_as<typename B::Prefix>;
-  /// One try at the stage after a prefix of `stage` stages; nothing if it isn't promising. Counts
-  /// its simulations.
+  /// One try at the stage after a prefix of `stage` stages. Empty if the try isn't promising. Adds
+  /// its simulations to `effort`.
   {
     builder.attempt(prefix, stage, effort, stream)
     } -> std::same_as<std::optional<typename B::Prefix>>;
@@ -58,7 +61,7 @@ concept StageBuilder = std::copyable<typename B::Prefix> &&
   { builder.is_solution(prefix) } -> std::same_as<bool>;
 };
 
-/// All random numbers come from the stream. Nothing, when it gave up.
+/// All random numbers come from the stream. Empty if the search gave up.
 template <StageBuilder B>
 std::optional<typename B::Prefix> search(const B& builder, const SearchLimits& limits,
                                          random::Stream& stream, SearchEffort& effort) {
@@ -71,7 +74,7 @@ std::optional<typename B::Prefix> search(const B& builder, const SearchLimits& l
     if (stage == stages && builder.is_solution(prefixes.back())) return std::move(prefixes.back());
     if (turn == turns_max) return std::nullopt;
 
-    // Take a stage back where nothing follows.
+    // Take a stage back after too many tries.
     if (stage == stages || tries_here == limits.tries_of_stage) {
       tries_here = 0;
       if (stage == 0) return std::nullopt;
@@ -80,7 +83,7 @@ std::optional<typename B::Prefix> search(const B& builder, const SearchLimits& l
       continue;
     }
 
-    // Try the next one.
+    // Try the next stage.
     ++tries_here;
     ++effort.tries;
     auto longer = builder.attempt(prefixes.back(), stage, effort, stream);

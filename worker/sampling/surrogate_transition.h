@@ -1,32 +1,34 @@
-// Surrogate transitions (Liu 2001, Monte Carlo Strategies in Scientific Computing, 9.4.3; of one
-// step, the delayed acceptance of Christen and Fox 2005, Markov chain Monte Carlo using an
-// approximation): some steps of a cheap target, one simulation.
+// Surrogate transitions (Liu 2001, Monte Carlo Strategies in Scientific Computing, 9.4.3): some
+// steps of a cheap target, then one simulation. With one step this is the delayed acceptance of
+// Christen and Fox (2005, Markov chain Monte Carlo using an approximation).
 //
-// Idea. A surrogate (target.h) guesses l = log p_c of a state as l*, for far less than a
-// simulation. From the present state x some Metropolis-Hastings steps sample p_w p_c*^beta; where
-// they end, y, is the candidate. It is simulated, and accepted with probability min(1, ratio),
+// Idea. A surrogate (target.h) guesses l = log p_c of a state as l*, far more cheaply than a
+// simulation. From the current state x, some Metropolis-Hastings steps that sample p_w p_c*^beta
+// lead to a candidate y. The candidate is simulated, and accepted with probability min(1, ratio),
 //
-//   log ratio = beta ((l(y) - l*(y)) - (l(x) - l*(x))):
+//   log ratio = beta ((l(y) - l*(y)) - (l(x) - l*(x))).
 //
-// the steps are reversible, so the ways there and back weigh as much as p_w p_c*^beta of their
-// ends, and only what the surrogate got wrong is left. Candidates that fail by its guess already
-// cost no simulation, and a walk of several steps makes several changes for one.
+// The steps are reversible, so the forward and the backward path cancel against p_w p_c*^beta of
+// their ends, and only the surrogate's error remains in the ratio. Candidates that the surrogate
+// already rejects cost no simulation, and a walk of several steps makes several changes for one
+// simulation.
 //
-// Anchors. What the surrogate got wrong of x it would have the steps "mend", in vain: x has it
-// right already. So what it knows of x may be put into it: of the parts of x that only the
-// simulation gets right (F(x), say balls that reach their place because others push them) each is
-// kept with a probability, and the surrogate takes the kept ones, the anchor A, for granted as long
-// as the steps leave them alone. The way back must have the same anchor, so with P the probability
-// to draw it
+// Anchors. Where the surrogate is wrong about x, its steps would try to "mend" parts of x that are
+// right already. The surrogate can therefore use known facts about x. Let F(x) be the parts of x
+// that only the simulation gets right (say, balls that reach their place because others push them).
+// Each part is kept with some probability. The surrogate takes the kept parts, the anchor A, for
+// granted as long as its steps leave them alone. The reverse move must have the same anchor. With P
+// the probability to draw an anchor,
 //
 //   log ratio += log P(A | y) - log P(A | x),
 //
-// which is -infinity where A is not of F(y). Nothing kept is the surrogate by itself; all kept is
-// the best guess, but F never changes; so transitions of one step keep all, or each second one.
+// which is -infinity if A is not part of F(y). If nothing is kept, the surrogate works unaided. If
+// all is kept, the guess is best, but F never changes. So transitions of one step keep either all
+// parts, or each part with probability 1/2.
 //
-// What exactness rests on: the surrogate has the target's p_w; l*(x) > -infinity where l(x) is,
-// with any anchor that x may have; and what an anchor is drawn from, and its probability, of the
-// surrogate's outcome, is the same whatever anchor that outcome was made with.
+// Exactness requires three things. The surrogate has the target's p_w. If l(x) > -infinity, then
+// l*(x) > -infinity with any anchor that x may have. An anchor's distribution
+// doesn't depend on the anchor with which the surrogate's outcome was made.
 #pragma once
 
 #include <cstdint>
@@ -40,25 +42,26 @@
 
 namespace sleight::sampling {
 
-/// Iterations that are a walk, where there are such.
+/// Share of iterations that are walks, for targets with walks.
 inline constexpr double k_walk_share = 0.25;
-/// Transitions of one step that keep all of F; the others keep each part with k_keep.
+/// Share of one-step transitions that keep all of F. The others keep each part with probability
+/// k_keep.
 inline constexpr double k_keep_all_share = 0.7;
 inline constexpr double k_keep = 0.5;
 
-/// What the guesses leave for the simulation to say.
+/// Densities and guesses from which the acceptance ratio is computed.
 struct SurrogateMove {
   double inverse_temperature = 1;
-  double current = 0;        ///< l(x)
-  double current_guess = 0;  ///< l*(x)
+  double current = 0;        ///< l(x).
+  double current_guess = 0;  ///< l*(x).
   double candidate = 0;
   double candidate_guess = 0;
-  double log_anchor_current = 0;  ///< log P(A | x)
+  double log_anchor_current = 0;  ///< log P(A | x).
   double log_anchor_candidate = 0;
 };
 inline double log_surrogate_ratio(const SurrogateMove& move) {
   constexpr double k_zero_density = -std::numeric_limits<double>::infinity();
-  // Out of a start that breaks a hard constraint everything is taken.
+  // Accept every candidate if the start breaks a hard constraint.
   if (move.current == k_zero_density) return 0;
   if (move.candidate == k_zero_density) return k_zero_density;
   return move.inverse_temperature *
@@ -66,18 +69,18 @@ inline double log_surrogate_ratio(const SurrogateMove& move) {
          move.log_anchor_candidate - move.log_anchor_current;
 }
 
-/// How one transition is made.
+/// Settings of one transition.
 struct SurrogateTransition {
   double inverse_temperature = 1;
   std::uint32_t steps = 1;
-  double keep = 0;                 ///< probability that a part of F is anchored
-  std::uint32_t kind = 0;          ///< that it is counted as
-  std::span<const double> scales;  ///< of proposals, by kind
+  double keep = 0;                 ///< Probability that a part of F is anchored.
+  std::uint32_t kind = 0;          ///< Kind of proposal for the counts.
+  std::span<const double> scales;  ///< Proposal scales by kind.
 };
 
-/// Replaces `current` or keeps it. `count` is told each step's report, accepted or not by the guess
-/// and not simulated, and the transition's if it led anywhere. REQUIRES: an inverse temperature
-/// above 0.
+/// Replaces or retains `current`. Calls `count` with the report of each surrogate step (marked as
+/// not simulated), and with the transition's report if the walk ended at another state. REQUIRES:
+/// an inverse temperature above 0.
 template <HasSurrogate T, class Count>
 void surrogate_transition(const T& target, const SurrogateTransition& transition,
                           StepStreams& streams, Sample<T>& current, const Count& count) {
@@ -88,18 +91,18 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
                                            transition.keep, streams.proposal);
   const Surrogate surrogate = target.surrogate(anchor);
 
-  // The surrogate's steps.
+  // Make the surrogate's steps.
   auto guessed = surrogate.simulate_from(current.state, current.state, *current.surrogate);
   const double guess = surrogate.log_constraint(guessed);
   Sample<Surrogate> walk{current.state, std::move(guessed), current.log_prior, guess};
   for (std::uint32_t step = 0; step < transition.steps; ++step) {
     StepReport guessed_step = metropolis_hastings_step(surrogate, transition.inverse_temperature,
                                                        streams, walk, transition.scales);
-    guessed_step.simulated = false;  // by the surrogate alone; its failures count
+    guessed_step.simulated = false;  // Only the surrogate was simulated; its failures count.
     count(guessed_step);
   }
 
-  // Simulate where they end, and accept it with probability min(1, ratio).
+  // Simulate the end of the walk, and accept it with probability min(1, ratio).
   const double log_u = math::log(streams.acceptance.uniform());
   if (walk.state == current.state) return;
   StepReport report{.kind = transition.kind};
@@ -136,8 +139,9 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
   count(report);
 }
 
-/// One iteration as the target wants it: a walk of its surrogate, or several single steps of that;
-/// a step of Algorithm 2.1 if it wants neither. REQUIRES: an iteration once per replica.
+/// Makes one iteration: a walk of the target's surrogate, several one-step transitions, or a step
+/// of Algorithm 2.1 if the target requests neither. REQUIRES: each iteration of a replica at most
+/// once.
 template <Target T, class Count>
 void iterate(const T& target, double inverse_temperature, const ChainStreams& streams,
              std::uint64_t iteration, Sample<T>& current, std::span<const double> scales,

@@ -12,7 +12,7 @@ std::optional<std::uint32_t> even_odd_partner(std::uint32_t level, std::uint64_t
 }
 
 double log_swap_ratio(const SwapPair& pair) {
-  // Two states without any density swap always: -inf - -inf is NaN.
+  // Two states of zero density always swap, because -inf - -inf is NaN.
   if (pair.log_constraint_hotter == pair.log_constraint_cooler) return 0;
   return (pair.cooler - pair.hotter) * (pair.log_constraint_hotter - pair.log_constraint_cooler);
 }

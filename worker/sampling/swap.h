@@ -1,5 +1,4 @@
-// The swap of two neighbouring levels of a ladder: who swaps with whom, with which ratio, by which
-// random number.
+// The swap of two neighbouring levels of a ladder: partners, ratio and random number.
 //
 //   partners    after scan s the levels i and i+1 with i + s even (deterministic even-odd swaps,
 //               which carry states through the ladder like a conveyor)
@@ -7,11 +6,11 @@
 //               are log p_c of the hotter and the cooler level's state
 //   swapped     if log u < log ratio, u uniform from (seed, chain, the hotter level, scan)
 //
-// A swap needs two densities and its place, nothing else: whoever decides it decides the same. Who
-// waits for whom is in swap_flow.h.
+// A swap depends on two densities and its place alone, so plan and worker decide it alike.
+// swap_flow.h defines which replicas wait for each other.
 //
-// Thread safety: pure functions. The formulas are in swap.cpp and nothing else is, so that a test
-// program can link wrong ones in their place (tests/unit/worker/sampling/replaced_formulas.h).
+// Thread safety: pure functions. swap.cpp contains the formulas alone, so that a test program can
+// link wrong formulas instead (tests/unit/worker/sampling/replaced_formulas.h).
 #pragma once
 
 #include <cstdint>
@@ -22,33 +21,35 @@
 
 namespace sleight::sampling {
 
-/// Where a swap is.
+/// The place of a swap.
 struct SwapPlace {
   std::uint64_t seed = 0;
   base::ChainId chain;
-  std::uint32_t level = 0;  ///< the hotter one's
+  std::uint32_t level = 0;  ///< The hotter level.
   std::uint64_t scan = 0;
 };
 
-/// Two neighbouring levels, and log p_c of the states at them.
+/// Two neighbouring levels, and log p_c of their states.
 struct SwapPair {
-  double hotter = 0;  ///< inverse temperatures
+  double hotter = 0;  ///< Inverse temperature; likewise `cooler`.
   double cooler = 1;
   double log_constraint_hotter = 0;
   double log_constraint_cooler = 0;
 };
 
-/// The level that swaps with this one after a scan; none for an end that has no neighbour then.
+/// Returns the level that swaps with `level` after a scan. Empty at an end of the ladder without a
+/// partner after that scan.
 std::optional<std::uint32_t> even_odd_partner(std::uint32_t level, std::uint64_t scan,
                                               std::uint32_t levels);
 
-/// log of p_hotter(x') p_cooler(x) / (p_hotter(x) p_cooler(x')), x and x' being the two states.
+/// Returns log of p_hotter(x') p_cooler(x) / (p_hotter(x) p_cooler(x')), where x and x' are the two
+/// states.
 double log_swap_ratio(const SwapPair& pair);
 
-/// The number that decides: u.
+/// Returns u, the uniform number that decides the swap.
 double swap_number(const SwapPlace& place);
 
-/// With probability min(1, ratio).
+/// Returns true with probability min(1, ratio).
 inline bool swaps(const SwapPlace& place, const SwapPair& pair) {
   return math::log(swap_number(place)) < log_swap_ratio(pair);
 }

@@ -28,7 +28,8 @@ std::span<const SwapFlow::GoesOn> SwapFlow::made(std::uint32_t level, double log
     go_on(level, *seat.replica);
     return {going_.data(), going_count_};
   }
-  const std::uint32_t other = *partner - levels_.first_level;  // wraps around below the first
+  const std::uint32_t other = *partner - levels_.first_level;  // Wraps around below the first
+                                                               // level.
   if (other >= seats_.size()) {
     seat = {.replica = {}, .scan = seat.scan, .log_constraint = {}};
     return {};
@@ -45,7 +46,7 @@ std::span<const SwapFlow::GoesOn> SwapFlow::made(std::uint32_t level, double log
   return {going_.data(), going_count_};
 }
 
-/// Whether the two at a level and the next cooler one swap.
+/// Returns whether the states at a level and the next cooler level swap.
 bool SwapFlow::swap_at(std::uint32_t hotter) const {
   return swaps({.seed = levels_.seed,
                 .chain = levels_.chain,

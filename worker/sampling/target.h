@@ -1,15 +1,15 @@
-// What a sampler needs to know of a world, and nothing more: a prior that can be drawn from, a
-// simulation, the constraint on its outcome, and a proposal.
+// A sampler's entire interface to a world: a prior that can be sampled, a simulation, the
+// constraint on its outcome, and a proposal.
 //
-// The distribution that is sampled is p_beta(A) proportional to p_w(A) p_c(A)^beta (thesis equation
-// 2.1 at beta = 1). p_w is the world model over the random variables (State); p_c judges only what
-// the simulation made of them (Outcome).
+// The sampled distribution p_beta(A) is proportional to p_w(A) p_c(A)^beta (thesis equation 2.1 at
+// beta = 1). p_w is the world model over the random variables (State). p_c judges only the
+// simulation's result (Outcome).
 //
 // Invariants of a target
 //   1. draw_prior is exact: its density is exp(log_prior), normalised.
 //   2. propose's log_q_ratio is log q(current|candidate) - log q(candidate|current), so that
 //      Algorithm 2.1's acceptance is right for the mixture over all kinds.
-//   3. Every function is a pure function of its arguments; all randomness comes from the stream.
+//   3. Every function is a pure function of its arguments. All randomness comes from the stream.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -25,13 +25,14 @@
 
 namespace sleight::sampling {
 
-/// A candidate state, and what acceptance needs of how it came about.
+/// A candidate state with the facts that its acceptance needs.
 template <class State>
 struct Proposal {
   State candidate;
-  double log_q_ratio = 0;  ///< log q(current|candidate) - log q(candidate|current)
-  std::uint32_t kind = 0;  ///< which of the target's proposal kinds made it
-  /// The ratio hangs on the candidate's outcome, and log_q_ratio is no less (ProposesByOutcome).
+  double log_q_ratio = 0;  ///< log q(current|candidate) - log q(candidate|current).
+  std::uint32_t kind = 0;  ///< The target's kind of proposal.
+  /// The ratio depends on the candidate's outcome; log_q_ratio is an upper bound
+  /// (ProposesByOutcome).
   bool ratio_waits = false;
 };
 
@@ -48,28 +49,28 @@ concept Target = std::copyable<typename T::State> && std::copyable<typename T::O
   { target.proposal_kinds() } -> std::convertible_to<std::uint32_t>;
 };
 
-/// A target that knows, without a simulation, a bound that a state's log_constraint can't exceed:
-/// then a candidate that couldn't be accepted even so need not be simulated.
+/// A target with an upper bound for a state's log_constraint that needs no simulation. Candidates
+/// that would be rejected even at the bound need not be simulated.
 template <class T>
 concept BoundsConstraint = Target<T> && requires(const T& target, const typename T::State& state) {
   { target.log_constraint_at_most(state) } -> std::same_as<double>;
 };
 
-/// A target whose simulation may fail (common/plan/failure.h). What failed is never a sample: p_c
-/// and `satisfied` of such an outcome mean nothing. Outcomes of starts that overlap are known, with
-/// p_c = 0.
+/// A target whose simulation may fail (common/plan/failure.h). A failed state is never a sample,
+/// and `log_constraint` and `satisfied` of its outcome mean nothing. Starts that overlap are no
+/// failures: p_c = 0.
 template <class T>
 concept MayFail = Target<T> && requires(const T& target, const typename T::Outcome& outcome) {
   { target.failure(outcome) } -> std::same_as<plan::FailurePointer>;
   { target.starts_overlap(outcome) } -> std::same_as<bool>;
 };
 
-/// A surrogate that may fail guesses then, which is as right as any guess: its failures are told,
-/// and refuse nothing.
+/// A surrogate whose failures count as ordinary guesses. Its failures are reported, but reject no
+/// candidate.
 template <class T>
 concept GuessesOnFailure = MayFail<T> && T::k_guesses_on_failure;
 
-/// What there is to tell of one simulation besides its outcome.
+/// Facts about one simulation besides its outcome.
 struct SimulationReport {
   bool starts_overlap = false;
   plan::FailurePointer failure{};
@@ -84,15 +85,15 @@ SimulationReport report_of(const T& target, const typename T::Outcome& outcome) 
   }
 }
 
-/// Whether a simulation failed, so that its state can be no sample.
+/// Returns whether a failed simulation excludes the state from sampling.
 template <Target T>
 bool is_refused(const SimulationReport& report) {
   return report.failure != nullptr && !GuessesOnFailure<T>;
 }
 
-/// A target some of whose proposals have a size, which can be made larger or smaller: `scales` has
-/// a factor for each kind, or is empty for 1. A kind that has none ignores its factor. Proposals
-/// must be right for any factors, as long as these stay the same.
+/// A target with proposals whose scale can be tuned. `scales` has a factor for each kind of
+/// proposal, or is empty, which means 1. Kinds without a scale ignore their factor. Proposals must
+/// be correct for any constant factors.
 template <class T>
 concept ScalesProposals = Target<T> &&
     requires(const T& target, const typename T::State& state, std::span<const double> scales,
@@ -101,8 +102,8 @@ concept ScalesProposals = Target<T> &&
   { target.has_scale(std::uint32_t{}) } -> std::same_as<bool>;
 };
 
-/// A target whose proposals look at the outcome too. A proposal's ratio may then hang on the
-/// candidate's outcome: it has ratio_waits, and is asked for after the simulation.
+/// A target whose proposals also use the current outcome. If a proposal's ratio depends on the
+/// candidate's outcome, ratio_waits is set, and log_q_ratio is called after the simulation.
 template <class T>
 concept ProposesByOutcome = ScalesProposals<T> &&
     requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome,
@@ -112,27 +113,27 @@ concept ProposesByOutcome = ScalesProposals<T> &&
   { target.log_q_ratio(state, outcome, proposal, outcome) } -> std::same_as<double>;
 };
 
-/// A target that can say what comes of a candidate from what came of the state that it was made
-/// from, for less: the same as `simulate` would.
+/// A target that can derive a candidate's outcome from the previous state's outcome at lower cost.
+/// The result equals that of `simulate`.
 template <class T>
 concept SimulatesChanges = Target<T> &&
     requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome) {
   { target.simulate_from(state, state, outcome) } -> std::same_as<typename T::Outcome>;
 };
 
-/// Steps of a surrogate in one iteration (surrogate_transition.h), and the kinds of proposals that
-/// transitions count as.
+/// The surrogate's steps in one iteration (surrogate_transition.h), and their kinds of proposal for
+/// the counts.
 struct SurrogateSteps {
-  std::uint32_t walk = 0;    ///< of a walk that nothing anchors; 0: no such walks
-  std::uint32_t single = 0;  ///< transitions of one step each
+  std::uint32_t walk = 0;    ///< Steps of a walk without anchor; 0: no walks.
+  std::uint32_t single = 0;  ///< Number of one-step transitions.
   std::uint32_t walk_kind = 0;
   std::uint32_t single_kind = 0;
 };
 
-/// A target with a surrogate: another target over the same states, with the same p_w, whose
-/// simulation costs far less and tells most of what comes of a state. What it got wrong of a state
-/// may anchor it (surrogate_transition.h); an Anchor{} anchors nothing. simulate_from may be given
-/// an outcome that was made with another anchor. States can be compared.
+/// A target with a surrogate: another target over the same states with the same p_w, whose much
+/// cheaper simulation predicts most of an outcome. The surrogate's errors about a state may anchor
+/// it (surrogate_transition.h); an Anchor{} anchors nothing. simulate_from accepts outcomes made
+/// with another anchor. States are equality-comparable.
 template <class T>
 concept HasSurrogate = Target<T> && SimulatesChanges<typename T::Surrogate> &&
     std::same_as<typename T::State, typename T::Surrogate::State> &&
@@ -150,7 +151,8 @@ concept HasSurrogate = Target<T> && SimulatesChanges<typename T::Surrogate> &&
   { target.surrogate_steps(scales) } -> std::same_as<SurrogateSteps>;
 };
 
-/// What the surrogate made of a sample's state, once that is known; nothing for other targets.
+/// The surrogate's outcome for a sample's state, once computed. Targets without a surrogate have
+/// none.
 struct NoSurrogate {};
 template <class T>
 struct SurrogateOutcome {
@@ -161,8 +163,8 @@ struct SurrogateOutcome<T> {
   using type = std::optional<typename T::Surrogate::Outcome>;
 };
 
-/// A state together with everything that was computed from it. log_prior and log_constraint always
-/// belong to this state: they travel together, so that no old density outlives an acceptance.
+/// A state with everything computed from it. log_prior and log_constraint always belong to this
+/// state, so no stale density survives an acceptance.
 template <Target T>
 struct Sample {
   typename T::State state;
@@ -172,7 +174,7 @@ struct Sample {
   [[no_unique_address]] typename SurrogateOutcome<T>::type surrogate{};
 };
 
-/// What comes of a candidate that was made from a sample.
+/// Simulates a candidate that was made from a sample.
 template <Target T>
 typename T::Outcome simulate_from(const T& target, const typename T::State& candidate,
                                   const Sample<T>& from) {
@@ -183,7 +185,7 @@ typename T::Outcome simulate_from(const T& target, const typename T::State& cand
   }
 }
 
-/// A candidate of the target's proposals, of such sizes if it has sizes.
+/// Proposes a candidate, with the given scales if the target has any.
 template <Target T>
 Proposal<typename T::State> propose_from(const T& target, const Sample<T>& current,
                                          std::span<const double> scales, random::Stream& stream) {
@@ -205,14 +207,14 @@ Sample<T> evaluate(const T& target, typename T::State state) {
   return {std::move(state), std::move(outcome), log_prior, log_constraint};
 }
 
-/// The nth of the draws from the prior that stand beside a run's samples: the same in every run.
+/// Returns the nth prior draw stored beside a run's samples. The draw is the same in every run.
 template <Target T>
 typename T::State nth_prior_draw(const T& target, std::uint64_t nth) {
   random::Stream stream({.purpose = random::Purpose::prior_draw}, nth);
   return target.draw_prior(stream);
 }
 
-/// log p_w + beta log p_c, with p_c^0 = 1 also where p_c = 0.
+/// Returns log p_w + beta log p_c, with p_c^0 = 1 even if p_c = 0.
 inline double tempered_log_density(double log_prior, double log_constraint,
                                    double inverse_temperature) {
   if (inverse_temperature == 0) return log_prior;

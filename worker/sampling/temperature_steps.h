@@ -1,10 +1,9 @@
-// What a step from one inverse temperature to another weighs, in each method that makes one. It is
-// (beta' - beta) l throughout, l = log p_c: the log of the ratio of a state's density at beta' to
-// that at beta. Methods differ in which state's l they take, and in what they add.
+// Weights of a step from one inverse temperature to another, for each method with such steps. The
+// log weight is always (beta' - beta) l with l = log p_c, the log ratio of a state's densities at
+// beta' and beta. Methods differ in which state's l they use and in additional terms.
 //
-// Thread safety: pure functions. The formulas are in temperature_steps.cpp and nothing else is, so
-// that a test program can link wrong ones in their place (tests/unit/worker/sampling/
-// replaced_formulas.h).
+// Thread safety: pure functions. temperature_steps.cpp contains the formulas alone, so that a test
+// program can link wrong formulas instead (tests/unit/worker/sampling/replaced_formulas.h).
 #pragma once
 
 #include <cstddef>
@@ -13,21 +12,21 @@
 
 namespace sleight::sampling {
 
-/// log of what a draw of a level weighs at the next cooler one: stepping stones
+/// Returns the log weight of a level's draw at the next cooler level, for stepping stones
 /// (round_statistics.h).
 double stone_log_weight(std::span<const double> ladder, std::size_t level, double l);
 
-/// A step of an ascent, to temperature `to` of the schedule.
+/// A step of an ascent, to temperature number `to` of the schedule.
 struct AscentStep {
   std::span<const double> schedule;
   std::size_t to = 1;
-  double l_before = 0;  ///< of the state that was sampled one temperature below
-  double l_after = 0;   ///< of the one sampled at `to`
+  double l_before = 0;  ///< l of the state sampled one temperature below.
+  double l_after = 0;   ///< l of the state sampled at `to`.
 };
-/// log of the weight that it adds (annealed_importance.h; Neal 2001, equation 3).
+/// Returns the log of the step's weight (annealed_importance.h; Neal 2001, equation 3).
 double ascent_log_weight(const AscentStep& step);
 
-/// The level that a simulated-tempering chain proposes to go to; its own beyond an end.
+/// Returns the level that a simulated-tempering chain proposes; `level` itself at an end.
 std::uint32_t proposed_level(std::uint32_t level, bool up, std::uint32_t levels);
 
 /// A proposal of simulated tempering to change its level.
@@ -38,17 +37,17 @@ struct LevelMove {
   std::uint32_t to = 0;
   double l = 0;
 };
-/// log of its ratio (simulated_tempering.h).
+/// Returns the log of the acceptance ratio (simulated_tempering.h).
 double log_level_ratio(const LevelMove& move);
 
-/// A tempered transition's step between two temperatures, `above` being the cooler one.
+/// A tempered transition's step between two temperatures; `above` is the cooler one.
 struct ExcursionStep {
   double above = 1;
   double below = 0;
   double l = 0;
-  bool down = true;  ///< on the way to the hottest, or back from there
+  bool down = true;  ///< Towards the hottest level, or back.
 };
-/// What it adds to the log of the ratio (tempered_transition.h).
+/// Returns the step's term in the log ratio (tempered_transition.h).
 double excursion_log_weight(const ExcursionStep& step);
 
 }  // namespace sleight::sampling

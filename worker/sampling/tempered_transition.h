@@ -1,16 +1,16 @@
 // Tempered transitions (Neal 1996, Sampling from multimodal distributions using tempered
-// transitions): one Metropolis-Hastings step whose candidate is found by going down through hotter
-// distributions and up again.
+// transitions): one Metropolis-Hastings step whose candidate results from moving down through
+// hotter distributions and up again.
 //
-// With beta_0 > beta_1 > ... > beta_K, a chain of kernels that each keep their own distribution
-// goes from x through beta_1 ... beta_K and back through beta_K ... beta_1; the end is accepted
-// with probability min(1, ratio), the ratio being that of all densities passed,
+// With beta_0 > beta_1 > ... > beta_K, kernels that each leave their own distribution invariant
+// move x through beta_1 ... beta_K and back through beta_K ... beta_1. The final state is accepted
+// with probability min(1, ratio), where
 //
-//   log ratio = sum over k of (beta_{k+1} - beta_k) (l(x_k) - l(x'_k)),    l = log p_c,
+//   log ratio = sum over k of (beta_{k+1} - beta_k) (l(x_k) - l(x'_k)),    l = log p_c.
 //
-// x_k the state that goes down from beta_k and x'_k the one that has come up to it. Kernels are
-// reversible, as Metropolis-Hastings steps and surrogate transitions are, and as a draw from the
-// prior is at inverse temperature 0, where the way turns: so there one draw is made, not two.
+// x_k is the state that goes down from beta_k, and x'_k the state that has come up to it. The
+// kernels are reversible, as are Metropolis-Hastings steps, surrogate transitions and prior draws.
+// At inverse temperature 0 the two passes merge into one prior draw.
 #pragma once
 
 #include <cmath>
@@ -27,31 +27,32 @@
 
 namespace sleight::sampling {
 
-/// Steps of one excursion at most: they have iteration numbers of their own.
+/// Maximum number of steps of one excursion, because excursions have disjoint ranges of iteration
+/// numbers.
 inline constexpr std::uint64_t k_excursion_steps_max = std::uint64_t{1} << 20U;
 
 struct Excursion {
-  double inverse_temperature = 1;           ///< where it begins and ends
-  std::span<const double> below;            ///< beta_1 .. beta_K, falling; the last may be 0
-  std::uint32_t steps = 1;                  ///< at each, on the way down and on the way up
-  std::span<const double> proposal_scales;  ///< by kind; empty for 1
+  double inverse_temperature = 1;           ///< Inverse temperature of the start and end.
+  std::span<const double> below;            ///< beta_1 .. beta_K, descending; the last may be 0.
+  std::uint32_t steps = 1;                  ///< Steps at each temperature and in each direction.
+  std::span<const double> proposal_scales;  ///< Proposal scales by kind; empty for 1.
 };
 
 struct ExcursionReport {
   bool accepted = false;
-  bool from_prior = false;  ///< what was accepted descends from a new draw
+  bool from_prior = false;  ///< The accepted state descends from a new prior draw.
   std::uint64_t simulations = 0;
 };
 
-/// Replaces `current` or keeps it. `told` hears of each simulation. REQUIRES: a scan once per
-/// replica; fewer than k_excursion_steps_max steps in all.
+/// Replaces or retains `current`. Calls `told` for each simulation. REQUIRES: each scan of a
+/// replica at most once; fewer than k_excursion_steps_max steps in total.
 template <Target T, class Told>
 ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                                     const ChainStreams& streams, std::uint64_t scan,
                                     Sample<T>& current, const Told& told) {
-  // Each excursion has iteration numbers of its own, or scans would share random numbers.
+  // Each excursion has its own iteration numbers, so that scans share no random numbers.
   CHECK_LT(2 * excursion.below.size() * excursion.steps, k_excursion_steps_max);
-  // Numbers above those of plain iterations.
+  // Use iteration numbers above those of plain iterations.
   std::uint64_t iteration = (std::uint64_t{1} << 63U) + scan * k_excursion_steps_max;
   Sample<T> candidate = current;
   double log_ratio = 0;
@@ -73,14 +74,14 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                 told(step.simulation);
               });
   };
-  // A step between two temperatures, seen from above or from below. Nothing but a start that breaks
-  // a hard constraint has no density above 0: then all is accepted that has some.
+  // Weigh a step between two temperatures. Only a start that breaks a hard constraint has zero
+  // density; then the excursion accepts any candidate of positive density.
   const auto weighs = [&](double above, double below, bool down) {
     log_ratio += excursion_log_weight(
         {.above = above, .below = below, .l = candidate.log_constraint, .down = down});
   };
 
-  // Down to the hottest, and up again.
+  // Go down to the hottest distribution and up again.
   double above = excursion.inverse_temperature;
   for (const double beta : excursion.below) {
     weighs(above, beta, true);

@@ -8,7 +8,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// From all rejected to all accepted a size grows by a factor of 20.
+/// The factors for acceptance rates 1 and 0 have a ratio of exp(3), about 20.
 constexpr double k_gain = 3;
 
 }  // namespace

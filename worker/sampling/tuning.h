@@ -1,9 +1,9 @@
-// Proposals that learn: how large those of each kind are at each temperature, set between rounds
-// from how many were accepted.
+// Adaptation of proposal scales: between rounds, each level and kind of proposal gets a scale from
+// its acceptance rate.
 //
-// A kind's size is multiplied by exp(gain (acceptance - target)), bounded per round and in all; a
-// kind that was hardly proposed is left as it is. Within a round sizes are constant, so each scan
-// keeps its distribution.
+// A kind's scale is multiplied by exp(gain (acceptance - target)), bounded per round and in total.
+// Kinds with few proposals stay unchanged. Scales are constant within a round, so each scan leaves
+// its distribution invariant.
 // Thread safety: pure functions.
 #pragma once
 
@@ -13,14 +13,15 @@
 
 namespace sleight::sampling {
 
-/// Between the best for one dimension, 0.44, and for many, 0.234 (Roberts and Rosenthal 2001).
+/// Between the optimal acceptance rates for one dimension, 0.44, and for many, 0.234 (Roberts and
+/// Rosenthal 2001).
 inline constexpr double k_acceptance_target = 0.3;
-/// Fewer proposals of a kind in a round say nothing.
+/// Kinds with fewer proposals in a round are not tuned.
 inline constexpr std::uint64_t k_proposals_min = 50;
 inline constexpr double k_scale_min = 1e-3;
 inline constexpr double k_scale_max = 1e3;
 
-/// Proposals of a level in a round, by kind.
+/// One level's proposals in a round, by kind.
 struct KindCounts {
   std::vector<std::uint64_t> proposed;
   std::vector<std::uint64_t> accepted;
@@ -28,8 +29,8 @@ struct KindCounts {
            std::span<const std::uint32_t> accepted_now);
 };
 
-/// The sizes that follow; empty ones count as 1. `has_scale`: by kind; others stay as they are, as
-/// do those beyond its end.
+/// Returns the tuned scales. Empty `scales` count as 1. Scales are tuned only if `has_scale` (by
+/// kind) is set.
 std::vector<double> tuned(std::span<const double> scales, const KindCounts& counts,
                           const std::vector<bool>& has_scale);
 

@@ -10,7 +10,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// Plain arithmetic: std::complex's product tests for NaN, which costs more than the product.
+/// A plain complex number. std::complex's product tests for NaN, which costs more than the product.
 struct Complex {
   double real = 0;
   double imaginary = 0;
@@ -26,7 +26,7 @@ Complex operator*(Complex a, Complex b) {
   return {a.real * b.real - a.imaginary * b.imaginary, a.real * b.imaginary + a.imaginary * b.real};
 }
 
-/// exp(-2 pi i k/size) for k = 0 .. size/2 - 1. REQUIRES: size a power of two.
+/// Returns exp(-2 pi i k/size) for k = 0 .. size/2 - 1. REQUIRES: size is a power of two.
 std::vector<Complex> unit_roots(std::size_t size) {
   std::vector<Complex> roots(size / 2);
   const double step = 2 * std::numbers::pi / static_cast<double>(size);
@@ -37,10 +37,11 @@ std::vector<Complex> unit_roots(std::size_t size) {
   return roots;
 }
 
-/// Replaces z by its forward transform. REQUIRES: z.size() a power of two, its roots.
+/// Replaces z by its forward transform. REQUIRES: z.size() is a power of two; `roots` has its
+/// roots.
 void transform(std::vector<Complex>& z, const std::vector<Complex>& roots) {
   const std::size_t size = z.size();
-  // Put each value where its index, read backwards in binary, says.
+  // Put each value at its bit-reversed index.
   for (std::size_t i = 1, reversed = 0; i < size; ++i) {
     std::size_t bit = size / 2;
     for (; (reversed & bit) != 0; bit /= 2)
@@ -69,7 +70,7 @@ std::vector<double> mean_autocovariances(const Chains& draws) {
   const std::size_t size = std::bit_ceil(2 * draws.draws);
   const std::vector<Complex> roots = unit_roots(size);
 
-  // Add up the squared moduli, two chains a transform.
+  // Add up the squared moduli, two chains per transform.
   std::vector<Complex> power(size);
   std::vector<Complex> z(size);
   for (std::size_t first = 0; first < draws.chains; first += 2) {
@@ -85,7 +86,8 @@ std::vector<double> mean_autocovariances(const Chains& draws) {
       power[k].real += z[k].real * z[k].real + z[k].imaginary * z[k].imaginary;
   }
 
-  // The forward transform of real values is the conjugate of the inverse one: the same real part.
+  // For real values, the forward transform is the conjugate of the inverse transform, with the same
+  // real part.
   transform(power, roots);
   const double scale = static_cast<double>(size) * static_cast<double>(draws.values.size());
   std::vector<double> autocovariances(draws.draws);

@@ -1,13 +1,13 @@
-// Autocovariances at all lags at once, by the fast Fourier transform: O(n log n).
+// Autocovariances at all lags by the fast Fourier transform, in O(n log n).
 //
 // Idea. By the Wiener-Khinchin theorem, the autocovariances of a series are the inverse transform
-// of the squared moduli of its transform; with as many zeros appended as there are values, none
-// wrap around. The sum over chains is wanted alone, so the squared moduli are added up and one
-// inverse transform is made; and two real chains go through one transform as the real and imaginary
-// part of z, since the real part of the autocovariance of z is the sum of the two.
+// of its transform's squared moduli. As many appended zeros as values prevent wrap-around. Only the
+// sum over chains is needed, so the squared moduli are added before one inverse transform. Two real
+// chains share one transform as the real and imaginary part of z, because the real part of the
+// autocovariance of z is the sum of the two.
 //
-// The transform is the textbook one for powers of two (J. Cooley and J. Tukey, 1965), our own: its
-// angles come from common/math, so the bits are the same on every machine.
+// The transform is the standard one for powers of two (J. Cooley and J. Tukey, 1965). It uses
+// angles from common/math, so the bits are the same on every machine.
 // Thread safety: pure functions.
 #pragma once
 
@@ -17,9 +17,9 @@
 
 namespace sleight::sampling {
 
-/// The mean over chains of (1/draws) sum of (x[i] - m)(x[i + t] - m) over i, m being the chain's
-/// own mean, at lags t = 0 .. draws - 1. The error is some 1e-16 of the value at lag 0, at every
-/// lag; chains of equal draws contribute exactly 0. REQUIRES: values finite.
+/// Returns the mean over chains of (1/draws) sum of (x[i] - m)(x[i + t] - m) over i, where m is the
+/// chain's own mean, at lags t = 0 .. draws - 1. The error at every lag is some 1e-16 of the value
+/// at lag 0. Chains of equal draws contribute exactly 0. REQUIRES: values finite.
 std::vector<double> mean_autocovariances(const Chains& draws);
 
 }  // namespace sleight::sampling

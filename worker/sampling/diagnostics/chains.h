@@ -1,4 +1,4 @@
-// What the diagnostics look at: the draws of one scalar by several chains of equal length.
+// Input of the diagnostics: the draws of one scalar by several chains of equal length.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 namespace sleight::sampling {
 
 /// A view that owns nothing: draw d of chain c is values[c * draws + d].
-/// REQUIRES, of whoever takes one: chains and draws at least 1, values.size() == chains * draws.
+/// Functions that take Chains REQUIRE: chains >= 1, draws >= 1, values.size() == chains * draws.
 struct Chains {
   std::span<const double> values;
   std::size_t chains = 1;
@@ -21,7 +21,7 @@ struct Chains {
   }
 };
 
-/// The same with the values in it.
+/// The same, but owning the values.
 struct OwnedChains {
   std::vector<double> values;
   std::size_t chains = 1;

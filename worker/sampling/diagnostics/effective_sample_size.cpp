@@ -13,14 +13,14 @@ namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t k_draws_min = 3;
-// Autocorrelations carry errors of some 1e-15: a sum of two this small is 0, and not a matter of
-// the transform's rounding.
+// Autocorrelations have errors of some 1e-15. A smaller sum of two counts as 0, so that the result
+// doesn't depend on the transform's rounding.
 constexpr double k_zero_pair = 1e-12;
 
-/// rho at lags 0, 1, 2, ... with pairs (0, 1), (2, 3), ..., and the lag of the first left out.
+/// rho at lags 0, 1, 2, ... with pairs (0, 1), (2, 3), ..., and the first omitted lag.
 struct Autocorrelations {
   std::vector<double> at_lag;
-  std::size_t end = 0;  ///< even; at_lag[end] is half a pair's: 0 unless positive
+  std::size_t end = 0;  ///< Even. at_lag[end] has half a pair: 0 unless positive.
 };
 
 /// Geyer's initial positive sequence: pairs as long as their sums stay positive.
@@ -31,7 +31,7 @@ Autocorrelations positive_pairs(const AtLag& rho, std::size_t draws) {
   kept.at_lag[1] = rho(1);
   double even = 1;
   double pair = even + kept.at_lag[1];
-  // The last lags, of which few products tell, are never looked at.
+  // Omit the last lags, which have few products.
   while (kept.end + 5 < draws && pair > k_zero_pair) {
     kept.end += 2;
     even = rho(kept.end);
@@ -46,7 +46,7 @@ Autocorrelations positive_pairs(const AtLag& rho, std::size_t draws) {
   return kept;
 }
 
-/// Geyer's initial monotone sequence: no pair's sum above the one before.
+/// Geyer's initial monotone sequence: no pair's sum exceeds the previous one.
 void make_monotone(Autocorrelations& kept) {
   std::vector<double>& rho = kept.at_lag;
   for (std::size_t t = 2; t + 2 <= kept.end; t += 2) {
@@ -59,7 +59,7 @@ double effective_sample_size(const OwnedChains& owned) {
   const Chains draws = owned.view();
   if (draws.draws < k_draws_min || is_degenerate(draws.values)) return k_nan;
 
-  // Estimate the variance of the target, and with it the autocorrelation at each lag.
+  // Estimate the variance of the target, and from it the autocorrelation at each lag.
   const std::vector<double> autocovariances = mean_autocovariances(draws);
   const auto length = static_cast<double>(draws.draws);
   const double within = autocovariances[0] * length / (length - 1);
@@ -68,15 +68,15 @@ double effective_sample_size(const OwnedChains& owned) {
   if (!std::isfinite(variance) || variance == 0) return k_nan;
   const auto rho = [&](std::size_t lag) { return 1 - (within - autocovariances[lag]) / variance; };
 
-  // Sum them up to where noise takes over.
+  // Sum the autocorrelations up to where noise dominates.
   Autocorrelations kept = positive_pairs(rho, draws.draws);
   make_monotone(kept);
-  double sum = kept.at_lag[0];  // posterior counts lag 0 where no pair is kept
+  double sum = kept.at_lag[0];  // posterior counts lag 0 even if no pair is used.
   for (std::size_t t = 1; t < kept.end; ++t)
     sum += kept.at_lag[t];
   const double tau = -1 + 2 * sum + kept.at_lag[kept.end];
 
-  // Cap what antithetic chains are worth.
+  // Limit the effective sample size of antithetic chains.
   const auto count = static_cast<double>(draws.values.size());
   const double tau_min = math::log(10) / math::log(count);
   return count / std::max(tau, tau_min);

@@ -13,8 +13,8 @@ double mean_of(std::span<const double> values) {
   CHECK(!values.empty());
   const auto count = static_cast<double>(values.size());
   const double rough = std::accumulate(values.begin(), values.end(), 0.0) / count;
-  // A second pass takes out what the first one rounded, and A. Neumaier's compensation (1974) what
-  // it rounds itself.
+  // A second pass corrects the first pass's rounding, and A. Neumaier's compensation (1974)
+  // corrects its own.
   double rest = 0;
   double lost = 0;
   for (const double value : values) {
@@ -69,7 +69,7 @@ double median_of(std::span<const double> values) {
 double quantile_of(std::span<const double> values, double probability) {
   CHECK(!values.empty());
   CHECK(probability >= 0 && probability <= 1);
-  // Interpolate in the very arithmetic of R: draws are compared with the result.
+  // Interpolate in exactly R's arithmetic, because draws are compared with the result.
   const double place = 1 + static_cast<double>(values.size() - 1) * probability;
   const double floor = std::floor(place);
   const double share = place - floor;
@@ -113,7 +113,7 @@ OwnedChains normal_scores(const Chains& draws) {
   if (std::any_of(values.begin(), values.end(), [](double value) { return std::isnan(value); }))
     return scores;
 
-  // Go through the draws in ascending order, one group of equal ones after another.
+  // Process the draws in ascending order, one group of equal draws after another.
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
