@@ -32,12 +32,12 @@
 namespace sleight::run {
 namespace {
 
-/// Temperatures to begin with where the request leaves them open.
+/// Number of temperatures if the request sets none.
 constexpr std::uint32_t k_first_replicas = 12;
 static_assert(k_first_replicas == 12 && sampling::k_first_power == 6,
               "the help of ladder_power states these values");
 static_assert(request::k_chains_max <= plan::k_first_lane);
-/// No request has excursions that the method can't number.
+/// Every valid request's excursions are within the method's limit.
 static_assert(request::k_excursion_iterations_max <= sampling::k_excursion_steps_max);
 
 namespace ball_2d = worlds::ball_2d;
@@ -55,14 +55,14 @@ using SpellingEntry = EntryOf<spelling::StagedSpelling, spelling::Parameters,
 ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                                   const WorkerResources& resources) {
   const request::SamplerParameters& sampler = request.sampler;
-  // Where scans and draws are not one, which scan is the next draw but so many isn't known.
+  // If not every scan is a draw, the scans to archive aren't known in advance.
   const bool scans_are_draws = sampler.method != request::Method::simulated_tempering &&
                                sampler.method != request::Method::annealed_importance;
   const bool is_tempered = sampler.method == request::Method::parallel_tempering;
-  // Nor is it where burn-ins are judged as they go.
+  // The same applies if burn-ins are judged during the run.
   const bool starts_by_search = sampler.start == request::Start::search;
   return {.iterations_per_scan = sampler.iterations_per_scan,
-          // Of tours one scan each is a draw.
+          // Each tour has one draw.
           .thin = scans_are_draws && !starts_by_search
                       ? std::uint64_t{request.output.thin} * sampler.tour_scans.value_or(1)
                       : 1,
@@ -104,7 +104,8 @@ namespace {
 
 sampling::StopRule stop_of(const request::DirectionRequest& request,
                            const std::optional<request::Cut>& cut) {
-  // A cut of islands keeps whether solutions could end the run: then not all of them tell the odds.
+  // A cut of islands records whether solutions could end the run, because then not all islands
+  // count towards the odds.
   const bool has_islands = request.sampler.method == request::Method::sequential;
   sampling::StopRule rule{.scans = request.stop.scans,
                           .rounds = request.stop.rounds,
@@ -159,7 +160,7 @@ GoOn go_on_with(const request::SamplerParameters& sampler) {
   base::check_failed("the method has a burn-in", "");
 }
 
-/// The plan of a request's chains; null where a search is all.
+/// Returns the plan of a request's chains; null for a search alone.
 std::unique_ptr<plan::Plan> plan_of_chains(const request::DirectionRequest& request,
                                            const WorldEntry& world,
                                            const sampling::StopRule& stop) {

@@ -1,5 +1,5 @@
-// The worlds that this program has, each with what a run needs of it: its request keys, a worker
-// that computes its units, and a reader of its states.
+// This program's worlds. Each entry has the world's request keys, a worker that computes its units,
+// and a reader of its states.
 #pragma once
 
 #include <cstddef>
@@ -21,19 +21,20 @@
 
 namespace sleight::run {
 
-/// What a worker may take up on this machine; changes no result.
+/// A worker's resources on this machine; they change no result.
 struct WorkerResources {
-  std::size_t cache_bytes_max = k_cache_bytes_max;  ///< of samples held for their next units
+  std::size_t cache_bytes_max = k_cache_bytes_max;  ///< Memory for samples held for their next
+                                                    ///< units.
 };
 
-/// How a simulation ended.
+/// Result of a simulation.
 struct SimulationEnd {
-  plan::FailurePointer failure{};  ///< null: it was carried out
+  plan::FailurePointer failure{};  ///< Null if the simulation was completed.
   double log_prior = 0;
-  double log_constraint = 0;  ///< of one that was carried out
+  double log_constraint = 0;  ///< Valid only if the simulation was completed.
 };
 
-/// One world. Thread-safe. REQUIRES of each request: it was read by this world's binding.
+/// One world. Thread-safe. REQUIRES of each request: this world's binding read it.
 class WorldEntry {
  public:
   virtual ~WorldEntry() = default;
@@ -42,17 +43,19 @@ class WorldEntry {
       const request::DirectionRequest& request, const WorkerResources& resources = {}) const = 0;
   virtual std::unique_ptr<archive::StateReader> make_reader(
       const request::DirectionRequest& request) const = 0;
-  /// Simulates a state as a run's worker does; none if the bytes are no state of this world.
+  /// Simulates a state as a run's worker does. Empty if the bytes are no state of this world.
   virtual std::optional<SimulationEnd> simulate(const request::DirectionRequest& request,
                                                 base::BytesView state) const = 0;
-  /// By kind of proposal: whether it has a size that can be tuned.
+  /// By kind of proposal: whether it has a tunable scale.
   virtual std::vector<bool> kinds_with_scale(const request::DirectionRequest& request) const = 0;
-  /// The values that judge chains which start from a search; empty if it can't be searched.
+  /// The values by which chains that start from a search are judged. Empty if the world has no
+  /// search.
   virtual std::vector<sampling::BurnInValue> burn_in_values(
       const request::DirectionRequest& request) const = 0;
-  /// For people: what solutions in proportion took before; empty where that is not told.
+  /// The effort of earlier runs for solutions in the model's proportions, for display. Empty if
+  /// unknown.
   virtual std::string past_effort(const request::DirectionRequest& request) const = 0;
-  /// By stage, for people: "ball 3 of 16"; empty if it can't be searched.
+  /// Names of stages for display, such as "ball 3 of 16". Empty if the world has no search.
   virtual std::vector<std::string> stage_names(const request::DirectionRequest& request) const = 0;
 };
 
@@ -60,19 +63,19 @@ class Catalogue {
  public:
   /// All worlds, in alphabetical order.
   Catalogue();
-  /// These worlds, for tests.
+  /// The given worlds, for tests.
   explicit Catalogue(std::vector<std::unique_ptr<WorldEntry>> worlds);
   /// Bindings of all worlds, for read_request and help.
   std::vector<request::WorldBinding> bindings() const;
-  /// REQUIRES: the request was read with these bindings.
+  /// REQUIRES: these bindings read the request.
   const WorldEntry& world_of(const request::DirectionRequest& request) const;
 
  private:
   std::vector<std::unique_ptr<WorldEntry>> worlds_;
 };
 
-/// The plan of a request's sampling method; with a cut, of a run that ends there instead of by the
-/// request's own rule.
+/// Returns the plan of a request's sampling method. With a cut, the run ends there instead of by
+/// the request's own rule.
 std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
                                       const WorldEntry& world,
                                       const std::optional<request::Cut>& cut = {});

@@ -1,8 +1,8 @@
-// Runs units of one world: the loop over the scans and iterations of plain and tempered chains, and
-// over the starts of a search, with states as bytes on both sides.
+// Runs units of one world: scans and iterations of plain and tempered chains, and starts of a
+// search. States are bytes on both sides.
 //
-// Invariant: run is a pure function of (world parameters, options, unit, state before); samples
-// that it keeps spare simulations only. The caller measures the cost.
+// Invariant: run is a pure function of (world parameters, options, unit, state before). Cached
+// samples only save simulations. The caller measures the cost.
 #pragma once
 
 #include <concepts>
@@ -27,7 +27,7 @@
 
 namespace sleight::run {
 
-/// A target whose states can travel and whose outcomes can be archived.
+/// A target whose states can be encoded and whose outcomes can be archived.
 template <class W>
 concept World = sampling::Target<W> &&
     requires(const W& world, const typename W::State& state, const typename W::Outcome& outcome,
@@ -35,31 +35,30 @@ concept World = sampling::Target<W> &&
   { world.encode(state) } -> std::same_as<base::Bytes>;
   { world.decode(bytes) } -> std::same_as<std::optional<typename W::State>>;
   { world.outcome_values(outcome) } -> std::same_as<std::vector<double>>;
-  // What a state and its outcome own outside of themselves: a bound for all but a few bytes.
+  // Bytes that a state and its outcome own elsewhere, as a bound for all but a few bytes.
   { world.owned_bytes(state, outcome) } -> std::same_as<std::size_t>;
 };
 
-/// Hot replicas' states are there to be looked at now and then.
+/// Interval of the scans whose hot states are stored, for inspection.
 inline constexpr std::uint64_t k_hot_thin = 16;
 
 struct ChainWorkerOptions {
   std::uint32_t iterations_per_scan = 1;
-  /// Every thin-th scan's state is returned, counted from the first draw, besides the satisfied
-  /// ones.
+  /// Every thin-th scan's state is returned, counted from the first draw, besides satisfied states.
   std::uint64_t thin = 1;
   std::uint64_t first_draw = 0;
-  /// Of scans below inverse temperature 1 every so many-th; 0: none.
+  /// Interval of stored states below inverse temperature 1; 0: none.
   std::uint64_t hot_thin = 0;
-  /// Of the islands that end each scan (island_scan.h); 0: none do.
+  /// Particles of the islands that end each scan (island_scan.h); 0: no islands.
   std::uint32_t particles = 0;
-  /// Chains start from a search: whole tours of them, or the first replicas of a ladder.
+  /// Chains start from a search: in each tour, or for the first replicas of a ladder.
   bool starts_by_search = false;
-  /// The scan in which a find's chain ends; 0: finds are not relaxed. Only its state is returned,
-  /// and it satisfies where its whole motion does.
+  /// The scan that ends a find's chain; 0: finds are not relaxed. Only that scan's state is
+  /// returned, and it satisfies if its motion until rest does.
   std::uint32_t relax_scans = 0;
-  /// Records have what a burn-in is judged by.
+  /// Records have the values by which a burn-in is judged.
   bool is_judged = false;
-  /// Of samples held for their replicas' next units; 0: none are. Changes no result.
+  /// Memory for samples held for their replicas' next units; 0: none. Changes no result.
   std::size_t cache_bytes_max = k_cache_bytes_max;
 };
 
@@ -79,7 +78,7 @@ class ChainWorker final : public plan::UnitWorker {
     std::optional<Sample> held = cache_.take(unit.replica, unit.first_scan.value);
     if (held) return go_on(unit, std::move(held));
     plan::UnitResult result = go_on(unit, evaluated(state));
-    ++result.simulations;  // of the state before it
+    ++result.simulations;  // The simulation of the state before the unit.
     return result;
   }
 
@@ -108,7 +107,7 @@ class ChainWorker final : public plan::UnitWorker {
   };
   using Counts = ScanCounts;
 
-  /// Counts each simulation of a walk.
+  /// Returns a callback that counts each simulation of a walk.
   static auto told(Walk& walk, Counts& counts) {
     return [&walk, &counts](const sampling::SimulationReport& report) {
       ++walk.simulations;
@@ -116,17 +115,16 @@ class ChainWorker final : public plan::UnitWorker {
     };
   }
 
-  /// What the world knows of itself; learnt when it is first asked for.
+  /// Returns the world's guide, which is computed at the first call.
   decltype(auto) guide(std::uint64_t seed) const requires StagedWorld<W> {
     const std::scoped_lock lock(guide_.mutex);
     if (!guide_.learnt) guide_.learnt = world_.learn(seed);
     return (*guide_.learnt);
   }
 
-  /// Starts of a search.
   plan::UnitResult searched(const plan::Unit& unit) const {
     if constexpr (StagedWorld<W>) {
-      // Chains that use the guide tell its failures; else the first start does.
+      // Chains that use the guide report its failures; without such chains the first start does.
       const bool chains_tell = options_.particles > 0 || options_.starts_by_search;
       return search_unit(world_, guide(unit.seed), unit, !chains_tell);
     } else {
@@ -134,7 +132,7 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// Failures of these simulations are none of the run's: such a draw has log p_c = -infinity.
+  /// A failed simulation here is no failure of the run. Its draw has log p_c = -infinity.
   plan::UnitResult drawn_from_prior(const plan::Unit& unit) const {
     plan::UnitResult result{
         .unit = unit, .scans = {}, .state_after = {}, .simulations = unit.scans};
@@ -153,7 +151,7 @@ class ChainWorker final : public plan::UnitWorker {
     return result;
   }
 
-  /// Free islands, each with its draw: where it has none, a draw from the prior stands there.
+  /// Makes free islands with their draws. An island without a draw gets one from the prior.
   plan::UnitResult free_islands(const plan::Unit& unit) const {
     if constexpr (StagedWorld<W>) {
       return island_unit(world_, guide(unit.seed), options_.particles, unit);
@@ -162,8 +160,8 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// A chain's state from islands, or from a search of its own: nothing where they give none.
-  /// The hottest replica of a ladder, and those that join it later, draw from the prior.
+  /// Returns a chain's start from islands or a search. Empty if these fail. The hottest replica of
+  /// a ladder, and replicas that join later, draw from the prior.
   std::optional<Sample> start_in_stages(Walk& walk, std::uint64_t scan, double beta,
                                         Counts& counts) const {
     const bool by_search =
@@ -191,7 +189,7 @@ class ChainWorker final : public plan::UnitWorker {
                          told(walk, counts));
   }
 
-  /// The islands that end a scan.
+  /// Makes the islands that end a scan.
   void visit_islands(Walk& walk, std::uint64_t scan, Counts& counts) const {
     if constexpr (StagedWorld<W>) {
       auto visit = islands(walk, counts).visit(scan, *std::move(walk.current));
@@ -201,7 +199,7 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// A new lineage: from islands or a search where the chain starts so, else from the prior.
+  /// Begins a lineage: from islands or a search if the chain starts so, otherwise from the prior.
   void draw_afresh(Walk& walk, std::uint64_t scan, double beta, Counts& counts) const {
     walk.lineage = plan::lineage_from(walk.streams.replica, scan);
     walk.current = start_in_stages(walk, scan, beta, counts);
@@ -217,14 +215,14 @@ class ChainWorker final : public plan::UnitWorker {
           "with --fresh");
     }
     Sample sample = sampling::evaluate(world_, std::move(*decoded));
-    // A failure is never a sample, so this one once succeeded.
+    // A failed state is never a sample, so this state's simulation once succeeded.
     if (const auto report = sampling::report_of(world_, sample.outcome); report.failure)
       throw base::Error(base::ExitCode::bug, "a chain's stored state fails when simulated again: " +
                                                  report.failure->message);
     return sample;
   }
 
-  /// The unit from the sample before it; none if the unit starts with a draw of its own.
+  /// Runs the unit from the sample before it. Empty `before`: the unit begins with a draw.
   plan::UnitResult go_on(const plan::Unit& unit, std::optional<Sample> before) const {
     plan::UnitResult result{.unit = unit, .scans = {}, .state_after = {}};
     result.scans.reserve(unit.scans);
@@ -240,8 +238,8 @@ class ChainWorker final : public plan::UnitWorker {
       const std::uint64_t number = first_scan + nth;
       Counts counts(world_.proposal_kinds());
       walk.method_values.clear();
-      // One scan: a draw from the prior where it is the replica's first, or nothing constrains; the
-      // state that is given where a replica starts with one.
+      // Make one scan. A replica's first scan is its given start or a draw from the prior, and so
+      // is each scan without constraint.
       const bool is_first = unit.starts && nth == 0;
       if (is_first && walk.current) {
         walk.lineage = plan::lineage_from(unit.replica.replica, number);
@@ -262,7 +260,7 @@ class ChainWorker final : public plan::UnitWorker {
     return result;
   }
 
-  /// Proposals, and an excursion if the unit has one. REQUIRES: an inverse temperature above 0.
+  /// Makes the proposals, and an excursion if the unit has one. REQUIRES: beta > 0.
   void scan(Walk& walk, const plan::Unit& unit, std::uint64_t scan, double beta,
             Counts& counts) const {
     const std::uint64_t first_iteration = (scan - 1) * options_.iterations_per_scan + 1;
@@ -287,8 +285,8 @@ class ChainWorker final : public plan::UnitWorker {
     if (report.from_prior) walk.lineage = plan::lineage_from(unit.replica.replica, scan);
   }
 
-  /// Whether a scan's state counts as satisfying; the end of a relaxed find does where its whole
-  /// motion does.
+  /// Returns whether a scan's state counts as satisfying. The end of a relaxed find must satisfy
+  /// until rest.
   bool is_satisfied(std::uint64_t scan, const Sample& sample, Counts& counts) const {
     if (!world_.satisfied(sample.outcome)) return false;
     if constexpr (StagedWorld<W>) {
@@ -332,7 +330,7 @@ class ChainWorker final : public plan::UnitWorker {
             .state = keep_state ? world_.encode(sample.state) : base::Bytes{}};
   }
 
-  /// What a world that acts in stages has learnt; made when it is first asked for.
+  /// The guide of a world that acts in stages, computed at its first use.
   template <class V>
   struct Learnt {};
   template <StagedWorld V>

@@ -1,7 +1,7 @@
-// What islands do to a chain of a sequential run: they give it its start, and end each of its scans
-// with a conditional step and some independence steps (worker/sampling/particle_steps.h), for which
-// the conditional one has told Z. Which steps there are never hangs on the chain's state: the
-// target stays.
+// The islands in a chain of a sequential run. Islands provide the chain's start. Each scan ends
+// with a conditional step, which provides Z, and some independence steps
+// (worker/sampling/particle_steps.h). The sequence of steps never depends on the chain's state, so
+// the target stays invariant.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,13 @@
 
 namespace sleight::run {
 
-/// Free islands of a scan.
+/// Free islands per scan.
 inline constexpr std::uint32_t k_free_islands = 3;
-/// Islands of a chain are numbered: so many to a scan, one of its conditional step and two of each
-/// independence step; and those of its starts from far on.
+/// A chain's islands are numbered. Each scan has one number for its conditional step and two for
+/// each independence step. Islands for starts have numbers far above.
 inline constexpr std::uint64_t k_islands_of_scan = 1 + 2 * k_free_islands;
 inline constexpr std::uint64_t k_first_start_island = std::uint64_t{1} << 48U;
-/// Islands that may die before a chain starts otherwise.
+/// Maximum number of islands for a start; if all die, the chain starts otherwise.
 inline constexpr std::uint32_t k_start_islands_max = 100;
 
 template <StagedWorld W>
@@ -37,7 +37,7 @@ class IslandScan {
              const sampling::ChainStreams& streams, Told told)
       : islands_(world, guide, {.particles = particles}, streams, std::move(told)) {}
 
-  /// At a scan, the draw of the first island that has one; nothing if none has.
+  /// Returns the draw of the first island that has one. Empty if none has.
   std::optional<Sample> start(std::uint64_t scan) const {
     const std::uint64_t first = k_first_start_island + scan * k_start_islands_max;
     for (std::uint32_t nth = 0; nth < k_start_islands_max; ++nth) {
@@ -49,16 +49,16 @@ class IslandScan {
 
   struct Visit {
     Sample sample;
-    bool is_new = false;                  ///< a free island's draw
-    std::vector<double> method_values{};  ///< of all free islands (island_estimate.h)
+    bool is_new = false;                  ///< The sample is a free island's draw.
+    std::vector<double> method_values{};  ///< Estimates of all free islands (island_estimate.h).
   };
 
-  /// After a scan's local moves.
+  /// Makes a scan's islands, after its local moves.
   Visit visit(std::uint64_t scan, Sample before) const {
     const std::uint64_t number = scan * k_islands_of_scan;
     sampling::ParticleSample<W> current{.sample = std::move(before), .log_z = {}};
     if (current.sample.log_constraint == sampling::k_log_zero) {
-      // Where the target has no mass any island is better.
+      // Accept any island if the state has zero density.
       current.log_z = sampling::k_log_zero;
     } else {
       sampling::conditional_step(islands_, number, current);

@@ -1,4 +1,5 @@
-// Runs a unit of free islands: where only the odds are asked for (worker/sampling/free_islands.h).
+// Runs a unit of free islands, for runs that request only the odds
+// (worker/sampling/free_islands.h).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,8 @@
 
 namespace sleight::run {
 
-/// The guide of islands that no chain goes on from: a value, or the one that is given.
+/// Returns the guide for islands that no chain continues from. By value or by reference, depending
+/// on the world.
 template <StagedWorld W>
 decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
   if constexpr (sampling::ListsChoices<W>) {
@@ -23,9 +25,9 @@ decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
   }
 }
 
-/// Islands of a lane, a scan each. All are of one chain's streams, numbered: what an island comes
-/// to does not depend on its lane. Island 0 tells what failed as the guide was learnt. REQUIRES:
-/// unit.makes_islands(); 2 particles at least.
+/// Makes a lane's islands, one per scan. All lanes use one chain's streams, addressed by island
+/// number, so an island doesn't depend on its lane. Island 0 reports failures from computing the
+/// guide. REQUIRES: unit.makes_islands(); at least 2 particles.
 template <StagedWorld W>
 plan::UnitResult island_unit(const W& world, const typename W::Guide& guide,
                              std::uint32_t particles, const plan::Unit& unit) {

@@ -1,12 +1,12 @@
-// The newest samples of the replicas that a worker ran last, so that the next unit of a replica
-// need not simulate its state again. A sample is a state with what came of it: its outcome, and the
-// recording of its simulation where the world makes one.
+// The latest samples of the replicas that a worker ran, so that a replica's next unit need not
+// simulate its state again. A sample includes the outcome, and the simulation's recording if the
+// world makes one.
 //
 // Invariants
-//   1. What is taken is what was put for that replica and scan, or nothing; so whether anything is
-//      cached changes no result.
-//   2. The samples held come to at most bytes_max bytes together: least recently put first out, and
-//      a larger one than that is not held at all.
+//   1. take() returns the sample put for that replica and scan, or nothing. So caching changes no
+//      result.
+//   2. All samples together have at most bytes_max bytes. The oldest sample is evicted first, and
+//      a sample larger than bytes_max is not held.
 // Thread-safe.
 #pragma once
 
@@ -22,7 +22,7 @@
 
 namespace sleight::run {
 
-/// What a worker holds unless told: some hundred thousand samples of balls that spell.
+/// Default memory of a worker's cache: some hundred thousand samples of balls that spell.
 inline constexpr std::size_t k_cache_bytes_max = std::size_t{256} << 20U;
 
 template <class Sample>
@@ -30,7 +30,7 @@ class SampleCache {
  public:
   explicit SampleCache(std::size_t bytes_max) { use_.bytes_max = bytes_max; }
 
-  /// The sample before a scan, which is then no longer held.
+  /// Removes and returns the sample before a scan.
   std::optional<Sample> take(const plan::ReplicaKey& replica, std::uint64_t next_scan) {
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(replica);
@@ -50,7 +50,7 @@ class SampleCache {
     return found != entries_.end() && found->second.next_scan == next_scan;
   }
 
-  /// `bytes`: what the sample takes up, all that it owns included.
+  /// `bytes`: size of the sample with everything it owns.
   void put(const plan::ReplicaKey& replica, std::uint64_t next_scan, Sample sample,
            std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
@@ -80,7 +80,7 @@ class SampleCache {
     std::list<plan::ReplicaKey>::iterator place;
   };
   using Entries = std::map<plan::ReplicaKey, Entry>;
-  /// What holding a sample takes besides: a node of each container.
+  /// Overhead of a sample: a node of each container.
   static constexpr std::size_t k_entry_bytes = sizeof(typename Entries::value_type) + 96;
 
   void forget(typename Entries::iterator entry) {
@@ -91,7 +91,7 @@ class SampleCache {
 
   mutable std::mutex mutex_;
   Entries entries_;
-  std::list<plan::ReplicaKey> order_;  ///< oldest first
+  std::list<plan::ReplicaKey> order_;  ///< Oldest first.
   plan::CacheUse use_;
 };
 

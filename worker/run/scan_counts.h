@@ -1,5 +1,4 @@
-// What happened in a scan, or a start of a search: proposals, and simulations that failed or could
-// not begin.
+// Counts of a scan, or of a search's start: proposals, failed simulations, and overlapping starts.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +28,7 @@ struct ScanCounts {
     for (const plan::FailurePointer& failure : all)
       add(sampling::SimulationReport{.failure = failure});
   }
-  /// Adds the failed simulations to a unit's, as far as there is room.
+  /// Appends the failed simulations to a unit's, up to the limit.
   void tell_failed(std::uint64_t scan, std::vector<plan::FailedSimulation>& of_unit) const {
     for (const plan::FailurePointer& failure : failed) {
       if (of_unit.size() == plan::k_failed_told_max) return;
@@ -37,11 +36,11 @@ struct ScanCounts {
     }
   }
 
-  std::vector<std::uint32_t> proposed;  ///< by kind
+  std::vector<std::uint32_t> proposed;  ///< By kind.
   std::vector<std::uint32_t> accepted;
   std::uint64_t overlapping_starts = 0;
   plan::FailureCounts failures{};
-  std::vector<plan::FailurePointer> failed{};  ///< the first ones
+  std::vector<plan::FailurePointer> failed{};  ///< The first ones.
 };
 
 }  // namespace sleight::run

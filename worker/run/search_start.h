@@ -1,5 +1,5 @@
-// Starts of a search (worker/sampling/stage_search.h), as a worker makes them: one after another of
-// a lane, or one for a chain.
+// Starts of a search (worker/sampling/stage_search.h) by a worker: consecutive starts of a lane, or
+// one start for a chain.
 #pragma once
 
 #include <concepts>
@@ -22,30 +22,32 @@
 
 namespace sleight::run {
 
-/// A world that acts in stages, and can be searched. What it learns of itself hangs on the run's
-/// seed alone, so that every worker learns the same.
+/// A world that acts in stages and has a search. Its guide depends only on the run's seed, so every
+/// worker computes the same guide.
 template <class W>
 concept StagedWorld = sampling::ActsInStages<W> &&
     requires(const W& world, std::uint64_t seed, const typename W::Guide& guide,
              const typename W::State& state, const typename W::Outcome& outcome) {
   { world.learn(seed) } -> std::same_as<typename W::Guide>;
-  /// Of simulations that it was learnt from.
+  /// Failures of the simulations that computed the guide.
   { world.failures_of(guide) } -> std::convertible_to<std::span<const plan::FailurePointer>>;
   requires sampling::StageBuilder<decltype(world.builder(guide))>;
-  /// What a satisfying state's whole motion comes to: only ones that still satisfy are finds.
+  /// Outcome of the whole motion until rest. A state that satisfies is a find only if this outcome
+  /// satisfies too.
   { world.simulate_to_rest(state) } -> std::same_as<typename W::Outcome>;
-  /// What chains that start from a search are judged by (burn_in_judge.h), and of a state.
+  /// The values by which chains that start from a search are judged (burn_in_judge.h), and a
+  /// state's values.
   { world.burn_in_values() } -> std::same_as<std::vector<sampling::BurnInValue>>;
   { world.burn_in_values_of(state, outcome) } -> std::same_as<std::vector<double>>;
-  /// For people: "ball 3 of 16".
+  /// Name for display, such as "ball 3 of 16".
   { world.stage_name(std::uint32_t{}) } -> std::same_as<std::string>;
 };
 
-/// Starts of one chain at one scan, at most.
+/// Maximum number of starts of one chain at one scan.
 inline constexpr std::uint64_t k_starts_max = 256;
 
-/// The find of the `number`-th start of a lane, or of a chain; nothing if it gave up. All that was
-/// simulated is counted in `effort`.
+/// Makes the `number`-th start of a lane or chain, and returns its find. Empty if the search gave
+/// up. Adds the simulations to `effort`.
 template <StagedWorld W>
 std::optional<sampling::Sample<W>> search_start(const W& world, const typename W::Guide& guide,
                                                 const sampling::ChainStreams& streams,
@@ -69,7 +71,8 @@ std::optional<sampling::Sample<W>> search_start(const W& world, const typename W
   return sampling::Sample<W>{std::move(state), std::move(outcome), log_prior, log_constraint};
 }
 
-/// A start's record. Without a find it has no densities, but how many stages stood at most.
+/// Returns a start's record. Without a find, the record has no densities, only the maximum number
+/// of accepted stages.
 template <StagedWorld W>
 plan::ScanRecord start_record(const W& world, const std::optional<sampling::Sample<W>>& find,
                               std::uint64_t scan, std::uint32_t furthest,
@@ -91,8 +94,8 @@ plan::ScanRecord start_record(const W& world, const std::optional<sampling::Samp
   return record;
 }
 
-/// Starts of a lane, a scan each. The first lane's first one tells what failed as the guide was
-/// learnt, if it should. REQUIRES: unit.searches().
+/// Makes a lane's starts, one per scan. With `tells_guide`, start 0 reports failures from computing
+/// the guide. REQUIRES: unit.searches().
 template <StagedWorld W>
 plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, const plan::Unit& unit,
                              bool tells_guide) {

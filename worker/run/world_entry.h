@@ -1,5 +1,5 @@
-// A world as the catalogue has it, made of the world's class and what its folder calls
-// request_binding and make_state_reader.
+// A catalogue entry, assembled from the world's class and its folder's functions request_binding
+// and make_state_reader.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace sleight::run {
 
-/// What a request asks of the worker that computes its units.
+/// Returns the options that a request implies for the worker that computes its units.
 ChainWorkerOptions worker_options(const request::DirectionRequest& request,
                                   const WorkerResources& resources);
 
@@ -25,7 +25,6 @@ std::vector<bool> kinds_with_scale_of(const T& world) {
   return kinds;
 }
 
-/// A world, and what its folder calls request_binding and make_state_reader.
 template <class World, class Parameters, request::WorldBinding (*k_binding)(),
           std::unique_ptr<archive::StateReader> (*k_reader)(const Parameters&)>
 class EntryOf final : public WorldEntry {

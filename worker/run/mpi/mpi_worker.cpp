@@ -20,12 +20,12 @@ namespace sleight::run {
 namespace {
 
 constexpr int k_coordinator_rank = 0;
-/// Looks for a message are spread so that one is found at most a tenth later than it came: a rank
-/// that runs a whole ladder has nothing to do before its next block is there.
+/// Growth of the polling interval. A message waits at most a tenth of the idle time before it,
+/// because a rank that runs a whole ladder has no other work meanwhile.
 constexpr double k_backoff_growth = 1.1;
 
-/// Messages on their way to rank 0. A large one takes until that rank looks for it: to wait for
-/// that would spin on a core that could compute.
+/// Messages in transit to rank 0. A large message takes until rank 0 polls, and waiting for that
+/// would spin on a core that could compute.
 class Outbox {
  public:
   Outbox() = default;
@@ -66,7 +66,7 @@ base::Result<schema::Message, std::string> receive(const MPI_Status& status) {
   return schema::wire::decode(bytes);
 }
 
-/// One that has arrived; with `waits`, the next one, without burning the core.
+/// Returns a message that has arrived. With `waits`, waits for one without occupying the core.
 std::optional<base::Result<schema::Message, std::string>> next_message(bool waits) {
   double backoff_s = schema::wire::k_poll_interval_s_min;
   while (true) {
@@ -80,12 +80,12 @@ std::optional<base::Result<schema::Message, std::string>> next_message(bool wait
   }
 }
 
-/// What is before this rank, and what it does about messages.
+/// This rank's assignments, and its handling of messages.
 class Desk {
  public:
   Desk(const plan::BlockWorker& worker, Outbox& outbox) : worker_(worker), outbox_(outbox) {}
 
-  /// Takes in all that has arrived, answers pings, runs the oldest assignment; false after a stop.
+  /// Processes all arrived messages, then runs the oldest assignment. Returns false after a stop.
   bool turn() {
     while (std::optional message = next_message(waiting_.empty())) {
       if (!*message) throw base::Error(base::ExitCode::bug, "got " + message->error());
@@ -118,7 +118,7 @@ class Desk {
 
   const plan::BlockWorker& worker_;
   Outbox& outbox_;
-  std::deque<schema::Assignment> waiting_;  ///< oldest first
+  std::deque<schema::Assignment> waiting_;  ///< Oldest first.
 };
 
 }  // namespace

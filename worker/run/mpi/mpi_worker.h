@@ -1,4 +1,5 @@
-// A batch job's rank other than 0: computes the blocks that rank 0 assigns until it says stop.
+// A batch job's rank other than 0, which computes the blocks that rank 0 assigns until rank 0 sends
+// a stop.
 #pragma once
 
 #include "common/plan/block.h"
@@ -6,12 +7,12 @@
 
 namespace sleight::run {
 
-/// Says hello, then serves. Idle, it looks for messages with a back-off from 20 us to 2 ms, which
-/// takes under 2% of a core. What the worker throws comes through; the caller tells rank 0 of it.
-/// REQUIRES: MPI is initialised, and this rank is not 0.
+/// Sends hello, then serves. While idle, polls for messages with a back-off from 20 us to 2 ms,
+/// which uses under 2% of a core. Passes on the worker's exceptions; the caller reports them to
+/// rank 0. REQUIRES: MPI is initialised, and this rank is not 0.
 void serve(const plan::BlockWorker& worker, const schema::Hello& hello);
 
-/// Tells rank 0 that this rank can't serve, and why.
+/// Reports to rank 0 that this rank can't serve, with the reason.
 void refuse(const std::string& reason);
 
 }  // namespace sleight::run
