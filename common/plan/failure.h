@@ -1,9 +1,9 @@
-// Simulations that could not be carried out.
+// Simulations that could not be completed.
 //
-// A failure is a fault of the simulator, or of the scene that a world made, and says nothing about
-// the state: it is never a sample. A chain refuses a candidate whose simulation failed, and a draw
-// from the prior is drawn again; docs/SAMPLING.md says what that does to the distribution. Starts
-// that overlap are no failures: such a state has p_c = 0, which is known.
+// A failure is a fault of the simulator, or of the scene that a world made. It says nothing about
+// the state, so a failed state is never a sample. A chain rejects a candidate whose simulation
+// failed, and a failed draw from the prior is repeated; docs/SAMPLING.md describes the effect on
+// the distribution. Starts that overlap are no failures: such a state has a known p_c of 0.
 //
 // Thread safety: values.
 #pragma once
@@ -22,16 +22,16 @@
 namespace sleight::plan {
 
 enum class FailureKind : std::uint8_t {
-  search_gave_up,       ///< a search for a collision examined too many ticks
-  too_many_collisions,  ///< of one body, at one tick or in a millisecond
-  impact_unresolved,    ///< no impulse was found
-  spins_too_long,       ///< a body that touches nothing turned too fast for its fixed steps
-  work_limit,           ///< far more events than simulations of this world have
-  scene_refused,        ///< the simulator refused the world's scene
+  search_gave_up,       ///< A search for a collision examined too many ticks.
+  too_many_collisions,  ///< Too many collisions of one body, at one tick or in a millisecond.
+  impact_unresolved,    ///< No impulse was found.
+  spins_too_long,       ///< A body without contacts turned too fast for its fixed steps.
+  work_limit,           ///< Far more events than simulations of this world have.
+  scene_refused,        ///< The simulator refused the world's physics scene.
 };
 inline constexpr std::size_t k_failure_kinds = 6;
 
-/// The kinds' names, as archives, files and messages have them.
+/// Names of the kinds in archives, files and messages.
 inline constexpr std::array<std::string_view, k_failure_kinds> k_failure_names = {
     "search_gave_up", "too_many_collisions", "impact_unresolved",
     "spins_too_long", "work_limit",          "scene_refused"};
@@ -40,7 +40,7 @@ inline std::string_view name_of(FailureKind kind) {
   return k_failure_names.at(static_cast<std::size_t>(kind));
 }
 
-/// The kind of that name; nothing if there is none.
+/// Returns the kind with that name; empty if there is none.
 inline std::optional<FailureKind> failure_kind_of(std::string_view name) {
   for (std::size_t kind = 0; kind < k_failure_kinds; ++kind) {
     if (k_failure_names[kind] == name) return static_cast<FailureKind>(kind);
@@ -48,15 +48,16 @@ inline std::optional<FailureKind> failure_kind_of(std::string_view name) {
   return std::nullopt;
 }
 
-/// Why a simulation failed, and of which state: simulating it again fails alike.
+/// The reason and the state of a failed simulation. Simulating the state again fails in the same
+/// way.
 struct SimulationFailure {
   FailureKind kind{};
-  std::string message;  ///< what, of which body, and when
-  base::Bytes state;    ///< in the world's own encoding
+  std::string message;  ///< Describes the fault, the body and the time.
+  base::Bytes state;    ///< The state in the world's own encoding.
   friend bool operator==(const SimulationFailure&, const SimulationFailure&) = default;
 };
 
-/// Shared, since outcomes are copied; null if the simulation was carried out.
+/// Shared, because outcomes are copied. Null if the simulation was completed.
 using FailurePointer = std::shared_ptr<const SimulationFailure>;
 
 /// Failures by kind.
@@ -74,7 +75,7 @@ struct FailureCounts {
   friend bool operator==(const FailureCounts&, const FailureCounts&) = default;
 };
 
-/// "search_gave_up 2, work_limit 1"; empty if there are none.
+/// Returns for example "search_gave_up 2, work_limit 1". Empty without failures.
 std::string to_string(const FailureCounts& counts);
 
 }  // namespace sleight::plan

@@ -1,5 +1,5 @@
-// What a sampling method learnt on its way, as tables of numbers with names: for archives, which
-// store them as they are, and for people.
+// A sampling method's report: named tables of numbers, which archives store unchanged and people
+// read.
 #pragma once
 
 #include <cstddef>
@@ -9,18 +9,18 @@
 
 namespace sleight::plan {
 
-/// A table over named dimensions, row-major; NaN where an entry does not apply.
+/// A table over named dimensions, row-major. NaN marks entries that don't apply.
 struct Table {
-  std::string name;     ///< a plain word
-  std::string meaning;  ///< one sentence
+  std::string name;     ///< A plain word.
+  std::string meaning;  ///< One sentence.
   std::vector<std::pair<std::string, std::size_t>> dims;
   std::vector<double> values;
 };
 
-/// One name of a dimension has one size in all tables.
+/// A dimension's name has the same size in all tables.
 struct Report {
   std::vector<Table> tables;
-  /// One line that a user of the draws must know; empty: none.
+  /// One line that a user of the draws must see, or empty.
   std::string warning;
   bool empty() const { return tables.empty(); }
 };
