@@ -1,19 +1,19 @@
-// What independent, unbiased estimates of a number too small for doubles say of it together: the
-// log of their mean, and how well that is known. Free islands give such estimates of Z and of
-// P(satisfied) (worker/sampling/island.h), as logs.
+// Combines independent, unbiased estimates of a number too small for doubles: the log of their
+// mean, and its error. Free islands provide the logs of such estimates for Z and for P(satisfied)
+// (worker/sampling/island.h).
 //
-// Idea. The mean of the estimates is unbiased, whatever their spread; the mean of their logs is
-// not. Its standard error is their standard deviation over the square root of their number, and in
-// nats, the unit of the log, that relative to the mean. Few large estimates can carry the sum: then
-// the standard deviation is as little known as the mean, and mostly too small, since what is larger
-// still has not been seen. So an error counts only where no estimate has more than a tenth of the
-// sum, and where there are enough of them.
+// Idea. The mean of the estimates is unbiased for any spread; the mean of their logs is not. The
+// standard error of the mean is the estimates' standard deviation over the square root of their
+// number. The relative error is the error of the log, in nats. A few large estimates can dominate
+// the sum. The standard deviation is then as uncertain as the mean, and mostly too small, because
+// even larger estimates have not occurred yet. So an error is valid only if no estimate exceeds a
+// tenth of the sum, and if there are enough estimates.
 //
-// A run may choose the number of estimates by what earlier ones say, not by what the counted ones
-// say: to stop where the estimate looks good is to stop where large ones have not come yet
+// A run may choose the number of estimates by earlier ones, but not by the counted ones: a run that
+// stops when its estimate looks good stops before large estimates occur
 // (worker/sampling/odds_rule.h).
 //
-// Invariant: equal sequences give equal bits. Thread safety: values and pure functions.
+// Invariant: equal sequences yield equal bits. Thread safety: values and pure functions.
 #pragma once
 
 #include <cstdint>
@@ -22,36 +22,36 @@
 
 namespace sleight::math {
 
-/// Of the sum, that one estimate may have where the error is to count.
+/// Maximum share of the sum that one estimate may have for a valid error.
 inline constexpr double k_largest_share_max = 0.1;
-/// Estimates that it takes. Of fewer the large ones mostly have not come: intervals of 48 islands
-/// of a box of two balls missed the truth by three errors or more 4 to 13% of the times, of 144
-/// islands 4 to 7% (docs/MEASUREMENTS, "Intervals by islands").
+/// Minimum number of estimates for a valid error. Smaller numbers mostly miss the large estimates.
+/// Intervals of 48 islands of a box of two balls missed the truth by three errors or more in 4 to
+/// 13% of cases, those of 144 islands in 4 to 7% (docs/MEASUREMENTS, "Intervals by islands").
 inline constexpr std::uint64_t k_islands_min = 100;
 
 struct IslandOdds {
   std::uint64_t islands = 0;
-  /// Of the mean; -infinity where all estimates are 0, NaN where there are none.
+  /// Log of the mean; -infinity if all estimates are 0, NaN without estimates.
   double log_mean = std::numeric_limits<double>::quiet_NaN();
-  /// Standard deviation of one estimate over the mean; NaN where there are fewer than two, or all
+  /// Standard deviation of one estimate over the mean. NaN for fewer than two estimates, or if all
   /// are 0.
   double relative_sd = std::numeric_limits<double>::quiet_NaN();
-  /// What the largest estimate has of the sum, in [0, 1]; NaN where that is 0 or nothing.
+  /// The largest estimate's share of the sum, in [0, 1]. NaN if the sum is 0 or empty.
   double largest_share = std::numeric_limits<double>::quiet_NaN();
 
-  /// Standard error of log_mean, in nats; NaN as relative_sd.
+  /// Standard error of log_mean, in nats; NaN if relative_sd is NaN.
   double log_error() const { return log_error_of(static_cast<double>(islands)); }
-  /// What it will be of so many estimates. REQUIRES: count above 0.
+  /// The expected standard error with `count` estimates. REQUIRES: count > 0.
   double log_error_of(double count) const;
-  /// Whether log_error can be given for log_mean.
+  /// Whether log_error is valid.
   bool known() const;
 };
 
-/// Estimates one by one, none of which is kept.
+/// Sums over estimates, which are not stored.
 class IslandSums {
  public:
-  /// The log of an estimate; -infinity: it is 0. A NaN or +infinity, which no estimate has, makes
-  /// all that is said of the sums NaN.
+  /// Adds the log of an estimate; -infinity for 0. A NaN or +infinity, which no estimate has, makes
+  /// all results NaN.
   void add(double log_estimate);
   IslandOdds odds() const;
 
@@ -60,12 +60,11 @@ class IslandSums {
 
   std::uint64_t islands_ = 0;
   double greatest_ = k_log_zero;
-  double sum_ = 0;      ///< of exp(x - greatest)
-  double squares_ = 0;  ///< of their squares
+  double sum_ = 0;      ///< Sum of exp(x - greatest).
+  double squares_ = 0;  ///< Sum of exp(x - greatest)^2.
   bool is_void_ = false;
 };
 
-/// Of these logs, in order.
 IslandOdds island_odds(std::span<const double> log_estimates);
 
 }  // namespace sleight::math

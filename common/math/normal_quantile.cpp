@@ -67,7 +67,7 @@ double normal_quantile(double probability) {
   const double from_median = probability - 0.5;
   constexpr double k_central = 0.425;
   if (std::fabs(from_median) <= k_central) {
-    constexpr double k_central_square = 0.180625;  // not 0.425 * 0.425, which rounds
+    constexpr double k_central_square = 0.180625;  // Not 0.425 * 0.425, which rounds.
     const double x = k_central_square - from_median * from_median;
     return from_median * value(k_central_above, x) / value(k_central_below, x);
   }

@@ -1,4 +1,4 @@
-// The standard normal distribution's quantile function, with the same bits on every processor.
+// The standard normal quantile function, with the same bits on every processor.
 //
 // Method: M. Wichura, "Algorithm AS 241: the percentage points of the normal distribution", Applied
 // Statistics 37 (1988) 477-484, routine PPND16: three rational approximations, one around the
@@ -8,10 +8,10 @@
 
 namespace sleight::math {
 
-/// The x below which a standard normal variable falls with the given probability. Within 1e-15
-/// relative; the bits of R's qnorm, wherever the logarithms
-/// agree. Infinite at 0 and 1, NaN outside [0, 1] and for NaN. Odd about 1/2, where it is 0.
-/// Close to 1, the probability itself is too coarse: use the mirror image.
+/// Returns the x below which a standard normal variable falls with the given probability, within
+/// 1e-15 relative. The bits equal those of R's qnorm wherever the logarithms agree. Infinite at 0
+/// and 1, NaN outside [0, 1] and for NaN. Odd about 1/2, where it is 0. Close to 1, the probability
+/// itself is too coarse, so use the mirror image.
 double normal_quantile(double probability);
 
 }  // namespace sleight::math

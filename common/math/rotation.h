@@ -1,15 +1,15 @@
-// Rotations of space as unit quaternions, without libm and with a written-out order of operations.
+// Rotations of space as unit quaternions, without libm and with explicit order of operations.
 //
-// A Quat is (w; x, y, z) with w^2 + x^2 + y^2 + z^2 = 1: the rotation by the angle t about the unit
-// axis n is (cos(t/2); n sin(t/2)). q and -q are the same rotation. A rotation maps coordinates of
-// the body's frame to the world's: world = rotated(q, body).
+// A Quat is (w; x, y, z) with w^2 + x^2 + y^2 + z^2 = 1. The rotation by the angle t about the unit
+// axis n is (cos(t/2); n sin(t/2)). q and -q are the same rotation. A rotation maps coordinates
+// from the body's frame to the world's: world = rotated(q, body).
 //
 // Invariants
-//   1. Same bits whatever the instruction set, under the conditions that vector.h gives. Eigen's
+//   1. The bits are the same for any instruction set, under the conditions in vector.h. Eigen's
 //      quaternion product, normalisation, rotation and AngleAxis are not used.
-//   2. Functions that take a Quat as a rotation REQUIRE its norm to be 1 to within 1e-6 or so: they
-//      do not renormalise, and their error grows with the deviation. A chain of compositions loses
-//      about one ulp of norm per step; normalized() restores it.
+//   2. Functions that take a Quat as a rotation REQUIRE its norm to be 1 to within some 1e-6. They
+//      don't renormalise, and their error grows with the deviation. Each composition in a chain
+//      loses about one ulp of norm; normalized() restores the norm.
 // Thread safety: pure functions.
 #pragma once
 
@@ -19,10 +19,10 @@
 
 namespace sleight::math {
 
-/// Aligned to 16 or 32 bytes depending on build flags: never store its raw bytes.
+/// Aligned to 16 or 32 bytes depending on build flags, so never store its raw bytes.
 using Quat = Eigen::Quaterniond;
 
-/// Exponential map: the rotation by |v| radians about v (right-handed); the zero vector gives the
+/// Exponential map: the rotation by |v| radians about v (right-handed). The zero vector yields the
 /// identity. The norm is 1 to within 2^-50. REQUIRES: |v| is finite.
 Quat quaternion_of_rotation_vector(const Vec3& rotation_vector_rad);
 
@@ -41,10 +41,10 @@ inline Quat inverse(const Quat& q) {
   return {q.w(), -q.x(), -q.y(), -q.z()};
 }
 
-/// Scaled to norm 1. REQUIRES: the norm is neither 0 nor infinite nor NaN.
+/// Scales q to norm 1. REQUIRES: the norm is neither 0 nor infinite nor NaN.
 Quat normalized(const Quat& q);
 
-/// v in the world's frame, given in the body's.
+/// Rotates v from the body's frame into the world's.
 inline Vec3 rotated(const Quat& q, const Vec3& v) {
   // v + w t + u x t with t = 2 u x v and u the vector part: 15 multiplications instead of the 24 of
   // q v q^-1, and exactly v for the identity.

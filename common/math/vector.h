@@ -1,22 +1,21 @@
-// Vectors of the plane and of space, as fixed-size Eigen types with our own reductions.
+// Vectors of the plane and of space: fixed-size Eigen types with our own reductions.
 //
-// Idea. Eigen's types carry the storage and the arithmetic that works component by component: a
-// sum, a difference or a scaling rounds once per component, whatever the instruction set. What adds
-// several components together is different: Eigen picks the order of the additions, and whether
-// multiplication and addition are fused, by size, alignment and build flags (a sum of three is
-// a + (b + c) in plain code; a sum of four goes pairwise under SSE and otherwise under AVX; a
-// quaternion product has its own SSE code). So the functions below write every such sum out, from
-// left to right, and products of rotations are in rotation.h.
+// Idea. Eigen's types provide storage and component-wise arithmetic: a sum, a difference or a
+// scaling rounds once per component for any instruction set. Sums over components are different.
+// Eigen chooses the order of additions, and whether to fuse multiplication and addition, by size,
+// alignment and build flags. A sum of three is a + (b + c) in plain code; a sum of four is pairwise
+// under SSE and different under AVX; a quaternion product has its own SSE code. So the functions
+// below write out every such sum from left to right. rotation.h has the products of rotations.
 //
 // Invariants
-//   1. Every function gives the same bits for the same arguments whether compiled for SSE2 or for
+//   1. Every function yields the same bits for the same arguments whether compiled for SSE2 or for
 //      AVX2, given -ffp-contract=off (which all our targets have) and no FMA (elementary.h refuses
-//      it): tests/determinism/arithmetic builds both and compares.
-//   2. Results never come from these members of Eigen: dot, norm, squaredNorm, normalized, cross,
-//      sum, prod, products of matrices or quaternions, inverse, and from Eigen/Geometry AngleAxis,
-//      Rotation2D and slerp (these call libm's sine); nor from vectors of run-time size, whose
-//      order of summation follows alignment.
-// No scaling guards against overflow: components beyond 1e150 overflow when squared.
+//      it). tests/determinism/arithmetic builds both and compares.
+//   2. Results never use these members of Eigen: dot, norm, squaredNorm, normalized, cross, sum,
+//      prod, products of matrices or quaternions, inverse, and from Eigen/Geometry AngleAxis,
+//      Rotation2D and slerp (these call libm's sine). Nor do results use vectors of run-time size,
+//      whose order of summation depends on alignment.
+// Components beyond 1e150 overflow when squared, because nothing is rescaled.
 // Thread safety: pure functions.
 #pragma once
 
@@ -35,7 +34,7 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
 /// An expression for a column of two or three doubles: a Vec2, a Vec3, or sums, differences and
-/// scalings of them. The functions below evaluate it once.
+/// scalings of them. The functions below evaluate an expression once.
 template <class T>
 concept VectorExpression = std::same_as<typename T::Scalar, double> && T::ColsAtCompileTime == 1 &&
                            (T::RowsAtCompileTime == 2 || T::RowsAtCompileTime == 3);
@@ -48,8 +47,8 @@ template <VectorExpression T>
 using Evaluated = Eigen::Matrix<double, T::RowsAtCompileTime, 1>;
 
 namespace detail {
-/// An argument, evaluated once: a vector stays where it is, since copies of it would go through
-/// memory in each call.
+/// An argument, evaluated once. Vectors are held by reference, because each call would copy them
+/// through memory.
 template <VectorExpression T>
 using Held = std::conditional_t<std::same_as<T, Evaluated<T>>, const T&, const Evaluated<T>>;
 }  // namespace detail
@@ -73,7 +72,7 @@ template <VectorExpression A>
   return std::sqrt(dot(v, v));
 }
 
-/// The unit vector along a; its length is 1 to within 2^-51.
+/// The unit vector along a, with length 1 to within 2^-51.
 /// REQUIRES: the norm is neither 0 nor infinite nor NaN.
 template <VectorExpression A>
 [[gnu::always_inline]] inline Evaluated<A> normalized(const Eigen::MatrixBase<A>& a) {
@@ -83,7 +82,7 @@ template <VectorExpression A>
   return v / length;
 }
 
-/// In the plane, the third component of the product: positive when b lies to the left of a.
+/// The third component of a plane cross product: positive if b is to the left of a.
 template <VectorExpression A, VectorExpression B>
 requires(SameSize<A, B>&& SameSize<A, Vec2>) double cross(const Eigen::MatrixBase<A>& a,
                                                           const Eigen::MatrixBase<B>& b) {
@@ -92,7 +91,7 @@ requires(SameSize<A, B>&& SameSize<A, Vec2>) double cross(const Eigen::MatrixBas
   return u.x() * v.y() - u.y() * v.x();
 }
 
-/// In space, right-handed.
+/// The right-handed cross product in space.
 template <VectorExpression A, VectorExpression B>
 requires(SameSize<A, B>&& SameSize<A, Vec3>) Vec3
     cross(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
@@ -109,7 +108,7 @@ inline Vec3 product(const Mat3& m, const Vec3& v) {
           (m(2, 0) * v.x() + m(2, 1) * v.y()) + m(2, 2) * v.z()};
 }
 
-/// v turned by the angle, anticlockwise (from x towards y).
+/// Rotates v by the angle, anticlockwise (from x towards y).
 inline Vec2 rotated(const Vec2& v, double angle_rad) {
   const SinCos turn = sincos(angle_rad);
   return {turn.cos * v.x() - turn.sin * v.y(), turn.sin * v.x() + turn.cos * v.y()};
