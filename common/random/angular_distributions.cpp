@@ -11,8 +11,8 @@ namespace sleight::random {
 
 namespace {
 
-constexpr double k_log_two_pi = 0x1.d67f1c864beb5p+0;          // 1.8378770664093454
-constexpr double k_log_four_pi = 0x1.43f89a3f0edd6p+1;         // 2.5310242469692907
+constexpr double k_log_two_pi = 0x1.d67f1c864beb5p+0;          // log(2 pi) = 1.8378770664093454
+constexpr double k_log_four_pi = 0x1.43f89a3f0edd6p+1;         // log(4 pi) = 2.5310242469692907
 constexpr double k_log_two_pi_squared = 0x1.7dc6108a63039p+1;  // log(2 pi^2) = 2.9826069522587457
 
 }  // namespace
@@ -29,7 +29,7 @@ double UniformDirection2::log_density(const math::Vec2& x) const {
 }
 
 math::Vec3 UniformDirection3::draw(Stream& stream) const {
-  // Sequenced: the order in which words are taken is part of the format.
+  // Keep this order: the order in which words are drawn is part of the format.
   const double z = 2 * stream.uniform() - 1;
   const math::SinCos azimuth = math::sincos(math::k_two_pi * stream.uniform());
   const double radius = std::sqrt((1 - z) * (1 + z));
@@ -43,7 +43,7 @@ double UniformDirection3::log_density(const math::Vec3& x) const {
 }
 
 math::Quat UniformRotation::draw(Stream& stream) const {
-  // Two points on circles whose squared radii, u and 1 - u, share the norm.
+  // Draw two points on circles whose squared radii u and 1 - u sum to the squared norm.
   const double u = stream.uniform();
   const math::SinCos first = math::sincos(math::k_two_pi * stream.uniform());
   const math::SinCos second = math::sincos(math::k_two_pi * stream.uniform());

@@ -10,7 +10,7 @@ namespace sleight::random {
 
 namespace {
 
-// Not standard C++, but both compilers that we support have it.
+// A compiler extension that both supported compilers have.
 __extension__ using Wide = unsigned __int128;
 
 }  // namespace
@@ -27,12 +27,12 @@ double Bernoulli::log_density(bool x) const {
 
 std::uint64_t UniformInteger::draw(Stream& stream) const {
   CHECK_GT(count, 0U);
-  // The high half of word * count is the draw; its low half tells whether the word lies in the
+  // The draw is the high half of word * count. The low half shows whether the word is in the
   // incomplete last part of the 2^64 words, which would make some draws more likely.
   Wide product = Wide{stream.bits()} * count;
   if (static_cast<std::uint64_t>(product) < count) {
-    const std::uint64_t refused_below = (0 - count) % count;  // 2^64 mod count
-    // Fewer than half of all words are refused: 1000 in a row don't happen.
+    const std::uint64_t refused_below = (0 - count) % count;  // 2^64 mod count.
+    // Fewer than half of all words are refused, so 1000 consecutive refusals don't occur.
     constexpr int k_words_max = 1000;
     int words = 1;
     while (static_cast<std::uint64_t>(product) < refused_below) {
@@ -52,7 +52,7 @@ double UniformInteger::log_density(std::uint64_t x) const {
 
 std::size_t draw_by_share(std::span<const double> shares, Stream& stream) {
   double u = stream.uniform() * std::accumulate(shares.begin(), shares.end(), 0.0);
-  // By rounding it may be beyond them all: the last one that has a share takes that.
+  // Rounding can put u beyond all shares; then the last nonzero share is drawn.
   std::size_t drawn = 0;
   for (std::size_t i = 0; i < shares.size(); ++i) {
     if (shares[i] == 0) continue;

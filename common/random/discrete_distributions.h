@@ -1,5 +1,5 @@
-// Distributions on yes or no and on whole numbers. What all distributions share is in
-// distributions.h. Densities are probabilities.
+// Distributions on booleans and whole numbers. distributions.h states their common properties.
+// Densities are probabilities.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace sleight::random {
 
-/// True with probability p. One word per draw; the probability is met to within 2^-53, and exactly
-/// for 0 and 1. REQUIRES: 0 <= p <= 1.
+/// True with probability p, within 2^-53, and exactly for 0 and 1. One word per draw. REQUIRES: 0
+/// <= p <= 1.
 struct Bernoulli {
   double p = 0.5;
 
@@ -19,10 +19,9 @@ struct Bernoulli {
   double log_density(bool x) const;
 };
 
-/// One of 0, 1, ..., count - 1, all exactly as likely, by D. Lemire, "Fast random integer
-/// generation in an interval", ACM Transactions on Modeling and Computer Simulation 29 (2019),
-/// algorithm 5. A draw takes one word, and another with probability below count 2^-64. REQUIRES:
-/// count > 0.
+/// Uniform on 0, 1, ..., count - 1, exactly, by D. Lemire, "Fast random integer generation in an
+/// interval", ACM Transactions on Modeling and Computer Simulation 29 (2019), algorithm 5. A draw
+/// uses one word, and another with probability below count 2^-64. REQUIRES: count > 0.
 struct UniformInteger {
   std::uint64_t count = 1;
 
@@ -30,8 +29,8 @@ struct UniformInteger {
   double log_density(std::uint64_t x) const;
 };
 
-/// The place of one of some shares, each with its share of their sum as probability; never one of
-/// share 0. One word per draw. REQUIRES: shares are at least 0, not all of them 0.
+/// Draws an index with probability proportional to its share; never one of share 0. One word per
+/// draw. REQUIRES: shares >= 0, not all 0.
 std::size_t draw_by_share(std::span<const double> shares, Stream& stream);
 
 }  // namespace sleight::random

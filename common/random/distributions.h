@@ -1,20 +1,20 @@
-// All distributions, and what they have in common.
+// All distributions, and their common properties.
 //
-// Idea. A distribution is a small struct of parameters with two functions: draw(stream) gives an
-// exact draw, log_density(x) the logarithm of its normalised density. The pair is what a
-// Metropolis-Hastings acceptance needs, so both stand together and a test compares them (a
-// chi-square of draws against the density's integral). The standard library's distributions are
-// never used: their algorithms differ between implementations, and they call libm.
+// Idea. A distribution is a small struct of parameters with two functions. draw(stream) returns an
+// exact draw, and log_density(x) the logarithm of the normalised density. A Metropolis-Hastings
+// acceptance needs the pair, so a test compares the two (a chi-square of draws against the
+// density's integral). The standard library's distributions are not used, because their algorithms
+// differ between implementations and call libm.
 //
 // Invariants
-//   1. A draw is a function of the parameters and of the stream's words alone, in bits.
-//   2. log_density is normalised with respect to the measure that each struct names, and
-//      -infinity outside the support. Between draw and density there is no deviation other than
-//      rounding and the grid of Stream::uniform, whose effect each struct states.
-//   3. Parameters that make no distribution, and NaN as an argument, are bugs: CHECK. What a person
-//      typed has been judged before (common/request).
-//   4. How many words a draw takes is stated where it is fixed; rejection methods take a random
-//      number of them, which is harmless since streams are addressed per iteration.
+//   1. A draw's bits are a function of the parameters and of the stream's words alone.
+//   2. log_density is normalised with respect to the measure that each struct names, and -infinity
+//      outside the support. Draw and density deviate only by rounding and by the grid of
+//      Stream::uniform, whose effect each struct states.
+//   3. Invalid parameters, and NaN as an argument, are bugs that CHECK reports. User input has been
+//      validated before (common/request).
+//   4. Each struct with a fixed number of words per draw states it. Rejection methods use a random
+//      number of words, which is harmless, because streams are addressed per iteration.
 // Thread safety: values; const functions may be called from several threads, each with its Stream.
 #pragma once
 

@@ -37,7 +37,7 @@ double Uniform::log_density(double x) const {
 }
 
 double standard_normal(Stream& stream) {
-  // Sequenced: the order in which words are taken is part of the format.
+  // Keep this order: the order in which words are drawn is part of the format.
   const double u = stream.uniform();
   const double v = stream.uniform();
   return std::sqrt(-2 * math::log(u)) * math::cos(math::k_two_pi * v);

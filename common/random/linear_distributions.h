@@ -1,16 +1,15 @@
-// Distributions on the line: uniform and normal. What all distributions share, and the
-// meaning of "exact", is in distributions.h; the truncated normal has its own header.
+// Distributions on the line: uniform and normal. distributions.h states their common properties and
+// the meaning of "exact". truncated_normal.h has the truncated normal.
 //
-// Units: x and the parameters share one unit. Densities are with respect to
-// length in that unit.
+// Units: x and the parameters share one unit. Densities are per length in that unit.
 #pragma once
 
 #include "common/random/stream.h"
 
 namespace sleight::random {
 
-/// On the closed interval [low, high]. One word per draw; values lie on a grid of 2^52 midpoints,
-/// rounded to doubles.
+/// Uniform on the closed interval [low, high]. One word per draw. Values are on a grid of 2^52
+/// midpoints, rounded to doubles.
 /// REQUIRES: low < high, and high - low finite.
 struct Uniform {
   double low = 0;
@@ -20,10 +19,10 @@ struct Uniform {
   double log_density(double x) const;
 };
 
-/// By the method of G. Box and M. Muller, "A note on the generation of random normal deviates"
-/// (1958), the cosine alone: sqrt(-2 log u) cos(2 pi v). Chosen over faster table methods because a
-/// draw takes two words always and its bits rest on three functions of common/math. The grid of u
-/// bounds draws to 8.58 sd; the mass beyond is 1e-17.
+/// Normal, by the method of G. Box and M. Muller, "A note on the generation of random normal
+/// deviates" (1958), cosine only: sqrt(-2 log u) cos(2 pi v). Preferred to faster table methods
+/// because a draw always uses two words and its bits depend on three functions of common/math. The
+/// grid of u limits draws to 8.58 sd; the mass beyond is 1e-17.
 /// REQUIRES: mean finite; sd > 0 and finite.
 struct Normal {
   double mean = 0;
@@ -33,7 +32,7 @@ struct Normal {
   double log_density(double x) const;
 };
 
-/// The log density of a normal distribution for many numbers: log_density's, bit for bit, for less.
+/// A normal log density, precomputed for many arguments. The bits equal Normal::log_density's.
 class NormalLogDensity {
  public:
   explicit NormalLogDensity(const Normal& normal);

@@ -16,7 +16,8 @@ namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_sqrt_half = 0x1.6a09e667f3bcdp-1;  // 0.70710678118654752
-// With 4 in 10 accepted, this many rejections in a row have probability 1e-222: a bug, not luck.
+// At least 4 in 10 proposals are accepted, so this many consecutive rejections have probability
+// 1e-222 and mean a bug.
 constexpr int k_proposals_max = 1000;
 
 struct Interval {
@@ -24,7 +25,7 @@ struct Interval {
   double high = 0;
 };
 
-// (low - mean)/sd and (high - mean)/sd; infinite bounds stay infinite.
+// Returns (low - mean)/sd and (high - mean)/sd; infinite bounds stay infinite.
 Interval standardized(const TruncatedNormal& d) {
   CHECK(std::isfinite(d.mean));
   CHECK(d.sd > 0 && std::isfinite(d.sd));
@@ -37,7 +38,7 @@ Interval standardized(const TruncatedNormal& d) {
   return z;
 }
 
-// The standard normal restricted to an interval that holds 0.
+// Draws from the standard normal restricted to an interval that contains 0.
 double draw_around_zero(const Interval& z, Stream& stream) {
   const double width = z.high - z.low;
   for (int proposals = 0;; ++proposals) {
@@ -52,15 +53,15 @@ double draw_around_zero(const Interval& z, Stream& stream) {
   }
 }
 
-// The distance t of a standard normal restricted to [near, near + width] from `near`, near >= 0.
-// Proposal: density proportional to exp(-rate t) on [0, width]; the ratio of the target
-// exp(-near t - t^2/2) to it is greatest at t = rate - near.
+// Draws the distance t from `near` of a standard normal restricted to [near, near + width], near >=
+// 0. The proposal density is proportional to exp(-rate t) on [0, width]. The target exp(-near t -
+// t^2/2) has the greatest ratio to the proposal at t = rate - near.
 double draw_distance_in_tail(double near, double width, Stream& stream) {
   // rate = (near + sqrt(near^2 + 4))/2, written so that rate - near does not cancel.
   const double root = near < 1e9 ? std::sqrt(near * near + 4) : near;
   const double rate = 0.5 * (near + root);
   const double peak = 2 / (near + root);
-  // A uniform number in (0, mass) becomes an exponential restricted to (0, width).
+  // Transform a uniform number in (0, mass) into an exponential restricted to (0, width).
   const double minus_mass = math::expm1(-rate * width);
   for (int proposals = 0;; ++proposals) {
     CHECK_LT(proposals, k_proposals_max);
@@ -77,8 +78,8 @@ double mills_ratio(double a) {
   if (a < k_fraction_min) {
     return 0.5 * k_sqrt_two_pi * (math::exp(0.5 * a * a) * math::erfc(a * k_sqrt_half));
   }
-  // Laplace's continued fraction 1/(a + 1/(a + 2/(a + 3/(a + ...)))), Abramowitz and
-  // Stegun 26.2.14. At a = 4 the error after 40 levels is below 1e-25.
+  // Laplace's continued fraction 1/(a + 1/(a + 2/(a + 3/(a + ...)))), Abramowitz and Stegun
+  // 26.2.14. At a = 4 the error after 40 levels is below 1e-25.
   double denominator = a;
   for (int level = 40; level >= 1; --level)
     denominator = a + level / denominator;
@@ -110,17 +111,18 @@ double short_integral(double a, double width) {
   return sum * half;
 }
 
-// log of the integral of exp(-a t - t^2/2) over 0 < t < width, for a >= 0.
+// Log of the integral of exp(-a t - t^2/2) over 0 < t < width, for a >= 0.
 double log_tail_integral(double a, double width) {
-  // How far the integrand falls across the interval, as a power of e. The rule is exact to rounding
-  // while it falls little; once it falls much, the difference of two Mills ratios loses nothing.
+  // The integrand falls by a factor exp(fall) across the interval. The quadrature rule is exact to
+  // rounding for a small fall. For a large fall, the difference of two Mills ratios has no
+  // cancellation.
   const double fall = width * (a + 0.5 * width);
   constexpr double k_fall_short_max = 4;
   if (fall <= k_fall_short_max) return math::log(short_integral(a, width));
   return math::log(mills_ratio(a) - math::exp(-fall) * mills_ratio(a + width));
 }
 
-// log of the standard normal's mass in an interval that holds 0.
+// Log of the standard normal's mass in an interval that contains 0.
 double log_mass_around_zero(const Interval& z) {
   const double below = z.low * k_sqrt_half;
   const double above = z.high * k_sqrt_half;
