@@ -1,4 +1,4 @@
-// SHA-256 (OpenSSL) of content given in pieces: run identities and archive digests.
+// SHA-256 (OpenSSL) of content in pieces, for run identities and archive digests.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace sleight::hash {
 
-/// A resource: moves, does not copy. Not thread-safe.
+/// Movable, not copyable. Not thread-safe.
 class Sha256 {
  public:
   using Value = std::array<std::byte, 32>;
@@ -30,13 +30,12 @@ class Sha256 {
   std::unique_ptr<Context> context_;
 };
 
-/// Of bytes that are there whole.
 Sha256::Value sha256_of(std::span<const std::byte> bytes);
 
-/// Lower-case hexadecimal, 64 digits.
+/// Returns 64 lower-case hexadecimal digits.
 std::string to_hex(const Sha256::Value& value);
 
-/// The hexadecimal SHA-256 of a text.
+/// Returns the hexadecimal SHA-256 of a text.
 std::string sha256_hex(std::string_view text);
 
 }  // namespace sleight::hash
