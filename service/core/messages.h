@@ -1,5 +1,5 @@
-// What goes into the scheduler and what comes out of it. All of it is logical: who said what about
-// which assignment. Where bytes travel and what is written where is the coordinator's.
+// Inputs and effects of the scheduler. Messages are purely logical: the coordinator determines how
+// bytes travel and where results are written.
 #pragma once
 
 #include <cstdint>
@@ -12,49 +12,49 @@
 
 namespace sleight::core {
 
-/// A process that computes blocks, with one thread or more.
+/// A process that computes blocks, with one or more threads.
 using WorkerId = base::Id<struct WorkerTag, std::uint32_t>;
 
-/// A worker is there. In another incarnation than before it knows nothing of what it was given.
+/// A worker has joined. In a new incarnation the worker has lost its earlier assignments.
 struct Joined {
   WorkerId worker;
   std::uint64_t incarnation = 0;
   std::uint32_t threads = 1;
 };
-/// It is known to be gone.
+/// A worker is known to be gone.
 struct Left {
   WorkerId worker;
 };
-/// It has run an assignment, or says that it can't without a state.
+/// A worker has run an assignment, or reports that it lacks a state.
 struct Delivered {
   WorkerId worker;
   schema::Delivery delivery;
 };
-/// It says what it has before it.
+/// A worker lists its assignments.
 struct Answered {
   WorkerId worker;
   schema::Pong pong;
 };
-/// Time has come to here, by a clock that begins anywhere and doesn't go back.
+/// The time, by a monotonic clock with any origin.
 struct Tick {
   double now_s = 0;
 };
-/// Nothing more shall be handed out.
+/// A request to hand out no more work.
 struct StopAsked {};
 
 using Input = std::variant<Joined, Left, Delivered, Answered, Tick, StopAsked>;
 
-/// Send it.
+/// Send this assignment.
 struct Assign {
   WorkerId worker;
   schema::Assignment assignment;
 };
-/// Ask what it has before it: nothing was heard of it for too long.
+/// Ask a worker for its assignments, because it has been silent for too long.
 struct Ask {
   WorkerId worker;
   schema::Ping ping;
 };
-/// Store these: they are results of the run.
+/// Store these results of the run.
 struct Keep {
   std::vector<plan::UnitResult> results;
 };

@@ -61,13 +61,14 @@ void Scheduler::take(Delivered& input) {
     ++counts_.refused;
     return;
   }
-  // A worker may be another one than was asked: what it ran is right all the same.
+  // A worker may have been replaced, but its results are right anyway.
   const auto task = tasks_.find(given->second.task);
-  std::optional<plan::Block> block;  // whose results these are
+  std::optional<plan::Block> block;  // The block that the results complete.
   if (task == tasks_.end()) {
     ++counts_.refused;
   } else if (delivery.results.empty()) {
-    // It doesn't hold a state that it was thought to: whoever is next gets bytes.
+    // The worker lacks a state that it was thought to hold, so the next worker gets the state as
+    // bytes.
     ++counts_.states_missing;
     task->second.preferred.reset();
     for (const plan::Unit& member : task->second.block.members) {
@@ -79,7 +80,7 @@ void Scheduler::take(Delivered& input) {
     block = std::move(task->second.block);
     done(task->first);
   }
-  // A block that isn't done by this waits again, or after a stop is given up: so only now.
+  // A block that this delivery hasn't completed now waits again, or is dropped after a stop.
   end_lease(delivery.assignment);
   take_back(delivery.assignment);
   if (block) accept(input.worker, *block, std::move(delivery.results));
@@ -122,7 +123,7 @@ void Scheduler::accept(WorkerId worker, const plan::Block& block,
   effects_.push_back(Keep{std::move(results)});
 }
 
-/// A block has its result: what is still given out of it is of no interest.
+/// Removes a completed block. Other copies of it are ignored from now on.
 void Scheduler::done(TaskId task) {
   waiting_.erase(task);
   tasks_.erase(task);
@@ -133,7 +134,7 @@ void Scheduler::take(const Answered& input) {
   if (found == workers_.end() || input.pong.epoch != options_.epoch) return;
   heard(input.worker);
 
-  // What it should have and doesn't was lost on the way there, or its result on the way back.
+  // A missing assignment was lost on the way to the worker, or its result on the way back.
   const std::set<AssignmentId> has(input.pong.assignments.begin(), input.pong.assignments.end());
   const std::set<AssignmentId> before_it = found->second.before_it;
   for (const AssignmentId id : before_it) {
@@ -144,7 +145,7 @@ void Scheduler::take(const Answered& input) {
       take_back(id);
       continue;
     }
-    // It is only slow: its lease runs on, and a block that waits for another worker needn't.
+    // The worker is only slow: renew the lease, and stop the block's wait for another worker.
     if (task == tasks_.end()) {
       renew_lease(id, options_.lease_s);
       continue;
@@ -159,7 +160,7 @@ void Scheduler::take(const Tick& input) {
   if (now_s_) {
     CHECK_GE(input.now_s, *now_s_);
   } else {
-    // The clock begins: leases of what was given out before it do too.
+    // The first tick sets the clock, so shift the leases given out before it.
     for (const auto& [end_s, id] : std::exchange(leases_, {})) {
       assignments_.at(id).lease_end_s += input.now_s;
       leases_.emplace(assignments_.at(id).lease_end_s, id);
@@ -204,7 +205,8 @@ void Scheduler::heard(WorkerId id) {
   threads_ += found->second.threads;
   silent_.erase(id);
   place(id);
-  // Being heard doesn't say what it has: it will be asked about what doesn't come now either.
+  // Hearing a worker doesn't show which assignments it has, so renewed leases make sure that it is
+  // asked about missing ones.
   for (const AssignmentId assignment : found->second.before_it) {
     const Given& given = assignments_.at(assignment);
     if (leases_.contains({given.lease_end_s, assignment})) continue;
@@ -233,7 +235,7 @@ void Scheduler::forget_worker(WorkerId id) {
   }
 }
 
-/// The assignment no longer speaks for its block, which waits again if nothing else does.
+/// Ends the assignment's claim on its block. The block waits again if no other assignment has it.
 void Scheduler::end_lease(AssignmentId id) {
   Given& given = assignments_.at(id);
   leases_.erase({given.lease_end_s, id});
@@ -254,7 +256,7 @@ void Scheduler::renew_lease(AssignmentId id, double lease_s) {
   leases_.emplace(given.lease_end_s, id);
 }
 
-/// The worker has it no more. REQUIRES: its lease has ended.
+/// Removes an assignment from its worker. REQUIRES: the assignment's lease has ended.
 void Scheduler::take_back(AssignmentId id) {
   const WorkerId worker = assignments_.at(id).worker;
   assignments_.erase(id);
@@ -269,7 +271,7 @@ bool Scheduler::has_room(const Worker& worker) const {
   return !worker.silent && worker.before_it.size() < worker.threads * per_thread;
 }
 
-/// Puts a worker where it belongs among those with room.
+/// Updates a worker's place among those with room.
 void Scheduler::place(WorkerId id) {
   Worker& worker = workers_.at(id);
   if (worker.load) roomy_.erase({*worker.load, id});
@@ -280,11 +282,12 @@ void Scheduler::place(WorkerId id) {
 }
 
 void Scheduler::fetch() {
-  // One worker has no choice; among several a block may wait for the one that holds its states.
+  // A single worker needs no choice. With several workers, a block may wait for the worker that
+  // holds its states.
   const std::size_t wanted = workers_.size() > 1 ? k_lookahead : 1;
   while (waiting_.size() < wanted) {
-    // No unit is longer than what all chains have behind them: so they stay within a factor of two
-    // of one another, and a run that is cut short has something to show of each.
+    // Limit units to the number of scans that all chains have. So chains stay within a factor of
+    // two of each other, and an early stop leaves results of every chain.
     const std::uint64_t blocks = assignments_.size() + waiting_.size() + 1;
     const BlockSize::Threads threads{.all = threads_, .at_work = std::min(threads_, blocks)};
     std::optional<plan::Block> block =
@@ -299,18 +302,18 @@ void Scheduler::fetch() {
 }
 
 void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
-  // Who has a thread without work gets some.
+  // Give work to workers with idle threads.
   while (!roomy_.empty() && roomy_.begin()->first < 1) {
     const WorkerId worker = roomy_.begin()->second;
     if (!has_work()) {
-      // Smaller blocks would leave more of a ladder to others; of plain chains they wouldn't.
+      // Smaller blocks would leave more of a ladder to other threads. Plain chains gain nothing
+      // from smaller blocks.
       if (heard_of && splits_ladders_) size_.starved();
       return;
     }
     give(worker, take_waiting(choose(worker)));
   }
-  // Who was heard of gets more, if that is its own or nobody's: what another one holds can wait for
-  // that one.
+  // Give the heard worker more blocks, unless another worker holds their states.
   const auto has_more_room = [&] {
     const auto found = workers_.find(*heard_of);
     return found != workers_.end() && has_room(found->second);
@@ -323,11 +326,11 @@ void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
   }
 }
 
-/// Whether a block waits, or the plan has one.
+/// Returns whether a block waits or the plan has one.
 bool Scheduler::has_work() {
   if (stopping_ || plan_.finished()) return false;
   fetch();
-  // Somebody must be at work, else nobody ever will be.
+  // If the plan has no block and none is in progress, the run would never end.
   CHECK(!tasks_.empty());
   return !waiting_.empty();
 }
@@ -338,7 +341,7 @@ Scheduler::TaskId Scheduler::take_waiting(TaskId task) {
   return task;
 }
 
-/// Which of the waiting blocks a worker gets.
+/// Selects the waiting block that a worker gets.
 Scheduler::TaskId Scheduler::choose(WorkerId worker) {
   for (const TaskId id : waiting_ | std::views::take(k_lookahead)) {
     const Task& task = tasks_.at(id);
@@ -382,7 +385,8 @@ void Scheduler::give(WorkerId id, TaskId task_id) {
   task.leases.insert(assignment);
   if (task.given++ > 0) ++counts_.copies;
 
-  // A state that the worker made last goes as its version, which the member's first scan is.
+  // Send only the version of a state that the worker itself made last; the version is the member's
+  // first scan.
   std::vector<plan::GivenState> states;
   for (const plan::Unit& member : task.block.members) {
     plan::GivenState& state = states.emplace_back();

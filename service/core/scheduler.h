@@ -1,36 +1,37 @@
-// The scheduler: who runs what, as a pure state machine. An input goes in, effects come out; it
-// knows no network, disk, clock or thread, and of a run only its plan's units, their dependencies
-// (through the plan), the versions of states, and who holds which.
+// The scheduler decides which worker runs which block, as a pure state machine. An input goes in,
+// effects come out. The scheduler uses no network, disk, clock or thread. It knows the plan's
+// units, their dependencies (through the plan), the versions of states, and which worker holds
+// which state.
 //
-// Idea. The plan says what can run; the scheduler cuts blocks of it, gives each to a worker, and
-// takes the first result of each block that comes in, whoever it is from. A result is a pure
-// function of its block, so a block may be given to several workers: when nothing is heard of one
-// for too long (its lease ends), another one gets the block too. A state's version is the scan
-// before which it stands; it travels as bytes unless the worker made it last.
+// Idea. The plan determines which units can run. The scheduler requests blocks of them, gives each
+// block to a worker, and accepts each block's first result from any worker. A result is a pure
+// function of its block, so several workers may run the same block: if a worker is silent for too
+// long (its lease ends), another worker gets the block too. A state's version is the number of the
+// scan that follows it. A state travels as bytes unless the worker made it last.
 //
-//   plan ── block ──▶ waiting ──▶ given out ──▶ first result: kept, into the plan
+//   plan ── block ──▶ waiting ──▶ given out ──▶ first result: stored, into the plan
 //                        ▲            │
 //                        └── lease ends, worker leaves or doesn't have it
 //
 // Invariants
-//   1. Of each block exactly one result reaches the plan and is kept; doubled, late and foreign
-//      ones, and those of another epoch, change nothing.
-//   2. A block that is not done either waits or has been given out under a lease that runs: so
-//      whatever workers and messages do, it is run at last if some worker answers at last.
-//   3. A worker has at most threads * blocks_per_thread assignments that it is thought to have
-//      before it; one that is silent gets none until it is heard. What a worker that isn't silent
-//      has before it is under a lease, so that it is asked about what was lost.
-//   4. What comes out is a function of the inputs' order, not of anything else.
+//   1. Exactly one result of each block reaches the plan and is stored. Repeated, late or foreign
+//      results, and results of another epoch, change nothing.
+//   2. A block that is not done either waits or is assigned under a running lease. So after any
+//      failures of workers and messages, the block completes if some worker eventually answers.
+//   3. A worker is thought to have at most threads * blocks_per_thread assignments. A silent worker
+//      gets none until it is heard. A worker that isn't silent has a lease on each assignment, so
+//      it is asked about lost ones.
+//   4. Effects are a function of the inputs' order alone.
 //
 // The order of decisions in one step:
 //   step(input):
-//     take the input in            (a result: plan, states, and Keep before anything is assigned)
-//     while a worker has a thread without work and a block waits or the plan has one:
-//       the one with the least before it, the lowest id among equals, gets
-//         the first among the oldest that was passed over too often or of whose states it holds
-//         most; else the oldest
-//     while the one that is heard has room: the same, but for blocks of whose states
-//       another one holds most
+//     process the input            (a result: plan, states, and Keep before anything is assigned)
+//     while a worker has an idle thread, and a block waits or the plan has one:
+//       choose the worker with the fewest assignments per thread, the lowest id among equals
+//       give it the first of the oldest blocks that was passed over too often or of whose states
+//         it holds most; otherwise the oldest block
+//     while the worker that was heard has room: the same, except for blocks of whose states
+//       another worker holds most
 // Not thread-safe.
 #pragma once
 
@@ -49,55 +50,56 @@
 namespace sleight::core {
 
 struct SchedulerOptions {
-  std::uint64_t epoch = 1;  ///< of the run store: what assignments and deliveries carry
+  std::uint64_t epoch = 1;  ///< Epoch of the run store, which assignments and deliveries carry.
   BlockSizeOptions size{};
-  /// So many blocks wait at a worker beside the one that each thread runs, so that it need not wait
-  /// for a message; none where a scan takes longer than ahead_s_max, when a message costs nothing
-  /// beside it.
+  /// Number of blocks that wait at a worker for each of its threads, so that the thread need not
+  /// wait for a message. 0 if a scan takes longer than ahead_s_max, because a message's delay is
+  /// then negligible.
   std::uint32_t blocks_ahead = 1;
   double ahead_s_max = 0.1;
-  /// A lease is this long at least, and this many times what the blocks before a worker should
-  /// take.
+  /// Minimum duration of a lease, and its minimum as a multiple of the expected time for the
+  /// worker's blocks.
   double lease_s = 30;
   double lease_factor = 20;
-  /// A silent worker is asked again after so long.
+  /// Interval between questions to a silent worker.
   double ask_every_s = 5;
 };
 
-/// Blocks that are compared for one that a worker holds states of.
+/// Number of waiting blocks among which a worker's held states are compared.
 inline constexpr std::size_t k_lookahead = 32;
-/// A block is passed over for others at most this often.
+/// Maximum number of times that a block is passed over for others.
 inline constexpr std::uint32_t k_passed_over_max = 64;
-/// A lease doubles with each copy of its block that was given out before, this often at most.
+/// A lease doubles with each earlier copy of its block, at most this often.
 inline constexpr std::size_t k_lease_doublings_max = 10;
 
-/// What has happened so far, for people.
+/// Statistics for display.
 struct Counts {
-  std::uint64_t blocks = 0;   ///< done
-  std::uint64_t scans = 0;    ///< in these
-  std::uint64_t copies = 0;   ///< of blocks given out again after a lease or a worker ended
-  std::uint64_t refused = 0;  ///< deliveries of another epoch, of blocks done, or that don't fit
+  std::uint64_t blocks = 0;   ///< Completed blocks.
+  std::uint64_t scans = 0;    ///< Scans of completed blocks.
+  std::uint64_t copies = 0;   ///< Blocks given out again after a lease or a worker ended.
+  std::uint64_t refused = 0;  ///< Deliveries of another epoch, of completed blocks, or that don't
+                              ///< fit.
   std::uint64_t states_sent = 0;
-  std::uint64_t states_held = 0;     ///< of which a version number was enough
-  std::uint64_t states_missing = 0;  ///< deliveries that said it wasn't
+  std::uint64_t states_held = 0;     ///< States sent as a version number alone.
+  std::uint64_t states_missing = 0;  ///< Deliveries that reported a missing state.
 };
 
 class Scheduler {
  public:
-  /// Borrows the plan, which nobody else drives. REQUIRES: it is fresh, or has consumed what the
-  /// run store holds, whose states are given by resume before the first step.
+  /// Borrows the plan, which nothing else may drive. REQUIRES: the plan is fresh, or has consumed
+  /// the run store's results, whose states resume() sets before the first step.
   Scheduler(plan::Plan& plan, const SchedulerOptions& options);
 
-  /// A replica goes on before this scan with this state.
+  /// Sets the state from which a replica continues at scan `next_scan`.
   void resume(const plan::ReplicaKey& replica, std::uint64_t next_scan, base::Bytes state);
 
   std::vector<Effect> step(Input input);
 
-  /// The plan is finished, or a stop was asked for and everything given out has come back.
+  /// Whether the plan is finished, or a stop was requested and all assignments have come back.
   bool ended() const { return plan_.finished() || (stopping_ && tasks_.empty()); }
-  /// Threads of the workers that are heard.
+  /// Threads of the workers that aren't silent.
   std::uint64_t threads() const { return threads_; }
-  /// Assignments that nobody has brought back.
+  /// Number of open assignments.
   std::size_t given_out() const { return assignments_.size(); }
   const Counts& counts() const { return counts_; }
 
@@ -106,25 +108,27 @@ class Scheduler {
   using AssignmentId = std::uint64_t;
   struct Task {
     plan::Block block;
-    std::set<AssignmentId> leases;  ///< that run; none: it waits
-    /// Who holds most of its members' states: nobody else comes to hold any before it is done.
+    std::set<AssignmentId> leases;  ///< Running leases. Empty: the block waits.
+    /// The worker that holds most of the members' states, which doesn't change before the block is
+    /// done.
     std::optional<WorkerId> preferred{};
-    std::size_t given = 0;  ///< how often
+    std::size_t given = 0;  ///< Number of times given out.
     std::uint32_t passed_over = 0;
   };
   struct Given {
     WorkerId worker;
-    TaskId task = 0;  ///< done perhaps, by another copy
+    TaskId task = 0;  ///< Another copy may have completed it.
     double lease_end_s = 0;
   };
   struct Worker {
     std::uint64_t incarnation = 0;
     std::uint32_t threads = 1;
     std::set<AssignmentId> before_it;
-    std::optional<double> load;  ///< its place in roomy_
+    std::optional<double> load;  ///< Place in roomy_.
     bool silent = false;
     double asked_s = 0;
-    std::uint64_t asked_up_to = 0;  ///< assignments below this were made before it was asked
+    std::uint64_t asked_up_to = 0;  ///< Assignments below this number were made before the last
+                                    ///< question.
   };
   struct Replica {
     std::uint64_t version = 0;
@@ -161,17 +165,17 @@ class Scheduler {
   plan::Plan& plan_;
   SchedulerOptions options_;
   BlockSize size_;
-  std::optional<double> now_s_;  ///< none before the first tick
+  std::optional<double> now_s_;  ///< Empty before the first tick.
   bool stopping_ = false;
-  bool splits_ladders_ = false;  ///< as the last block that the plan gave
+  bool splits_ladders_ = false;  ///< Whether the plan's last block was part of a ladder.
   TaskId next_task_ = 0;
   AssignmentId next_assignment_ = 0;
-  std::map<TaskId, Task> tasks_;  ///< not done
-  std::set<TaskId> waiting_;      ///< oldest first; exactly those without a lease
+  std::map<TaskId, Task> tasks_;  ///< Blocks that aren't done.
+  std::set<TaskId> waiting_;      ///< Blocks without a lease, oldest first.
   std::map<AssignmentId, Given> assignments_;
-  std::set<std::pair<double, AssignmentId>> leases_;  ///< (end, assignment)
+  std::set<std::pair<double, AssignmentId>> leases_;  ///< (end, assignment).
   std::map<WorkerId, Worker> workers_;
-  std::set<std::pair<double, WorkerId>> roomy_;  ///< (blocks before it per thread, worker)
+  std::set<std::pair<double, WorkerId>> roomy_;  ///< (assignments per thread, worker).
   std::set<WorkerId> silent_;
   std::uint64_t threads_ = 0;
   std::map<plan::ReplicaKey, Replica> replicas_;
