@@ -1,5 +1,5 @@
-// Contract C3 for what goes on after a burn-in: simulated tempering, tempered transitions, annealed
-// importance sampling; and for starts by simulated annealing. Targets are known by enumeration.
+// Contract C3 for methods that follow a burn-in (simulated tempering, tempered transitions,
+// annealed importance sampling) and for starts by simulated annealing. Targets are enumerated.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ sampling::StopRule after(std::uint64_t scans) {
   return {.scans = scans, .rounds = {}, .independent_solutions = {}};
 }
 
-/// log of the sum of p_w p_c^beta.
+/// Log of the sum of p_w p_c^beta.
 double log_z(double beta) {
   double sum = 0;
   for (std::size_t i = 0; i < k_places; ++i)
@@ -60,7 +60,7 @@ std::size_t place_of(const plan::ScanRecord& record) {
   return static_cast<std::size_t>(record.outcome.front());
 }
 
-/// A part as a burn-in leaves it that has found these weights: its state is an exact draw.
+/// A part after a burn-in that found these weights. Its state is an exact draw.
 template <class Part>
 class StartedPart {
  public:
@@ -96,7 +96,7 @@ sampling::BurnIn ring_burn_in(std::uint32_t chain) {
                            .log_z_steps = {},
                            .next_ladder = {0, 0.15, 0.5, 1},
                            .next_scales = {{}, {}, {}, {}}};
-  // Weights are off by factors that a test can see.
+  // Make the weights wrong by factors that a test can detect.
   const double off[3] = {0.4, -0.7, 0.5};
   for (std::size_t i = 0; i + 1 < burn_in.ladder.size(); ++i)
     burn_in.log_z_steps.push_back(log_z(burn_in.ladder[i + 1]) - log_z(burn_in.ladder[i]) + off[i]);
@@ -104,10 +104,10 @@ sampling::BurnIn ring_burn_in(std::uint32_t chain) {
 }
 
 TEST(SimulatedTempering, HasItsJointDistribution) {
-  // Goal: the chain has density w_i p_w p_c^beta_i over (level, place), whatever its weights are:
-  // both the occupancy of levels and the places at each. Method: chains of 120 scans, all
-  // from exact draws at the coolest level; where each stands after the last, against enumeration.
-  // As few as the checks of mutants/method_checks.cpp have, which reject every mutant.
+  // Goal: the chain has density w_i p_w p_c^beta_i over (level, place) for any weights, both in the
+  // occupancy of levels and in the places at each level. Method: compare the last states of chains
+  // of 120 scans, all from exact draws at the coolest level, with enumeration. The fast tier has as
+  // few chains as mutants/method_checks.cpp, whose checks reject every mutant.
   const std::uint64_t chains = property::of_tier(12'000, 20'000);
   constexpr std::size_t k_levels = 4;
   const sampling::BurnIn first = ring_burn_in(0);
@@ -148,11 +148,11 @@ TEST(SimulatedTempering, HasItsJointDistribution) {
   EXPECT_GT(p_levels, k_p_least) << "seed " << k_seed;
   EXPECT_GT(p_joint, k_p_least) << "seed " << k_seed;
   EXPECT_GT(p_coolest, k_p_least) << "seed " << k_seed;
-  // The test sees weights that are off: all levels alike is not what came out.
+  // Wrong weights are detected: equal occupancy of all levels is rejected.
   EXPECT_LT(chi_square_p(levels, std::vector<double>(k_levels, 0.25)), 1e-12);
 }
 
-/// Of one seed's run: how often each place was a draw.
+/// Returns how often each place was a draw in one seed's run.
 std::vector<double> place_counts(plan::Plan& plan, std::uint64_t first_draw) {
   const run::ChainWorker<RuggedRing> worker({}, {});
   std::vector<double> counts(k_places, 0);
@@ -165,8 +165,8 @@ std::vector<double> place_counts(plan::Plan& plan, std::uint64_t first_draw) {
   return counts;
 }
 
-/// Means over independent runs of each place's share of draws, as a ratio of means, against
-/// enumeration: within 5 standard errors each.
+/// Expects each place's share of draws, a ratio of means over independent runs, to agree with
+/// enumeration within 5 standard errors.
 void expect_shares(const char* name, const std::vector<std::vector<double>>& runs) {
   const std::vector<double> exact = RuggedRing::exact(1);
   const auto n = static_cast<double>(runs.size());
@@ -207,9 +207,9 @@ std::unique_ptr<plan::Plan> burnt_in(std::uint64_t seed, std::uint64_t scans, Ma
 constexpr std::uint64_t k_burn_in = 140;
 
 TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
-  // Goal: with the weights that a burn-in has found, draws at inverse temperature 1 have the
-  // target's distribution, and levels are visited about as often. Method: 400 runs of 1,500 scans
-  // after three rounds; shares of places.
+  // Goal: with a burn-in's weights, draws at inverse temperature 1 have the target's distribution,
+  // and levels are visited about equally often. Method: compare shares of places in 400 runs of
+  // 1,500 scans after three rounds.
   std::vector<std::vector<double>> runs;
   double least = 1;
   double trips = 0;
@@ -231,7 +231,8 @@ TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
 }
 
 TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
-  // Goal: the same of chains with tempered transitions. Method: the same, 400 runs of 300 scans.
+  // Goal: chains with tempered transitions have the target's distribution. Method: compare shares
+  // of places in 400 runs of 300 scans.
   std::vector<std::vector<double>> runs;
   double acceptance = 0;
   for (std::uint64_t repeat = 0; repeat < 400; ++repeat) {
@@ -249,11 +250,11 @@ TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
 }
 
 TEST(AnnealedImportance, WeightsAreUnbiased) {
-  // Goal: mean weights are Z and P(satisfied), without bias; weighted means are the target's;
-  // errors are honest. Method: 1,500 runs of 24 ascents with ladders that short burn-ins have
-  // found; the mean over runs of exp(log Z) / Z and of exp(log P) / P is 1; z-scores of the logs
-  // have about unit spread: 24 weights that are skewed, so between 0.8 and 1.4; and sums of weights
-  // by place.
+  // Goal: mean weights are unbiased for Z and P(satisfied), weighted means are the target's, and
+  // errors are calibrated. Method: 1,500 runs of 24 ascents with ladders from short burn-ins. The
+  // mean over runs of exp(log Z) / Z and of exp(log P) / P is 1. Z-scores of the logs have about
+  // unit spread, between 0.8 and 1.4 because 24 weights are skewed. Sums of weights by place agree
+  // with enumeration.
   constexpr std::uint64_t k_repeats = 1500;
   std::vector<double> ratios[2];
   std::vector<double> z[2];
@@ -313,13 +314,13 @@ TEST(AnnealedImportance, WeightsAreUnbiased) {
     EXPECT_LT(sd, 1.4);
   }
   expect_shares("weighted ascents", places);
-  // The test sees a wrong distribution: that of the ascents without their weights.
+  // A wrong distribution is detected: that of ascents without their weights.
   EXPECT_LT(chi_square_p(unweighted, RuggedRing::exact(1)), 1e-12);
 }
 
 TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
-  // Goal: the standard errors of log Z and log P are their spread. Method: 200 runs of 800 ascents;
-  // 5 standard errors over 200 are 0.35 for the mean of z and 25% for its sd.
+  // Goal: the standard errors of log Z and log P equal their spread. Method: 200 runs of 800
+  // ascents. 5 standard errors over 200 are 0.35 for the mean of z and 25% for its sd.
   std::vector<double> z[2];
   for (std::uint64_t repeat = 0; repeat < 200; ++repeat) {
     const std::uint64_t seed = k_seed + 10'000 + repeat;
@@ -349,11 +350,11 @@ TEST(AnnealedImportance, ErrorsAreHonestWithManyAscents) {
 }
 
 TEST(AnnealedStarts, LeaveTheTargetRight) {
-  // Goal: ladders that begin by annealing have the target's distribution from early on, and plain
-  // chains that do keep the distribution that they come with. Method: 400 ladders, annealed over 30
-  // scans, shares of places from 100 scans later on; and 20,000 plain chains on a world where a
-  // walk reaches everything, annealed over 25 scans and left for 60 more: Kolmogorov and Smirnov
-  // against exact draws.
+  // Goal: annealed ladders reach the target's distribution early, and annealed plain chains keep
+  // the distribution that they arrive with. Method: compare shares of places in 400 ladders,
+  // annealed over 30 scans, from 100 scans later on. Compare 20,000 plain chains with exact draws
+  // (Kolmogorov-Smirnov), on a world that a walk covers, annealed over 25 scans and run for 60
+  // more.
   std::vector<std::vector<double>> runs;
   for (std::uint64_t repeat = 0; repeat < 400; ++repeat) {
     sampling::ParallelTempering plan({.ladders = 1,

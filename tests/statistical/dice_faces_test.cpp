@@ -1,5 +1,5 @@
-// Fair dice are fair: thrown from a uniform orientation onto a random table, without goals, each
-// face comes up once in six throws.
+// Fair dice are fair: after throws from a uniform orientation onto a random table, without goals,
+// each face comes up once in six throws.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ using worlds::dice::Parameters;
 constexpr std::uint64_t k_seed = 141421;
 constexpr double k_significance = 1e-4;
 
-/// Which of the cube's six sides is up.
+/// Returns the cube's upper side, of six.
 std::size_t side_up(const DieView& die) {
   const math::Mat3 axes = math::matrix_of(die.orientation);
   int axis = 0;
@@ -36,9 +36,9 @@ std::size_t side_up(const DieView& die) {
 }
 
 TEST(DiceFaces, ComeUpOnceInSixThrows) {
-  // Goal: the simulator prefers no side of a cube. Method: the upper sides of dice at rest, of
-  // throws from the prior, against 1/6 each by chi-square; 60,000 throws with SLEIGHT_SOAK=1, 3,000
-  // without. Fails by chance once in 10,000 seeds.
+  // Goal: the simulator prefers no side of a cube. Method: compare the upper sides of resting dice
+  // with 1/6 each by chi-square, for 3,000 throws from the prior (60,000 with SLEIGHT_SOAK=1).
+  // Fails by chance once in 10,000 seeds.
   const std::uint64_t throws = property::long_run() ? 60'000 : 3'000;
   const Dice world(Parameters{});
   std::vector<double> counts(6, 0.0);

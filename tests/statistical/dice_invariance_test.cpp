@@ -1,5 +1,5 @@
-// Contract C3 for dice: proposals leave p_w p_c^beta invariant, those too whose ratio hangs on the
-// collisions of the candidate.
+// Contract C3 for dice: proposals leave p_w p_c^beta invariant, including those whose ratio depends
+// on the candidate's collisions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,8 @@ bool is_soak() {
   return property::long_run();
 }
 
-/// A small table all of whose fields are random, and one die. Steps as large as what they change.
+/// A small table whose fields are all random, and one die. Steps are as large as the quantities
+/// that they change.
 Parameters small_table() {
   Parameters parameters;
   auto& table = parameters.world.table;
@@ -48,8 +49,9 @@ Parameters small_table() {
   return parameters;
 }
 
-/// Dice whose simulation is a formula: three collisions, whose places hang on the throw and on the
-/// heights of points which they move among, so that each change moves the shares of all points.
+/// Dice whose simulation is a formula with three collisions. The collisions' places depend on the
+/// throw and on the heights of the points among them, so each change shifts the shares of all
+/// points.
 class Formula {
  public:
   using State = worlds::dice::State;
@@ -130,7 +132,7 @@ class Formula {
   Parameters parameters_;
 };
 
-/// Takes change_contact for symmetric.
+/// A wrong kernel that treats change_contact as symmetric.
 struct Hasty : Formula {
   using Formula::Formula;
   double log_q_ratio(const State& /*state*/, const Outcome& /*outcome*/,
@@ -140,7 +142,7 @@ struct Hasty : Formula {
   }
 };
 
-/// Real throws.
+/// Dice with real simulations.
 struct Throws : Dice {
   using Dice::Dice;
   static double end_of(const Outcome& outcome) {
@@ -151,7 +153,7 @@ struct Throws : Dice {
 static_assert(sampling::ProposesByOutcome<Formula>);
 static_assert(sampling::ProposesByOutcome<Throws>);
 
-/// By rejection: p_c is at most 1.
+/// Draws by rejection, because p_c is at most 1.
 template <class T>
 sampling::Sample<T> exact_draw(const T& world, double beta, random::Stream& stream) {
   while (true) {
@@ -161,7 +163,7 @@ sampling::Sample<T> exact_draw(const T& world, double beta, random::Stream& stre
   }
 }
 
-/// What the tests look at.
+/// Appends the tested quantities.
 template <class T>
 void add(const T& world, const sampling::Sample<T>& sample,
          std::array<std::vector<double>, 14>& values) {
@@ -197,7 +199,8 @@ struct Run {
   std::size_t chains = 2000;
 };
 
-/// The least p-value, times their number, of exact draws moved by some steps against fresh ones.
+/// Returns the least p-value times the number of tests, for exact draws moved by some steps against
+/// fresh ones.
 template <class T>
 double least_p(const T& world, const Run& run) {
   std::array<std::vector<double>, 14> moved;
@@ -225,8 +228,8 @@ class DiceInvariance : public testing::TestWithParam<std::tuple<double, std::uin
 
 TEST_P(DiceInvariance, ProposalsKeepExactDrawsExact) {
   // Goal: the kernel leaves p_w p_c^beta invariant, the table's points and the start included.
-  // Method: a formula for a simulation; exact draws by rejection, moved, against fresh ones; fails
-  // once in 10^4 runs by chance.
+  // Method: replace the simulation by a formula, and compare moved exact draws (by rejection) with
+  // fresh ones. Fails by chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const std::size_t chains = is_soak() ? 100'000 : 4000;
   const double p = least_p(Formula(small_table()), {beta, steps, chains});
@@ -239,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(Betas, DiceInvariance,
                                           testing::Values(std::uint64_t{1}, std::uint64_t{20})));
 
 TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
-  // Goal: the test above can fail. Method: change_contact without its ratio.
+  // Goal: the previous test can fail. Method: apply change_contact without its ratio.
   Parameters parameters = small_table();
   parameters.proposal.change_all = 0;
   parameters.proposal.change_die = 0;
@@ -257,9 +260,9 @@ TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
 }
 
 TEST(DiceInvarianceOfThrows, Holds) {
-  // Goal: the same of real throws, from what is known of similar ones, with a face that is numbered
-  // afterwards. Method: a table of a few points, where the die comes down; a wide goal, so that
-  // exact draws are cheap.
+  // Goal: the kernel is right with real simulations that reuse similar ones, and with a face
+  // numbered afterwards. Method: a table of a few points where the die lands, and a wide goal, so
+  // that exact draws are cheap.
   Parameters parameters = small_table();
   parameters.world.dice[0].position_m.x() = -0.03;
   parameters.world.dice[0].velocity_mps.x() = 0.2;

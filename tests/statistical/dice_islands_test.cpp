@@ -1,5 +1,5 @@
-// Contract C3 for dice as a world that acts in stages: islands against rejection, and particle
-// steps from exact draws.
+// Contract C3 for dice as a world that acts in stages: compare islands with rejection, and particle
+// steps with exact draws.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ sampling::ChainStreams streams_of(std::uint32_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }
 
-/// Two dice 40 mm apart, which meet each other now and then, with a place for each.
+/// Two dice 40 mm apart that sometimes collide, with one place for each.
 StagedDice two_dice(double sigma_m, double tolerance_m) {
   Parameters parameters;
   parameters.world.dice.assign(2, {});
@@ -41,8 +41,8 @@ StagedDice two_dice(double sigma_m, double tolerance_m) {
 }
 
 TEST(DiceIslands, AgreeWithRejection) {
-  // Goal: Z and P(satisfied) of two dice by islands are those of blind throws. Method: the means of
-  // islands with pools of eight throws against draws of the prior, within 4 combined errors.
+  // Goal: islands and blind throws agree on Z and P(satisfied) of two dice. Method: compare means
+  // of islands with pools of eight throws with prior draws, within 4 combined errors.
   const StagedDice world = two_dice(0.02, 0.025);
   const int throws = property::long_run() ? 200'000 : 8'000;
   const std::uint32_t islands = property::long_run() ? 20'000 : 700;
@@ -70,9 +70,9 @@ TEST(DiceIslands, AgreeWithRejection) {
 }
 
 TEST(DiceIslands, PoolsGiveThePrior) {
-  // Goal: the weights of throws from a pool make up for how it was drawn and chosen from. Method:
-  // at inverse temperature 0 the mean of Z is 1, and its mean over draws whose first, or second,
-  // die is faster than in the mean is 1/2; two throws a pool, one particle; within 4 errors.
+  // Goal: the weights of throws from a pool correct for how the pool was drawn and chosen from.
+  // Method: at inverse temperature 0, the mean of Z is 1, and 1/2 over draws whose first (or
+  // second) die is faster than average. Two throws per pool, one particle; within 4 errors.
   const StagedDice world = two_dice(0.04, 0.05);
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;
@@ -98,9 +98,9 @@ TEST(DiceIslands, PoolsGiveThePrior) {
 }
 
 TEST(DiceIslands, StepsKeepExactDrawsExact) {
-  // Goal: both particle steps keep p_w p_c of two dice. Method: exact draws by rejection; after
-  // three steps, how fast each die was thrown and how long it all took, against as many other exact
-  // draws; p-values above 1e-5.
+  // Goal: both particle steps leave p_w p_c of two dice invariant. Method: compare the dice's
+  // speeds and the total duration after three steps from exact draws (by rejection) with as many
+  // other exact draws. P-values are above 1e-5.
   const StagedDice world = two_dice(0.06, 0.05);
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 3;

@@ -1,5 +1,5 @@
-// Contract C3 where simulations fail: what is sampled is p_w p_c^beta given that the simulation
-// succeeds, at each inverse temperature (docs/SAMPLING.md).
+// Contract C3 with failing simulations: at each inverse temperature, chains sample p_w p_c^beta
+// conditioned on success of the simulation (docs/SAMPLING.md).
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -13,10 +13,10 @@ namespace sleight::statistical::failures_invariance_test {
 constexpr std::uint64_t k_seed = 271828;
 constexpr std::size_t k_draws = 50'000;
 constexpr std::size_t k_places = RuggedRing::k_places;
-/// With this threshold a right kernel fails once in 10^6 tests.
+/// At this threshold a right kernel fails once in 10^6 tests.
 constexpr double k_p_min = 1e-6;
 
-/// The ring with two places that no simulation gets through, and one whose start overlaps.
+/// The ring with two places whose simulation fails, and one whose start overlaps.
 struct FailingRing : RuggedRing {
   static bool fails(State place) { return place == 0 || place == 6; }
 
@@ -39,7 +39,7 @@ struct FailingRing : RuggedRing {
   }
   bool satisfied(const Outcome& outcome) const { return RuggedRing::satisfied(outcome.place); }
 
-  /// p_beta given that the simulation succeeds.
+  /// p_beta conditioned on success of the simulation.
   static std::vector<double> exact(double beta) {
     std::vector<double> p = RuggedRing::exact(beta);
     double sum = 0;
@@ -58,7 +58,8 @@ sampling::ChainStreams streams_of(std::uint64_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{static_cast<std::uint32_t>(chain)}, .replica = {}};
 }
 
-/// The chance of counts like these if `move` leaves p_beta invariant: exact draws, each moved once.
+/// Returns the probability of such counts if `move` leaves p_beta invariant. Each exact draw is
+/// moved once.
 template <class Move>
 double p_value(double beta, std::uint64_t first_chain, const Move& move) {
   const FailingRing ring;
@@ -75,8 +76,8 @@ double p_value(double beta, std::uint64_t first_chain, const Move& move) {
 }
 
 TEST(FailuresInvariance, StepsKeepTheRestrictedTarget) {
-  // Goal: refusing candidates that fail leaves p_beta given success invariant. Method: exact draws,
-  // ten steps each, at several inverse temperatures; counts against enumeration.
+  // Goal: rejecting failing candidates leaves p_beta given success invariant. Method: move exact
+  // draws by ten steps at several inverse temperatures, and compare counts with enumeration.
   for (const double beta : {0.2, 0.7, 1.0}) {
     const double p = p_value(beta, 0, [&](const auto& ring, const auto& streams, auto& sample) {
       for (std::uint64_t iteration = 1; iteration <= 10; ++iteration)
@@ -87,8 +88,8 @@ TEST(FailuresInvariance, StepsKeepTheRestrictedTarget) {
 }
 
 TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
-  // Goal: a draw that is repeated until it succeeds has the prior given success; the same without
-  // repeating has not. Method: counts against enumeration; the wrong draw as a control.
+  // Goal: a draw repeated until success has the prior given success; a single draw doesn't. Method:
+  // compare counts with enumeration, with the single draw as a control.
   const auto draw = [](const auto& ring, const auto& streams, auto& sample) {
     sample = sampling::draw_afresh(ring, streams, 1);
   };
@@ -101,8 +102,8 @@ TEST(FailuresInvariance, DrawsAgainAreDrawsOfTheRestrictedPrior) {
 }
 
 TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
-  // Goal: tempered transitions, whose way leads through draws and steps that may fail, keep it too.
-  // Method: as above, with an excursion to the prior.
+  // Goal: tempered transitions leave p_beta given success invariant, though their draws and steps
+  // may fail. Method: as above, with an excursion to the prior.
   const std::vector<double> below{0.4, 0.1, 0};
   const double p =
       p_value(1, 2 * k_draws, [&](const auto& ring, const auto& streams, auto& sample) {
@@ -114,8 +115,8 @@ TEST(FailuresInvariance, ExcursionsKeepTheRestrictedTarget) {
 }
 
 TEST(FailuresInvariance, ACandidateThatFailsIsRefusedFromAnywhere) {
-  // Goal: out of a start without density everything is accepted by the prior alone, but not what
-  // failed. Method: long walks from a place with p_c = 0 beside the ones that fail.
+  // Goal: from a start of zero density, the prior alone accepts every candidate, except failed
+  // ones. Method: long walks from a place with p_c = 0 next to failing ones.
   const FailingRing ring;
   for (std::uint64_t chain = 0; chain < 2000; ++chain) {
     auto sample = sampling::evaluate(ring, RuggedRing::State{12});

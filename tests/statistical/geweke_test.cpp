@@ -1,4 +1,4 @@
-// Geweke's test ("Getting it right", 2004): the constraint is read as a datum, the landing place
+// Geweke's test ("Getting it right", 2004). The constraint is treated as a datum, the landing place
 // observed with noise sigma_d, so prior, kernel and simulator are tested as one joint model.
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ std::array<double, k_functions> functions(const BallSample& sample, double datum
           datum, datum * datum, datum * x_diameters, residual * residual};
 }
 
-/// The largest |z| between the two ways to draw (normals, datum).
+/// Returns the largest |z| between the two ways to draw (normals, datum).
 double largest_z(Bug bug) {
   constexpr std::size_t k_independent = 100000;
   constexpr std::uint64_t k_steps = 100000;
@@ -84,8 +84,8 @@ double largest_z(Bug bug) {
 
 TEST(Geweke, BothWaysToDrawTheJointAgree) {
   // Goal: prior, proposal, acceptance, simulator and constraint belong to one joint density.
-  // Method: means of 8 functions in autocorrelation-aware standard errors; 4.5 of them are exceeded
-  // by one of 8 once in 18,000 runs by chance.
+  // Method: compare means of 8 functions in standard errors that include autocorrelation. By chance
+  // one of 8 exceeds 4.5 of them once in 18,000 runs.
   EXPECT_LT(largest_z(Bug::none), 4.5) << "seed " << k_seed;
 }
 

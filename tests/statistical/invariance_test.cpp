@@ -15,7 +15,7 @@ namespace sleight::statistical::invariance_test {
 
 constexpr std::uint64_t k_seed = 415926;
 
-/// Draws that show each of the known bugs.
+/// Number of draws that reveals each of the known bugs.
 constexpr std::size_t k_draws_that_tell = 8000;
 
 using Columns = std::array<std::vector<double>, k_ball_functions>;
@@ -26,8 +26,8 @@ void append(Columns& columns, const BallSample& sample) {
     columns[i].push_back(values[i]);
 }
 
-/// The p-values, one a function, of "exact draws moved by `steps` iterations" against "fresh exact
-/// draws", `size` of each. `repeat` chooses the random numbers.
+/// Returns the p-value of each function for "exact draws moved by `steps` iterations" against
+/// "fresh exact draws", `size` of each. `repeat` selects the random numbers.
 std::array<double, k_ball_functions> p_values(Bug bug, double beta, std::uint64_t steps,
                                               std::size_t size, std::uint32_t repeat) {
   const Ball ball{worlds::ball_2d::Parameters{}};
@@ -53,8 +53,8 @@ std::array<double, k_ball_functions> p_values(Bug bug, double beta, std::uint64_
 class Invariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
 
 TEST_P(Invariance, ExactDrawsStayExact) {
-  // Goal: the kernel leaves its target invariant. Method: exact draws by rejection, moved, against
-  // fresh ones; 8 functions, and a p-value below 1e-5 / 8 fails: once in 10^5 runs by chance.
+  // Goal: the kernel leaves its target invariant. Method: compare moved exact draws (by rejection)
+  // with fresh ones in 8 functions. A p-value below 1e-5 / 8 fails, by chance once in 10^5 runs.
   const auto [beta, steps] = GetParam();
   const auto p = p_values(Bug::none, beta, steps, property::of_tier(k_draws_that_tell, 30000), 0);
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -68,8 +68,9 @@ INSTANTIATE_TEST_SUITE_P(Betas, Invariance,
                                                           std::uint64_t{100})));
 
 TEST(InvarianceRepeats, PValuesAreUniform) {
-  // Goal: no small bias hides under the single test's threshold. Method: 400 repeats with 300
-  // draws; for each function the p-values against uniform. The suite's chance of failing is 8e-5.
+  // Goal: no small bias hides below the single test's threshold. Method: compare each function's
+  // p-values in 400 repeats of 300 draws with uniform. The suite fails by chance with probability
+  // 8e-5.
   std::array<std::vector<double>, k_ball_functions> collected;
   for (std::uint32_t repeat = 1; repeat <= 400; ++repeat) {
     const auto p = p_values(Bug::none, 1.0, 10, 300, repeat);
@@ -84,9 +85,9 @@ TEST(InvarianceRepeats, PValuesAreUniform) {
 class BrokenKernel : public testing::TestWithParam<Bug> {};
 
 TEST_P(BrokenKernel, IsCaught) {
-  // Goal: the test above can fail, with as few draws as the fast run has. Method: the same test on
-  // a kernel with a known bug, at 100 steps; at least one function's p-value must be below the
-  // threshold at which the test fails.
+  // Goal: the invariance test can fail, even with the fast run's number of draws. Method: the same
+  // test on a kernel with a known bug, at 100 steps. At least one function's p-value is below the
+  // test's threshold.
   const auto p = p_values(GetParam(), 1.0, 100, k_draws_that_tell, 0);
   EXPECT_LT(*std::min_element(p.begin(), p.end()), 1e-5 / k_ball_functions) << name_of(GetParam());
 }

@@ -1,6 +1,6 @@
-// Goal: the odds that the rule of [stop] sizes are right on average and as uncertain as they say;
-// and a run that stops when its own estimate looks good says too little. Method: islands whose
-// estimates are lognormal, of known mean, as chains of islands deliver them.
+// Goal: odds from a batch that [stop]'s rule sizes are right on average, and their errors are
+// calibrated; a run that stops when its own estimate looks good underestimates P. Method: islands
+// with lognormal estimates of known mean, delivered as chains of islands.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,11 +20,11 @@ namespace sleight::statistical::island_odds_test {
 
 constexpr std::uint64_t k_seed = 137035;
 constexpr int k_runs = 1000;
-constexpr double k_log_p = -207;  ///< 1e-90
-constexpr double k_log_sd = 1.3;  ///< one island in 650 is above 20 times the mean
+constexpr double k_log_p = -207;  ///< e^-207 is about 1e-90.
+constexpr double k_log_sd = 1.3;  ///< One island in 650 exceeds 20 times the mean.
 constexpr double k_odds = 0.1;
 
-/// Log of an unbiased estimate: the mean of a lognormal is e^(mean + sd^2 / 2).
+/// Draws the log of an unbiased estimate: the mean of a lognormal is e^(mean + sd^2 / 2).
 double draw_island(random::Stream& stream) {
   return random::Normal{.mean = k_log_p - k_log_sd * k_log_sd / 2, .sd = k_log_sd}.draw(stream);
 }
@@ -33,7 +33,7 @@ random::Stream stream_of(int run) {
   return {{.seed = k_seed, .purpose = random::Purpose::prior}, static_cast<std::uint64_t>(run)};
 }
 
-/// The islands that tell the odds of a run by the rule, in order.
+/// Returns the islands that count towards the odds of a run by the rule, in order.
 std::vector<double> told_by_the_rule(random::Stream& stream) {
   sampling::FreeIslands plan({.seed = k_seed, .log_error = k_odds});
   while (const auto unit = plan.next_unit(1)) {
@@ -51,7 +51,7 @@ std::vector<double> told_by_the_rule(random::Stream& stream) {
   return {islands.begin() + from, islands.end()};
 }
 
-/// All islands of a run that stops as soon as these give themselves the error asked for.
+/// Returns all islands of a run that stops as soon as its own estimate has the requested error.
 math::IslandOdds stopped_by_itself(random::Stream& stream) {
   math::IslandSums sums;
   while (true) {
@@ -61,7 +61,7 @@ math::IslandOdds stopped_by_itself(random::Stream& stream) {
   }
 }
 
-/// How estimates lie about the truth.
+/// Compares estimates with the truth.
 class Coverage {
  public:
   void add(const math::IslandOdds& odds) {
@@ -78,7 +78,7 @@ class Coverage {
   int runs() const { return runs_; }
   double within_one() const { return within_one_ / runs_; }
   double within_two() const { return within_two_ / runs_; }
-  /// Of P, relative to it, and its standard error.
+  /// Mean of the estimates of P relative to P, and its standard error.
   double bias() const { return sum_ / runs_; }
   double bias_error() const { return std::sqrt((squares_ / runs_ - bias() * bias()) / runs_); }
   double mean_error() const { return errors_ / runs_; }
@@ -101,12 +101,12 @@ class Coverage {
 };
 
 TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
-  // Goal: P is right on average over all runs, and the error is about what was asked for. Of the
-  // runs whose error is told about 65% hold the truth within one error and 92% within two: fewer
-  // than of normal estimates, since the sum is skewed and its spread estimated. To go on where one
-  // island has a tenth of the sum, and to tell no error where that does not help, costs less than a
-  // quarter of an error. Method: the plan itself, 1,000 runs;
-  // five binomial standard errors below these shares, four standard errors of the mean.
+  // Goal: P is right on average over all runs, and the error is about as requested. About 65% of
+  // the runs with an error include the truth within one error and 92% within two: fewer than for
+  // normal estimates, because the sum is skewed and its spread estimated. Two rules cost less than
+  // a quarter of an error: extending the batch if one island has a tenth of the sum, and giving no
+  // error if this doesn't help. Method: 1,000 runs of the plan itself, within five binomial
+  // standard errors below these shares and four standard errors of the mean.
   Coverage all;
   Coverage known;
   for (int run = 0; run < k_runs; ++run) {
@@ -127,9 +127,9 @@ TEST(IslandOdds, SizedBatchesAreRightAndSoAreTheirErrors) {
 }
 
 TEST(IslandOdds, ARunThatStopsByItsOwnEstimateSaysTooLittle) {
-  // Goal: the negative control: without a batch that is sized beforehand P comes out too low, by
-  // more than chance. Method: all islands count, and the run stops at the first one after which
-  // they look good enough; four standard errors of the mean.
+  // Goal (negative control): without a batch sized beforehand, P comes out too low by more than
+  // chance. Method: all islands count, and the run stops at the first island after which the
+  // estimate looks good enough. The bias exceeds four standard errors of the mean.
   Coverage stopped;
   for (int run = 0; run < k_runs; ++run) {
     random::Stream stream = stream_of(k_runs + run);

@@ -1,4 +1,5 @@
-// Contract C3 for islands: unbiased estimates, and Markov chain steps that keep the target.
+// Contract C3 for islands: unbiased estimates, and Markov chain steps that leave the target
+// invariant.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,8 +19,8 @@ using Guide = StagedToy::Guide;
 using ToyParticle = sampling::ParticleSample<Toy>;
 
 constexpr std::uint64_t k_seed = 141421;
-constexpr double k_never = 0;   ///< of resample_below
-constexpr double k_always = 2;  ///< likewise
+constexpr double k_never = 0;   ///< A resample_below that never resamples.
+constexpr double k_always = 2;  ///< A resample_below that always resamples.
 
 sampling::ChainStreams streams_of(std::uint32_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
@@ -29,7 +30,7 @@ double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// How many standard errors the mean of independent draws lies from a value.
+/// Returns the distance of independent draws' mean from a value, in standard errors.
 double errors_off(const std::vector<double>& draws, double expected) {
   const MeanWithError mean = mean_of_independent(draws);
   return (mean.mean - expected) / mean.standard_error;
@@ -50,10 +51,10 @@ std::vector<Setting> settings() {
           {.guide = {}, .options = {.particles = 5, .inverse_temperature = 0}}};
 }
 
-/// As TEST below; `chain`: the first of their streams.
+/// Performs the tests below. `chain`: the first stream's chain.
 template <class Make>
 void expect_unbiased(const Make& make, std::uint32_t chain) {
-  // As few as the checks of mutants/islands have, which reject every mutant.
+  // As few islands as mutants/islands has, whose checks reject every mutant.
   const std::uint64_t islands = property::of_tier(4'000, 10'000);
   const Toy toy;
   for (const Setting& setting : settings()) {
@@ -87,20 +88,21 @@ void expect_unbiased(const Make& make, std::uint32_t chain) {
 }
 
 TEST(Islands, EstimatesAreUnbiased) {
-  // Goal: Z and P(satisfied) of islands are right in the mean, whatever their size, guide and
-  // resampling; and so is Z times an indicator of the drawn state. Method: many islands of each
-  // setting against enumeration, within 4 standard errors; 7 settings of three estimates, so that
-  // right code fails once in 750 runs of new seeds.
+  // Goal: Z and P(satisfied) of islands are unbiased for any size, guide and resampling, and so is
+  // Z times an indicator of the drawn state. Method: compare many islands of each setting with
+  // enumeration, within 4 standard errors. With 7 settings of three estimates, right code fails
+  // once in 750 runs of new seeds.
   expect_unbiased([](const auto& islands) { return islands.free(0); }, 0);
 }
 
 TEST(Islands, EstimatesOfParticlesThatChooseTogetherAreUnbiased) {
-  // Goal: as EstimatesAreUnbiased, of joint islands. Method: likewise.
+  // Goal: joint islands are unbiased too. Method: as in EstimatesAreUnbiased.
   expect_unbiased([](const auto& islands) { return islands.joint(0); }, 20'000'000);
 }
 
 TEST(Islands, AFifthOfTheToyIsRescued) {
-  // Goal: the toy has what a potential of 0 would lose. Method: enumeration.
+  // Goal: a fifth of the toy's mass belongs to states that a potential of 0 would lose. Method:
+  // enumeration.
   const Toy toy;
   const std::vector<double> masses = toy.masses(1);
   double rescued = 0;
@@ -111,8 +113,8 @@ TEST(Islands, AFifthOfTheToyIsRescued) {
 }
 
 TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
-  // Goal: where psi = 0 islands estimate the mass of the states that they reach, and draw no other.
-  // Method: 10,000 islands against enumeration without the states that fall on the way.
+  // Goal: if psi = 0, islands estimate the mass of the states that they reach, and draw no other
+  // state. Method: compare 10,000 islands with enumeration without states that fall on the way.
   const Toy toy;
   const Guide guide{.log_fallen = sampling::k_log_zero};
   const std::vector<double> masses = toy.masses(1);
@@ -134,11 +136,11 @@ TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
 using Step = std::function<void(const Toy&, const sampling::ChainStreams&, std::uint64_t number,
                                 ToyParticle&)>;
 
-/// p-values of exact draws after one step and after ten.
+/// P-values of exact draws after one step and after ten.
 struct Kept {
   double after_one = 0;
   double after_ten = 0;
-  double moved = 0;  ///< the share of first steps that changed the state
+  double moved = 0;  ///< Share of first steps that changed the state.
 };
 
 Kept kept_by(const Step& step, double beta, std::uint32_t first_chain, std::uint32_t draws) {
@@ -168,14 +170,14 @@ Kept kept_by(const Step& step, double beta, std::uint32_t first_chain, std::uint
           .moved = moved / static_cast<double>(draws)};
 }
 
-/// Chains of each setting: as few as the checks of mutants/islands have, which reject every mutant;
-/// the long run (SLEIGHT_SOAK=1) has many more.
+/// Number of chains per setting: as few as in mutants/islands, whose checks reject every mutant,
+/// and many more in the long run (SLEIGHT_SOAK=1).
 std::uint32_t draws() {
   return property::long_run() ? 200'000
                               : static_cast<std::uint32_t>(property::of_tier(1'500, 4'000));
 }
 
-/// That a step by islands of each setting keeps exact draws exact, and moves them.
+/// Expects a step by islands to leave exact draws exact in each setting, and to move them.
 void expect_kept(std::uint32_t first_chain,
                  const std::function<void(const sampling::Islands<Toy>&, std::uint64_t number,
                                           ToyParticle&)>& step) {
@@ -197,8 +199,9 @@ void expect_kept(std::uint32_t first_chain,
 }
 
 TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
-  // Goal: particle Gibbs is right for two particles and more, for each way of resampling and at any
-  // temperature. It keeps the ground. Method: exact draws, one step and ten, against enumeration.
+  // Goal: particle Gibbs is right for two or more particles, each way of resampling and any
+  // temperature, and retains the ground. Method: compare exact draws after one step and after ten
+  // with enumeration.
   expect_kept(20'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     const std::uint32_t ground = Toy::ground_of(current.sample.state);
     sampling::conditional_step(islands, number, current);
@@ -207,22 +210,22 @@ TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
 }
 
 TEST(ParticleSteps, IndependenceStepsKeepTheTarget) {
-  // Goal: the same of the independence sampler over islands, whose first step draws an island given
-  // the exact draw. Method: as above.
+  // Goal: the independence sampler over islands is right. Its first step draws an island given the
+  // exact draw. Method: as above.
   expect_kept(60'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     sampling::independence_step(islands, 2 * number, current);
   });
 }
 
-/// What a chain does with its island after an accepted local move.
+/// A chain's treatment of its island after an accepted local move.
 enum class AfterLocalMove { forgets_z, keeps_z, takes_the_draw };
 
-/// An independence step and three local moves by turns.
+/// Alternates an independence step with three local moves.
 Step mixed(const Setting& setting, AfterLocalMove after) {
   return [setting, after](const Toy& toy, const sampling::ChainStreams& streams,
                           std::uint64_t number, ToyParticle& current) {
     const sampling::Islands islands(toy, setting.guide, setting.options, streams);
-    // The mistake: with a stale island the state moves within the new one.
+    // The mistake: if the island is stale, the state moves within the new one.
     if (!current.log_z && after == AfterLocalMove::takes_the_draw)
       sampling::conditional_step(islands, 1000 + number, current);
     sampling::independence_step(islands, 2 * number, current);
@@ -236,8 +239,8 @@ Step mixed(const Setting& setting, AfterLocalMove after) {
 }
 
 TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
-  // Goal: local moves beside islands are right, also where a potential of 0 leaves states to them
-  // alone. Method: as above.
+  // Goal: local moves beside islands are right, even if a potential of 0 makes states reachable by
+  // local moves alone. Method: as above.
   const std::vector<Setting> settings{
       {.guide = {}, .options = {.particles = 2}},
       {.guide = {}, .options = {.particles = 8}},
@@ -254,8 +257,8 @@ TEST(ParticleSteps, MixedWithLocalMovesTheyKeepTheTarget) {
 }
 
 TEST(ParticleSteps, MistakesWithStaleIslandsAreCaught) {
-  // Goal: the test above can fail. Method: a chain that keeps Z after a local move, and one whose
-  // state moves within the new island only when the old one is stale.
+  // Goal: the previous test can fail. Method: one chain keeps Z after a local move; another moves
+  // its state within the new island only if the old island is stale.
   const Setting two{.guide = {}, .options = {.particles = 2}};
   const Setting eight{.guide = {}, .options = {.particles = 8}};
   const Kept keeps_z = kept_by(mixed(two, AfterLocalMove::keeps_z), 1, 800'000'000, 60'000);

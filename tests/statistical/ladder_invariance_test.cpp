@@ -1,4 +1,4 @@
-// Contract C3 for parallel tempering, on a world that can be enumerated: swaps and scans together
+// Contract C3 for parallel tempering on a world that can be enumerated: swaps and scans together
 // leave the product of all tempered distributions invariant.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ std::size_t level_of(double beta) {
   return static_cast<std::size_t>(std::ranges::find(k_ladder, beta) - k_ladder.begin());
 }
 
-/// Counts over repeats of where all levels stand after some scan.
+/// Counts over repeats of all levels' states after a scan.
 struct Census {
   std::vector<std::vector<double>> levels{k_ladder.size(), std::vector<double>(k_places, 0.0)};
   std::vector<std::vector<double>> neighbours{k_ladder.size() - 1,
@@ -50,13 +50,12 @@ struct Census {
 };
 
 TEST(LadderInvariance, ExactDrawsStayExact) {
-  // Goal: with a fixed ladder, every level keeps its distribution, and levels stay independent,
-  // over swaps, scans and the ends of rounds. Method: many ladders of five levels start from
-  // exact draws; after one scan and after ten, each level, and each pair of neighbours, by
-  // chi-square against enumeration. 18 p-values, each below 1e-6 by chance once in a million runs.
-  // The mean rejection rates are those of enumeration too, within 5 standard errors (4 of
-  // them: 2.3e-6).
-  // As few as the checks of mutants/ladder_checks.cpp have, which reject every mutant.
+  // Goal: with a fixed ladder, every level keeps its distribution and levels stay independent, over
+  // swaps, scans and ends of rounds. Method: start many ladders of five levels from exact draws.
+  // After one scan and after ten, compare each level and each pair of neighbours with enumeration
+  // by chi-square. 18 p-values, each below 1e-6 once in a million runs by chance. Mean
+  // rejection rates agree with enumeration within 5 standard errors (4 rates: 2.3e-6). The fast
+  // tier has as few repeats as mutants/ladder_checks.cpp, whose checks reject every mutant.
   const std::uint64_t repeats = property::of_tier(6'000, 100'000);
   const RuggedRing ring;
   const std::vector<std::uint64_t> looked_at{1, 10};
@@ -123,10 +122,10 @@ TEST(LadderInvariance, ExactDrawsStayExact) {
 }
 
 TEST(LadderInvariance, LearningLaddersFindTheDistribution) {
-  // Goal: a run as users have it, from prior draws on, with a ladder that learns and chooses its
-  // size, ends in p_w p_c, over parts of the ring between which no proposal leads. Method: 300
-  // independent ladders; the share of each place in the last of five rounds, within 5 standard
-  // errors of the ladders' mean (11 places: 6e-6). Lineages begin at prior draws alone.
+  // Goal: a run as users have it, from prior draws on, with an adapting ladder that chooses its
+  // size, reaches p_w p_c over parts of the ring that no proposal connects. Method: 300 independent
+  // ladders. Each place's share in the last of five rounds is within 5 standard errors of the
+  // ladders' mean (11 places: 6e-6). Lineages begin at prior draws alone.
   constexpr std::uint64_t k_repeats = 300;
   const RuggedRing ring;
   std::vector<std::vector<double>> shares(k_places);

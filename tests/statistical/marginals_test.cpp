@@ -1,6 +1,6 @@
-// Long chains of the 2D ball agree with rejection sampling from the prior. They start from exact
-// draws: two or three of a hundred chains that start from the prior stay in a local mode without
-// weight for longer than any test (docs/THESIS), which is a matter of mixing, not of correctness.
+// Long chains of the 2D ball agree with rejection sampling from the prior. The chains start from
+// exact draws. From the prior, two or three chains in a hundred would stay in a negligible local
+// mode for longer than any test (docs/THESIS), which concerns mixing, not correctness.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,8 +19,8 @@ constexpr std::uint32_t k_chains = 400;
 constexpr std::uint64_t k_iterations = 1000;
 constexpr std::size_t k_exact_draws = 100000;
 
-/// Statistics of one sample: each function, its square, and for five thresholds whether it is
-/// below: the mean of these is the marginal's distribution function.
+/// Statistics of one sample: each function, its square, and indicators of being below five
+/// thresholds. The mean of an indicator is the marginal's distribution function.
 constexpr std::size_t k_per_function = 7;
 constexpr std::size_t k_statistics = k_ball_functions * k_per_function;
 
@@ -64,7 +64,7 @@ Thresholds thresholds_of(const std::vector<BallSample>& draws) {
   return thresholds;
 }
 
-/// The largest |z| over all statistics of chains with this bug against the exact draws.
+/// Returns the largest |z| over all statistics of chains with this bug against the exact draws.
 double largest_z(const Ball& ball, Bug bug, const std::vector<BallSample>& exact) {
   const Thresholds thresholds = thresholds_of(exact);
 
@@ -98,11 +98,11 @@ double largest_z(const Ball& ball, Bug bug, const std::vector<BallSample>& exact
 }
 
 TEST(Marginals, AgreeWithRejectionSamplingAndABrokenChainDoesNot) {
-  // Goal: long chains have the right marginals, and the comparison can fail. Method: 56 statistics
-  // of 400 chains of 1,000 iterations against 100,000 exact draws, in standard errors from the
-  // spread of the chains' means, which counts effective draws however slowly chains mix. 4.5 of
-  // them are exceeded by one of 56 once in 2,600 runs by chance; the seed is fixed. Then two bugs
-  // that still give a settled chain.
+  // Goal: long chains have the right marginals, and the comparison can fail. Method: compare 56
+  // statistics of 400 chains of 1,000 iterations with 100,000 exact draws. Standard errors come
+  // from the spread of the chains' means, and are valid for any mixing. By chance one of 56 exceeds
+  // 4.5 of them once in 2,600 runs; the seed is fixed. Then compare two bugs that still yield a
+  // stationary chain.
   const Ball ball{worlds::ball_2d::Parameters{}};
   const std::vector<BallSample> exact = exact_draws(ball);
   EXPECT_LT(largest_z(ball, Bug::none, exact), 4.5) << "seed " << k_seed;

@@ -1,7 +1,7 @@
-// Goal: the interval of `sleight archive info` holds the truth as often as one standard error
-// should, wherever it is given; and ladders that have not mixed get none. Method: worlds whose
-// log Z and P are known, run as users run them, cut off after each round; what is trusted is
-// compared with the truth, and what isn't is shown to be wrong more often.
+// Goal: an interval in `sleight archive info` includes the truth as often as one standard error
+// should, and ladders that have not mixed get no interval. Method: worlds of known log Z and P, run
+// as users run them and cut off after each round. Trusted estimates are compared with the truth,
+// and doubted estimates are shown to be wrong more often.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,16 +23,17 @@ namespace sleight::statistical::odds_test {
 
 constexpr std::uint64_t k_seed = 602214;
 
-/// Letters that are right or wrong, in pairs; of a pair with one right letter p_c has a factor that
-/// makes it a barrier. All right satisfies. A proposal changes one letter, or nothing.
+/// Letters that are right or wrong, in pairs. For a pair with one right letter p_c has a factor
+/// that acts as a barrier. A state satisfies if all letters are right. A proposal changes at most
+/// one letter.
 struct Letters {
   using State = std::uint32_t;
   using Outcome = std::uint32_t;
   std::uint32_t letters = 12;
-  double right = 0.2;  ///< each letter, under the prior
+  double right = 0.2;  ///< Prior probability that a letter is right.
   double log_lambda = 3;
-  double log_half = 0;  ///< of a pair with one right letter
-  double busy = 1;      ///< share of proposals that change a letter
+  double log_half = 0;  ///< log p_c of a pair with one right letter.
+  double busy = 1;      ///< Share of proposals that change a letter.
 
   State draw_prior(random::Stream& stream) const {
     State state = 0;
@@ -69,7 +70,7 @@ struct Letters {
     return {static_cast<double>(std::popcount(outcome))};
   }
 
-  /// Pairs are independent.
+  /// Product over independent pairs.
   double log_z() const {
     const double none = (1 - right) * (1 - right);
     const double one = 2 * right * (1 - right) * std::exp(log_lambda + log_half);
@@ -80,16 +81,16 @@ struct Letters {
 };
 static_assert(run::World<Letters>);
 
-/// What the rounds of ladders say of one estimate.
+/// Estimates of one quantity by the rounds of ladders.
 struct Series {
-  std::vector<std::vector<analysis::LogEstimate>> rounds;  ///< by round, by ladder
+  std::vector<std::vector<analysis::LogEstimate>> rounds;  ///< By round, by ladder.
   double exact = 0;
 };
 
 struct Run {
   Series log_z;
   Series log_p;
-  std::vector<std::vector<double>> round_trips;  ///< by round, by ladder
+  std::vector<std::vector<double>> round_trips;  ///< By round, by ladder.
 };
 
 template <class World>
@@ -127,7 +128,7 @@ Run run_ladders(const World& world, std::uint64_t seed, std::uint32_t ladders,
   return run;
 }
 
-/// How estimates lie about the truth, in their errors.
+/// Compares estimates with the truth, in units of their errors.
 struct Coverage {
   int judged = 0;
   int within_one = 0;
@@ -148,10 +149,10 @@ struct Coverage {
 
 struct Verdicts {
   Coverage trusted;
-  Coverage doubted;  ///< with their errors all the same
+  Coverage doubted;  ///< Doubted estimates, with their errors anyway.
 };
 
-/// Of a run that ends with each round in turn, but the first, which never has an error.
+/// Judges a run that ends with each round in turn, except for the first, which never has an error.
 void judge(Verdicts& verdicts, const Run& run, const Series& series) {
   for (std::size_t r = 1; r < series.rounds.size(); ++r) {
     const analysis::LadderFacts facts{.judged = series.rounds[r],
@@ -196,13 +197,13 @@ void add_world(Verdicts& all, const char* name, const World& world, const Ladder
 }
 
 TEST(Odds, TrustedErrorsHoldTheTruth) {
-  // Goal: as the file's. Method: letters that change seldom, pairs of letters behind a barrier, and
-  // a bullseye that steps are too short for; ladders of 4, 1 and 16, seven rounds that double from
-  // 32 scans. Of trusted estimates 68% should lie within one error and 99.7% within three. log Z
-  // and log P of a round have most of their error in common, so about half of the estimates count:
-  // within one error five standard errors fewer may lie, and within three 95%, where the tails of
-  // errors that are estimated themselves count (with a miss in 100, seven of 125 or more are
-  // seen once in 3,000). Of those that are doubted many more miss, mostly below the truth.
+  // Goal: as for the file. Method: letters that change seldom, pairs of letters behind a barrier,
+  // and a bullseye with too short steps; ladders of 4, 1 and 16, seven rounds that double from 32
+  // scans. 68% of trusted estimates should be within one error and 99.7% within three. A round's
+  // log Z and log P share most of their error, so about half of the estimates count. The share
+  // within one error may be lower by five standard errors. The limit within three errors is 95%,
+  // because estimated errors have heavier tails (with one miss in 100, seven misses or more of 125
+  // occur once in 3,000). Doubted estimates miss far more often, mostly below the truth.
   Letters seldom;
   seldom.busy = 0.1;
   Letters pairs;
@@ -232,9 +233,9 @@ TEST(Odds, TrustedErrorsHoldTheTruth) {
 }
 
 TEST(Odds, LaddersThatNeverComeDownHaveNone) {
-  // Goal: what 16 short ladders of a hard word say is never trusted, though they agree with one
-  // another. Method: letters that change so seldom that next to no ladder makes a round trip; all
-  // of three seeds, each round.
+  // Goal: estimates by 16 short ladders of a hard word are never trusted, though the ladders agree.
+  // Method: letters that change so seldom that almost no ladder makes a round trip; three seeds,
+  // each round.
   Letters stuck;
   stuck.letters = 20;
   stuck.busy = 0.01;

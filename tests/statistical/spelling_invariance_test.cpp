@@ -1,5 +1,5 @@
-// Contract C3 for balls that spell: all proposals together leave p_w p_c^beta invariant, over
-// states whose number of balls varies; A.2.2's ratios as printed don't.
+// Contract C3 for balls that spell: all proposals together leave p_w p_c^beta invariant over states
+// with varying numbers of balls. A.2.2's ratios as printed don't.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,14 +22,14 @@ using worlds::spelling::Kernel;
 
 constexpr std::uint64_t k_seed = 535897;
 
-/// Chains of the ordinary run, and of the long one (SLEIGHT_SOAK=1). The fast tier has as few as
-/// reject each of the wrong kernels below.
+/// Number of chains: as few in the fast tier as reject each of the wrong kernels below, more in the
+/// long run (SLEIGHT_SOAK=1).
 std::size_t chain_count() {
   return property::long_run() ? 40'000 : property::of_tier(1200, 2000);
 }
 
-/// What the tests look at: which balls are active and how many bins are filled, as a number; and
-/// where balls are dropped, an offset and the size of all, of the states that have them.
+/// The tested quantities: the set of active balls and the number of filled bins, as a cell number;
+/// and, if the state has them, the places of drops, an offset and the size.
 struct Functions {
   static constexpr std::size_t k_cells = 4 * 3;
   std::array<double, k_cells> cells{};
@@ -50,8 +50,8 @@ struct Functions {
   }
 };
 
-/// The least p-value, times their number, of exact draws moved by some steps of a world's proposals
-/// against fresh ones.
+/// Returns the least p-value times the number of tests, for exact draws moved by some steps of a
+/// world's proposals against fresh ones.
 template <class World>
 double least_p(const World& world, double beta, std::uint64_t steps) {
   const Spelling exact = world_with(Kernel::correct);
@@ -84,7 +84,7 @@ class SpellingInvariance : public testing::TestWithParam<std::tuple<double, std:
 
 TEST_P(SpellingInvariance, ExactDrawsStayExact) {
   // Goal: the kernel leaves p_w p_c^beta invariant, the number of active balls included. Method:
-  // exact draws by rejection, moved, against fresh ones; fails once in 10^4 runs by chance.
+  // compare moved exact draws (by rejection) with fresh ones. Fails by chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const double p = least_p(world_with(Kernel::correct), beta, steps);
   std::printf("beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -92,8 +92,8 @@ TEST_P(SpellingInvariance, ExactDrawsStayExact) {
 }
 
 TEST_P(SpellingInvariance, AimedDropsKeepExactDrawsExact) {
-  // Goal: the same of the kinds that look at the outcome, whose ratio is known after the
-  // simulation. Method: they are most of the proposals.
+  // Goal: proposals by outcome, whose ratio is known after the simulation, are right. Method: as
+  // above, with mostly such proposals.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_aims()), beta, steps);
   std::printf("aimed, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
@@ -113,15 +113,14 @@ Spelling with_redraws() {
 }
 
 TEST_P(SpellingInvariance, RedrawsKeepExactDrawsExact) {
-  // Goal: vertices that are drawn anew leave p_w p_c^beta what it is. Method: as above; they are
-  // much of all proposals.
+  // Goal: redrawing vertices leaves p_w p_c^beta invariant. Method: as above, with many redraws.
   const auto [beta, steps] = GetParam();
   const double p = least_p(with_redraws(), beta, steps);
   std::printf("redrawn, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
   EXPECT_GT(p, 1e-4) << "seed " << k_seed;
 }
 
-/// Redraws that are taken for symmetric.
+/// A wrong kernel that treats redraws as symmetric.
 struct CarelessRedraws : Spelling {
   using Spelling::propose;
   using Spelling::Spelling;
@@ -135,12 +134,12 @@ struct CarelessRedraws : Spelling {
 };
 
 TEST(SpellingInvarianceOfCarelessRedraws, IsRefuted) {
-  // Goal: the test above can fail. Method: a kernel whose redraws count the prior twice.
+  // Goal: the redraw test can fail. Method: a kernel whose redraws count the prior twice.
   const CarelessRedraws careless(with_redraws().parameters());
   EXPECT_LT(least_p(careless, 1, 60), 1e-6);
 }
 
-/// Takes the bound of scatter_ball's ratio for the ratio.
+/// A wrong kernel that uses the upper bound of scatter_ball's ratio as the ratio.
 struct Hasty : Spelling {
   using Spelling::Spelling;
   double log_q_ratio(const State& /*state*/, const Outcome& /*outcome*/,
@@ -151,14 +150,15 @@ struct Hasty : Spelling {
 };
 
 TEST(SpellingInvarianceOfAHastyRatio, IsRefuted) {
-  // Goal: the test above can fail. Method: a ratio that doesn't wait for the outcome.
+  // Goal: the test of proposals by outcome can fail. Method: a ratio that doesn't wait for the
+  // outcome.
   const double p = least_p(Hasty(parameters_with_aims()), 1.0, 40);
   std::printf("hasty, 40 steps: p %g\n", p);
   EXPECT_LT(p, 1e-9);
 }
 
 TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
-  // Goal: the same of proposals that are judged by balls that fall alone, walks and anchored steps.
+  // Goal: proposals that lone falls of balls pre-judge (walks and anchored steps) are right.
   // Method: as above.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_solo_steps()), beta, steps);
@@ -166,7 +166,8 @@ TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
   EXPECT_GT(p, 1e-4) << "seed " << k_seed;
 }
 
-/// Takes all balls that fill a bin for granted, and forgets that the way back must do so too.
+/// A wrong kernel that anchors all balls that fill a bin, and ignores that the reverse move must do
+/// so too.
 struct Stubborn : Spelling {
   using Spelling::Spelling;
   Anchor draw_anchor(const State& state, const Outcome& outcome,
@@ -193,7 +194,7 @@ INSTANTIATE_TEST_SUITE_P(Betas, SpellingInvariance,
                                           testing::Values(std::uint64_t{1}, std::uint64_t{10})));
 
 TEST(SpellingInvarianceOfThePrintedKernel, IsRefuted) {
-  // Goal: the test can fail, and does for A.2.2 as printed. Method: the same with that kernel.
+  // Goal: the test can fail, and does for A.2.2 as printed. Method: the same test with that kernel.
   EXPECT_LT(least_p(world_with(Kernel::thesis), 1.0, 10), 1e-9);
 }
 

@@ -1,5 +1,5 @@
-// Contract C3 for balls that spell as a world that acts in stages: islands against rejection, and
-// particle steps from exact draws.
+// Contract C3 for balls that spell as a world that acts in stages: compare islands with rejection,
+// and particle steps with exact draws.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ PouringGuide guide_of(const StagedSpelling& world, std::uint32_t drops_per_bin) 
           .drops_per_bin = drops_per_bin};
 }
 
-/// Estimates of one island, or of one draw of the prior.
+/// Estimates by islands, or by prior draws.
 struct Estimates {
   std::vector<double> z;
   std::vector<double> satisfied;
@@ -49,9 +49,9 @@ void expect_mean(const char* name, const std::vector<double>& draws, double expe
 }
 
 TEST(SpellingIslands, AgreeWithRejection) {
-  // Goal: Z and P(satisfied) of three balls by islands are those of blind throws. Method: the means
-  // of islands of two guides, and of ones whose particles choose together, against draws of the
-  // prior, within 4 combined standard errors.
+  // Goal: islands and blind throws agree on Z and P(satisfied) of three balls. Method: compare the
+  // means of islands of two guides, and of joint islands, with prior draws, within 4 combined
+  // standard errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#\n.#.").value();
   parameters.constraint.log_lambda = 1.5;
@@ -59,7 +59,7 @@ TEST(SpellingIslands, AgreeWithRejection) {
   const int throws = property::long_run() ? 400'000 : 30'000;
   const std::uint32_t islands = property::long_run() ? 10'000 : 600;
 
-  // Throws with all balls active spell an eighth as often as they would with as many by chance.
+  // P(satisfied) is an eighth of its value with all three balls active, so activate all balls.
   Estimates blind;
   for (int i = 0; i < throws; ++i) {
     random::Stream stream = streams_of(0).at(random::Purpose::prior, static_cast<std::uint64_t>(i));
@@ -95,10 +95,9 @@ TEST(SpellingIslands, AgreeWithRejection) {
 }
 
 TEST(SpellingIslands, BallsThatOthersRescueCount) {
-  // Goal: islands whose particles choose together lose no prefix that later balls would set right.
-  // Method: two balls; of all that satisfies, by weight, in a tenth the first ball alone fills
-  // nothing (10.2% of 54,000 blind throws that satisfied). 1,500 draws, so a binomial standard
-  // error of 0.008; within 4 of these.
+  // Goal: joint islands lose no prefix that later balls would rescue. Method: two balls. In a tenth
+  // of the satisfying weight, the first ball alone fills nothing (10.2% of 54,000 satisfying blind
+  // throws). 1,500 draws have a binomial standard error of 0.008; the share is within 4 of these.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#").value();
   const StagedSpelling world(parameters);
@@ -120,11 +119,10 @@ TEST(SpellingIslands, BallsThatOthersRescueCount) {
 }
 
 TEST(SpellingIslands, PoolsGiveThePrior) {
-  // Goal: the weights of drops from a pool make up for how it was drawn, shared and used, down to
-  // the smallest pool. Method: at inverse temperature 0 the mean of Z is 1, that of Z over draws
-  // with both balls is 1/4, and with the first ball on the left 1/8 of it all, whatever the guide;
-  // islands of one particle, alone and choosing together, bins far apart, two drops a bin; within 4
-  // standard errors.
+  // Goal: the weights of drops from a pool correct for how the pool was drawn, shared and used,
+  // down to the smallest pool. Method: at inverse temperature 0 the mean of Z is 1 for any guide.
+  // Over draws with both balls it is 1/4, and with the first ball on the left 1/8 in total. Free
+  // and joint islands of one particle, bins far apart, two drops per bin; within 4 standard errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   parameters.constraint.log_lambda = 0.5;
@@ -158,9 +156,9 @@ TEST(SpellingIslands, PoolsGiveThePrior) {
 }
 
 TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {
-  // Goal: given a state, each of its drops lies in the pool at a place of stratum b with
-  // probability proportional to q_b there, whichever place. Method: two drops, 4,000 pools; shares
-  // within 5 standard errors; the drop is at its place, and no other one is.
+  // Goal: given a state, each of its drops has a place of stratum b in the pool with probability
+  // proportional to q_b there, uniformly within the stratum. Method: two drops, 4,000 pools, shares
+  // within 5 standard errors. The drop is at its own place and at no other.
   auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   const StagedSpelling world(parameters);
@@ -197,16 +195,16 @@ TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {
                   5 * std::sqrt(each * (1 - each) / k_pools))
           << "ball " << ball << ", place " << place;
     }
-    // It isn't the same for both.
+    // The share differs between the strata.
     EXPECT_GT(std::abs(share - 0.5), 0.1);
   }
 }
 
-/// What the tests look at of a sample.
+/// The tested quantities of a sample.
 struct Seen {
-  std::vector<double> filled = std::vector<double>(3, 0.0);  ///< counts
+  std::vector<double> filled = std::vector<double>(3, 0.0);  ///< Counts.
   std::vector<double> active = std::vector<double>(3, 0.0);
-  std::array<std::vector<double>, 2> drop_x_m;  ///< of each ball, if it is active
+  std::array<std::vector<double>, 2> drop_x_m;  ///< Of each ball, if active.
 
   void add(const sampling::Sample<StagedSpelling>& sample) {
     ++filled.at(sample.outcome.filled);
@@ -218,10 +216,10 @@ struct Seen {
 };
 
 TEST(SpellingIslands, StepsKeepExactDrawsExact) {
-  // Goal: both particle steps keep p_w p_c of two balls: how many take part and fill a bin, and
-  // where they are dropped. Method: exact draws by rejection; after five steps, against as many
-  // other exact draws; eight p-values above 1e-5.
-  // Bins far apart and few drops: the pool's strata and places matter as much as they can.
+  // Goal: both particle steps leave p_w p_c of two balls invariant: the number of active balls, the
+  // number of filled bins, and the places of drops. Method: compare exact draws (by rejection)
+  // after five steps with as many other exact draws; eight p-values above 1e-5. Bins far apart and
+  // few drops make the pool's strata and places matter as much as possible.
   auto parameters = world_with(worlds::spelling::Kernel::correct).parameters();
   parameters.pattern = worlds::spelling::pattern_of_rows("#...#").value();
   const StagedSpelling world(parameters);

@@ -22,10 +22,10 @@ sampling::ChainStreams streams_of(std::uint64_t chain) {
 
 TEST(TemperedTransition, KeepsADiscreteDistribution) {
   // Goal: exact draws stay exact, and a transition is as likely as its reverse. Method: many
-  // draws from enumeration at two inverse temperatures, with ways down that end at the prior or
-  // above it; after one transition and after ten, chi-square against enumeration; of the first, the
-  // counts from i to j against those from j to i. 24 p-values above 1e-6. Some transitions lead
-  // between parts of the ring that no plain step connects.
+  // enumerated draws at two inverse temperatures, with excursions that end at the prior or above
+  // it. After one transition and after ten, compare with enumeration by chi-square. For the first
+  // transition, compare the counts from i to j with those from j to i. 24 p-values are above 1e-6.
+  // Some transitions connect parts of the ring that no plain step connects.
   struct Way {
     double beta;
     std::vector<double> below;
@@ -33,7 +33,7 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
   };
   const std::vector<Way> ways{{1, {0.5}, 1}, {1, {0.6, 0.3, 0.1}, 2}, {1, {0.5, 0.2, 0}, 1},
                               {1, {0}, 1},   {0.6, {0.3, 0.05}, 3},   {0.6, {0.4, 0.2, 0.1, 0}, 2}};
-  // As few as the checks of mutants/kernel_checks.cpp have, which reject every mutant.
+  // The fast tier has as few draws as mutants/kernel_checks.cpp, whose checks reject every mutant.
   const std::uint64_t draws = property::of_tier(12'000, 100'000);
   const RuggedRing ring;
   std::uint64_t chain = 0;
@@ -69,7 +69,7 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
       }
       ++after_ten[sample.state];
     }
-    // Of n transitions between two places, forward ones are binomial with 1/2.
+    // Of n transitions between two places, the number of forward ones is binomial with 1/2.
     double statistic = 0;
     int freedom = 0;
     for (std::size_t i = 0; i < k_places; ++i) {
@@ -97,9 +97,9 @@ TEST(TemperedTransition, KeepsADiscreteDistribution) {
 }
 
 TEST(TemperedTransition, CrossesBetweenModes) {
-  // Goal: invariance on the line, with proposals of other sizes, and that modes are crossed.
-  // Method: 10,000 exact draws moved by one transition and by ten, against fresh ones, by the
-  // Kolmogorov-Smirnov test; 2 p-values above 1e-6.
+  // Goal: invariance on the line with other proposal scales, and transitions between modes. Method:
+  // compare 10,000 exact draws moved by one transition and by ten with fresh ones, by the
+  // Kolmogorov-Smirnov test. 2 p-values are above 1e-6.
   TwoModes world;
   world.prior_sd = 4;
   world.step_sd = 2;

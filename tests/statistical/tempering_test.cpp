@@ -48,9 +48,9 @@ TwoModes two_modes() {
 }
 
 TEST(TwoModesWorld, IsCrossedByTempering) {
-  // Goal: parallel tempering weighs both modes rightly. Method: four ladders, 1 : 4 modes; the
-  // share of the left one after six rounds of learning, within 5 standard errors that allow for
-  // autocorrelation, and these are small.
+  // Goal: parallel tempering finds the weights of both modes. Method: four ladders, 1 : 4 modes.
+  // The left mode's share after six rounds of adaptation is within 5 standard errors, which include
+  // autocorrelation and are small.
   const TwoModes world = two_modes();
   const run::ChainWorker<TwoModes> worker(world, {.iterations_per_scan = 3});
   sampling::ParallelTempering plan(options_of(k_seed, 4, 8));
@@ -63,9 +63,9 @@ TEST(TwoModesWorld, IsCrossedByTempering) {
 }
 
 TEST(TwoModesWorld, IsNotCrossedByPlainChains) {
-  // Goal: the test before is one that plain Metropolis-Hastings fails. Method: 32 plain chains with
-  // as many iterations: none crosses after its first tenth, each sits in the mode next to its
-  // start, so that the share is that of starts, near a half.
+  // Goal: plain Metropolis-Hastings fails the previous test. Method: 32 plain chains with as many
+  // iterations. None crosses after its first tenth; each stays in the mode next to its start, so
+  // the share is that of starts, near a half.
   const TwoModes world = two_modes();
   const run::ChainWorker<TwoModes> worker(world, {.iterations_per_scan = 3});
   sampling::IndependentChains plan(
@@ -85,12 +85,12 @@ TEST(TwoModesWorld, IsNotCrossedByPlainChains) {
 }
 
 TEST(Evidence, HasHonestErrorBars) {
-  // Goal: log Z and log P(satisfied) of a learning ladder are right, and their errors are their
-  // spread. Method: 300 seeds of a bullseye off centre, whose both are known; z-scores of the last
-  // round. With the jackknife's 20 parts z has about Student's distribution with 19 degrees of
-  // freedom (sd 1.06, kurtosis 3.4); 5 standard errors over 300 are 0.31 for the mean and, with
-  // sqrt(2.4 / 1200) = 4.5% each, 22% for the sd; neighbouring parts of a round have a little in
-  // common, which makes errors too small: up to 10% of that passes.
+  // Goal: an adapting ladder's log Z and log P(satisfied) are right, and their errors equal their
+  // spread. Method: z-scores of the last round in 300 seeds of an off-centre bullseye with known
+  // values. With the jackknife's 20 parts, z has about Student's distribution with 19 degrees of
+  // freedom (sd 1.06, kurtosis 3.4). 5 standard errors over 300 are 0.31 for the mean and, with
+  // sqrt(2.4 / 1200) = 4.5% each, 22% for the sd. Neighbouring parts of a round are slightly
+  // correlated, which makes errors too small; up to 10% of that passes.
   constexpr int k_repeats = 300;
   Bullseye world;
   world.target = 1.5;
@@ -127,10 +127,11 @@ TEST(Evidence, HasHonestErrorBars) {
 }
 
 TEST(RoundTrips, AreAsManyAsPredicted) {
-  // Goal: the observed rate is 1 / (2 + 2 sum r / (1 - r)) where exploration is perfect. Method:
-  // workers that draw from each tempered distribution exactly; narrow and wide targets, near and
-  // far, ladders that learn. Observed within 10% of predicted in the last round: there are at least
-  // 2,500 trips, no more variable than a Poisson process, so 10% is 5 standard errors or more.
+  // Goal: with perfect exploration, the observed rate is 1 / (2 + 2 sum r / (1 - r)). Method:
+  // workers that draw exactly from each tempered distribution, narrow and wide targets, near and
+  // far, adapting ladders. The observed rate is within 10% of the predicted one in the last round.
+  // At least 2,500 trips, no more variable than a Poisson process, make 10% at least 5 standard
+  // errors.
   for (const auto& [target, sigma] : {std::pair{0.0, 0.3}, {1.0, 0.02}, {3.0, 0.1}, {0.0, 0.005}}) {
     Bullseye world;
     world.target = target;
@@ -152,19 +153,19 @@ TEST(RoundTrips, AreAsManyAsPredicted) {
         last.round_trips, seen, predicted, seen / predicted, 1 / std::sqrt(trips));
     EXPECT_GT(last.round_trips, 2500U);
     EXPECT_NEAR(seen / predicted, 1, 0.1) << "seed " << k_seed;
-    // A restart for each trip, to one a replica.
+    // One restart per trip, to within one per replica.
     EXPECT_NEAR(static_cast<double>(last.restarts), trips, static_cast<double>(last.counts.size()));
-    // The ladder has come to rest: rejections are about equal, though the first weren't.
+    // The ladder has converged: rejection rates are about equal, though the first weren't.
     EXPECT_LT(std::ranges::max(rejections) - std::ranges::min(rejections), 0.06);
     EXPECT_NEAR(static_cast<double>(last.counts.size()), sampling::levels_for(barrier), 1);
   }
 }
 
 TEST(BallByTempering, EqualsRejection) {
-  // Goal: a world of the product: what tempering says of animations and of blind throws equals
-  // rejection. Method: the ball's functions at inverse temperature 1 in the last two rounds of two
-  // ladders, against 20,000 exact draws; log Z and log P(satisfied) of each ladder against 200,000
-  // blind throws. 12 numbers, within 5 standard errors each (7e-6).
+  // Goal: tempering and rejection agree for a world of the product, on animations and on blind
+  // throws. Method: compare the ball's functions at inverse temperature 1 in the last two rounds of
+  // two ladders with 20,000 exact draws. Compare log Z and log P(satisfied) of each ladder with
+  // 200,000 blind throws. 12 numbers, within 5 standard errors each (7e-6).
   const Ball ball{worlds::ball_2d::Parameters{}};
   const run::ChainWorker<Ball> worker(ball, {.iterations_per_scan = 4});
   sampling::ParallelTempering plan(options_of(k_seed, 2, 8));
@@ -220,9 +221,10 @@ TEST(BallByTempering, EqualsRejection) {
 }
 
 TEST(SpellingByTempering, EqualsRejection) {
-  // Goal: the same where the number of variables varies. Method: two bins; which balls are active
-  // and how many bins are filled, in the last round of 32 ladders, against 20,000 exact draws; 12
-  // shares, within 5 standard errors of the mean over ladders each (7e-6).
+  // Goal: tempering and rejection agree if the number of variables varies. Method: two bins.
+  // Compare the set of active balls and the number of filled bins, in the last round of 32 ladders,
+  // with 20,000 exact draws. 12 shares, within 5 standard errors of the mean over ladders each
+  // (7e-6).
   const Spelling world = world_with(worlds::spelling::Kernel::correct);
   const run::ChainWorker<Spelling> worker(world_with(worlds::spelling::Kernel::correct),
                                           {.iterations_per_scan = 2});

@@ -1,6 +1,7 @@
-// The checks that right code passes and each mutant fails one of. A check takes a mutant and a seed
-// and gives p-values: the probability that right code deviates as much or more. Of right code they
-// are uniform, or, where a check knows for certain, 1; then a wrong one is 0.
+// Checks that right code passes and of which each mutant fails one. A check takes a mutant and a
+// seed and returns p-values, the probability that right code deviates as much or more. For right
+// code the p-values are uniform. A check with certainty returns 1 for right code and 0 for wrong
+// code.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +18,9 @@ struct Check {
   CheckId id;
   const char* name;
   std::vector<double> (*check)(const Mutant&, std::uint64_t seed);
-  std::size_t count;  ///< of p-values
-  bool certain;       ///< they are 0 or 1
-  bool is_cheap;      ///< one of the cheaper half: their p-values are shown to be uniform
+  std::size_t count;  ///< Number of p-values.
+  bool certain;       ///< P-values are 0 or 1.
+  bool is_cheap;      ///< One of the cheaper half, whose p-values are tested for uniformity.
 
   std::vector<double> p_values(const Mutant& mutant, std::uint64_t seed) const {
     const sampling::Replaced replaced(mutant.formulas);
@@ -27,22 +28,22 @@ struct Check {
   }
 };
 
-/// A p-value below this rejects.
+/// A p-value below this limit rejects.
 inline constexpr double k_threshold = 1e-5;
 
 const std::vector<Check>& checks();
 const Check& check_of(CheckId id);
 
-/// For the n-th of a check's independent ladders.
+/// Seed of the n-th of a check's independent ladders.
 inline std::uint64_t seed_of(std::uint64_t seed, std::uint64_t n) {
   return seed * 1'000'003 + n;
 }
 
-/// Two-sided: independent draws against the mean they should have, by Student's t. 0 of draws that
-/// are no numbers.
+/// Two-sided p-value of independent draws against their expected mean, by Student's t. 0 if a draw
+/// is NaN.
 double mean_p(std::span<const double> draws, double mean);
 
-// kernel_checks.cpp
+// Defined in kernel_checks.cpp.
 std::vector<double> kernel_keeps(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed);
@@ -50,14 +51,14 @@ std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> results_are_pure(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> excursions_descend(const Mutant& mutant, std::uint64_t seed);
-// ladder_checks.cpp
+// Defined in ladder_checks.cpp.
 std::vector<double> ladder_keeps(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> rounds_are_frozen(const Mutant& mutant, std::uint64_t seed);
-// method_checks.cpp
+// Defined in method_checks.cpp.
 std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> ascents_weigh(const Mutant& mutant, std::uint64_t seed);
 std::vector<double> levels_walk(const Mutant& mutant, std::uint64_t seed);

@@ -1,4 +1,4 @@
-// Checks of one chain: its step, its scans, its random numbers, its excursions.
+// Checks of one chain: its step, scans, random numbers and excursions.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -35,7 +35,7 @@ void step(const Mutant& mutant, const Ring& ring, double beta,
   }
 }
 
-/// The probability of one step from i to j, by enumeration.
+/// Returns the probability of one step from i to j, by enumeration.
 std::vector<double> transitions(double beta) {
   const auto& prior = RuggedRing::k_prior;
   const std::vector<double> exact = RuggedRing::exact(beta);
@@ -61,7 +61,7 @@ std::vector<double> transitions(double beta) {
   return p;
 }
 
-/// The probability of a place and the next.
+/// Returns the joint probability of a place and the next place.
 std::vector<double> joint_of(const std::vector<double>& places, std::vector<double> moves) {
   for (std::size_t i = 0; i < moves.size(); ++i)
     moves[i] *= places[i / k_places];
@@ -91,7 +91,7 @@ std::size_t place_of(const plan::UnitResult& result) {
 
 }  // namespace
 
-/// Exact draws, moved by ten steps, against enumeration.
+/// Compares exact draws moved by ten steps with enumeration.
 std::vector<double> kernel_keeps(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   std::vector<double> p;
@@ -110,7 +110,7 @@ std::vector<double> kernel_keeps(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Exact draws and where a second step leads from them, against enumeration of both.
+/// Compares pairs of states before and after a second step from exact draws with enumeration.
 std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed) {
   constexpr double k_beta = 0.7;
   const Ring ring = ring_of(mutant);
@@ -127,8 +127,8 @@ std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed) {
   return {chi_square_p(counts, expected)};
 }
 
-/// Exact draws and the last two of a worker's scans from them, its states travelling as bytes,
-/// against enumeration.
+/// Compares the last two of a worker's scans from exact draws with enumeration. States travel as
+/// bytes.
 std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});
@@ -150,8 +150,8 @@ std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
   return {chi_square_p(counts, expected)};
 }
 
-/// Draws from the prior of a replica's first two scans, of two replicas, of two chains: pairs
-/// against the product of priors.
+/// Compares pairs of prior draws (a replica's first two scans, two replicas, two chains) with the
+/// product of priors.
 std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});
@@ -178,7 +178,8 @@ std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// A unit's result is the same whatever ran before, and its record belongs to its state.
+/// Verifies that a unit's result doesn't depend on earlier units, and that its record belongs to
+/// its state.
 std::vector<double> results_are_pure(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});
@@ -201,7 +202,7 @@ std::vector<double> results_are_pure(const Mutant& mutant, std::uint64_t seed) {
   return {1};
 }
 
-/// Exact draws, moved by three tempered transitions, against enumeration.
+/// Compares exact draws moved by three tempered transitions with enumeration.
 std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   struct Way {
@@ -230,8 +231,8 @@ std::vector<double> excursions_keep(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// What an excursion brings back from the prior has a lineage of its own: where the state is not
-/// what plain steps alone come to, it comes from there.
+/// Verifies that an excursion that returns from the prior begins a lineage. A state that plain
+/// steps alone don't produce comes from the prior.
 std::vector<double> excursions_descend(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});
@@ -250,7 +251,7 @@ std::vector<double> excursions_descend(const Mutant& mutant, std::uint64_t seed)
     if (lineage != fresh && (lineage != 17 || moved.state_after != plain.state_after)) return {0};
     came_back += lineage == fresh ? 1 : 0;
   }
-  // A worker that never comes back would be right by having no excursions.
+  // Require some excursions, because a worker without excursions would pass trivially.
   return {came_back > 100 && came_back < 900 ? 1.0 : 0.0};
 }
 

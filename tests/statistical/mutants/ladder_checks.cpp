@@ -13,7 +13,7 @@
 namespace sleight::statistical {
 namespace {
 
-/// One ladder that stays as it is.
+/// One ladder that doesn't adapt.
 sampling::ParallelTemperingOptions fixed(std::uint64_t seed, std::uint64_t round_scans,
                                          std::uint64_t scans) {
   return {.ladders = 1,
@@ -29,7 +29,7 @@ sampling::ParallelTemperingOptions fixed(std::uint64_t seed, std::uint64_t round
           .stop = {.scans = scans, .rounds = {}, .independent_solutions = {}}};
 }
 
-/// Ladders that learn, for some rounds.
+/// Ladders that adapt, for some rounds.
 sampling::ParallelTemperingOptions learning(std::uint64_t seed, std::uint64_t round_scans,
                                             std::uint64_t rounds) {
   sampling::ParallelTemperingOptions options =
@@ -47,7 +47,7 @@ std::size_t level_of(double beta) {
   return static_cast<std::size_t>(std::ranges::find(ladder, beta) - ladder.begin());
 }
 
-/// The probability that levels i and i+1 swap in equilibrium, by enumeration.
+/// Returns the equilibrium probability that levels i and i+1 swap, by enumeration.
 double swap_rate(std::size_t i) {
   const std::vector<double> here = RuggedRing::exact(ladder_of_checks()[i]);
   const std::vector<double> cooler = RuggedRing::exact(ladder_of_checks()[i + 1]);
@@ -61,8 +61,8 @@ double swap_rate(std::size_t i) {
 
 }  // namespace
 
-/// Ladders from exact draws, after ten scans and a round's end: neighbouring levels are independent
-/// and have their distributions, and rejection rates are right, all by enumeration.
+/// Compares ladders from exact draws, after ten scans and a round's end, with enumeration:
+/// neighbouring levels are independent and have their distributions, and rejection rates are right.
 std::vector<double> ladder_keeps(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_last = 9;
   const std::size_t levels = ladder_of_checks().size();
@@ -106,8 +106,8 @@ std::vector<double> ladder_keeps(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Where scans are independent exact draws, replicas walk as known: where the hottest and the
-/// coolest are early and late, against the walk's probabilities.
+/// If scans are independent exact draws, each replica is a random walk. Compares early and late
+/// levels of the hottest and the coolest replica with the walk's probabilities.
 std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_early = 2;
   constexpr std::uint64_t k_late = 5;
@@ -117,7 +117,7 @@ std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
   std::vector<double> rates;
   for (std::size_t i = 0; i + 1 < levels; ++i)
     rates.push_back(swap_rate(i));
-  // From a level at a scan to all levels at a later one.
+  // Returns the probability of each level at a later scan, from one level at a scan.
   const auto walk = [&](std::size_t from, std::uint64_t scan, std::uint64_t until) {
     std::vector<double> at(levels, 0.0);
     at[from] = 1;
@@ -159,8 +159,8 @@ std::vector<double> replicas_travel(const Mutant& mutant, std::uint64_t seed) {
           chi_square_p(counts.back(), expected(levels - 1))};
 }
 
-/// From prior draws on, ladders that learn weigh rightly the parts of the ring between which no
-/// step leads: shares of two of the three in the last round.
+/// Verifies that adapting ladders, started from prior draws, find the weights of the ring's parts
+/// that no step connects: shares of two of the three parts in the last round.
 std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_round_scans = 16;
   constexpr std::uint64_t k_rounds = 4;
@@ -194,8 +194,8 @@ std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   return {mean_p(shares[0], exact[0]), mean_p(shares[2], exact[2])};
 }
 
-/// The same of two narrow modes on a line, with proposals that learn their size: the left one's
-/// share.
+/// Like parts_are_found, for two narrow modes on a line with adapting proposal scales: the left
+/// mode's share.
 std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_round_scans = 32;
   constexpr std::uint64_t k_rounds = 5;
@@ -220,8 +220,8 @@ std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
   return {mean_p(shares, world.left_weight())};
 }
 
-/// Lineages, and solutions among them, as counted from records: a lineage begins with each draw
-/// from the prior and nowhere else, goes with its replica, and is one solution at most.
+/// Counts lineages and solutions from records. Each prior draw, and nothing else, begins a lineage.
+/// A lineage travels with its replica and has at most one solution.
 std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
   const run::ChainWorker<Ring> chain_worker(ring, {});
@@ -244,8 +244,8 @@ std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed)
   return {all_right && names.size() == begun && solved.size() == right.solutions_found() ? 1.0 : 0};
 }
 
-/// Within a round each level has one inverse temperature and one size of proposals, those with
-/// which the round began.
+/// Verifies that each level keeps one inverse temperature and one set of proposal scales within a
+/// round.
 std::vector<double> rounds_are_frozen(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
   const run::ChainWorker<Ring> chain_worker(ring, {});

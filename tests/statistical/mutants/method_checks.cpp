@@ -1,4 +1,4 @@
-// Checks of what is weighed: stepping stones, annealed importance sampling, simulated tempering.
+// Checks of weights: stepping stones, annealed importance sampling, simulated tempering.
 #include <algorithm>
 #include <cmath>
 #include <string_view>
@@ -38,7 +38,7 @@ sampling::BurnIn burn_in_of(std::uint64_t seed, std::uint32_t chain) {
           .lineage = 0,
           .ladder = ladder,
           .scales = scales,
-          .log_z_steps = {-0.1, -0.9, 0.3},  // some that are not quite right
+          .log_z_steps = {-0.1, -0.9, 0.3},  // Slightly wrong values.
           .next_ladder = ladder,
           .next_scales = scales};
 }
@@ -67,8 +67,8 @@ std::vector<double> exp_of_row(const sampling::ChainPart& part, std::string_view
 
 }  // namespace
 
-/// Rounds of independent exact draws: the mean of each stepping stone, and of 1{satisfied} / p_c,
-/// are what enumeration says.
+/// Compares means over rounds of independent exact draws with enumeration: each stepping stone, and
+/// 1{satisfied} / p_c.
 std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_scans = 20;
   const std::vector<double>& ladder = ladder_of_checks();
@@ -106,8 +106,8 @@ std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Weights of ascents have the mean Z; those of satisfied ends over p_c, the probability that a
-/// draw from the prior satisfies.
+/// Compares the mean weight of ascents with Z, and the mean of weight times 1{satisfied} / p_c with
+/// the probability that a prior draw satisfies.
 std::vector<double> ascents_weigh(const Mutant& mutant, std::uint64_t seed) {
   Ring ring;
   ring.lies = mutant.lies;
@@ -129,8 +129,8 @@ std::vector<double> ascents_weigh(const Mutant& mutant, std::uint64_t seed) {
   return {mean_p(weights, z_of(1)), mean_p(satisfied, p_satisfied())};
 }
 
-/// Where scans are independent exact draws, simulated tempering walks over levels as known, for
-/// weights that are only about right: level and place after some scans, against enumeration.
+/// If scans are independent exact draws, simulated tempering is a random walk over levels. Compares
+/// level and place after some scans with enumeration, with weights that are only roughly right.
 std::vector<double> levels_walk(const Mutant& mutant, std::uint64_t seed) {
   constexpr int k_moves = 6;
   const std::vector<double>& ladder = ladder_of_checks();

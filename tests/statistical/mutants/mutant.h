@@ -1,6 +1,6 @@
-// A sampler with one known mistake: the real code, with one part of what it is given replaced. The
-// part may be the world (which lies about its densities and proposals), the step of the kernel, a
-// formula of tempering (replaced_formulas.h), the worker, or the plan.
+// A sampler with one known mistake: the real code with one replaced part. The part may be the world
+// (with wrong densities or proposals), the kernel's step, a formula of tempering
+// (replaced_formulas.h), the worker, or the plan.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@
 
 namespace sleight::statistical {
 
-/// What a world says in the place of the truth; what is empty is true.
+/// The world's wrong answers. An empty function means the right answer.
 struct Lies {
   std::function<void(std::uint32_t from, sampling::Proposal<std::uint32_t>&)> proposal{};
   std::function<std::uint32_t(random::Stream&)> prior_draw{};
@@ -27,7 +27,7 @@ struct Lies {
   std::function<bool(std::uint32_t)> satisfied{};
 };
 
-/// The rugged ring with a second kind of proposal, a draw from the prior, which leads everywhere.
+/// The rugged ring with a second kind of proposal, a prior draw, which reaches every place.
 struct Ring : RuggedRing {
   static constexpr double k_independent_share = 0.3;
   double independent_share = k_independent_share;
@@ -64,21 +64,21 @@ struct Ring : RuggedRing {
 };
 static_assert(run::World<Ring>);
 
-/// In the place of metropolis_hastings_step.
+/// Replaces metropolis_hastings_step.
 using Step = std::function<void(const Ring&, double beta, const sampling::ChainStreams&,
                                 std::uint64_t iteration, sampling::Sample<Ring>&)>;
 
-/// In the place of a worker's run; `right` is the real one.
+/// Replaces a worker's run; `right` is the real worker.
 using Run = std::function<plan::UnitResult(const plan::UnitWorker& right, const plan::Unit&,
                                            base::BytesView state)>;
 
-/// What is changed on the way between a plan and its executor.
+/// Changes to messages between a plan and its executor.
 struct OnTheWay {
   std::function<void(plan::Unit&)> handed_out{};
   std::function<void(const plan::ReplicaKey&, std::vector<plan::ScanRecord>&)> taken_in{};
 };
 
-/// A test, by name: see checks.h.
+/// Name of a check (checks.h).
 enum class CheckId {
   kernel_keeps,
   kernel_moves,
@@ -100,21 +100,21 @@ enum class CheckId {
 
 struct Mutant {
   std::string name;
-  std::string what;             ///< is wrong, in a sentence
-  std::vector<CheckId> checks;  ///< one of which, at least, must reject it
+  std::string what;             ///< The mistake, in a sentence.
+  std::vector<CheckId> checks;  ///< At least one of these must reject the mutant.
   Lies lies{};
   Step step{};
   sampling::Formulas formulas{};
-  std::function<Run()> worker{};  ///< makes one for each run: it may remember
+  std::function<Run()> worker{};  ///< Makes a worker for each run, which may have state.
   std::function<OnTheWay()> way{};
 };
 
-/// A mutant that has no mistake.
+/// A mutant without a mistake.
 inline Mutant right_code() {
   return {.name = "the right code", .what = "nothing", .checks = {}};
 }
 
-/// A worker as the mutant has it.
+/// The mutant's worker.
 class MutantWorker final : public plan::UnitWorker {
  public:
   MutantWorker(const Mutant& mutant, const plan::UnitWorker& right)
@@ -128,7 +128,7 @@ class MutantWorker final : public plan::UnitWorker {
   Run run_;
 };
 
-/// A plan as the mutant has it.
+/// The mutant's plan.
 class MutantPlan final : public plan::Plan {
  public:
   MutantPlan(const Mutant& mutant, plan::Plan& right)

@@ -1,5 +1,5 @@
-// Contract C3, the other way round: samplers with one known mistake each, which the statistical
-// checks must catch, and the right code, which must pass the same ones.
+// Contract C3 with negative controls: the statistical checks catch samplers with one known mistake
+// each, and pass the right code.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,10 +17,10 @@ namespace sleight::statistical {
 namespace {
 
 constexpr std::uint64_t k_seed = 20270101;
-/// What the whole suite may fail by chance, once in so many runs.
+/// Maximum probability that the whole suite fails by chance.
 constexpr double k_budget = 1e-3;
 
-/// Seeds over which p-values are shown to be uniform: of the ordinary run, and of the long one
+/// Number of seeds over which p-values are tested for uniformity; more in the long run
 /// (SLEIGHT_SOAK=1).
 std::uint64_t uniformity_seeds() {
   return property::long_run() ? 1000 : 100;
@@ -38,7 +38,7 @@ std::vector<Mutant> all_mutants() {
 class RightCode : public testing::TestWithParam<Check> {};
 
 TEST_P(RightCode, PassesTheCheck) {
-  // Goal: what rejects mutants doesn't reject the right code. Method: the same checks on the same
+  // Goal: checks that reject mutants don't reject the right code. Method: the same checks on the
   // code without a mistake, with one seed.
   const Check& check = GetParam();
   const auto begin = std::chrono::steady_clock::now();
@@ -53,8 +53,9 @@ TEST_P(RightCode, PassesTheCheck) {
 class CheapCheck : public testing::TestWithParam<Check> {};
 
 TEST_P(CheapCheck, HasUniformPValues) {
-  // Goal: the cheaper half of the checks mean what they say. Method: their p-values of the right
-  // code over many seeds, against uniform; the certain ones pass with each of ten.
+  // Goal: the cheaper half of the checks have calibrated p-values. Method: compare their p-values
+  // of the right code over many seeds with uniform. Checks with certainty pass with each of ten
+  // seeds.
   const Check& check = GetParam();
   const std::uint64_t seeds = check.certain ? 10 : uniformity_seeds();
   std::vector<std::vector<double>> p(check.count);
@@ -90,8 +91,9 @@ INSTANTIATE_TEST_SUITE_P(Checks, RightCode, testing::ValuesIn(checks()), name_of
 INSTANTIATE_TEST_SUITE_P(Checks, CheapCheck, testing::ValuesIn(cheap_checks()), name_of);
 
 TEST(Checks, FailByChanceOnceInAThousandRuns) {
-  // Goal: the suite's budget of p-values is kept. Method: the thresholds of all p-values of the
-  // right code are summed up, those of their uniformity too; half of the checks at least have that.
+  // Goal: the suite's total probability of a chance failure is within budget. Method: add up the
+  // thresholds of all p-values of the right code, and of their uniformity tests. At least half of
+  // the checks have a uniformity test.
   double sum = 0;
   std::size_t uncertain = 0;
   std::size_t shown_uniform = 0;
@@ -107,8 +109,8 @@ TEST(Checks, FailByChanceOnceInAThousandRuns) {
 }
 
 TEST(Mutants, AreCaught) {
-  // Goal: the checks can fail, each for what it is there for. Method: each mutant's checks, with
-  // the threshold that right code must stay above; all mutants but one at most are rejected.
+  // Goal: each check can fail, for its own mistakes. Method: run each mutant's checks with the
+  // threshold that right code must stay above. At most one mutant survives.
   const std::vector<Mutant> mutants = all_mutants();
   std::set<std::string> names;
   std::set<CheckId> used;

@@ -1,4 +1,4 @@
-// Mistakes in the formulas of tempering: one of them replaced.
+// Mistakes in the formulas of tempering, each with one formula replaced.
 #include <algorithm>
 
 #include "common/math/elementary.h"

@@ -1,4 +1,4 @@
-// Mistakes of workers, and on the way between a plan and its executor.
+// Mistakes of workers, and in messages between a plan and its executor.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,7 +13,7 @@ using plan::Unit;
 using plan::UnitResult;
 using plan::UnitWorker;
 
-/// The real worker's run of another unit, told as if it were this one's.
+/// Runs another unit with the real worker, and reports the result as this unit's.
 UnitResult run_other(const UnitWorker& right, const Unit& unit, const Unit& other,
                      base::BytesView state) {
   UnitResult result = right.run(other, state);
@@ -23,7 +23,7 @@ UnitResult run_other(const UnitWorker& right, const Unit& unit, const Unit& othe
   return result;
 }
 
-/// A worker that runs another unit in the place of each.
+/// A worker that runs another unit instead of each one.
 std::function<Run()> instead(void (*change)(Unit&)) {
   return [change] {
     return [change](const UnitWorker& right, const Unit& unit, base::BytesView state) {
@@ -45,7 +45,7 @@ std::function<Run()> afterwards(void (*change)(UnitResult&)) {
   };
 }
 
-/// Whether a lineage begins with the unit's scan.
+/// Returns whether a lineage begins with the unit's scan.
 bool is_fresh(const Unit& unit) {
   return unit.starts || unit.inverse_temperature(0) == 0;
 }
@@ -79,7 +79,7 @@ Run states_stay_with_levels() {
   };
   auto levels = std::make_shared<std::map<double, Level>>();
   return [levels](const UnitWorker& right, const Unit& unit, base::BytesView state) {
-    // The replica that runs is the level's own, so that no cache knows better.
+    // Run the level's own replica, so that the cache has no better state.
     const double beta = unit.inverse_temperature(0);
     const auto found = levels->find(beta);
     Unit other = unit;
@@ -131,7 +131,8 @@ OnTheWay ladder_follows_density() {
           .taken_in =
               [last, asked](const plan::ReplicaKey& key, std::vector<plan::ScanRecord>& records) {
                 *last = records.back().log_constraint;
-                // A plan refuses records of other temperatures than its own at once.
+                // Correct the temperatures, because a plan refuses records of wrong temperatures at
+                // once.
                 for (std::uint32_t nth = 0; nth < records.size(); ++nth)
                   records[nth].inverse_temperature = asked->at(key).inverse_temperature(nth);
               }};

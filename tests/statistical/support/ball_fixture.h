@@ -15,12 +15,12 @@ namespace sleight::statistical {
 using Ball = worlds::ball_2d::Ball2d;
 using BallSample = sampling::Sample<Ball>;
 
-/// Streams of a test: chains of different uses never meet.
+/// Streams of a test. Each use has chains of its own.
 inline sampling::ChainStreams streams_of(std::uint64_t seed, std::uint32_t chain) {
   return {.seed = seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }
 
-/// An exact draw of p_w p_c^beta by rejection: p_c is at most 1.
+/// An exact draw of p_w p_c^beta by rejection, because p_c is at most 1.
 template <sampling::Target T>
 sampling::Sample<T> exact_draw(const T& target, double beta, random::Stream& stream) {
   while (true) {
@@ -29,7 +29,7 @@ sampling::Sample<T> exact_draw(const T& target, double beta, random::Stream& str
   }
 }
 
-/// What the tests look at: each normal, where the ball lands, and both densities.
+/// The tested quantities: each normal, the landing place, and both densities.
 inline constexpr std::size_t k_ball_functions = 8;
 inline std::array<double, k_ball_functions> ball_functions(const BallSample& sample) {
   const auto& normals = sample.state;

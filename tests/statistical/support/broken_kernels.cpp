@@ -65,7 +65,7 @@ class BrokenProposal {
   double beta_;
 };
 
-/// Takes the acceptance's uniform from the proposal's own stream, at its beginning.
+/// Draws the acceptance's number from the beginning of the proposal's stream.
 void step_reusing_a_number(const Ball& ball, double beta, const sampling::ChainStreams& streams,
                            std::uint64_t iteration, BallSample& current) {
   random::Stream proposal_stream = streams.at(random::Purpose::proposal, iteration);

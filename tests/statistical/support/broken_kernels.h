@@ -1,5 +1,4 @@
-// Metropolis-Hastings kernels with one known bug each: a test of samplers that none of these fails
-// is no test.
+// Metropolis-Hastings kernels with one known bug each. A test of samplers must reject at least one.
 #pragma once
 
 #include <array>
@@ -31,8 +30,8 @@ inline constexpr std::array k_bugs = {Bug::always_accepts,    Bug::ratio_inverte
 
 const char* name_of(Bug bug);
 
-/// One iteration of the real kernel on the ball with the bug built into what it is given, or, for
-/// bugs of the kernel itself, of one that differs from it in that line.
+/// Makes one iteration of the real kernel with the bug in its inputs. If the bug is in the kernel
+/// itself, a copy differs from the kernel in that line.
 void step(const Ball& ball, Bug bug, double beta, const sampling::ChainStreams& streams,
           std::uint64_t iteration, BallSample& current);
 

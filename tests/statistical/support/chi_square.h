@@ -9,8 +9,8 @@
 
 namespace sleight::statistical {
 
-/// The probability that a right sampler deviates as much or more. Cells that are expected fewer
-/// than 10 times count as one; a count where the probability is 0 gives 0.
+/// Returns the probability that a right sampler deviates as much or more. Cells with fewer than 10
+/// expected counts are merged. A count in a cell of probability 0 yields 0.
 inline double chi_square_p(const std::vector<double>& counts,
                            const std::vector<double>& probabilities) {
   double total = 0;
@@ -38,8 +38,8 @@ inline double chi_square_p(const std::vector<double>& counts,
   return boost::math::gamma_q(0.5 * (cells - 1), 0.5 * statistic);
 }
 
-/// Of two samples of counts, that they have one distribution (W. H. Press et al., Numerical
-/// Recipes, 14.3, for unequal numbers).
+/// Returns the p-value of two samples of counts having one distribution (W. H. Press et al.,
+/// Numerical Recipes, 14.3, for unequal numbers).
 inline double two_sample_p(std::span<const double> a, std::span<const double> b) {
   double sum_a = 0;
   double sum_b = 0;

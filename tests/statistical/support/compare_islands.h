@@ -1,4 +1,4 @@
-// Estimates of islands beside those of blind throws, for tests of worlds that act in stages.
+// Compares islands' estimates with those of blind throws, for worlds that act in stages.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 namespace sleight::statistical {
 
 /// Expects that the means of independent estimates differ by less than 4 combined standard errors,
-/// and prints by how many they do.
+/// and prints the difference.
 inline void expect_equal_means(const char* name, const std::vector<double>& islands,
                                const std::vector<double>& throws) {
   const MeanWithError first = mean_of_independent(islands);

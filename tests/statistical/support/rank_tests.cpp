@@ -72,7 +72,7 @@ double effective_sample_size(std::span<const double> series) {
   const double mean = mean_of(series);
   const double variance = autocovariance(series, mean, 0);
   if (variance == 0) return 1;
-  // Sums of neighbouring pairs of autocovariances are positive and fall, in a reversible chain.
+  // In a reversible chain, sums of neighbouring pairs of autocovariances are positive and decrease.
   double sum = 0;
   double pair_before = 2 * variance;
   for (std::size_t lag = 0; lag + 1 < series.size() / 2; lag += 2) {

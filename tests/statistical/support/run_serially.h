@@ -1,4 +1,4 @@
-// The plainest executor of a plan: one unit at a time, states kept by replica.
+// The simplest executor of a plan: one unit at a time, states stored by replica.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@ namespace sleight::statistical {
 
 using Observe = std::function<void(const plan::UnitResult&)>;
 
-/// Hands out, runs and consumes until the plan is finished. `observe` sees each result before the
-/// plan does. REQUIRES: the plan is fresh.
+/// Hands out, runs and consumes until the plan is finished. Calls `observe` with each result before
+/// the plan consumes it. REQUIRES: the plan is fresh.
 void run_serially(plan::Plan& plan, const plan::UnitWorker& worker, const Observe& observe);
 
-/// A series for each chain, in scan order: a number of each scan at inverse temperature 1 from
-/// `first_scan` on. REQUIRES: one such scan per chain and scan, as chains and ladders have.
+/// Returns for each chain, in scan order, `value` of each scan at inverse temperature 1 from
+/// `first_scan` on. REQUIRES: each chain has one such record per scan, as chains and ladders have.
 std::vector<std::vector<double>> run_and_collect(
     plan::Plan& plan, const plan::UnitWorker& worker, std::uint64_t first_scan,
     const std::function<double(const plan::ScanRecord&)>& value);

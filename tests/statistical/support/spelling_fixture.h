@@ -10,7 +10,7 @@ namespace sleight::statistical {
 using Spelling = worlds::spelling::Spelling;
 using SpellingSample = sampling::Sample<Spelling>;
 
-/// Two bins, both to be filled by two balls; lambda is so small that exact draws are cheap.
+/// Two bins to be filled by two balls, with lambda small enough for cheap exact draws.
 inline Spelling world_with(worlds::spelling::Kernel kernel) {
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("##").value();
@@ -26,7 +26,7 @@ inline Spelling world_with(worlds::spelling::Kernel kernel) {
   return Spelling(parameters);
 }
 
-/// The same with aimed drops beside A.2.2's kinds (aimed_drops.h).
+/// Adds aimed drops to A.2.2's kinds (aimed_drops.h).
 inline worlds::spelling::Parameters parameters_with_aims() {
   worlds::spelling::Parameters parameters =
       world_with(worlds::spelling::Kernel::correct).parameters();
@@ -40,14 +40,14 @@ inline worlds::spelling::Parameters parameters_with_aims() {
   return parameters;
 }
 
-/// The same, judged by balls that fall alone first (solo_balls.h).
+/// Adds steps that lone falls of balls pre-judge (solo_balls.h).
 inline worlds::spelling::Parameters parameters_with_solo_steps() {
   worlds::spelling::Parameters parameters = parameters_with_aims();
   parameters.proposal.solo_steps = 3;
   return parameters;
 }
 
-/// By rejection: p_c is at most lambda^2.
+/// Draws by rejection, because p_c is at most lambda^2.
 inline SpellingSample exact_draw(const Spelling& world, double beta, random::Stream& stream) {
   const double most = world.balls() * world.parameters().constraint.log_lambda;
   while (true) {

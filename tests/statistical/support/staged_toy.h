@@ -1,4 +1,4 @@
-// A world that acts in stages and has so few states that all are known: for tests of islands.
+// A world that acts in stages with few enough states to enumerate, for tests of islands.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@
 
 namespace sleight::statistical {
 
-/// A walker on seven places takes four steps, each by one of three choices; a coin says where it
-/// begins. It falls at place 5, and only the choice 2 puts it on its feet again. Most states end in
-/// places of small p_c, and a fallen walker has p_c = 0; about a fifth of the mass belongs to
-/// states that have fallen on the way and were rescued.
+/// A walker on seven places takes four steps, each by one of three choices. A coin decides where it
+/// begins. The walker falls at place 5, and only choice 2 puts it on its feet again. Most states
+/// end in places of small p_c, and a fallen walker has p_c = 0. About a fifth of the mass belongs
+/// to states that fell on the way and were rescued.
 struct StagedToy {
   static constexpr std::uint32_t k_stages = 4;
   static constexpr std::uint32_t k_choices = 3;
@@ -34,7 +34,7 @@ struct StagedToy {
   struct Guide {
     /// Choices are drawn from q(x) proportional to p(x)^(1 - flatness).
     double flatness = 0.7;
-    /// log psi of a fallen walker; -infinity leaves out what is rescued later.
+    /// log psi of a fallen walker; -infinity excludes states that are rescued later.
     double log_fallen = -2;
   };
   using Ground = std::uint32_t;
@@ -51,7 +51,7 @@ struct StagedToy {
     return state / k_weights[stage] % k_choices;
   }
   static Outcome begin_of(Ground ground) { return {.place = 3 * ground}; }
-  /// p of the choices, which hang on where the walker is.
+  /// p of the choices, which depend on the walker's place.
   static std::array<double, k_choices> choices(const Outcome& from) {
     if (from.place % 2 == 0) return {0.5, 0.3, 0.2};
     return {0.25, 0.6, 0.15};
@@ -95,7 +95,7 @@ struct StagedToy {
   bool satisfied(const Outcome& outcome) const {
     return !outcome.fallen && (outcome.place == 1 || outcome.place == 2);
   }
-  /// Another choice at one stage, or the other ground: each as likely as its way back.
+  /// Proposes another choice at one stage, or the other ground. The reverse move is as likely.
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
     const auto at =
         static_cast<std::uint32_t>(random::UniformInteger{.count = k_stages + 1}.draw(stream));
@@ -145,7 +145,7 @@ struct StagedToy {
                                 std::uint32_t stage, Prefix& prefix) const {
     return extend_by(guide, choice_of(state, stage), prefix);
   }
-  /// A choice alone, and the two others; masses need not add up to 1.
+  /// Sorts: one choice alone, and the two others. Masses need not add up to 1.
   static std::size_t sort_of(std::uint32_t choice) { return choice == 1 ? 0 : 2; }
   std::size_t sorts() const { return 3; }
   std::vector<sampling::Alternative> alternatives(const Guide& guide, const Ground&, std::uint32_t,
@@ -178,7 +178,7 @@ struct StagedToy {
   State state_of(const Ground&, const Prefix& prefix) const { return prefix.digits; }
   Outcome outcome_of(const Prefix& prefix) const { return prefix.outcome; }
 
-  /// Whether the walker has fallen after one of the stages but the last.
+  /// Returns whether the walker has fallen after a stage before the last.
   static bool has_fallen(State state) {
     Outcome outcome = begin_of(ground_of(state));
     for (std::uint32_t stage = 0; stage + 1 < k_stages; ++stage) {

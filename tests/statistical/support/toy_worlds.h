@@ -1,4 +1,4 @@
-// Worlds whose tempered distributions are known exactly, for tests of tempering.
+// Worlds with exactly known tempered distributions, for tests of tempering.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace sleight::statistical {
 
-/// Fourteen places in a ring, with hills and valleys of p_c. Three have p_c = 0 and cut the ring
-/// into parts between which no step at inverse temperature above 0 leads. Steps go one place on,
-/// clockwise more often.
+/// Fourteen places in a ring, with hills and valleys of p_c. Three places have p_c = 0 and cut the
+/// ring into parts that no step at inverse temperature above 0 connects. Steps move by one place,
+/// more often clockwise.
 struct RuggedRing {
   using State = std::uint32_t;
   using Outcome = std::uint32_t;
@@ -80,7 +80,7 @@ struct RuggedRing {
 };
 static_assert(run::World<RuggedRing>);
 
-/// What worlds on the line have in common: the prior N(0, prior_sd), and steps N(0, step_sd).
+/// Base of worlds on the line: the prior N(0, prior_sd), and steps N(0, step_sd).
 struct Line {
   using State = double;
   using Outcome = double;
@@ -150,7 +150,7 @@ static_assert(run::World<Bullseye> && sampling::ScalesProposals<Bullseye>);
 struct TwoModes : Line {
   double place = 6;
   double sigma = 0.2;
-  double left_height = 0.25;  ///< of p_c; that of the right is 1
+  double left_height = 0.25;  ///< p_c at the left peak; the right peak has 1.
 
   double log_constraint(const Outcome& x) const {
     const double left = (x + place) / sigma;
@@ -171,8 +171,8 @@ struct TwoModes : Line {
 };
 static_assert(run::World<TwoModes>);
 
-/// A worker that starts replicas at exact draws of their tempered distribution, and lets another
-/// one do the rest.
+/// A worker that starts replicas at exact draws of their tempered distribution, and delegates the
+/// rest to another worker.
 template <class World>
 class ExactStarts final : public plan::UnitWorker {
  public:
@@ -205,7 +205,7 @@ class ExactStarts final : public plan::UnitWorker {
   const plan::UnitWorker& rest_;
 };
 
-/// A worker whose every scan is an independent exact draw: exploration as theory wishes it.
+/// A worker whose every scan is an independent exact draw, as perfect exploration.
 template <class World>
 class ExactScans final : public plan::UnitWorker {
  public:

@@ -14,10 +14,10 @@
 namespace sleight::statistical {
 namespace {
 
-constexpr double k_always = 2;  ///< of resample_below
+constexpr double k_always = 2;  ///< A resample_below that always resamples.
 constexpr int k_islands = 4'000;
 
-/// So many exact draws, and steps from each.
+/// Number of exact draws, and of steps from each.
 struct Chains {
   std::uint32_t count = 1'500;
   std::uint64_t steps = 5;
@@ -27,15 +27,15 @@ double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// Of independent draws and the mean that they should have, by the normal distribution. 0 of draws
-/// that are no numbers.
+/// P-value of independent draws against their expected mean, by the normal distribution. 0 if a
+/// draw is NaN.
 double mean_p(const std::vector<double>& draws, double mean) {
   const MeanWithError seen = mean_of_independent(draws);
   if (!std::isfinite(seen.mean) || !(seen.standard_error > 0)) return 0;
   return std::erfc(std::abs(seen.mean - mean) / seen.standard_error / std::sqrt(2.0));
 }
 
-/// The sum of masses of the chosen states.
+/// Returns the sum of masses of the chosen states.
 template <class World>
 double mass_of(const World& world, double beta,
                const std::function<bool(typename World::State)>& is_chosen) {
@@ -50,7 +50,7 @@ bool satisfies(StagedToy::State state) {
   return k_toy.satisfied(k_toy.simulate(state));
 }
 
-/// p of a mean over free islands of each setting.
+/// Returns the p-value of a mean over free islands, for each setting.
 std::vector<double> mean_over_islands(Mistake mistake, std::uint64_t seed,
                                       const std::function<double(const ReferenceIsland&)>& value,
                                       const std::function<double(double beta)>& expected) {
@@ -66,7 +66,7 @@ std::vector<double> mean_over_islands(Mistake mistake, std::uint64_t seed,
   return p;
 }
 
-/// Where a chain's steps lead from a state.
+/// Returns the state to which a chain's steps lead.
 using AfterSteps = std::function<std::uint32_t(std::uint32_t state, const sampling::ChainStreams&)>;
 
 std::uint32_t exact_draw(const std::vector<double>& masses, const sampling::ChainStreams& streams) {
@@ -74,7 +74,7 @@ std::uint32_t exact_draw(const std::vector<double>& masses, const sampling::Chai
   return static_cast<std::uint32_t>(random::draw_by_share(masses, start));
 }
 
-/// p of exact draws, each after some steps of a chain of its own.
+/// Returns the p-value of exact draws after some steps of independent chains.
 double kept(std::vector<double> masses, std::uint64_t seed, std::uint32_t first_chain,
             std::uint32_t count, const AfterSteps& after_steps) {
   const double total = sum(masses);
@@ -88,7 +88,7 @@ double kept(std::vector<double> masses, std::uint64_t seed, std::uint32_t first_
   return chi_square_p(counts, masses);
 }
 
-/// The same of the reference's steps, with each setting.
+/// Like kept(), for the reference's steps in each setting.
 std::vector<double> reference_keeps(
     Mistake mistake, std::uint64_t seed, const Chains& chains,
     const std::vector<IslandSetting>& settings,
@@ -110,7 +110,7 @@ std::vector<double> reference_keeps(
   return p;
 }
 
-/// The first find of a chain's searches, as a run starts it.
+/// Returns the first find of a chain's searches, as in a run.
 StagedToy::State found_state(const SearchedToy& world, const sampling::ChainStreams& streams) {
   for (std::uint64_t number = 0; number < run::k_starts_max; ++number) {
     sampling::SearchEffort effort;
@@ -174,7 +174,7 @@ std::vector<double> conditional_keeps_rescued(Mistake mistake, std::uint64_t see
       steps.conditional(number, chain);
       rescued += StagedToy::has_fallen(chain.state) ? 1 : 0;
     }
-    // Draws of one chain hang together: their mean is one number.
+    // Draws of one chain are correlated, so their mean counts once.
     shares.push_back(rescued / k_long.steps);
   }
   return {mean_p(shares, mass_of(k_toy, 1, StagedToy::has_fallen) / sum(masses))};
@@ -197,7 +197,7 @@ std::vector<double> conditional_keeps_among_moves(Mistake mistake, std::uint64_t
 }
 
 std::vector<double> independence_keeps_among_moves(Mistake mistake, std::uint64_t seed) {
-  // The second one's islands never reach states that fell on the way: local moves alone do.
+  // Islands of the second setting never reach states that fell on the way; only local moves do.
   static const std::vector<IslandSetting> settings{
       {.guide = {}, .options = {.particles = 3}},
       {.guide = {.log_fallen = sampling::k_log_zero},
@@ -235,7 +235,7 @@ std::vector<double> starts_do_not_count(Mistake mistake, std::uint64_t seed) {
     for (std::uint64_t scan = 1; scan <= k_burn_in; ++scan)
       ReferenceSteps(setting, streams, mistake).visit(scan, chain);
     draws.push_back(satisfies(chain.state) ? 1 : 0);
-    // Draws of one chain hang together: their mean is one number.
+    // Draws of one chain are correlated, so their mean counts once.
     shares.push_back(sum(draws) / static_cast<double>(draws.size()));
   }
   return {mean_p(shares, mass_of(k_toy, 1, satisfies) / sum(k_toy.masses(1)))};
@@ -310,8 +310,8 @@ std::vector<double> pool_satisfied_is_right(PoolMistake mistake, std::uint64_t s
 }
 
 std::vector<double> pool_given_z_is_right(PoolMistake mistake, std::uint64_t seed) {
-  // An island given an exact draw has the law of a free one times Z' / Z: so 1 / Z' has the mean
-  // 1 / Z, where no island dies.
+  // An island given an exact draw is distributed like a free island reweighted by Z' / Z. So the
+  // mean of 1 / Z' is 1 / Z if no island dies.
   constexpr std::uint32_t k_given = 20'000;
   const PooledToy world(mistake);
   const PooledToy::Guide guide;

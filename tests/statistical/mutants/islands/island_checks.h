@@ -1,8 +1,8 @@
-// The checks that right islands pass and each mutant fails one of. A check takes a mistake and a
-// seed and gives p-values: of right code they are uniform.
+// Checks that right islands pass and of which each mutant fails one. A check takes a mistake and a
+// seed and returns p-values, which are uniform for right code.
 //
-// Means of estimates are compared with enumeration in standard errors, and told as the normal
-// distribution's two-sided p: the threshold of 1e-5 is 4.4 errors.
+// Means of estimates are compared with enumeration in standard errors, converted to the normal
+// distribution's two-sided p-value. The threshold of 1e-5 is 4.4 errors.
 #pragma once
 
 #include <cstdint>
@@ -23,41 +23,42 @@ struct IslandCheck {
   std::vector<double> (*p_values)(M mistake, std::uint64_t seed);
 };
 
-/// A p-value below this rejects.
+/// A p-value below this limit rejects.
 inline constexpr double k_rejects_below = 1e-5;
-/// What mutants stay below with the seed of the suite: so far from the threshold that they fail
-/// with other seeds too.
+/// Mutants stay below this limit with the suite's seed, far enough from the threshold to fail with
+/// other seeds too.
 inline constexpr double k_mutants_below = 1e-9;
 
-/// The settings that the reference is compared with the real code in, and some of the checks'.
+/// Settings for the comparison of the reference with the real code, and for some checks.
 const std::vector<IslandSetting>& island_settings();
 
 // Checks of the staged toy.
-/// The mean Z of free islands.
+/// Tests the mean Z of free islands.
 std::vector<double> z_is_right(Mistake mistake, std::uint64_t seed);
-/// The mean P(satisfied) of free islands.
+/// Tests the mean P(satisfied) of free islands.
 std::vector<double> satisfied_is_right(Mistake mistake, std::uint64_t seed);
-/// The mean of Z times whether the island's draw satisfies.
+/// Tests the mean of Z times an indicator that the island's draw satisfies.
 std::vector<double> draws_are_weighed(Mistake mistake, std::uint64_t seed);
-/// Exact draws after conditional steps.
+/// Tests exact draws after conditional steps.
 std::vector<double> conditional_keeps(Mistake mistake, std::uint64_t seed);
-/// The same where the guide overrates walkers that fell: how many of the draws had fallen.
+/// Tests conditional steps with a guide that overrates fallen walkers, by the number of draws that
+/// had fallen.
 std::vector<double> conditional_keeps_rescued(Mistake mistake, std::uint64_t seed);
-/// Exact draws after conditional steps with local moves between them.
+/// Tests exact draws after conditional steps alternating with local moves.
 std::vector<double> conditional_keeps_among_moves(Mistake mistake, std::uint64_t seed);
-/// Exact draws after independence steps.
+/// Tests exact draws after independence steps.
 std::vector<double> independence_keeps(Mistake mistake, std::uint64_t seed);
-/// Exact draws after independence steps with local moves between them.
+/// Tests exact draws after independence steps alternating with local moves.
 std::vector<double> independence_keeps_among_moves(Mistake mistake, std::uint64_t seed);
-/// Exact draws after visits: each a conditional step and three independence steps.
+/// Tests exact draws after visits, each a conditional step and three independence steps.
 std::vector<double> visits_keep(Mistake mistake, std::uint64_t seed);
-/// How many of the draws satisfy, of chains that a search starts.
+/// Tests the share of satisfying draws in chains that a search starts.
 std::vector<double> starts_do_not_count(Mistake mistake, std::uint64_t seed);
 
 // Checks of the pooled toy.
 std::vector<double> pool_z_is_right(PoolMistake mistake, std::uint64_t seed);
 std::vector<double> pool_satisfied_is_right(PoolMistake mistake, std::uint64_t seed);
-/// The mean of 1 / Z of islands given exact draws.
+/// Tests the mean of 1 / Z of islands given exact draws.
 std::vector<double> pool_given_z_is_right(PoolMistake mistake, std::uint64_t seed);
 std::vector<double> pool_conditional_keeps(PoolMistake mistake, std::uint64_t seed);
 std::vector<double> pool_independence_keeps(PoolMistake mistake, std::uint64_t seed);

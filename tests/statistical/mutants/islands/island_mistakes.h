@@ -1,4 +1,4 @@
-// Each mistake, the check that catches it, and why that one sees it.
+// Each mistake with the check that catches it, and the reason why.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@ namespace sleight::statistical {
 template <class M>
 struct IslandMutant {
   M mistake;
-  const char* name;  ///< of the enumerator
+  const char* name;  ///< Name of the enumerator.
   std::vector<double> (*check)(M mistake, std::uint64_t seed);
-  const char* why;  ///< the check sees it
+  const char* why;  ///< The reason why the check detects the mistake.
 };
 
 const std::vector<IslandMutant<Mistake>>& island_mutants();

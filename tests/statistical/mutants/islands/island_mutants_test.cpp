@@ -1,4 +1,4 @@
-// Contract C3, the other way round, for islands: right islands pass the statistical checks, and
+// Contract C3 for islands, with negative controls: right islands pass the statistical checks, and
 // each known mistake fails one.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using Islands = sampling::Islands<SearchedToy>;
 constexpr std::uint64_t k_seed = 20270201;
 constexpr std::uint64_t k_seeds = 3;
 
-/// What the checks use, and settings at the edges.
+/// The checks' settings, and extreme settings.
 std::vector<IslandSetting> all_settings() {
   std::vector<IslandSetting> all = island_settings();
   for (const std::uint32_t particles : {1U, 2U, 3U, 7U, 40U}) {
@@ -36,7 +36,7 @@ std::vector<IslandSetting> all_settings() {
   return all;
 }
 
-/// A state that may be given: its p_c is above 0.
+/// Returns a state with p_c > 0, as a given state must have.
 StagedToy::State state_of(const sampling::ChainStreams& streams) {
   const StagedToy toy;
   random::Stream stream = streams.at(random::Purpose::start, 0);
@@ -59,8 +59,8 @@ void expect_equal(const sampling::Island<SearchedToy>& real, const ReferenceIsla
 }
 
 TEST(StagedReference, MakesTheSameIslands) {
-  // Goal: mutants are the real algorithm with one mistake. Method: free islands, and islands given
-  // a state, of many settings, seeds and numbers: equal bit by bit.
+  // Goal: mutants are the real algorithm with one mistake. Method: compare free and conditional
+  // islands of many settings, seeds and numbers bit by bit.
   const SearchedToy world;
   int dead = 0;
   int unreachable = 0;
@@ -87,7 +87,7 @@ TEST(StagedReference, MakesTheSameIslands) {
   EXPECT_GT(unreachable, 100);
 }
 
-/// One step of the real chain and the same of the reference.
+/// One step of the real chain, and of the reference.
 struct BothChains {
   sampling::ParticleSample<SearchedToy> real;
   ReferenceChain reference;
@@ -99,8 +99,8 @@ void expect_equal(const BothChains& chains) {
 }
 
 TEST(StagedReference, MakesTheSameSteps) {
-  // Goal: the same of chains. Method: conditional steps, independence steps and local moves by
-  // turns, from states of the prior: equal states and equal Z after each.
+  // Goal: the reference's chains equal the real ones. Method: alternate conditional steps,
+  // independence steps and local moves from prior states; states and Z are equal after each.
   const SearchedToy world;
   int stale = 0;
   for (const IslandSetting& setting : all_settings()) {
@@ -136,7 +136,8 @@ TEST(StagedReference, MakesTheSameSteps) {
 }
 
 TEST(StagedReference, MakesTheSameVisits) {
-  // Goal: the same of a run's visits, also where a start has no mass. Method: as above.
+  // Goal: the reference's visits equal a run's, even from a start of zero density. Method: as
+  // above.
   const SearchedToy world;
   int without_mass = 0;
   for (const IslandSetting& setting : all_settings()) {
@@ -162,7 +163,7 @@ TEST(StagedReference, MakesTheSameVisits) {
   EXPECT_GT(without_mass, 20);
 }
 
-/// The least p-value, printed.
+/// Prints and returns the least p-value.
 template <class M>
 double least_p(const IslandCheck<M>& check, M mistake, std::uint64_t seed) {
   const double least = std::ranges::min(check.p_values(mistake, seed));
@@ -174,14 +175,14 @@ class RightIslands : public testing::TestWithParam<IslandCheck<Mistake>> {};
 class RightPools : public testing::TestWithParam<IslandCheck<PoolMistake>> {};
 
 TEST_P(RightIslands, PassTheCheck) {
-  // Goal: what rejects mutants doesn't reject the right code. Method: the same checks without a
-  // mistake, three seeds.
+  // Goal: checks that reject mutants don't reject the right code. Method: the same checks without a
+  // mistake, with several seeds.
   for (std::uint64_t seed = k_seed; seed < k_seed + k_seeds; ++seed)
     EXPECT_GT(least_p(GetParam(), Mistake::none, seed), k_rejects_below);
 }
 
 TEST_P(RightPools, PassTheCheck) {
-  // Goal and method: the same.
+  // Goal: the same for pools. Method: as above.
   for (std::uint64_t seed = k_seed; seed < k_seed + k_seeds; ++seed)
     EXPECT_GT(least_p(GetParam(), PoolMistake::none, seed), k_rejects_below);
 }
@@ -198,12 +199,12 @@ void expect_caught(const IslandMutant<M>& mutant, const std::vector<IslandCheck<
 }
 
 TEST_P(IslandMutants, AreCaught) {
-  // Goal: the checks can fail, each for what it is there for. Method: each mistake, by its check.
+  // Goal: each check can fail, for its own mistakes. Method: run each mistake's check on it.
   expect_caught(GetParam(), island_checks());
 }
 
 TEST_P(PoolMutants, AreCaught) {
-  // Goal and method: the same.
+  // Goal: the same for pools. Method: as above.
   expect_caught(GetParam(), pool_checks());
 }
 
@@ -230,7 +231,8 @@ void expect_all_used(const std::vector<IslandMutant<M>>& mutants,
 }
 
 TEST(IslandChecks, EachMistakeAndEachCheckIsUsed) {
-  // Goal: nothing is forgotten in the tables. Method: count; enumerators are numbered from 0.
+  // Goal: the tables contain every mistake and every check. Method: count; enumerators are numbered
+  // from 0.
   expect_all_used(island_mutants(), island_checks(), Mistake::start_of_a_search_counts);
   expect_all_used(pool_mutants(), pool_checks(), PoolMistake::retained_drops_share_a_place);
 }

@@ -15,12 +15,12 @@ using Spots = std::array<double, PooledToy::k_spots>;
 
 /// The prior of a drop's spot.
 constexpr Spots k_prior{0.3, 0.15, 0.05, 0.3, 0.2};
-/// Where drops for each bin are drawn from, besides the prior.
+/// Distributions of drops aimed at each bin, besides the prior.
 constexpr std::array<Spots, PooledToy::k_bins> k_aimed{Spots{0.5, 0.4, 0.1, 0, 0},
                                                        Spots{0, 0, 0.7, 0.2, 0.1}};
 constexpr double k_prior_share = 0.05;
 
-/// The bin that a ball falls into where all is empty; k_bins is elsewhere.
+/// The bin that a ball falls into if all bins are empty; k_bins is elsewhere.
 constexpr std::array<std::uint32_t, PooledToy::k_spots> k_alone{0, 0, 1, 2, 2};
 
 /// q of a stratum.
@@ -35,7 +35,7 @@ std::uint32_t draw_of(std::uint32_t bin, random::Stream& stream) {
   return static_cast<std::uint32_t>(random::draw_by_share(densities, stream));
 }
 
-/// p / q, q the mean of the strata's.
+/// p / q, where q is the mean over strata.
 double prior_over_q(std::uint32_t spot) {
   double sum = 0;
   for (std::uint32_t bin = 0; bin < PooledToy::k_bins; ++bin)
@@ -43,13 +43,13 @@ double prior_over_q(std::uint32_t spot) {
   return k_prior.at(spot) * PooledToy::k_bins / sum;
 }
 
-/// How promising a drop is after these balls. A guess: any is right.
+/// A guess of how promising a drop is after the outcome's balls. The method is exact for any guess.
 double guess_of(std::uint32_t spot, const PooledToy::Outcome& outcome) {
   const std::uint32_t bin = k_alone.at(spot);
   return bin < PooledToy::k_bins && !outcome.is_full.at(bin) ? 0.9 : 0.2;
 }
 
-/// One more ball. A ball on a full bin falls elsewhere, but from spot 1 it rolls into bin 1.
+/// Adds one ball. A ball on a full bin falls elsewhere, but from spot 1 it rolls into bin 1.
 PooledToy::Outcome with_ball(PooledToy::Outcome outcome, std::uint32_t spot) {
   std::uint32_t bin = k_alone.at(spot);
   if (spot == 1 && outcome.is_full[0]) bin = 1;
@@ -126,7 +126,8 @@ PooledToy::Ground PooledToy::draw_ground(const Guide& /*guide*/, random::Stream&
   return ground;
 }
 
-/// Puts each ball's drop in an unused place of a stratum that may have given it.
+/// Puts each ball's drop in an unused place of a random stratum, with probability proportional to
+/// the stratum's density.
 PooledToy::Ground PooledToy::ground_given(const Guide& guide, const State& state,
                                           random::Stream& stream) const {
   const std::uint32_t n = drops_of_stratum();
@@ -169,7 +170,7 @@ PooledToy::Choices PooledToy::choices(const Ground& ground, const Prefix& prefix
   Choices choices;
   for (std::uint32_t place = 0; place < ground.spots.size(); ++place) {
     const std::uint32_t spot = ground.spots[place];
-    // Makes up for drops of the stratum that are used.
+    // Corrects for used drops of the stratum.
     double s = n / static_cast<double>(std::max(unused_of_stratum(prefix, place / n), 1U));
     if (makes(PoolMistake::walk_count_left_out)) s = 1;
     const double v = makes(PoolMistake::prior_weight_left_out) ? 1 : prior_over_q(spot);
@@ -189,7 +190,7 @@ sampling::Extension PooledToy::leave_out(const Guide& guide, Prefix& prefix) con
 
 sampling::Extension PooledToy::drop(const Guide& guide, const Ground& ground, std::uint32_t place,
                                     Prefix& prefix) const {
-  // S / (K g), before the ball changes what is chosen.
+  // S / (K g), before the ball changes the choices.
   const std::uint32_t spot = ground.spots[place];
   const std::ptrdiff_t drops = makes(PoolMistake::unused_drops_counted)
                                    ? std::ranges::count(prefix.is_used, false)

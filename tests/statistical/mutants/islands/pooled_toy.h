@@ -1,17 +1,17 @@
-// A world that acts in stages by choosing drops out of a pool, as balls that spell do
-// (worker/worlds/spelling/pouring_stages.h, which explains the weights), so small that all states
-// are known; and with a place for one mistake.
+// A world that acts in stages by choosing drops from a pool, as balls that spell do
+// (worker/worlds/spelling/pouring_stages.h explains the weights). The world is small enough to
+// enumerate, and can make one mistake.
 //
-// Three balls fall into two bins, or elsewhere, by which of five spots they drop from. A ball takes
-// part with probability 1/2. A state says of each ball: no part, or its spot. Balls that fill a bin
-// make the next ones above it fall elsewhere, so balls of one spot are worth less than balls of
-// different ones.
+// Three balls fall into two bins, or elsewhere, depending on which of five spots they drop from. A
+// ball takes part with probability 1/2. A state has for each ball: no part, or its spot. Balls that
+// fill a bin make later balls above it fall elsewhere, so balls of one spot are worth less than
+// balls of different spots.
 //
-// A pool has two strata of three drops, as few as there may be for three balls. Stratum b is drawn
-// from q_b = 0.05 p + 0.95 d_b, where d_b knows which spots lead to bin b.
+// A pool has two strata of three drops, the minimum for three balls. Stratum b is drawn from q_b =
+// 0.05 p + 0.95 d_b, where d_b is aimed at bin b.
 //
-// Dice have a simpler pool (worker/worlds/dice/throw_stages.h), that of one stratum and one choice:
-// the same S / (K g) without the parts that a drop's use needs.
+// Dice have a simpler pool (worker/worlds/dice/throw_stages.h) with one stratum and one choice: the
+// same S / (K g) without the terms for used drops.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -25,7 +25,7 @@
 
 namespace sleight::statistical {
 
-/// One thing that the world does wrong. Why a check sees it: island_mistakes.cpp.
+/// A mistake of the world. island_mistakes.cpp explains why a check detects it.
 enum class PoolMistake {
   none,
   pool_weight_left_out,
@@ -50,7 +50,7 @@ class PooledToy {
   static constexpr std::uint32_t k_choices = 1 + k_spots;
   static constexpr std::uint32_t k_states = k_choices * k_choices * k_choices;
 
-  /// The balls' choices as digits, the first ball's first: 0 takes no part, 1 + spot does.
+  /// The balls' choices as digits, the first ball first. 0 means no part; otherwise 1 + spot.
   using State = std::uint32_t;
   struct Outcome {
     std::array<bool, k_bins> is_full{};
@@ -62,14 +62,14 @@ class PooledToy {
     double log_elsewhere = -0.5;
   };
   struct Ground {
-    std::vector<std::uint32_t> spots{};  ///< of the pool's drops, stratum by stratum
-    /// Of a given state: by ball, its place in the pool.
+    std::vector<std::uint32_t> spots{};  ///< Spots of the pool's drops, stratum by stratum.
+    /// Place in the pool by ball, for a given state.
     std::array<std::uint32_t, k_balls> retained{};
   };
   struct Prefix {
     State digits = 0;
     Outcome outcome{};
-    std::vector<bool> is_used{};  ///< by drop of the pool
+    std::vector<bool> is_used{};  ///< By drop of the pool.
   };
 
   explicit PooledToy(PoolMistake mistake = PoolMistake::none) : mistake_(mistake) {}
@@ -81,7 +81,7 @@ class PooledToy {
   Outcome simulate(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
   bool satisfied(const Outcome& outcome) const { return outcome.is_full[0] && outcome.is_full[1]; }
-  /// Another choice of one ball.
+  /// Proposes another choice of one ball.
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const;
   std::uint32_t proposal_kinds() const { return 1; }
 
@@ -102,10 +102,10 @@ class PooledToy {
   std::vector<double> masses(double beta) const;
 
  private:
-  /// How the drops of a pool are chosen after a prefix.
+  /// Distribution of the drops that are chosen after a prefix.
   struct Choices {
-    std::vector<double> shares{};  ///< v s g of unused drops, 0 of others
-    double sum = 0;                ///< S
+    std::vector<double> shares{};  ///< v s g of unused drops, 0 of others.
+    double sum = 0;                ///< The sum S.
   };
 
   bool makes(PoolMistake mistake) const { return mistake_ == mistake; }

@@ -1,4 +1,4 @@
-// The staged toy with all that a run asks of a world that acts in stages: for visits and searches.
+// The staged toy with everything that visits and searches of a run require of a world.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 namespace sleight::statistical {
 
 struct SearchedToy : StagedToy {
-  /// A try is any choice, as likely as the others; it is promising if the walker stands.
+  /// A try is a uniform choice, and promising if the walker has not fallen.
   struct Builder {
     using Prefix = StagedToy::Prefix;
     std::uint32_t stages() const { return k_stages; }

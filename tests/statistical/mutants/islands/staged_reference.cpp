@@ -12,7 +12,7 @@ namespace {
 
 using sampling::k_log_zero;
 
-/// Weights over their sum.
+/// Returns the normalised weights.
 std::vector<double> shares_of(const std::vector<double>& log_weights) {
   const double greatest = *std::ranges::max_element(log_weights);
   std::vector<double> shares;
@@ -34,8 +34,8 @@ double effective_size_of(const std::vector<double>& shares) {
   return 1 / squares;
 }
 
-/// Particles lie one after another, each with an arc of N W; for the points offset, offset + 1, ...
-/// the first particle whose arc ends beyond the point.
+/// Particles are consecutive arcs of length N W. For each of the points offset, offset + 1, ...,
+/// returns the first particle whose arc ends beyond the point.
 std::vector<std::uint32_t> particles_at_points(const std::vector<double>& shares, double offset) {
   const std::size_t count = shares.size();
   std::vector<double> ends;
@@ -55,7 +55,7 @@ std::vector<std::uint32_t> particles_at_points(const std::vector<double>& shares
   return found;
 }
 
-/// Place n gets what stood `places` further on.
+/// Rotates, so that place n gets the ancestor from `places` further on.
 std::vector<std::uint32_t> turned(const std::vector<std::uint32_t>& ancestors,
                                   std::uint64_t places) {
   std::vector<std::uint32_t> result;
@@ -69,8 +69,8 @@ std::vector<std::uint32_t> ancestors_by(const std::vector<double>& shares, rando
   return turned(found, random::UniformInteger{.count = found.size()}.draw(stream));
 }
 
-/// Given that the first of the next particles descends from the first one: the offset weighs as
-/// many points as it finds in the first arc.
+/// Conditions on the first new particle descending from the first old one. An offset's weight is
+/// the number of points that it puts into the first arc.
 std::vector<std::uint32_t> ancestors_with_first(const std::vector<double>& shares,
                                                 random::Stream& stream) {
   const double length = static_cast<double>(shares.size()) * shares[0];
@@ -152,7 +152,7 @@ void ReferenceIslands::extend(Making& making, std::uint32_t stage, std::uint32_t
   Particle& particle = making.particles[n];
   const bool is_retained = making.retained && n == 0;
 
-  // Choose, and move the walker on.
+  // Choose, and move the walker.
   random::Stream stream = stream_of(random::Purpose::extension, making.number,
                                     makes(Mistake::stages_share_numbers) ? 0 : stage, n);
   const sampling::Extension extension =
@@ -160,7 +160,7 @@ void ReferenceIslands::extend(Making& making, std::uint32_t stage, std::uint32_t
           ? k_toy.extend_as(setting_.guide, making.ground, *making.retained, stage, particle.prefix)
           : k_toy.extend(setting_.guide, making.ground, stage, particle.prefix, stream);
 
-  // Weigh: by the choice, by the new potential, and by the old one, which is taken off.
+  // Weigh by the choice, multiply by the new potential, and divide by the old one.
   const bool is_last = stage + 1 == Toy::k_stages;
   const double beta =
       makes(Mistake::temperature_forgotten) ? 1 : setting_.options.inverse_temperature;
@@ -203,7 +203,7 @@ void ReferenceIslands::resample(Making& making, std::uint32_t stage) const {
   const auto count = static_cast<double>(making.particles.size());
   if (effective_size_of(shares_of(log_weights)) >= setting_.options.resample_below * count) return;
 
-  // The mean weight goes into Z; the next particles have weight 1.
+  // Multiply Z by the mean weight; the new particles have weight 1.
   random::Stream stream = stream_of(random::Purpose::resampling, making.number, stage, 0);
   std::vector<Particle> next;
   for (const std::uint32_t ancestor : ancestors(making, stream)) {
@@ -229,7 +229,7 @@ double ReferenceIslands::log_satisfied(const Making& making) const {
   for (const Particle& particle : making.particles) {
     const bool satisfies =
         !particle.is_dead() && k_toy.satisfied(k_toy.outcome_of(particle.prefix));
-    // The last potential is p_c, which P(satisfied) doesn't have.
+    // Remove the last potential, p_c, which P(satisfied) excludes.
     double log_weight = particle.log_weight - particle.log_potential;
     if (makes(Mistake::constraint_left_in_satisfied)) log_weight = particle.log_weight;
     if (makes(Mistake::satisfied_are_counted)) log_weight = 0;
@@ -247,7 +247,7 @@ std::uint32_t ReferenceIslands::drawn_particle(const Making& making) const {
   }
   if (making.retained && makes(Mistake::retained_never_drawn)) {
     log_weights[0] = k_log_zero;
-    // Nothing else is left.
+    // Only the retained particle is alive.
     if (std::ranges::max(log_weights) == k_log_zero) return 0;
   }
   random::Stream stream = stream_of(random::Purpose::particle, making.number, 0, 0);
@@ -269,7 +269,7 @@ ReferenceIsland ReferenceIslands::finished(const Making& making) const {
   return island;
 }
 
-/// Its guide was learnt before anything counts.
+/// Returns islands whose guide is fixed before sampling.
 ReferenceIslands ReferenceSteps::islands(const ReferenceChain& chain) const {
   IslandSetting setting = setting_;
   if (makes(Mistake::guide_learns_from_the_chain) && !StagedToy::has_fallen(chain.state))
@@ -287,7 +287,7 @@ void ReferenceSteps::conditional(std::uint64_t number, ReferenceChain& chain) co
 void ReferenceSteps::independent(std::uint64_t number, ReferenceChain& chain) const {
   const ReferenceIslands islands_now = islands(chain);
 
-  // Know Z of an island that the present state was drawn from.
+  // If Z is stale, estimate it from an island given the current state.
   bool stays = false;
   if (!chain.log_z) {
     const ReferenceIsland own = makes(Mistake::stale_z_of_a_free_island)

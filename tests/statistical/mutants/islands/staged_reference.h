@@ -1,10 +1,11 @@
-// Islands and their chains once more, for the staged toy alone: slow, plain, and with a place for
-// one mistake. Without a mistake results equal those of the real code (worker/sampling/island.h,
-// particle_steps.h, worker/run/island_scan.h) bit by bit; so what a mistake changes is our
-// algorithm.
+// Islands and their chains reimplemented for the staged toy: slow, plain, and with a place for one
+// mistake. Without a mistake, results equal those of the real code (worker/sampling/island.h,
+// particle_steps.h, worker/run/island_scan.h) bit by bit. So a mistake here is a mistake in the
+// real algorithm.
 //
-// Random numbers, sums of logs, and the toy itself are shared with the real code: they have tests
-// of their own. Everything that decides what is weighed, kept, drawn or accepted is written again.
+// The reference shares random numbers, sums of logs and the toy with the real code, because these
+// have tests of their own. Everything that determines weights, resampling, draws and acceptance is
+// reimplemented.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -20,7 +21,7 @@ namespace sleight::statistical {
 
 inline constexpr StagedToy k_toy{};
 
-/// One thing that the reference does wrong. Why a check sees it: island_mistakes.cpp.
+/// A mistake of the reference. island_mistakes.cpp explains why a check detects it.
 enum class Mistake {
   none,
   // Weights of a free island, and Z.
@@ -90,17 +91,17 @@ class ReferenceIslands {
  private:
   struct Particle {
     Toy::Prefix prefix{};
-    double log_weight = 0;     ///< since the last resampling; -infinity: it is dead
-    double log_potential = 0;  ///< that log_weight has in it
+    double log_weight = 0;     ///< Since the last resampling; -infinity: dead.
+    double log_potential = 0;  ///< The potential included in log_weight.
     bool is_dead() const { return log_weight == sampling::k_log_zero; }
   };
-  /// An island in the making.
+  /// An island under construction.
   struct Making {
     std::uint64_t number = 0;
     std::optional<Toy::State> retained{};
     Toy::Ground ground = 0;
     std::vector<Particle> particles{};
-    double log_z_before = 0;  ///< of the resamplings so far
+    double log_z_before = 0;  ///< Log of Z's factors from the resamplings so far.
   };
 
   bool makes(Mistake mistake) const { return mistake_ == mistake; }
