@@ -21,13 +21,13 @@ double uniform_of(std::uint64_t bits) {
   return static_cast<double>(bits >> 11U) * 0x1p-53;
 }
 
-/// Which ends of the ladder a replica has come to, in order, and when.
+/// A replica's arrival at an end of the ladder.
 struct EndVisit {
   std::uint64_t scan = 0;
   bool coolest = false;
 };
 
-/// Counts in the rounds what is read off a replica's whole way.
+/// Counts each round's round trips and restarts from a replica's whole path.
 void count_trips(const std::vector<EndVisit>& visits, std::vector<RoundReport>& rounds) {
   const auto round_at = [&](std::uint64_t scan) -> RoundReport& {
     std::size_t round = rounds.size() - 1;
@@ -35,7 +35,7 @@ void count_trips(const std::vector<EndVisit>& visits, std::vector<RoundReport>& 
       --round;
     return rounds[round];
   };
-  // Visits in a row to one end are one.
+  // Consecutive visits to one end count once.
   std::vector<EndVisit> ends;
   for (const EndVisit& visit : visits) {
     if (ends.empty() || ends.back().coolest != visit.coolest) ends.push_back(visit);
@@ -109,7 +109,7 @@ SlowLadder slow_ladder(const LadderOptions& options, const plan::UnitWorker& wor
     states[scan.replica] = done.state_after;
     const plan::ScanRecord& record = done.scans.front();
     lineages[scan.replica] = record.lineage;
-    // A ladder's ends are at 0 and 1; those that anneal are on their way.
+    // A ladder's ends are at 0 and 1; annealing replicas are still on their way.
     if (scan.scan < options.anneal_scans) return record;
     if (scan.inverse_temperature == 0) visits[scan.replica].push_back({scan.scan, false});
     if (scan.inverse_temperature == 1) {

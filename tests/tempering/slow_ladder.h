@@ -1,7 +1,7 @@
-// Parallel tempering as its loop says it (tests/tempering/tempering_loop.h), run with a worker, so
-// that LadderRun and block runners can be held against it: what was asked for and what came of it
-// is kept by place. Round trips and solutions are counted here, from whole ways. What is learnt at
-// a round's end is the one thing that both share; ladder_round_test.cpp works it out by hand.
+// Parallel tempering by its plain loop (tests/tempering/tempering_loop.h) with a worker, as a
+// reference for LadderRun and block runners. Units and results are stored by place. Round trips and
+// solutions are counted here from whole paths. Only the adaptation between rounds is shared with
+// the real code; ladder_round_test.cpp verifies that by hand.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,16 @@
 
 namespace sleight::sampling {
 
-/// A worker whose results hang on all that a unit says but its seed, and on the state before it:
-/// what is handed out wrongly once is different for ever.
+/// A worker whose results depend on every field of a unit but its seed, and on the state before it.
+/// So a single wrong unit changes all later results.
 class HashedWorker final : public plan::UnitWorker {
  public:
   struct Options {
     std::uint64_t seed = 1;
-    /// log_constraint lies in (-roughness, 0), the roughness of every 32 scans drawn from these.
+    /// log_constraint is in (-roughness, 0). Each 32 scans draw their roughness from this list.
     std::vector<double> roughness{1};
-    double broken = 0;     ///< how often log_constraint is -infinity
-    double satisfied = 0;  ///< how often a scan is satisfied
+    double broken = 0;     ///< Probability that log_constraint is -infinity.
+    double satisfied = 0;  ///< Probability that a scan is satisfied.
   };
   explicit HashedWorker(Options options) : options_(std::move(options)) {}
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override;
@@ -34,18 +34,18 @@ class HashedWorker final : public plan::UnitWorker {
 };
 
 struct SlowLadder {
-  std::vector<RoundReport> rounds;       ///< the present one last, as LadderRun has them
-  std::vector<std::uint64_t> solutions;  ///< likewise
-  using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< replica, scan
+  std::vector<RoundReport> rounds;       ///< The current round last, as in LadderRun.
+  std::vector<std::uint64_t> solutions;  ///< By round, the current one last.
+  using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< (replica, scan).
   std::map<Place, plan::Unit> units;
   std::map<Place, plan::UnitResult> results;
 };
 
-/// So many scans of it, those that anneal included.
+/// Runs `scans` scans, annealing included.
 SlowLadder slow_ladder(const LadderOptions& options, const plan::UnitWorker& worker,
                        std::uint64_t scans);
 
-/// All that rounds say, bit for bit.
+/// Returns all numbers of the rounds, bit for bit.
 std::vector<std::uint64_t> fingerprint(std::span<const RoundReport> rounds,
                                        std::span<const std::uint64_t> solutions);
 

@@ -23,7 +23,7 @@ std::vector<plan::ScanRecord> explore(RoundReport& round, std::span<const std::u
 }
 
 /// Pairs (i, i + 1) with i + scan even swap temperatures, each with probability min(1, ratio). The
-/// hotter level addresses the pair's random numbers, as a replica does elsewhere.
+/// hotter level addresses the pair's random numbers, as replicas do elsewhere.
 void communicate(const LadderOptions& options, std::span<const double> ladder, std::uint64_t scan,
                  std::span<const plan::ScanRecord> made, std::span<std::uint32_t> at) {
   for (std::uint32_t i = scan % 2; i + 1 < at.size(); i += 2) {
@@ -45,7 +45,7 @@ void communicate(const LadderOptions& options, std::span<const double> ladder, s
 std::vector<RoundReport> tempering_loop(const LadderOptions& options, std::uint64_t scans,
                                         const MakeScan& make_scan) {
   std::vector<RoundReport> rounds{first_round(options)};
-  std::vector<std::uint32_t> at;  // by level, hottest first: the replica
+  std::vector<std::uint32_t> at;  // Replica by level, hottest first.
   std::uint32_t born = 0;
   while (born < options.first_ladder.size())
     at.push_back(born++);

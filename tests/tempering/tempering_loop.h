@@ -1,9 +1,9 @@
-// Parallel tempering as one loop: what the method means, on one screen (tempering_loop.cpp).
+// Parallel tempering as one loop, which defines the method on one screen (tempering_loop.cpp).
 //
-// Runs go through LadderRun (worker/sampling/ladder_run.h), where replicas run ahead of one another
-// and are handed out in blocks to any number of workers (block_runner.h there); tests hold these to
-// this loop's results, bit for bit. It has none of their bookkeeping, and the swap stands here in
-// full, not taken from swap.h.
+// Runs use LadderRun (worker/sampling/ladder_run.h), in which replicas get ahead of one another and
+// any number of workers run blocks (block_runner.h there). Tests compare both with this loop's
+// results, bit for bit. The loop needs none of their bookkeeping, and contains the swap in full,
+// independent of swap.h.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@
 
 namespace sleight::sampling {
 
-/// A scan of one replica, from its own state after its last scan. At inverse temperature 0 it is a
-/// fresh draw from the prior; a replica's first scan is one too, in whichever round it is born.
+/// One replica's scan, from its state after its last scan. A scan at inverse temperature 0 is a new
+/// prior draw, and so is a replica's first scan, in any round.
 struct LoopScan {
   std::uint32_t replica = 0;
   std::uint64_t scan = 0;
@@ -26,8 +26,8 @@ struct LoopScan {
 };
 using MakeScan = std::function<plan::ScanRecord(const LoopScan&)>;
 
-/// So many scans of one ladder, those that anneal included: its rounds, the present one last; that
-/// one may have no scans yet. Round trips and restarts are not counted.
+/// Runs `scans` scans of one ladder, annealing included, and returns its rounds. The current round
+/// is last, possibly without scans. Round trips and restarts are not counted.
 std::vector<RoundReport> tempering_loop(const LadderOptions& options, std::uint64_t scans,
                                         const MakeScan& make_scan);
 
