@@ -1,4 +1,4 @@
-// Arrays of draws of every sort that a diagnostic may meet, for the comparison with R's posterior.
+// Arrays of draws of every kind that a diagnostic may get, for the comparison with R's posterior.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 namespace sleight::posterior {
 
 struct Array {
-  std::string name;  ///< no spaces: number, kind, shape
+  std::string name;  ///< Number, kind and shape, without spaces.
   sampling::OwnedChains draws;
 };
 
-/// The same for the same seed: every kind at many shapes, from 1 to 8 chains of 1 to 2000 draws.
+/// Returns every kind in many shapes, from 1 to 8 chains of 1 to 2000 draws. The result depends
+/// only on the seed.
 std::vector<Array> arrays(std::uint64_t seed);
 
 }  // namespace sleight::posterior
