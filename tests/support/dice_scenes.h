@@ -1,4 +1,4 @@
-// Dice that are asked for, by tables and benchmarks alike.
+// Requests for dice, shared by tests and benchmarks.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,8 @@
 
 namespace sleight::tests {
 
-/// One die at a place, to within a tolerance, with a six on top; and with its two along the table.
+/// One die at a place, within a tolerance, with a six on top; `turned`: also with its two along the
+/// table.
 inline worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool turned) {
   constexpr double k_degree = std::numbers::pi / 180;
   worlds::dice::Parameters parameters;

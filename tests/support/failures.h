@@ -1,4 +1,5 @@
-// What property.h and main.cpp of a test program share: which case runs, and what repeats it.
+// State that property.h shares with a test program's main.cpp: the current case, and the command
+// that repeats it.
 #pragma once
 
 #include <cstdint>
@@ -8,32 +9,33 @@
 
 namespace sleight::property {
 
-/// What the environment asks for.
+/// Settings from the environment.
 struct Asked {
-  std::optional<std::uint64_t> only_case;     ///< SLEIGHT_CASE
-  std::optional<std::uint64_t> failing_case;  ///< SLEIGHT_FAIL_CASE
-  bool all = false;                           ///< SLEIGHT_ALL
-  bool long_run = false;                      ///< SLEIGHT_SOAK
+  std::optional<std::uint64_t> only_case;     ///< SLEIGHT_CASE.
+  std::optional<std::uint64_t> failing_case;  ///< SLEIGHT_FAIL_CASE.
+  bool all = false;                           ///< SLEIGHT_ALL.
+  bool long_run = false;                      ///< SLEIGHT_SOAK.
 };
 
-/// Read once. Throws std::invalid_argument, with a message for people, where it makes no sense.
+/// Reads the settings at the first call. Throws std::invalid_argument with a readable message if
+/// they are invalid.
 const Asked& asked();
 
-/// The case that runs now, if any.
+/// The current case, if any.
 std::optional<std::uint64_t> current_case();
 void set_current_case(std::optional<std::uint64_t> number);
 
-/// Whether a loop has come to the case that SLEIGHT_CASE names.
+/// Whether a loop has reached the case of SLEIGHT_CASE.
 bool only_case_was_met();
 /// Whether the case of SLEIGHT_FAIL_CASE has run.
 bool failing_case_was_met();
 
-/// `SLEIGHT_CASE=17 PROGRAM --gtest_filter=TEST`, with whatever else of the environment it wants.
+/// Returns `SLEIGHT_CASE=17 PROGRAM --gtest_filter=TEST`, with the other settings that it needs.
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run);
 
-/// A program's path as one writes it in the project's folder: from the last folder named build on,
-/// or whole.
+/// Returns a program's path relative to the project's folder: from the last folder named build on,
+/// or the whole path.
 std::string path_in_project(std::string_view path);
 
 }  // namespace sleight::property

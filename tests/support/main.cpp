@@ -1,5 +1,5 @@
-// main() of every test program: GoogleTest's own, which after each failure also prints the one
-// command that repeats it (property.h).
+// main() of every test program: GoogleTest's main, which after each failure also prints the command
+// that repeats it (property.h).
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,8 +22,8 @@ std::string this_program() {
   return path_in_project(std::filesystem::read_symlink("/proc/self/exe").string());
 }
 
-/// The test that runs, `Suite.Name`, or empty. Kept here, since GoogleTest's own answer waits for a
-/// lock that it holds while it reports a failure.
+/// The current test as `Suite.Name`, or empty. GoogleTest's own accessor would wait for a lock that
+/// it holds while it reports a failure.
 std::string& current_test() {
   static std::string name;
   return name;
@@ -42,7 +42,7 @@ class Printer : public testing::EmptyTestEventListener {
   }
   void OnTestPartResult(const testing::TestPartResult& result) override {
     if (!result.failed() || current_test().empty() || command() == told_) return;
-    told_ = command();  // once for all that one case fails in
+    told_ = command();  // Once for all failures of one case.
     std::printf("to see it again: %s\n", told_.c_str());
     std::fflush(stdout);
   }
@@ -52,17 +52,17 @@ class Printer : public testing::EmptyTestEventListener {
   std::string told_;
 };
 
-/// Of a process that dies of a signal: a CHECK that failed, or a crash. What it was doing is said
-/// with what a handler may call, near enough: the process ends here either way.
+/// Handles a fatal signal, from a failed CHECK or a crash. fmt::format is not strictly
+/// async-signal-safe, which is acceptable because the process ends anyway.
 void say_and_die(int signal) {
   if (!current_test().empty()) {
     const std::string line = fmt::format("to see it again: {}\n", command());
     [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
   }
-  std::raise(signal);  // SA_RESETHAND: to the system, once this handler is left
+  std::raise(signal);  // SA_RESETHAND: the system handles the signal once this handler returns.
 }
 
-/// Signals that a sanitizer takes care of stay its own.
+/// Handles fatal signals, except those that a sanitizer handles.
 void catch_deaths() {
   for (const int signal : {SIGABRT, SIGSEGV, SIGFPE, SIGILL, SIGBUS}) {
     struct sigaction before {};
@@ -77,7 +77,7 @@ void catch_deaths() {
 int run(int argc, char** argv) {
   testing::InitGoogleMock(&argc, argv);
   const auto only = asked().only_case;
-  testing::UnitTest::GetInstance()->listeners().Append(new Printer);  // they own it
+  testing::UnitTest::GetInstance()->listeners().Append(new Printer);  // The listeners own it.
   catch_deaths();
   const int result = RUN_ALL_TESTS();
   if (only && !testing::GTEST_FLAG(list_tests) && !only_case_was_met()) {

@@ -1,4 +1,4 @@
-// What is no number, and what no number reaches, for all folders' tests.
+// NaN and infinity, for all folders' tests.
 #pragma once
 
 #include <limits>

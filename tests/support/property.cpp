@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
 
-/// A test program runs one test at a time; threads that a case starts only read it.
+/// The current case. A test program runs one test at a time; threads of a case only read it.
 struct Now {
   std::atomic<std::uint64_t> number = k_none;
   bool met = false;
@@ -31,7 +31,8 @@ Now& now() {
   return now;
 }
 
-/// Sanitizers make a case some ten times as dear, and find nothing that depends on its numbers.
+/// With sanitizers a case takes some ten times as long, and they find nothing that depends on the
+/// number of cases.
 constexpr bool runs_a_part() {
 #ifdef SLEIGHT_SANITIZED
   return true;
@@ -40,7 +41,7 @@ constexpr bool runs_a_part() {
 #endif
 }
 
-/// How many of so many cases this build runs.
+/// Returns how many of `count` cases this build runs.
 std::uint64_t of_this_build(std::uint64_t count) {
   if (!runs_a_part() || asked().long_run) return count;
   constexpr std::uint64_t k_part = 4, k_at_least = 10;
@@ -87,7 +88,7 @@ bool failing_case_was_met() {
 
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run) {
-  // A shell would take a typed or valued test's name as it is: '/' and letters only.
+  // Quote the name of a typed or parametrised test for the shell, except '/' and letters.
   return fmt::format("{}{}{} --gtest_filter={}",
                      long_run      ? "SLEIGHT_SOAK=1 "
                      : asked().all ? "SLEIGHT_ALL=1 "
@@ -117,7 +118,8 @@ Cases::Cases(std::uint64_t first, std::uint64_t last, Order order)
 }
 
 Cases::~Cases() {
-  // An exception is reported only after it has left the loop: the case stays until the test ends.
+  // An exception is reported only after it has left the loop, so the case stays set until the test
+  // ends.
   if (std::uncaught_exceptions() == exceptions_) set_current_case(std::nullopt);
 }
 

@@ -1,5 +1,5 @@
-// Property tests: a claim is tried on many random cases, and a case that fails prints the command
-// that repeats it alone.
+// Property tests: a claim is tested on many random cases, and a failed case prints the command that
+// repeats it alone.
 //
 //   for (const std::uint64_t n : property::cases(300)) {
 //     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, n);
@@ -7,28 +7,28 @@
 //     EXPECT_LT(gap_m, 1e-6);
 //   }
 //
-// Each case takes its random numbers from a stream of its own, addressed by the case's number, so
-// that one runs without those before it. A failure of case 17 is followed by
+// Each case draws random numbers from a stream of its own, addressed by the case's number, so a
+// case can run without earlier ones. After a failure of case 17 the program prints
 //
 //   to see it again: SLEIGHT_CASE=17 build/release/tests/tests_unit_x --gtest_filter=Suite.Name
 //
-// Cases that take their numbers from one stream, or go on from one another, are `in_turn`: the
-// command runs those up to the one that failed. A test without such a loop is named without a case,
-// which repeats it too, since seeds are fixed.
+// Cases that share one stream, or that continue from one another, are `in_turn`: the command runs
+// all cases up to the failed one. For a test without such a loop, the command has no case, and
+// still repeats the failure, because seeds are fixed.
 //
-// The environment says what runs:
-//   SLEIGHT_ALL=1        as many cases as deploy/test --all asks for (of_tier)
-//   SLEIGHT_SOAK=1       as many cases as deploy/soak asks for
+// Environment variables select what runs:
+//   SLEIGHT_ALL=1        as many cases as deploy/test --all runs (of_tier)
+//   SLEIGHT_SOAK=1       as many cases as deploy/soak runs
 //                        (the command above repeats either)
-//   SLEIGHT_CASE=n       case n alone, in each loop that has it; of cases in turn all up to it
-//   SLEIGHT_FAIL_CASE=n  case n fails, whatever comes of it: shows what a failure prints
+//   SLEIGHT_CASE=n       case n alone, in each loop that has it; for cases in turn all up to it
+//   SLEIGHT_FAIL_CASE=n  case n fails in any case, to show a failure's output
 //
-// Numbered rules:
+// Rules
 //   1. Loops over cases don't nest, and their bodies run in one thread. Threads that a body starts
 //      and joins may fail too.
-//   2. What is expected of all cases together is asked only where `all_cases()`.
-//      With sanitizers a loop has the first quarter of its cases, and at least ten: the claim is
-//      the release build's to test, memory and undefined behaviour theirs.
+//   2. Test expectations about all cases together only if `all_cases()`. With sanitizers a loop has
+//      the first quarter of its cases, and at least ten, because the release build tests the claim
+//      and sanitizer builds test memory and undefined behaviour.
 //   3. tests/support/main.cpp prints the commands, also for a CHECK, a crash or an exception.
 #pragma once
 
@@ -36,11 +36,11 @@
 
 namespace sleight::property {
 
-/// Whether a case needs those before it.
+/// Whether a case needs earlier cases.
 enum class Order : std::uint8_t { any, in_turn };
 
-/// The numbers first, first + 1, ... below last; with SLEIGHT_CASE that one alone, where it is
-/// among them. For a range-based `for`.
+/// The numbers from `first` to `last` - 1, for a range-based `for`. SLEIGHT_CASE selects one of
+/// them.
 class Cases {
  public:
   Cases(std::uint64_t first, std::uint64_t last, Order order);
@@ -68,7 +68,7 @@ class Cases {
  private:
   std::uint64_t first_;
   std::uint64_t last_;
-  int exceptions_;  ///< under way when the loop began
+  int exceptions_;  ///< Active exceptions when the loop began.
 };
 
 /// Cases 0 to count - 1.
@@ -76,25 +76,25 @@ inline Cases cases(std::uint64_t count) {
   return {0, count, Order::any};
 }
 
-/// Cases 1 to count, for what is made from a seed, which isn't 0.
+/// Cases 1 to count, for uses as a seed, which isn't 0.
 inline Cases seeds(std::uint64_t count) {
   return {1, count + 1, Order::any};
 }
 
-/// Cases 0 to count - 1, of which each needs those before it. REQUIRES: no other loop of the test
-/// takes numbers from the same stream before.
+/// Cases 0 to count - 1, each of which needs earlier cases. REQUIRES: no earlier loop of the test
+/// draws numbers from the same stream.
 inline Cases in_turn(std::uint64_t count) {
   return {0, count, Order::in_turn};
 }
 
-/// False where SLEIGHT_CASE names one, and with sanitizers, which run a part: what many cases
-/// together must come to is not to be asked.
+/// Whether all cases run, so that expectations about many cases together hold. False with
+/// SLEIGHT_CASE and with sanitizers.
 bool all_cases();
 
 /// Whether tests run at the length of deploy/soak.
 bool long_run();
 
-/// `fast` in deploy/test; `all` in deploy/test --all and deploy/soak.
+/// Returns `fast` in deploy/test, and `all` in deploy/test --all and deploy/soak.
 std::uint64_t of_tier(std::uint64_t fast, std::uint64_t all);
 
 }  // namespace sleight::property

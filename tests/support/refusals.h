@@ -1,4 +1,4 @@
-// How work is refused.
+// Helpers for work that must fail.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@
 
 namespace sleight::tests {
 
-/// The exit code of work that must fail with an error that has these words.
+/// Returns the exit code of work that must fail with an error that contains these words.
 inline base::ExitCode failure_of(const std::function<void()>& work, const std::string& words) {
   try {
     work();
