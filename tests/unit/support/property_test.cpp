@@ -1,5 +1,5 @@
-// Which cases a property test runs, and that what a failure prints repeats it. The tests below
-// whose names begin with DISABLED_ fail on purpose; others run this program again for them.
+// Tests which cases a property test runs, and that a failure's command repeats it. Tests whose
+// names begin with DISABLED_ fail on purpose; the others run them by running this program again.
 #include "tests/support/property.h"
 
 #include <fmt/format.h>
@@ -26,14 +26,14 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// As the tests below see them: they are in the output of this program run again.
+/// Prints a case number, which the tests below find in the output.
 void say(std::uint64_t number) {
   fmt::print("<{}>\n", number);
-  std::fflush(stdout);  // a process that dies of a CHECK writes no more
+  std::fflush(stdout);  // A process that a CHECK ends writes no more.
 }
 
 TEST(Planted, DISABLED_Check) {
-  // Goal: a case that ends the process. Method: case 7 of nine.
+  // Goal: provide a case that ends the process. Method: case 7 of nine.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     CHECK(n != 7);
@@ -41,7 +41,7 @@ TEST(Planted, DISABLED_Check) {
 }
 
 TEST(Planted, DISABLED_Exception) {
-  // Goal: a case that leaves its loop. Method: case 7 of nine.
+  // Goal: provide a case that leaves its loop. Method: case 7 of nine.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     if (n == 7) throw std::runtime_error("seven");
@@ -49,7 +49,7 @@ TEST(Planted, DISABLED_Exception) {
 }
 
 TEST(Planted, DISABLED_Expectation) {
-  // Goal: a case that fails more than once. Method: case 7 of nine.
+  // Goal: provide a case that fails more than once. Method: case 7 of nine.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     EXPECT_NE(n, 7);
@@ -58,7 +58,7 @@ TEST(Planted, DISABLED_Expectation) {
 }
 
 TEST(Planted, DISABLED_ExpectationOfAnotherThread) {
-  // Goal: a case that fails elsewhere. Method: case 7 of nine.
+  // Goal: provide a case that fails in another thread. Method: case 7 of nine.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     std::thread([n] { EXPECT_NE(n, 7); }).join();
@@ -66,7 +66,7 @@ TEST(Planted, DISABLED_ExpectationOfAnotherThread) {
 }
 
 TEST(Planted, DISABLED_LongRun) {
-  // Goal: a case that only long runs have. Method: case 7 of nine, or of six.
+  // Goal: provide a case that only long runs have. Method: case 7 of nine, or of six.
   for (const std::uint64_t n : seeds(long_run() ? 9 : 6)) {
     say(n);
     EXPECT_NE(n, 7);
@@ -74,14 +74,14 @@ TEST(Planted, DISABLED_LongRun) {
 }
 
 TEST(Planted, DISABLED_OutsideCases) {
-  // Goal: a failure that is no case's. Method: after a loop.
+  // Goal: provide a failure outside cases. Method: after a loop.
   for (const std::uint64_t n : cases(9))
     say(n);
   ADD_FAILURE();
 }
 
 TEST(Planted, DISABLED_NoFailure) {
-  // Goal: what runs. Method: cases, seeds, and what is asked of all together.
+  // Goal: show what runs. Method: cases, seeds, and expectations about all cases.
   for (const std::uint64_t n : cases(9))
     say(n);
   for (const std::uint64_t n : seeds(3))
@@ -90,14 +90,14 @@ TEST(Planted, DISABLED_NoFailure) {
 }
 
 TEST(Planted, DISABLED_ManyCases) {
-  // Goal: a loop of which a build may run a part. Method: a hundred cases.
+  // Goal: provide a loop of which a build may run a part. Method: a hundred cases.
   for (const std::uint64_t n : cases(100))
     say(n);
   if (all_cases()) say(1000);
 }
 
 TEST(Planted, DISABLED_InTurn) {
-  // Goal: a case that needs those before it. Method: case 7 of nine.
+  // Goal: provide a case that needs earlier ones. Method: case 7 of nine.
   std::uint64_t before = 0;
   for (const std::uint64_t n : in_turn(9)) {
     say(n);
@@ -109,7 +109,8 @@ TEST(Planted, DISABLED_InTurn) {
 class PlantedValues : public ::testing::TestWithParam<int> {};
 
 TEST_P(PlantedValues, DISABLED_Expectation) {
-  // Goal: a test with a value, whose name has slashes. Method: case 7 with one of three.
+  // Goal: provide a parametrised test, whose name has slashes. Method: case 7 with one of three
+  // values.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     EXPECT_FALSE(n == 7 && GetParam() == 3);
@@ -118,7 +119,7 @@ TEST_P(PlantedValues, DISABLED_Expectation) {
 
 INSTANTIATE_TEST_SUITE_P(Odd, PlantedValues, ::testing::Values(1, 3, 5));
 
-/// What a command of a shell printed to both streams, and how it ended (0: well).
+/// A shell command's output on both streams, and its exit status (0: success).
 struct Ended {
   std::string output;
   int status = 0;
@@ -129,7 +130,7 @@ struct Ended {
       found.push_back(std::strtoull(output.c_str() + (at += 2), nullptr, 10));
     return found;
   }
-  /// What the first failure's line says.
+  /// Returns the command in the first failure's output.
   std::string command() const {
     constexpr std::string_view k_said = "\nto see it again: ";
     const std::size_t at = output.find(k_said);
@@ -151,7 +152,7 @@ std::string whole_path() {
 }
 
 Ended ended(const std::string& command) {
-  // Tests with DISABLED_ run, and those of a long or full run of this program stay short.
+  // Run tests with DISABLED_, and limit them if this program itself is a long or full run.
   std::FILE* const pipe =
       popen(fmt::format(
                 "unset SLEIGHT_SOAK SLEIGHT_ALL; export GTEST_ALSO_RUN_DISABLED_TESTS=1; ({}) 2>&1",
@@ -170,7 +171,7 @@ Ended ended_test(const std::string& environment, const std::string& test) {
   return ended(fmt::format("{} {} --gtest_filter={}", environment, whole_path(), test));
 }
 
-/// As printed, from whatever folder this runs in.
+/// Makes a printed command work from the current folder.
 std::string from_here(std::string command) {
   const std::string in_project = path_in_project(whole_path());
   const std::size_t at = command.find(in_project);
@@ -178,8 +179,8 @@ std::string from_here(std::string command) {
 }
 
 TEST(Property, AFailurePrintsTheCommandThatRepeatsItsCase) {
-  // Goal: whatever way a case fails, one line repeats that case alone, and it fails again. Method:
-  // tests that fail in case 7, run by this program; what they print is run.
+  // Goal: however a case fails, one line repeats that case alone, and the case fails again. Method:
+  // run tests that fail in case 7 with this program, then run the printed command.
   for (const char* const test :
        {"Planted.DISABLED_Check", "Planted.DISABLED_Exception", "Planted.DISABLED_Expectation",
         "Planted.DISABLED_ExpectationOfAnotherThread",
@@ -199,7 +200,7 @@ TEST(Property, AFailurePrintsTheCommandThatRepeatsItsCase) {
 }
 
 TEST(Property, ACaseOfALongRunIsRepeatedAsALongRuns) {
-  // Goal: a case that a short run lacks is repeated too. Method: one of a long run.
+  // Goal: a case that short runs lack is repeated too. Method: a case of a long run.
   const Ended longer = ended_test("SLEIGHT_SOAK=1", "Planted.DISABLED_LongRun");
   EXPECT_THAT(longer.cases(), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
   EXPECT_EQ(longer.command(),
@@ -210,7 +211,7 @@ TEST(Property, ACaseOfALongRunIsRepeatedAsALongRuns) {
 }
 
 TEST(Property, ACaseThatNeedsOthersIsRepeatedAfterThem) {
-  // Goal: what goes on from case to case fails again. Method: a test of cases in turn.
+  // Goal: a case that continues from others fails again. Method: a test of cases in turn.
   const Ended first = ended_test("", "Planted.DISABLED_InTurn");
   EXPECT_THAT(first.cases(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
   const Ended again = ended(from_here(first.command()));
@@ -220,15 +221,15 @@ TEST(Property, ACaseThatNeedsOthersIsRepeatedAfterThem) {
 }
 
 TEST(Property, AFailureOutsideCasesNamesItsTest) {
-  // Goal: a failure of a whole test is repeated by that. Method: one after a loop of cases.
+  // Goal: a failure outside cases is repeated by its test. Method: a failure after a loop of cases.
   const Ended of = ended_test("", "Planted.DISABLED_OutsideCases");
   EXPECT_EQ(of.command(), fmt::format("{} --gtest_filter=Planted.DISABLED_OutsideCases",
                                       path_in_project(whole_path())));
 }
 
 TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
-  // Goal: SLEIGHT_CASE runs that case, and nothing about all. Method: two loops, numbers in both,
-  // and in one of them.
+  // Goal: SLEIGHT_CASE runs that case, without expectations about all cases. Method: two loops,
+  // with a number in both and a number in one.
   const std::string test = "Planted.DISABLED_NoFailure";
   EXPECT_THAT(ended_test("SLEIGHT_SOAK=1", test).cases(),
               ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 101, 102, 103, 1000));
@@ -238,8 +239,9 @@ TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
 }
 
 TEST(Property, SanitizersRunTheFirstQuarter) {
-  // Goal: with sanitizers a loop has a quarter of its cases, and nothing is asked of all; each can
-  // still be asked for, and long runs have all. Method: a loop of a hundred; all other builds.
+  // Goal: with sanitizers a loop has a quarter of its cases, without expectations about all cases.
+  // SLEIGHT_CASE can still select any case, and long runs have all. Method: a loop of a hundred;
+  // all other builds.
   const std::string test = "Planted.DISABLED_ManyCases";
   const std::vector<std::uint64_t> whole = ended_test("SLEIGHT_SOAK=1", test).cases();
   ASSERT_EQ(whole.size(), 101U);
@@ -256,7 +258,7 @@ TEST(Property, SanitizersRunTheFirstQuarter) {
 }
 
 TEST(Property, ACaseThatNoTestHasIsAnError) {
-  // Goal: a wrong number can't pass for a mended case. Method: numbers of no case, and no numbers.
+  // Goal: a wrong number can't pass for a fixed case. Method: numbers of no case, and no numbers.
   for (const char* const wrong : {"9", "", "x", "7x", "-1", "18446744073709551616"}) {
     const Ended of =
         ended_test(fmt::format("SLEIGHT_CASE={}", wrong), "Planted.DISABLED_NoFailure");
@@ -267,12 +269,12 @@ TEST(Property, ACaseThatNoTestHasIsAnError) {
 }
 
 TEST(Property, AFailureCanBeAskedFor) {
-  // Goal: any test can show what a failure of it prints. Method: one that passes.
+  // Goal: any test can show a failure's output. Method: a test that passes.
   const Ended of = ended_test("SLEIGHT_FAIL_CASE=5", "Planted.DISABLED_NoFailure");
   EXPECT_NE(of.status, 0);
   EXPECT_EQ(of.command(), fmt::format("SLEIGHT_CASE=5 {} --gtest_filter=Planted.DISABLED_NoFailure",
                                       path_in_project(whole_path())));
-  // A case that no test has is said to be none.
+  // A case that no test has is reported.
   const Ended none = ended_test("SLEIGHT_FAIL_CASE=200", "Planted.DISABLED_NoFailure");
   EXPECT_NE(none.status, 0);
   EXPECT_THAT(none.output, HasSubstr("SLEIGHT_FAIL_CASE: no test that ran has a case 200"));
@@ -280,7 +282,8 @@ TEST(Property, AFailureCanBeAskedFor) {
 }
 
 TEST(Property, ProgramsAreNamedAsInTheProject) {
-  // Goal: commands are for the project's folder. Method: paths with that of builds, and without.
+  // Goal: commands are relative to the project's folder. Method: paths with and without build
+  // folders.
   EXPECT_EQ(path_in_project("/a/build/b/build/release/tests/t"), "build/release/tests/t");
   EXPECT_EQ(path_in_project("/opt/t"), "/opt/t");
 }
