@@ -5,7 +5,8 @@
 // Invariants
 //   1. Units of one replica are handed out in scan order, one at a time.
 //   2. A plan's decisions are a function of the results consumed, not of the order in which
-//      replicas' results arrive. The order in which ready units are handed out may depend on the executor.
+//      replicas' results arrive. The executor may affect the order in which ready units are
+//      handed out.
 //   3. A fresh plan that consumes an earlier session's stored results reaches that session's state.
 // Not thread-safe: one executor drives a plan.
 #pragma once
