@@ -12,7 +12,6 @@
 // A run may choose the number of estimates by earlier ones, but not by the counted ones: a run that
 // stops when its estimate looks good stops before large estimates occur
 // (worker/sampling/odds_rule.h).
-//
 // Invariant: equal sequences yield equal bits. Thread safety: values and pure functions.
 #pragma once
 

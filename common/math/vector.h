@@ -42,7 +42,6 @@ concept VectorExpression = std::same_as<typename T::Scalar, double> && T::ColsAt
 template <class T, class U>
 concept SameSize = int{T::RowsAtCompileTime} == int{U::RowsAtCompileTime};
 
-/// The vector that an expression evaluates to.
 template <VectorExpression T>
 using Evaluated = Eigen::Matrix<double, T::RowsAtCompileTime, 1>;
 
@@ -101,7 +100,6 @@ requires(SameSize<A, B>&& SameSize<A, Vec3>) Vec3
           u.x() * v.y() - u.y() * v.x()};
 }
 
-/// Matrix times column vector.
 inline Vec3 product(const Mat3& m, const Vec3& v) {
   return {(m(0, 0) * v.x() + m(0, 1) * v.y()) + m(0, 2) * v.z(),
           (m(1, 0) * v.x() + m(1, 1) * v.y()) + m(1, 2) * v.z(),

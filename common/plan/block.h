@@ -42,7 +42,6 @@ struct Block {
   friend bool operator==(const Block&, const Block&) = default;
 };
 
-/// Limits on a block's size.
 struct BlockLimits {
   std::uint32_t unit_scans_max = 1;   ///< Scans of a single unit.
   std::uint32_t block_scans_max = 1;  ///< Scans of all members of a ladder's part together.

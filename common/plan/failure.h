@@ -4,7 +4,6 @@
 // the state, so a failed state is never a sample. A chain rejects a candidate whose simulation
 // failed, and a failed draw from the prior is repeated; docs/SAMPLING.md describes the effect on
 // the distribution. Starts that overlap are no failures: such a state has a known p_c of 0.
-//
 // Thread safety: values.
 #pragma once
 

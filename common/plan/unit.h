@@ -80,7 +80,6 @@ inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
   return scan * k_replicas_end + replica.value;
 }
 
-/// The scan at which a lineage began.
 inline std::uint64_t scan_of_lineage(std::uint64_t lineage) {
   return lineage / k_replicas_end;
 }
@@ -115,7 +114,7 @@ struct Unit {
   friend bool operator==(const Unit&, const Unit&) = default;
 };
 
-/// One scan's result, without the state before it.
+/// One scan's result.
 struct ScanRecord {
   double log_prior = 0;       ///< log p_w of the state after the scan, normalised.
   double log_constraint = 0;  ///< log p_c of its outcome, at inverse temperature 1; may be -inf.

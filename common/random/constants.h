@@ -1,4 +1,3 @@
-// Constants that the log densities share.
 #pragma once
 
 #include <limits>

@@ -1,6 +1,5 @@
 // Distributions on the line: uniform and normal. distributions.h states their common properties and
 // the meaning of "exact". truncated_normal.h has the truncated normal.
-//
 // Units: x and the parameters share one unit. Densities are per length in that unit.
 #pragma once
 

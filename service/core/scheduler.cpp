@@ -271,7 +271,6 @@ bool Scheduler::has_room(const Worker& worker) const {
   return !worker.silent && worker.before_it.size() < worker.threads * per_thread;
 }
 
-/// Updates a worker's place among those with room.
 void Scheduler::place(WorkerId id) {
   Worker& worker = workers_.at(id);
   if (worker.load) roomy_.erase({*worker.load, id});
@@ -326,7 +325,6 @@ void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
   }
 }
 
-/// Returns whether a block waits or the plan has one.
 bool Scheduler::has_work() {
   if (stopping_ || plan_.finished()) return false;
   fetch();
@@ -341,7 +339,6 @@ Scheduler::TaskId Scheduler::take_waiting(TaskId task) {
   return task;
 }
 
-/// Selects the waiting block that a worker gets.
 Scheduler::TaskId Scheduler::choose(WorkerId worker) {
   for (const TaskId id : waiting_ | std::views::take(k_lookahead)) {
     const Task& task = tasks_.at(id);

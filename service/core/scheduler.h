@@ -72,7 +72,6 @@ inline constexpr std::uint32_t k_passed_over_max = 64;
 /// A lease doubles with each earlier copy of its block, at most this often.
 inline constexpr std::size_t k_lease_doublings_max = 10;
 
-/// Statistics for display.
 struct Counts {
   std::uint64_t blocks = 0;   ///< Completed blocks.
   std::uint64_t scans = 0;    ///< Scans of completed blocks.
@@ -99,7 +98,6 @@ class Scheduler {
   bool ended() const { return plan_.finished() || (stopping_ && tasks_.empty()); }
   /// Threads of the workers that aren't silent.
   std::uint64_t threads() const { return threads_; }
-  /// Number of open assignments.
   std::size_t given_out() const { return assignments_.size(); }
   const Counts& counts() const { return counts_; }
 

@@ -142,7 +142,6 @@ struct Hasty : Formula {
   }
 };
 
-/// Dice with real simulations.
 struct Throws : Dice {
   using Dice::Dice;
   static double end_of(const Outcome& outcome) {
@@ -163,7 +162,6 @@ sampling::Sample<T> exact_draw(const T& world, double beta, random::Stream& stre
   }
 }
 
-/// Appends the tested quantities.
 template <class T>
 void add(const T& world, const sampling::Sample<T>& sample,
          std::array<std::vector<double>, 14>& values) {

@@ -51,7 +51,6 @@ std::vector<Setting> settings() {
           {.guide = {}, .options = {.particles = 5, .inverse_temperature = 0}}};
 }
 
-/// Performs the tests below. `chain`: the first stream's chain.
 template <class Make>
 void expect_unbiased(const Make& make, std::uint32_t chain) {
   // As few islands as mutants/islands has, whose checks reject every mutant.
@@ -132,7 +131,6 @@ TEST(Islands, AHardPotentialLeavesOutWhatIsRescued) {
   EXPECT_GT(std::abs(errors_off(z, sum(masses))), 10) << "the test can't tell the two";
 }
 
-/// One step of a chain, by its number.
 using Step = std::function<void(const Toy&, const sampling::ChainStreams&, std::uint64_t number,
                                 ToyParticle&)>;
 

@@ -36,7 +36,6 @@ std::size_t level_of(double beta) {
   return static_cast<std::size_t>(std::ranges::find(k_ladder, beta) - k_ladder.begin());
 }
 
-/// Counts over repeats of all levels' states after a scan.
 struct Census {
   std::vector<std::vector<double>> levels{k_ladder.size(), std::vector<double>(k_places, 0.0)};
   std::vector<std::vector<double>> neighbours{k_ladder.size() - 1,

@@ -128,7 +128,6 @@ Run run_ladders(const World& world, std::uint64_t seed, std::uint32_t ladders,
   return run;
 }
 
-/// Compares estimates with the truth, in units of their errors.
 struct Coverage {
   int judged = 0;
   int within_one = 0;

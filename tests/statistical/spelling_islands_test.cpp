@@ -35,7 +35,6 @@ PouringGuide guide_of(const StagedSpelling& world, std::uint32_t drops_per_bin) 
           .drops_per_bin = drops_per_bin};
 }
 
-/// Estimates by islands, or by prior draws.
 struct Estimates {
   std::vector<double> z;
   std::vector<double> satisfied;
@@ -200,7 +199,6 @@ TEST(SpellingIslands, GivenDropsLieInTheStrataThatGaveThem) {
   }
 }
 
-/// The tested quantities of a sample.
 struct Seen {
   std::vector<double> filled = std::vector<double>(3, 0.0);  ///< Counts.
   std::vector<double> active = std::vector<double>(3, 0.0);

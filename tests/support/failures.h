@@ -9,7 +9,6 @@
 
 namespace sleight::property {
 
-/// Settings from the environment.
 struct Asked {
   std::optional<std::uint64_t> only_case;     ///< SLEIGHT_CASE.
   std::optional<std::uint64_t> failing_case;  ///< SLEIGHT_FAIL_CASE.
@@ -21,7 +20,6 @@ struct Asked {
 /// they are invalid.
 const Asked& asked();
 
-/// The current case, if any.
 std::optional<std::uint64_t> current_case();
 void set_current_case(std::optional<std::uint64_t> number);
 

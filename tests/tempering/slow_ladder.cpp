@@ -21,7 +21,6 @@ double uniform_of(std::uint64_t bits) {
   return static_cast<double>(bits >> 11U) * 0x1p-53;
 }
 
-/// A replica's arrival at an end of the ladder.
 struct EndVisit {
   std::uint64_t scan = 0;
   bool coolest = false;

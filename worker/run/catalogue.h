@@ -27,7 +27,6 @@ struct WorkerResources {
                                                     ///< units.
 };
 
-/// Result of a simulation.
 struct SimulationEnd {
   plan::FailurePointer failure{};  ///< Null if the simulation was completed.
   double log_prior = 0;
@@ -61,9 +60,7 @@ class WorldEntry {
 
 class Catalogue {
  public:
-  /// All worlds, in alphabetical order.
   Catalogue();
-  /// The given worlds, for tests.
   explicit Catalogue(std::vector<std::unique_ptr<WorldEntry>> worlds);
   /// Bindings of all worlds, for read_request and help.
   std::vector<request::WorldBinding> bindings() const;

@@ -1,6 +1,5 @@
 // Runs units of one world: scans and iterations of plain and tempered chains, and starts of a
 // search. States are bytes on both sides.
-//
 // Invariant: run is a pure function of (world parameters, options, unit, state before). Cached
 // samples only save simulations. The caller measures the cost.
 #pragma once
@@ -107,7 +106,6 @@ class ChainWorker final : public plan::UnitWorker {
   };
   using Counts = ScanCounts;
 
-  /// Returns a callback that counts each simulation of a walk.
   static auto told(Walk& walk, Counts& counts) {
     return [&walk, &counts](const sampling::SimulationReport& report) {
       ++walk.simulations;

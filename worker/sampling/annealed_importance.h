@@ -22,14 +22,12 @@
 
 namespace sleight::sampling {
 
-/// Summary of weighted draws: log of the mean weight, its standard error by the delta method, and
-/// the effective sample size (sum w)^2 / sum w^2.
+/// Log of the mean weight with its standard error (delta method), and (sum w)^2 / sum w^2.
 struct WeightSummary {
   Estimate log_mean;
   double effective_size = 0;
 };
-/// Summarizes the weights. The result is NaN without weights, and the error is NaN for a single
-/// weight.
+/// Returns NaN without weights. The error is NaN for a single weight.
 WeightSummary summary_of(std::span<const double> log_weights);
 
 class AnnealedImportance final : public ChainPart {

@@ -1,8 +1,6 @@
-// One chain's part of a plan after its burn-in: which unit runs next, and what follows from
-// results.
-//
-// A part starts from the results of a burn-in by parallel tempering (ladder_run.h): temperatures,
-// proposal scales, log Z at each level, and a state at inverse temperature 1.
+// One chain's part of a plan after its burn-in by parallel tempering (ladder_run.h). The burn-in
+// provides temperatures, proposal scales, log Z at each level, and a state at inverse temperature
+// 1.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +37,6 @@ class ChainPart {
   virtual ~ChainPart() = default;
   /// Like Plan::next_unit, for scans below the horizon.
   virtual std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max) = 0;
-  /// Like Plan::consume.
   virtual void consume(base::ReplicaId replica, std::uint64_t first_scan,
                        std::span<const plan::ScanRecord> records) = 0;
   /// Scans that all replicas of the part have completed, burn-in included.
@@ -47,7 +44,7 @@ class ChainPart {
   /// Number of those scans' records at inverse temperature 1.
   virtual std::uint64_t draws() const = 0;
   virtual const Solutions& solutions() const = 0;
-  /// One chain's row of a table: values over the table's own dimension.
+  /// One chain's row of a table.
   struct Row {
     const char* name;
     const char* meaning;

@@ -4,7 +4,6 @@
 // Archives show the islands as the scans of one chain, ordered by island number. Each draw is an
 // island's drawn state, weighted by the island's estimate of Z. An island whose particles all died
 // contributes a draw from the prior with weight 0 instead.
-//
 // Invariant: the number of islands is a function of their estimates in the order of island numbers.
 // Not thread-safe.
 #pragma once

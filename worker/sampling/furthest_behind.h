@@ -1,8 +1,6 @@
-// Selects the chain that runs next: the one with the fewest scans, so that all chains reach a
-// common waiting point together. Chains are identified by their numbers.
-//
-// A chain that had no work is not queried again until it moves or the query changes. With a
-// thousand busy chains, no query is wasted.
+// Selects the chain with the fewest scans to run next, so that all chains reach a common waiting
+// point together. Chains are identified by their numbers. A chain that had no work is not queried
+// again until it moves or the query changes.
 // Not thread-safe.
 #pragma once
 
@@ -38,8 +36,8 @@ class FurthestBehind {
   void moved(std::size_t chain, std::uint64_t scans);
 
   /// Returns the first non-empty result of `next` over the chains in order of (scans, chain
-  /// number). REQUIRES: if `next` returns nothing for a chain, the chain has work in progress whose
-  /// result moves it, or only another `asked` can give it work.
+  /// number). REQUIRES: a chain for which `next` returns nothing has work in progress whose result
+  /// moves it, or only another `asked` can give it work.
   template <class Next>
   auto first(const Asked& asked, const Next& next) -> decltype(next(std::size_t{0})) {
     if (asked != asked_) {

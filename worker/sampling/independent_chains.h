@@ -1,13 +1,9 @@
 // Chains that never interact, as a Plan. Each chain runs scans at inverse temperature 1 from its
-// own prior draw. The kernel is plain Metropolis-Hastings, the baseline for all other methods, or
-// each scan also ends with islands of particles, which then make the start too
-// (worker/run/island_scan.h).
+// own prior draw. The kernel is plain Metropolis-Hastings, the baseline for all other methods.
+// Alternatively, islands of particles start the chain and end each scan (worker/run/island_scan.h).
 //
-// Rounds double: round r (from 1) has round_scans * 2^(r-1) scans of every chain. The number of
-// independent solutions is judged at round ends only, so all chains wait there for the last one.
-// The other stop rules need no barrier.
-//
-// Invariant: the scan at which the run stops is a function of the results up to that scan.
+// stop_rule.h describes rounds and barriers. Invariant: the scan at which the run stops is a
+// function of the results up to that scan.
 #pragma once
 
 #include <cstdint>
@@ -61,8 +57,8 @@ class IndependentChains final : public plan::Plan {
   }
   std::uint64_t scans_consumed() const override;
   std::optional<std::uint64_t> scans_total() const override;
-  /// The report of the islands, if scans have any. If solutions end the run, only islands up to the
-  /// end of the first round count towards the odds, because these are made in any case.
+  /// Report of the islands, if any. If solutions end the run, only islands up to the end of the
+  /// first round count towards the odds, because these are made in any case.
   plan::Report report() const override;
   bool learns() const override { return has_islands_ || scans_before_draws_ > 0; }
 
@@ -77,7 +73,6 @@ class IndependentChains final : public plan::Plan {
   bool counts(const plan::ScanRecord& record, std::uint64_t scan) const;
 
   std::uint64_t common_consumed() const;
-  /// Advances over every round end that all chains have reached, and judges the stop rule there.
   void judge_rounds();
 
   std::uint64_t seed_;

@@ -1,11 +1,9 @@
-// The level of each replica in each scan. Replicas that travel between the hottest and the coolest
-// level bring new draws to the coolest (Syed et al., "Non-reversible parallel tempering", 2022,
-// call this the index process). The index process is for display only; no result depends on it.
+// The level of each replica in each scan, for display (the index process of Syed et al.,
+// "Non-reversible parallel tempering", 2022). Replicas that travel from the hottest to the coolest
+// level bring new draws there. No result depends on the index process.
 //
-// Idea. Up to a bound, every scan is stored, then every second one, then every fourth: the stored
-// scans are the multiples of a stride. So the stored set is a function of the scans added, and
-// never exceeds the bound.
-//
+// The stored scans are the multiples of a stride, which doubles when the number of stored scans
+// exceeds a bound. So the stored set is a function of the scans added.
 // Not thread-safe.
 #pragma once
 

@@ -40,7 +40,6 @@
 //   1. Random numbers are addressed by (seed, chain, island, stage, particle). An island is a pure
 //      function of its streams, its number and, if conditional, the state.
 //   2. A particle of weight 0 is dead and is not extended. If all particles are dead, Z is 0.
-//
 // Memory: one prefix per particle, twice that during resampling.
 // Sources: C. Andrieu, A. Doucet, R. Holenstein, Particle Markov chain Monte Carlo methods (Journal
 // of the Royal Statistical Society B 72, 2010); Chopin and Papaspiliopoulos (stages.h), chapter 16.
@@ -132,7 +131,6 @@ class Islands {
   }
 
  private:
-  /// An island under construction.
   struct Making {
     std::uint64_t number;
     const State* retained;  ///< State whose path particle 0 follows; null if free.
@@ -179,7 +177,6 @@ class Islands {
     return making;
   }
 
-  /// One alternative of one particle.
   struct Choice {
     std::uint32_t particle = 0;
     std::size_t alternative = 0;
@@ -270,7 +267,6 @@ class Islands {
     making.log_potentials = std::move(log_potentials);
   }
 
-  /// Extends a particle by an independent choice.
   void extend(Making& making, std::uint32_t stage, std::uint32_t n) const {
     typename T::Prefix& prefix = making.prefixes[n];
     random::Stream stream = stream_of(random::Purpose::extension, making.number, stage, n);

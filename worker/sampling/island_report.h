@@ -15,9 +15,8 @@ namespace sleight::sampling {
 /// The free islands of one chain's scans, in order. Scan 0, the start, has none.
 class IslandsOfChain {
  public:
-  /// Adds the next scan's islands.
+  /// Adds the next scan's islands, or its only island.
   void add(const plan::ScanRecord& record);
-  /// Adds the only island of the next scan.
   void add(const IslandEstimate& island);
   const std::vector<IslandEstimate>& estimates() const { return estimates_; }
   /// Number of islands in the first `scans` scans. REQUIRES: these scans have been added.
@@ -29,9 +28,9 @@ class IslandsOfChain {
   std::vector<std::size_t> ends_;  ///< By scan: number of estimates up to and including the scan's.
 };
 
-/// The scans of each chain whose islands count towards the odds. `first` excludes earlier islands
-/// that determined the number of islands. `end` excludes scans that are made or not depending on
-/// earlier islands.
+/// The scans of each chain whose islands count towards the odds: from `first` on, if earlier
+/// islands determined how many there are; before `end`, if later scans are made or not depending on
+/// islands.
 struct OddsScans {
   std::optional<std::uint64_t> first{};
   std::optional<std::uint64_t> end{};

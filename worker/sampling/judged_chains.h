@@ -13,7 +13,6 @@
 //      of rounds.
 //   2. No chain is excluded or restarted for its own values. Draws come from the very round that
 //      passed, so that round's R-hat is subject to selection.
-//
 // Memory: the judged values of a tour's scans, until the tour ends.
 // Not thread-safe.
 #pragma once
@@ -67,7 +66,6 @@ class JudgedChains final : public plan::Plan {
   plan::Report report() const override;
 
  private:
-  /// A chain's progress, and its values in the current tour.
   struct Chain {
     std::uint64_t consumed = 0;                 ///< Number of scans, earlier tours included.
     bool is_out = false;                        ///< Whether a unit is handed out.
@@ -86,9 +84,8 @@ class JudgedChains final : public plan::Plan {
   };
 
   std::uint64_t round_length() const { return options_.round_scans << round_; }
-  /// Judges each round that all chains have completed.
   void judge_rounds();
-  /// Returns the current tour if the round that has just ended passes.
+  /// Returns the current tour if its last round passes.
   std::optional<Tour> burnt_in() const;
   std::vector<std::optional<std::uint64_t>> solutions_of(std::uint64_t judged_from,
                                                          std::uint64_t end) const;

@@ -21,9 +21,8 @@
 namespace sleight::sampling {
 
 /// The power of first_ladder that makes the hottest of a dozen levels hot enough for narrow
-/// constraints. A ladder that starts too hot wastes a level. A ladder that starts too cold costs
-/// rounds: a gap that rejects all swaps counts as a barrier of 1, so each respacing only halves it
-/// or so.
+/// constraints. Too hot wastes a level. Too cold costs rounds: a gap that rejects all swaps counts
+/// as a barrier of 1, so each respacing only halves it or so.
 inline constexpr std::uint32_t k_first_power = 6;
 
 /// Returns the initial ladder, (i / (levels - 1))^power. With power 1, steps are equal and the
@@ -31,22 +30,22 @@ inline constexpr std::uint32_t k_first_power = 6;
 /// because the lowest level after the prior must stay above 0.
 std::vector<double> first_ladder(std::uint32_t levels, std::uint32_t power = k_first_power);
 
-/// Returns the inverse temperatures of simulated annealing from the prior to `target`: target *
-/// scan / anneal_scans, for scans first_scan to first_scan + scans - 1. The first scan after the
-/// annealing is the first at the target itself.
+/// Returns the inverse temperatures target * scan / anneal_scans of simulated annealing, for scans
+/// first_scan to first_scan + scans - 1. The first scan after the annealing is the first at
+/// `target`.
 std::vector<double> annealing(double target, std::uint64_t anneal_scans, std::uint64_t first_scan,
                               std::uint64_t scans);
 
-/// Limits on the number of levels of any ladder. LadderOptions::levels_max can lower the maximum
-/// for numbers that a run chooses.
+/// Limits on the number of levels. LadderOptions::levels_max can lower the maximum for numbers that
+/// a run chooses.
 inline constexpr std::uint32_t k_levels_min = 2;
 inline constexpr std::uint32_t k_levels_max = 256;
 
 /// Returns twice the barrier plus one, with which neighbours swap about every second time.
 std::uint32_t levels_for(double barrier);
 
-/// Returns the communication barrier up to each level: 0 at the first level, the whole barrier at
-/// the last. `rejections` has one rate for each gap between levels.
+/// Returns the communication barrier up to each level, from 0 to the whole. `rejections` has one
+/// rate per gap.
 std::vector<double> cumulative_barrier(std::span<const double> rejections);
 
 /// Returns the local barrier at each level: the slope of a monotone cubic (Fritsch and Carlson
@@ -54,10 +53,9 @@ std::vector<double> cumulative_barrier(std::span<const double> rejections);
 std::vector<double> local_barrier(std::span<const double> ladder,
                                   std::span<const double> rejections);
 
-/// Returns a ladder whose levels divide the cumulative barrier (the cubic of local_barrier) into
-/// equal parts, so that all gaps reject swaps equally often. All levels are distinct, because
-/// rejection rates of 0 count as a small rate. REQUIRES: levels from k_levels_min to k_levels_max;
-/// one rate for each gap.
+/// Returns a ladder that divides the cumulative barrier (the cubic of local_barrier) into equal
+/// parts, so that all gaps reject equally often. Levels are distinct, because rates of 0 count as a
+/// small rate. REQUIRES: levels from k_levels_min to k_levels_max; one rate per gap.
 std::vector<double> respaced(std::span<const double> ladder, std::span<const double> rejections,
                              std::uint32_t levels);
 
@@ -67,8 +65,8 @@ std::vector<double> finer(std::span<const double> ladder, std::uint32_t steps_pe
 /// Returns the round trips per scan of all replicas together.
 double predicted_round_trip_rate(std::span<const double> rejections);
 
-/// Interpolates a curve linearly between the ladder's levels. REQUIRES: one value for each level;
-/// beta from the first level to the last.
+/// Interpolates a curve linearly between levels. REQUIRES: one value per level; beta within the
+/// ladder.
 double interpolated(std::span<const double> ladder, std::span<const double> values, double beta);
 
 }  // namespace sleight::sampling

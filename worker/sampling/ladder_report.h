@@ -1,5 +1,5 @@
-// Results of ladders, as tables in an archive's group /tempering. Rounds and ladders differ in
-// size. Each table has the dimensions of the largest one, with NaN as padding.
+// Results of ladders, as tables of an archive's group /tempering. Each table has the dimensions of
+// the largest round and ladder, padded with NaN.
 #pragma once
 
 #include <cstdint>

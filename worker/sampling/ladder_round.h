@@ -1,10 +1,6 @@
-// The adaptation of parallel tempering, all of which happens between rounds: a ladder's options,
-// one round's results, and the next round's settings.
-//
-// Each round respaces the ladder by the last round's rejection rates, with as many levels as the
-// barrier requires, and sets proposal scales from acceptance rates. Nothing adapts within a round,
-// so each round's kernel leaves its distribution invariant.
-//
+// The adaptation of parallel tempering, which happens only between rounds. Each round respaces the
+// ladder by the last round's rejection rates, with as many levels as the barrier requires, and sets
+// proposal scales from acceptance rates. So each round's kernel leaves its distribution invariant.
 // Thread safety: pure functions and values.
 #pragma once
 
@@ -29,14 +25,14 @@ struct LadderOptions {
   std::vector<bool> has_scale;
   std::uint64_t round_scans = 64;  ///< Length of the first round. Each later round is twice as
                                    ///< long.
-  /// Number of scans of initial simulated annealing, in which each replica goes from the prior to
-  /// its first temperature in equal steps. These scans belong to no round.
+  /// Number of scans of initial simulated annealing from the prior to the replica's first
+  /// temperature, in equal steps. These scans belong to no round.
   std::uint64_t anneal_scans = 0;
-  /// All first replicas but the hottest start from searches. Then there is no annealing.
+  /// All first replicas but the hottest start from searches. Requires anneal_scans = 0.
   bool starts_by_search = false;
 };
 
-/// Results of one round. The current round's results are partial.
+/// Results of one round, partial for the current round.
 struct RoundReport {
   std::uint64_t first_scan = 0;
   RoundStatistics statistics;

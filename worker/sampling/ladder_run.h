@@ -19,7 +19,6 @@
 //   1. The ladder's behaviour is a function of the results, not of their order of delivery.
 //   2. A round's ladder and proposal scales depend on earlier rounds alone.
 //   3. Each swap's random number has an address of its own: (seed, chain, pair of levels, scan).
-//
 // Not thread-safe.
 #pragma once
 
@@ -46,13 +45,12 @@ class LadderRun {
   /// Returns a unit of a replica that is furthest behind. Empty if every unit that can run is
   /// handed out. `horizon`: scans below this number may begin.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
-  /// Returns a block of such a unit and, within the limits, those units of neighbouring levels that
-  /// can run now. `ladders` is the number of ladders that run side by side. With at least one
-  /// ladder per thread, a block has a whole ladder, so no swap waits and no state travels.
-  /// Otherwise a block has half a thread's share of the levels.
+  /// Returns a block of such a unit and, within the limits, runnable units of neighbouring levels.
+  /// `ladders` run side by side. With at least one ladder per thread, a block has a whole ladder,
+  /// so no swap waits and no state travels. Otherwise a block has half a thread's share of the
+  /// levels.
   std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,
                                         std::size_t ladders = 1);
-  /// REQUIRES: as Plan::consume.
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
                std::span<const plan::ScanRecord> records);
 
@@ -61,15 +59,13 @@ class LadderRun {
   std::uint64_t records_consumed() const { return records_; }
   /// Number of records of the scans that every level has.
   std::uint64_t records_counted() const;
-  /// Round trips in all rounds.
   std::uint64_t round_trips() const;
   const Solutions& solutions() const { return solutions_.front().since; }
   /// Solutions whose lineages satisfied in scans from `first_scan` on. REQUIRES: replicas start
   /// from searches; `first_scan` begins a round that has begun.
   const Solutions& solutions_since(std::uint64_t first_scan) const;
-  /// The first scan at which no level's state descends from a search's find: all levels' lineages
-  /// have then begun at the hottest level with a prior draw. As long as some state descends from a
-  /// find, this equals scans().
+  /// The first scan at which no level's state descends from a search's find, so all levels'
+  /// lineages began with a prior draw. Equals scans() while some state descends from a find.
   std::uint64_t searched_until() const { return searched_until_; }
   /// Rounds that end with after < scans <= until. REQUIRES: every level has `until` scans.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
@@ -107,7 +103,6 @@ class LadderRun {
     std::vector<std::optional<Result>> result;
   };
 
-  /// Neighbouring levels.
   struct Stretch {
     std::uint32_t first = 0;
     std::uint32_t end = 0;  ///< One past the last level.
@@ -158,8 +153,7 @@ class LadderRun {
     std::uint64_t first_scan = 0;
     Solutions since{};
   };
-  /// Solutions from the start on. If replicas start from searches, also solutions from each round
-  /// on.
+  /// Solutions from the start on; if replicas start from searches, also from each round on.
   std::vector<SolutionsSince> solutions_{1};
   std::uint64_t searched_until_ = 0;
 };

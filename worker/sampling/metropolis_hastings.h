@@ -4,11 +4,10 @@
 // pure function of the state before it. Proposal and acceptance use separate streams, so the count
 // of random numbers in a proposal affects nothing else.
 //
-// Simulations dominate the cost, so the step avoids those whose effect is known in advance. It
-// doesn't simulate a candidate that equals the current state. Nor does it simulate a candidate that
-// would be rejected even at its greatest possible constraint density (BoundsConstraint), because
-// the acceptance number is drawn before the simulation. This early rejection is exact: the ratio is
-// monotone in that density, even in rounded arithmetic.
+// Simulations dominate the cost, so the step skips those whose effect is known: a candidate that
+// equals the current state, and a candidate that would be rejected even at its greatest possible
+// constraint density (BoundsConstraint). Early rejection is exact, because the acceptance number is
+// drawn first and the ratio is monotone in that density, even in rounded arithmetic.
 //
 // A candidate whose simulation fails is always rejected, so the chain samples the target
 // conditioned on success of the simulation.
@@ -40,7 +39,6 @@ struct ChainStreams {
   }
 };
 
-/// Result of one iteration.
 struct StepReport {
   std::uint32_t kind = 0;  ///< Kind of the proposal.
   bool accepted = false;
@@ -52,10 +50,9 @@ struct StepReport {
 inline constexpr std::uint32_t k_draws_max = 1000;
 
 /// Draws from the prior until a simulation succeeds, for a replica's start or a scan at inverse
-/// temperature 0. A failed draw is repeated with the next numbers of the same stream, so the draw
-/// is exact for the prior conditioned on success of the simulation. Calls `told` for each
-/// simulation. Throws base::Error after k_draws_max consecutive failures. REQUIRES: each scan of a
-/// replica at most once.
+/// temperature 0. Repeated draws use the next numbers of the same stream, so the draw is exact for
+/// the prior conditioned on success. Calls `told` for each simulation. Throws base::Error after
+/// k_draws_max consecutive failures. REQUIRES: each scan of a replica at most once.
 template <Target T, class Told>
 Sample<T> draw_afresh(const T& target, const ChainStreams& streams, std::uint64_t scan,
                       const Told& told) {
@@ -84,8 +81,8 @@ Sample<T> initialize(const T& target, const ChainStreams& streams) {
 }
 
 /// Returns log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)), line 7. A candidate of zero density is
-/// never accepted. If the current state has zero density (a start that breaks a hard constraint),
-/// the prior alone weighs every candidate, so the chain moves until it finds support.
+/// never accepted. From a current state of zero density (a start that breaks a hard constraint),
+/// the prior alone weighs candidates, so the chain moves until it finds support.
 inline double log_acceptance_ratio(double current_log_prior, double current_log_constraint,
                                    double candidate_log_prior, double candidate_log_constraint,
                                    double inverse_temperature, double log_q_ratio) {
@@ -98,7 +95,6 @@ inline double log_acceptance_ratio(double current_log_prior, double current_log_
   return candidate - current + log_q_ratio;
 }
 
-/// Random streams of a step: one for the proposal, one for the acceptance.
 struct StepStreams {
   random::Stream proposal;
   random::Stream acceptance;

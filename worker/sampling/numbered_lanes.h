@@ -20,8 +20,8 @@ class NumberedLanes {
 
   /// Returns the next numbers below `end` of one lane. `starts` is set in each unit.
   std::optional<plan::Unit> next_unit(std::uint64_t end, std::uint32_t scans_max);
-  /// Marks the next `records` numbers of a lane as done. REQUIRES: `lane` belongs to this object,
-  /// and its earlier numbers are done.
+  /// Marks the lane's next `records` numbers as done. REQUIRES: the lane's earlier numbers are
+  /// done.
   void consume(base::ChainId lane, base::ScanIndex first_scan, std::size_t records);
   /// Count of numbers before the first unfinished number.
   std::uint64_t done() const { return done_; }

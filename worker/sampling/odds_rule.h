@@ -5,23 +5,19 @@
 //           |-- pilot, p --|-- batch, n: estimates P --|-- extended by n / 2 ...
 //                     sizes the batch
 //
-// Pilot. The pilot has 32 islands, and 32 more as long as one island exceeds a third of their sum,
-// because their spread is then unreliable. The pilot ends at 1,024 islands in any case. If all
-// these are 0, the run ends.
+// Pilot. 32 islands, and 32 more as long as one island exceeds a third of their sum, because their
+// spread is then unreliable. The pilot ends at 1,024 islands in any case. If all are 0, the run
+// ends.
+// Batch. Large enough for the requested error of log P if its relative variance is half as large
+// again as the pilot's, since small pilots mostly miss the largest islands; at least
+// math::k_islands_min.
+// Extension. If one island exceeds a tenth of the batch's sum, there is no error estimate. The
+// batch then grows by half of its first length, repeatedly, up to 32 times its first length.
 //
-// Batch. The batch is large enough to estimate log P with the requested error even if its relative
-// variance is half as large again as the pilot's, since small pilots mostly miss the largest
-// islands. The batch has at least math::k_islands_min islands, the minimum for an error.
-//
-// Extension. If the batch allows no error estimate, because one island exceeds a tenth of the sum,
-// the batch grows by half of its first length. Extensions repeat until an error can be estimated,
-// or until the batch has 32 times its first length.
-//
-// The pilot determines the number of islands, so its islands must not count. A run that ends when
-// its own estimate looks good ends before the rare large islands appear, and underestimates P.
-// Extensions have a small bias of this kind: a batch with a large island grows and dilutes it,
-// while a batch without one stops. docs/MEASUREMENTS quantifies the bias.
-//
+// The pilot's islands must not count, because the pilot determines the number of islands. A run
+// that ends when its own estimate looks good ends before the rare large islands appear, and
+// underestimates P. Extensions have a small bias of this kind: a batch with a large island grows
+// and dilutes it, while a batch without one stops. docs/MEASUREMENTS quantifies the bias.
 // Invariant: the rule's results are a function of the estimates in order. A value type.
 #pragma once
 

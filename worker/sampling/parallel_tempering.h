@@ -2,10 +2,10 @@
 // archive. The draws are the states at inverse temperature 1.
 //
 // Replicas may start from searches, so that ladders contain solutions from their first round on.
-// Such ladders burn in until a round ends in whose last scan no state, at any level of any ladder,
-// descends from a search. By then each replica has been at the hottest level and was redrawn from
-// the prior. Earlier scans yield no draws, and their solutions and rounds are not reported. A
-// ladder whose swaps fail to bring all replicas to the hottest level never burns in.
+// Such ladders burn in until a round ends in whose last scan no state at any level descends from a
+// search. By then each replica was redrawn from the prior at the hottest level. Earlier scans yield
+// no draws, and their solutions and rounds are not reported. A ladder whose swaps fail to bring all
+// replicas to the hottest level never burns in.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,6 @@ class ParallelTempering final : public plan::Plan {
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
                                                std::uint64_t until) const override;
   std::optional<std::uint64_t> round_trips() const override;
-  /// Scans of all replicas.
   std::uint64_t scans_consumed() const override;
   /// Estimate with the current numbers of levels.
   std::optional<std::uint64_t> scans_total() const override;
@@ -60,7 +59,6 @@ class ParallelTempering final : public plan::Plan {
 
  private:
   std::uint64_t anneal_scans_;
-  /// Judges each round end that all ladders have reached.
   void judge_burn_in();
   std::uint64_t solutions_before(std::uint64_t scan) const;
   /// The solutions of a ladder that count. REQUIRES: the burn-in is over.

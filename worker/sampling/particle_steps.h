@@ -12,7 +12,6 @@
 // next independence step then draws a conditional island, and uses only its Z. It must not use that
 // island's draw too. Staleness depends on the state through accepted moves, and steps chosen
 // depending on the state don't leave the target invariant (a test shows this).
-//
 // Source: Andrieu, Doucet, Holenstein (island.h), sections 2.4.2 and 2.4.3.
 #pragma once
 
@@ -49,7 +48,7 @@ ParticleStepReport report_of(const Island<T>& island) {
 }
 
 /// Makes an island given the current state; its draw is the next state. REQUIRES: as
-/// Islands::given; islands of a chain have different numbers.
+/// Islands::given; each island number of a chain once.
 template <ActsInStages T>
 ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t number,
                                     ParticleSample<T>& current) {

@@ -5,14 +5,13 @@
 //   the state after the last scan is a take if it satisfies; otherwise another find is searched
 //     for and relaxed
 //
-// A take is never selected among a chain's scans: only the state after the last scan can be one.
+// Only the state after a chain's last scan can be a take, so takes are never selected among scans.
 // The takes are the first ones in the order of finds, whichever worker makes them.
 //
 // Takes are distributed almost like draws of the target; docs/MEASUREMENTS.md quantifies the
 // difference. The shares of kinds that chains seldom leave stay those of the search.
 //
-// Chain k starts from find k, both counted from 0.
-// Not thread-safe.
+// Chain k starts from find k, both counted from 0. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -71,9 +70,7 @@ class RelaxedFinds final : public plan::Plan {
   };
   std::uint64_t chain_length() const { return std::uint64_t{options_.scans} + 1; }
   Chain& chain(std::size_t id);
-  /// Assigns newly counted finds to their chains.
   void begin_chains();
-  /// Advances over ended chains to the first chain that hasn't ended.
   void judge_chains();
 
   SearchLanes lanes_;

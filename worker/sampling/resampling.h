@@ -9,7 +9,6 @@
 // (count W_0) expected points. The offset is drawn given that the arc has a point, weighted by the
 // arc's number of points. Then one of these points is rotated to place 0. Source: N. Chopin, S.
 // Singh, On particle Gibbs sampling (Bernoulli 21, 2015), section 4.3.
-//
 // Thread safety: pure functions of the stream.
 #pragma once
 

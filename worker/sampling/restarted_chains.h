@@ -8,7 +8,6 @@
 // Counting a chain's first visits to solutions would be biased: a chain stays long at states of
 // large weight but counts them once, like all others. Such counts would reflect how often a chain
 // leaves a state. At a scan fixed beforehand, a burnt-in chain has the model's proportions.
-//
 // Invariant: the scan at which the run stops is a function of the results up to that scan.
 // Not thread-safe.
 #pragma once
@@ -69,7 +68,6 @@ class RestartedChains final : public plan::Plan {
   };
 
   std::uint64_t end_of_tour(std::uint64_t tour) const { return (tour + 1) * options_.tour_scans; }
-  /// Advances over every tour that all chains have ended.
   void judge_tours();
 
   RestartedChainsOptions options_;

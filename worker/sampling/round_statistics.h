@@ -30,7 +30,6 @@ struct Estimate {
   double error = 0;
 };
 
-/// One level's state in one scan.
 struct LevelScan {
   double log_constraint = 0;
   bool satisfied = false;
@@ -38,7 +37,6 @@ struct LevelScan {
 
 class RoundStatistics {
  public:
-  /// Prepares a round of `scans` scans.
   RoundStatistics(std::vector<double> ladder, std::uint64_t scans);
 
   /// Adds the next scan. `levels` starts with the hottest level.

@@ -1,6 +1,5 @@
 // A search followed by an optional plan, so that people see examples before the first draws in the
-// model's proportions. The search and the plan share nothing but workers.
-// Not thread-safe.
+// model's proportions. Not thread-safe.
 #pragma once
 
 #include <cstdint>

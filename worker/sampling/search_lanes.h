@@ -31,7 +31,6 @@ class SearchLanes {
   static bool has(base::ChainId chain) { return plan::is_search_lane(chain); }
   /// Raises the number of wanted finds; a lower number has no effect.
   void want(std::uint64_t finds);
-  /// As in Plan.
   std::optional<plan::Unit> next_unit(std::uint32_t scans_max);
   void consume(base::ChainId lane, base::ScanIndex first_scan,
                std::span<const plan::ScanRecord> records);
@@ -39,7 +38,6 @@ class SearchLanes {
   const plan::Finds& finds() const { return finds_; }
   /// Starts that finds() covers: all before the first unfinished start.
   std::uint64_t starts_done() const { return counted_; }
-  /// As in Plan.
   std::vector<plan::Find> finds_between(std::uint64_t first, std::uint64_t end) const;
   /// Starts whose results have arrived.
   std::uint64_t starts() const { return starts_; }
@@ -54,7 +52,6 @@ class SearchLanes {
   };
   using Next = std::pair<std::uint64_t, std::uint32_t>;  ///< (scan, lane).
 
-  /// Advances over finished starts to the first unfinished start.
   void count();
 
   std::uint64_t seed_;

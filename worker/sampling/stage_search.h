@@ -6,9 +6,9 @@
 //     after too many tries at one stage: take the last stage back
 //     after too many tries in total: give up
 //
-// A find satisfies the request, and the prior can produce each of its quantities. But finds don't
-// occur in the proportions of p_w p_c. Finds are no samples, so no average, weight or odds may be
-// computed from them. Chains may start from them.
+// The prior can produce each quantity of a find, but finds don't occur in the proportions of p_w
+// p_c. Finds are no samples: compute no average, weight or odds from them. Chains may start from
+// them.
 //
 // A builder is a world together with its guide. Thread safety: as the builder's.
 #pragma once
@@ -25,7 +25,6 @@
 
 namespace sleight::sampling {
 
-/// The work of a search.
 struct SearchEffort {
   std::uint64_t tries = 0;
   std::uint64_t simulations = 0;  ///< Simulations of prefixes.

@@ -18,7 +18,6 @@
 // succeeds) shapes q and psi. The guide is computed before sampling and then fixed.
 //
 // Invariants of a world that acts in stages
-//
 //   1. extend draws a choice x from q(x | guide, ground, prefix) and returns
 //      log p(x | ground, prefix) - log q(x | guide, ground, prefix), or -infinity if no
 //      choice is left or the simulation failed. q > 0 for every x with p > 0 and psi > 0.
@@ -28,7 +27,6 @@
 //   3. ground_given and extend_as are draw_ground and extend given the state. Auxiliary numbers are
 //      drawn given that the state is the path of one particle. Weights equal extend's.
 //   4. Every function is a pure function of its arguments. Randomness comes from the stream.
-//
 // Source: N. Chopin, O. Papaspiliopoulos, An introduction to sequential Monte Carlo (2020),
 // chapters 10 and 16. Thread safety: as of a target (target.h).
 #pragma once
@@ -71,7 +69,6 @@ concept ActsInStages = Target<T> && std::copyable<typename T::Prefix> &&
   { target.ground_given(guide, state, stream) } -> std::same_as<typename T::Ground>;
   /// Simulations that made the ground; at least the failed ones.
   { target.simulations_of(ground) } -> std::convertible_to<std::span<const SimulationReport>>;
-  /// The prefix without stages.
   { target.no_stages(guide, ground) } -> std::same_as<typename T::Prefix>;
   /// Extends a prefix of `stage` stages (from 0) by one stage.
   { target.extend(guide, ground, stage, longer, stream) } -> std::same_as<Extension>;

@@ -4,7 +4,6 @@
 // Rounds double: round r, from 1, has round_scans * 2^(r-1) scans of every chain (or ladder).
 // Solutions are judged at round ends only, so all chains wait there for the last one. The other
 // rules need no barrier.
-//
 // Invariant: a judge's results are a function of the results before the round ends it has passed.
 #pragma once
 

@@ -69,7 +69,6 @@ inline double log_surrogate_ratio(const SurrogateMove& move) {
          move.log_anchor_candidate - move.log_anchor_current;
 }
 
-/// Settings of one transition.
 struct SurrogateTransition {
   double inverse_temperature = 1;
   std::uint32_t steps = 1;

@@ -8,7 +8,6 @@
 //
 // A swap depends on two densities and its place alone, so plan and worker decide it alike.
 // swap_flow.h defines which replicas wait for each other.
-//
 // Thread safety: pure functions. swap.cpp contains the formulas alone, so that a test program can
 // link wrong formulas instead (tests/unit/worker/sampling/replaced_formulas.h).
 #pragma once
@@ -21,7 +20,6 @@
 
 namespace sleight::sampling {
 
-/// The place of a swap.
 struct SwapPlace {
   std::uint64_t seed = 0;
   base::ChainId chain;

@@ -16,7 +16,6 @@
 // So each replica waits for at most one other, and replicas on both sides of a slow one get ahead
 // of it. After a replica has left, later partners of its level wait until the end. Plans apply this
 // to whole ladders (ladder_run.h), and workers to the part in their block (block_runner.h).
-//
 // Invariant: the flow is a function of the reported densities, not of the order in which levels
 // report.
 // Not thread-safe.
@@ -63,7 +62,6 @@ class SwapFlow {
   std::uint32_t size() const { return static_cast<std::uint32_t>(seats_.size()); }
   const Seat& seat(std::uint32_t level) const { return seats_[level]; }
 
-  /// Seats a replica at its first scan.
   void sit(std::uint32_t level, std::uint32_t replica, std::uint64_t scan);
 
   /// Reports that a level's scan is made. Returns the replicas, at most two, that can then

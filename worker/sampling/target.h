@@ -25,7 +25,6 @@
 
 namespace sleight::sampling {
 
-/// A candidate state with the facts that its acceptance needs.
 template <class State>
 struct Proposal {
   State candidate;
@@ -174,7 +173,6 @@ struct Sample {
   [[no_unique_address]] typename SurrogateOutcome<T>::type surrogate{};
 };
 
-/// Simulates a candidate that was made from a sample.
 template <Target T>
 typename T::Outcome simulate_from(const T& target, const typename T::State& candidate,
                                   const Sample<T>& from) {

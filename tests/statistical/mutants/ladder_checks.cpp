@@ -13,7 +13,6 @@
 namespace sleight::statistical {
 namespace {
 
-/// One ladder that doesn't adapt.
 sampling::ParallelTemperingOptions fixed(std::uint64_t seed, std::uint64_t round_scans,
                                          std::uint64_t scans) {
   return {.ladders = 1,
@@ -29,7 +28,6 @@ sampling::ParallelTemperingOptions fixed(std::uint64_t seed, std::uint64_t round
           .stop = {.scans = scans, .rounds = {}, .independent_solutions = {}}};
 }
 
-/// Ladders that adapt, for some rounds.
 sampling::ParallelTemperingOptions learning(std::uint64_t seed, std::uint64_t round_scans,
                                             std::uint64_t rounds) {
   sampling::ParallelTemperingOptions options =

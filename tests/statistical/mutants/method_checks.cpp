@@ -43,7 +43,6 @@ sampling::BurnIn burn_in_of(std::uint64_t seed, std::uint32_t chain) {
           .next_scales = scales};
 }
 
-/// Runs the next unit of a part.
 plan::UnitResult go_on(sampling::ChainPart& part, const plan::UnitWorker& worker,
                        base::Bytes& state) {
   const std::optional<plan::Unit> unit = part.next_unit(UINT64_MAX, 1);

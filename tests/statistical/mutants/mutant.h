@@ -109,12 +109,10 @@ struct Mutant {
   std::function<OnTheWay()> way{};
 };
 
-/// A mutant without a mistake.
 inline Mutant right_code() {
   return {.name = "the right code", .what = "nothing", .checks = {}};
 }
 
-/// The mutant's worker.
 class MutantWorker final : public plan::UnitWorker {
  public:
   MutantWorker(const Mutant& mutant, const plan::UnitWorker& right)
@@ -128,7 +126,6 @@ class MutantWorker final : public plan::UnitWorker {
   Run run_;
 };
 
-/// The mutant's plan.
 class MutantPlan final : public plan::Plan {
  public:
   MutantPlan(const Mutant& mutant, plan::Plan& right)

@@ -23,7 +23,6 @@ UnitResult run_other(const UnitWorker& right, const Unit& unit, const Unit& othe
   return result;
 }
 
-/// A worker that runs another unit instead of each one.
 std::function<Run()> instead(void (*change)(Unit&)) {
   return [change] {
     return [change](const UnitWorker& right, const Unit& unit, base::BytesView state) {
@@ -34,7 +33,6 @@ std::function<Run()> instead(void (*change)(Unit&)) {
   };
 }
 
-/// A worker that changes each result.
 std::function<Run()> afterwards(void (*change)(UnitResult&)) {
   return [change] {
     return [change](const UnitWorker& right, const Unit& unit, base::BytesView state) {

@@ -30,7 +30,6 @@ MeanWithError mean_of_chains(std::span<const std::vector<double>> chains);
 /// is that of the chains' means, so it is valid for any mixing.
 MeanWithError mean_over_independent_chains(std::span<const std::vector<double>> chains);
 
-/// Returns the mean of independent draws.
 MeanWithError mean_of_independent(std::span<const double> draws);
 
 }  // namespace sleight::statistical

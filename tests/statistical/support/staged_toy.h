@@ -95,7 +95,6 @@ struct StagedToy {
   bool satisfied(const Outcome& outcome) const {
     return !outcome.fallen && (outcome.place == 1 || outcome.place == 2);
   }
-  /// Proposes another choice at one stage, or the other ground. The reverse move is as likely.
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
     const auto at =
         static_cast<std::uint32_t>(random::UniformInteger{.count = k_stages + 1}.draw(stream));
@@ -178,7 +177,6 @@ struct StagedToy {
   State state_of(const Ground&, const Prefix& prefix) const { return prefix.digits; }
   Outcome outcome_of(const Prefix& prefix) const { return prefix.outcome; }
 
-  /// Returns whether the walker has fallen after a stage before the last.
   static bool has_fallen(State state) {
     Outcome outcome = begin_of(ground_of(state));
     for (std::uint32_t stage = 0; stage + 1 < k_stages; ++stage) {

@@ -29,7 +29,6 @@ struct RuggedRing {
       -1, -4, 0.5, -k_infinity, -2, 1, -3, -0.5, -k_infinity, -1.5, 2, -5, -k_infinity, -2.5};
   static constexpr double k_clockwise = 0.65;
 
-  /// p_beta, by enumeration.
   static std::vector<double> exact(double beta) {
     std::vector<double> p;
     double sum = 0;

@@ -31,7 +31,6 @@ class Outbox {
   Outbox() = default;
   Outbox(const Outbox&) = delete;
   Outbox& operator=(const Outbox&) = delete;
-  /// Waits until all are received, or the job ends.
   ~Outbox() {
     for (Sent& sent : sent_)
       MPI_Wait(&sent.request, MPI_STATUS_IGNORE);
@@ -80,7 +79,6 @@ std::optional<base::Result<schema::Message, std::string>> next_message(bool wait
   }
 }
 
-/// This rank's assignments, and its handling of messages.
 class Desk {
  public:
   Desk(const plan::BlockWorker& worker, Outbox& outbox) : worker_(worker), outbox_(outbox) {}

@@ -55,12 +55,11 @@ Convergence convergence_of(const Chains& draws);
 /// k_ess_per_chain_min for each chain.
 double ess_wanted(std::size_t chains);
 
-/// Returns the reasons to believe that chains have not mixed, one sentence each. A sentence opens
-/// with the quantity's name and has no line break. The list is empty if there is no such reason.
-///
-/// A constant quantity yields no reason. If r_hat is NaN because all distances from the median are
-/// equal, r_hat_bulk decides. An ess_tail of NaN, whose quantile is the greatest draw, is ignored,
-/// because such a quantity has two or few values and no tail.
+/// Returns the reasons to believe that chains have not mixed, one sentence each, which opens with
+/// the quantity's name and has no line break. Empty without such a reason, and for a constant
+/// quantity. If r_hat is NaN because all distances from the median are equal, r_hat_bulk decides.
+/// An ess_tail of NaN, whose quantile is the greatest draw, is ignored, because such a quantity has
+/// few values and no tail.
 std::vector<std::string> complaints(std::string_view name, const Convergence& convergence);
 
 }  // namespace sleight::sampling

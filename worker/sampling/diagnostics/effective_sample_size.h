@@ -8,7 +8,6 @@
 // "Practical Markov chain Monte Carlo", Statistical Science 7 (1992) 473-483, section 3.3). Draws
 // of antithetic chains are worth more than independent ones; their effective sample size is limited
 // to S log10 S.
-//
 // Source: Vehtari et al. (2021), see transforms.h, on effective sample sizes of split chains, of
 // ranks and of quantiles. Results equal those of R's posterior 1.4.0 within 1e-10 relative
 // (tests/posterior), peculiarities included: chains whose halves have three to five draws are worth

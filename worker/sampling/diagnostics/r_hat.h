@@ -5,7 +5,6 @@
 // former, estimated, to the latter: near 1 for mixed chains, larger if the halves' means differ.
 // Rank normalisation makes R-hat valid without finite moments. Folding about the median turns
 // differences of scale into differences of mean.
-//
 // Source: Vehtari et al. (2021), see transforms.h, on split, rank-normalised and folded R-hat.
 // Results equal those of R's posterior 1.4.0 within 1e-10 relative (tests/posterior).
 //

@@ -1,6 +1,5 @@
 // Monte Carlo standard errors: the error of an estimate that is due to the finite number of draws.
 // Errors shrink as 1 / sqrt(ESS) and have the unit of the draws.
-//
 // Source: Vehtari et al. (2021), see transforms.h, for quantiles; the delta method for the standard
 // deviation. Results equal those of R's posterior 1.4.0 within 1e-10 relative (tests/posterior).
 // The error of the standard deviation is a difference of fourth powers; for draws that take two

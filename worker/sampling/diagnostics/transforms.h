@@ -19,9 +19,9 @@ namespace sleight::sampling {
 /// not empty.
 double mean_of(std::span<const double> values);
 
-/// Returns the mean of each chain, as its sum in index order over its length. posterior computes
-/// the variance between chains from means rounded in this way. The rounding matters if means are
-/// large compared with that variance, so more exact means would agree to fewer digits.
+/// Returns each chain's sum in index order over its length. posterior computes the variance between
+/// chains from means rounded in this way, which matters if means are large compared with that
+/// variance.
 std::vector<double> chain_means(const Chains& draws);
 
 /// Returns the sum of squared distances from the mean over n - 1. NaN for a single value; 0 only if
@@ -29,7 +29,7 @@ std::vector<double> chain_means(const Chains& draws);
 double variance_of(std::span<const double> values);
 
 /// Returns whether a value is NaN or infinite, or all values are within 2.2e-16 of each other,
-/// posterior's absolute tolerance. Measures of such values are NaN.
+/// posterior's absolute tolerance.
 bool is_degenerate(std::span<const double> values);
 
 /// Returns NaN if a value is NaN. REQUIRES: values not empty.
@@ -41,8 +41,8 @@ double median_of(std::span<const double> values);
 double quantile_of(std::span<const double> values, double probability);
 
 /// Cuts each chain into two halves without the middle draw of an odd number: 2 chains of draws/2. A
-/// single draw stays unchanged. Two or three draws, whose halves are single draws, give posterior's
-/// matrix: 2 chains, of all first and all last draws, each as long as the number of chains.
+/// single draw stays unchanged. Two or three draws give posterior's matrix: 2 chains, of all first
+/// and all last draws, each as long as the number of chains.
 OwnedChains split_in_halves(const Chains& draws);
 
 /// Returns the normal score of each value's rank among all chains: the normal quantile of (rank -

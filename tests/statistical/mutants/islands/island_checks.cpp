@@ -17,7 +17,6 @@ namespace {
 constexpr double k_always = 2;  ///< A resample_below that always resamples.
 constexpr int k_islands = 4'000;
 
-/// Number of exact draws, and of steps from each.
 struct Chains {
   std::uint32_t count = 1'500;
   std::uint64_t steps = 5;
@@ -66,7 +65,6 @@ std::vector<double> mean_over_islands(Mistake mistake, std::uint64_t seed,
   return p;
 }
 
-/// Returns the state to which a chain's steps lead.
 using AfterSteps = std::function<std::uint32_t(std::uint32_t state, const sampling::ChainStreams&)>;
 
 std::uint32_t exact_draw(const std::vector<double>& masses, const sampling::ChainStreams& streams) {
@@ -110,7 +108,6 @@ std::vector<double> reference_keeps(
   return p;
 }
 
-/// Returns the first find of a chain's searches, as in a run.
 StagedToy::State found_state(const SearchedToy& world, const sampling::ChainStreams& streams) {
   for (std::uint64_t number = 0; number < run::k_starts_max; ++number) {
     sampling::SearchEffort effort;

@@ -87,7 +87,6 @@ TEST(StagedReference, MakesTheSameIslands) {
   EXPECT_GT(unreachable, 100);
 }
 
-/// One step of the real chain, and of the reference.
 struct BothChains {
   sampling::ParticleSample<SearchedToy> real;
   ReferenceChain reference;
@@ -163,7 +162,6 @@ TEST(StagedReference, MakesTheSameVisits) {
   EXPECT_GT(without_mass, 20);
 }
 
-/// Prints and returns the least p-value.
 template <class M>
 double least_p(const IslandCheck<M>& check, M mistake, std::uint64_t seed) {
   const double least = std::ranges::min(check.p_values(mistake, seed));

@@ -12,7 +12,6 @@
 //
 // Dice have a simpler pool (worker/worlds/dice/throw_stages.h) with one stratum and one choice: the
 // same S / (K g) without the terms for used drops.
-//
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 

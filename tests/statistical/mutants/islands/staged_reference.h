@@ -6,7 +6,6 @@
 // The reference shares random numbers, sums of logs and the toy with the real code, because these
 // have tests of their own. Everything that determines weights, resampling, draws and acceptance is
 // reimplemented.
-//
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -95,7 +94,6 @@ class ReferenceIslands {
     double log_potential = 0;  ///< The potential included in log_weight.
     bool is_dead() const { return log_weight == sampling::k_log_zero; }
   };
-  /// An island under construction.
   struct Making {
     std::uint64_t number = 0;
     std::optional<Toy::State> retained{};
@@ -128,7 +126,6 @@ struct ReferenceChain {
   std::optional<double> log_z{};
 };
 
-/// The steps of a chain over islands.
 class ReferenceSteps {
  public:
   ReferenceSteps(const IslandSetting& setting, const sampling::ChainStreams& streams,
