@@ -1,10 +1,9 @@
 // Elementary functions with the same bits on every processor. Only this module calls SLEEF.
 //
-// Idea. Results must not use libm. At program start, glibc selects variants of sin, cos, exp, log,
-// pow, atan2 and others with or without fused multiply-add, depending on the processor. The
-// variants round differently, so one binary yields other bits on another machine. SLEEF has
-// "consistent" functions (prefix Sleef_cinz, suffix purec) that never fuse and never dispatch.
-// Sleight computes every transcendental of a result with them.
+// Idea. Results must not use libm, because glibc selects variants of sin, cos, exp, log, pow, atan2
+// and others by the processor, with or without fused multiply-add. The variants round differently,
+// so one binary yields other bits on another machine. SLEEF has "consistent" functions (prefix
+// Sleef_cinz, suffix purec) that never fuse and never dispatch.
 //
 // std::sqrt is safe, because IEEE 754 requires correct rounding, as for + - * /. std::floor,
 // std::fabs, std::ldexp and std::copysign are exact and safe too. Results must not use std::hypot

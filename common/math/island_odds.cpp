@@ -45,8 +45,7 @@ IslandOdds IslandSums::odds() const {
   odds.log_mean = greatest_ + math::log(sum_) - math::log(count);
   odds.largest_share = 1 / sum_;
   if (islands_ < 2) return odds;
-  // The relative variance is the mean square minus the squared mean, over the squared mean.
-  // Rounding may make this negative for equal estimates.
+  // The mean square minus the squared mean, over the squared mean; rounding may make it negative.
   const double relative_variance = count * squares_ / (sum_ * sum_) - 1;
   odds.relative_sd = std::sqrt(std::max(relative_variance, 0.0) * count / (count - 1));
   return odds;

@@ -1,16 +1,14 @@
 // Combines independent, unbiased estimates of a number too small for doubles: the log of their
-// mean, and its error. Free islands provide the logs of such estimates for Z and for P(satisfied)
-// (worker/sampling/island.h).
+// mean, and its error. Free islands provide logs of such estimates (worker/sampling/island.h).
 //
 // Idea. The mean of the estimates is unbiased for any spread; the mean of their logs is not. The
 // standard error of the mean is the estimates' standard deviation over the square root of their
-// number. The relative error is the error of the log, in nats. A few large estimates can dominate
-// the sum. The standard deviation is then as uncertain as the mean, and mostly too small, because
-// even larger estimates have not occurred yet. So an error is valid only if no estimate exceeds a
-// tenth of the sum, and if there are enough estimates.
+// number. The relative error is the error of the log, in nats. If a few large estimates dominate
+// the sum, the standard deviation is mostly too small, because even larger estimates have not
+// occurred yet. So an error is valid only if no estimate exceeds a tenth of the sum, and if there
+// are enough estimates.
 //
-// A run may choose the number of estimates by earlier ones, but not by the counted ones: a run that
-// stops when its estimate looks good stops before large estimates occur
+// A run may choose the number of estimates by earlier ones, but not by the counted ones
 // (worker/sampling/odds_rule.h).
 // Invariant: equal sequences yield equal bits. Thread safety: values and pure functions.
 #pragma once
@@ -32,8 +30,7 @@ struct IslandOdds {
   std::uint64_t islands = 0;
   /// Log of the mean; -infinity if all estimates are 0, NaN without estimates.
   double log_mean = std::numeric_limits<double>::quiet_NaN();
-  /// Standard deviation of one estimate over the mean. NaN for fewer than two estimates, or if all
-  /// are 0.
+  /// Standard deviation of one estimate over the mean. NaN for fewer than two, or if all are 0.
   double relative_sd = std::numeric_limits<double>::quiet_NaN();
   /// The largest estimate's share of the sum, in [0, 1]. NaN if the sum is 0 or empty.
   double largest_share = std::numeric_limits<double>::quiet_NaN();
@@ -49,8 +46,7 @@ struct IslandOdds {
 /// Sums over estimates, which are not stored.
 class IslandSums {
  public:
-  /// Adds the log of an estimate; -infinity for 0. A NaN or +infinity, which no estimate has, makes
-  /// all results NaN.
+  /// Adds the log of an estimate; -infinity for 0. NaN or +infinity makes all results NaN.
   void add(double log_estimate);
   IslandOdds odds() const;
 

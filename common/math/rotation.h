@@ -22,8 +22,8 @@ namespace sleight::math {
 /// Aligned to 16 or 32 bytes depending on build flags, so never store its raw bytes.
 using Quat = Eigen::Quaterniond;
 
-/// Exponential map: the rotation by |v| radians about v (right-handed). The zero vector yields the
-/// identity. The norm is 1 to within 2^-50. REQUIRES: |v| is finite.
+/// Exponential map: the rotation by |v| radians about v (right-handed); the identity for zero. The
+/// norm is 1 to within 2^-50. REQUIRES: |v| is finite.
 Quat quaternion_of_rotation_vector(const Vec3& rotation_vector_rad);
 
 /// The rotation that does `first`, then `second` (the Hamilton product second * first).

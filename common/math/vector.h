@@ -1,11 +1,11 @@
 // Vectors of the plane and of space: fixed-size Eigen types with our own reductions.
 //
-// Idea. Eigen's types provide storage and component-wise arithmetic: a sum, a difference or a
-// scaling rounds once per component for any instruction set. Sums over components are different.
-// Eigen chooses the order of additions, and whether to fuse multiplication and addition, by size,
-// alignment and build flags. A sum of three is a + (b + c) in plain code; a sum of four is pairwise
-// under SSE and different under AVX; a quaternion product has its own SSE code. So the functions
-// below write out every such sum from left to right. rotation.h has the products of rotations.
+// Idea. Eigen's types provide storage and component-wise arithmetic, which rounds once per
+// component for any instruction set. For sums over components, Eigen chooses the order of
+// additions, and whether to fuse multiplication and addition, by size, alignment and build flags. A
+// sum of three is a + (b + c) in plain code; a sum of four is pairwise under SSE and different
+// under AVX; a quaternion product has its own SSE code. So the functions below write out every such
+// sum from left to right. rotation.h has the products of rotations.
 //
 // Invariants
 //   1. Every function yields the same bits for the same arguments whether compiled for SSE2 or for
@@ -33,8 +33,8 @@ using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
-/// An expression for a column of two or three doubles: a Vec2, a Vec3, or sums, differences and
-/// scalings of them. The functions below evaluate an expression once.
+/// A column of two or three doubles, or a sum, difference or scaling of such columns. The functions
+/// below evaluate an expression once.
 template <class T>
 concept VectorExpression = std::same_as<typename T::Scalar, double> && T::ColsAtCompileTime == 1 &&
                            (T::RowsAtCompileTime == 2 || T::RowsAtCompileTime == 3);
@@ -46,8 +46,7 @@ template <VectorExpression T>
 using Evaluated = Eigen::Matrix<double, T::RowsAtCompileTime, 1>;
 
 namespace detail {
-/// An argument, evaluated once. Vectors are held by reference, because each call would copy them
-/// through memory.
+/// An argument, evaluated once. Vectors are held by reference, which avoids copies through memory.
 template <VectorExpression T>
 using Held = std::conditional_t<std::same_as<T, Evaluated<T>>, const T&, const Evaluated<T>>;
 }  // namespace detail

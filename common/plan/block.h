@@ -6,9 +6,9 @@
 //        s+2        b c
 //
 // A member continues as long as the block itself determines its level; the plan decides the rest.
-// So the number of a member's scans depends on the swaps. The choice of units for a block may
-// depend on measured cost and on what is ready, but no result depends on it (docs/DETERMINISM). The
-// plan decides each swap again when it consumes results, and verifies this (Plan::consume).
+// The choice of units for a block may depend on measured cost and on what is ready, but no result
+// depends on it (docs/DETERMINISM). The plan verifies this, because it decides each swap again when
+// it consumes results (Plan::consume).
 #pragma once
 
 #include <cstdint>
@@ -46,22 +46,20 @@ struct BlockLimits {
   std::uint32_t unit_scans_max = 1;   ///< Scans of a single unit.
   std::uint32_t block_scans_max = 1;  ///< Scans of all members of a ladder's part together.
   /// Number of threads that small blocks can keep busy. With at least one ladder per thread,
-  /// ladders of up to whole_levels_max levels are not split, because scans at the edges of parts
-  /// come in small blocks.
+  /// ladders of up to whole_levels_max levels are not split, because parts cause small blocks.
   std::uint64_t threads = 1;
   std::uint32_t whole_levels_max = 0;
 };
 
-/// A member's initial state as bytes. Empty if the worker presumably holds the state, or if the
-/// member starts.
+/// A member's initial state. Empty if the worker presumably holds it, or if the member starts.
 using GivenState = std::optional<base::Bytes>;
 
 /// Computes blocks. Thread-safe: run may be called from several threads at once.
 class BlockWorker {
  public:
   virtual ~BlockWorker() = default;
-  /// Returns one result per member, in order, each with at least one scan. Returns no results if a
-  /// state is neither given nor held. REQUIRES: one entry of `states` per member.
+  /// Returns one result per member, in order, each with at least one scan; no results if a state is
+  /// neither given nor held. REQUIRES: one entry of `states` per member.
   virtual std::vector<UnitResult> run(const Block& block,
                                       std::span<const GivenState> states) const = 0;
   virtual CacheUse cache_use() const = 0;

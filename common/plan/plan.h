@@ -5,8 +5,7 @@
 // Invariants
 //   1. Units of one replica are handed out in scan order, one at a time.
 //   2. A plan's decisions are a function of the results consumed, not of the order in which
-//      replicas' results arrive. The executor may affect the order in which ready units are
-//      handed out.
+//      replicas' results arrive. (The order in which ready units are handed out may vary.)
 //   3. A fresh plan that consumes an earlier session's stored results reaches that session's state.
 // Not thread-safe: one executor drives a plan.
 #pragma once
@@ -23,30 +22,29 @@
 
 namespace sleight::plan {
 
-/// Consecutive scans that are draws, and by chain the scan among them that is its independent
-/// solution, if any.
+/// Consecutive scans that are draws, and by chain the independent solution among them, if any.
 struct DrawPart {
   std::uint64_t first_scan = 0;
   std::uint64_t count = 0;
   std::vector<std::optional<std::uint64_t>> counted{};
 };
 
-/// A chain's draws: its records at inverse temperature 1 from first_scan on, by (scan, replica). If
-/// `parts` is not empty, only records in parts count.
+/// A chain's records at inverse temperature 1 from first_scan on, by (scan, replica). If `parts` is
+/// not empty, only records in parts count.
 struct Draws {
   std::uint64_t first_scan = 0;
   std::uint64_t count = 0;  ///< With parts: the total over all parts.
   std::vector<DrawPart> parts{};
 };
 
-/// Finds of searches. Starts are numbered. A find counts once all earlier starts are done, so the
-/// set of counted finds doesn't depend on workers.
+/// Finds of searches. A find counts once all earlier starts are done, so counts don't depend on
+/// workers.
 struct Finds {
   std::uint64_t found = 0;
   std::uint64_t wanted = 0;  ///< 0: no search.
   bool gave_up = false;      ///< Too many consecutive starts found nothing.
-  /// After giving up: the stage at which the best starts were stuck, such as "ball 3 of 16", for
-  /// display. Empty if all stages succeeded but the whole motion never satisfied.
+  /// After giving up: the stage at which the best starts were stuck, such as "ball 3 of 16". Empty
+  /// if all stages succeeded but the whole motion never satisfied.
   std::string stuck_at{};
   bool is_all = false;  ///< No sampled chains follow the search.
   /// Number of takes.
@@ -95,22 +93,20 @@ class Plan {
  public:
   virtual ~Plan() = default;
 
-  /// Returns the next unit that can run, with at most `scans_max` scans. Empty if all such units
-  /// are handed out or done. The replica that is furthest behind comes first. REQUIRES: scans_max
-  /// >= 1.
+  /// Returns the next unit that can run. Empty if all such units are handed out or done. The
+  /// replica that is furthest behind comes first. REQUIRES: scans_max >= 1.
   virtual std::optional<Unit> next_unit(std::uint32_t scans_max) = 0;
 
-  /// Like next_unit, but returns a block: neighbouring replicas together with their swaps. Plans
-  /// without swaps return blocks of one unit.
+  /// Like next_unit, for a block. Plans without swaps return blocks of one unit.
   virtual std::optional<Block> next_block(const BlockLimits& limits);
 
-  /// The state from which a replica starts, unless its first unit draws the start; then empty.
-  /// REQUIRES: a unit that starts the replica is handed out.
+  /// The state from which a replica starts. Empty if its first unit draws the start. REQUIRES: a
+  /// unit that starts the replica is handed out.
   virtual base::BytesView start_state(ReplicaKey /*replica*/) const { return {}; }
 
   /// Consumes the results of scans [first_scan, first_scan + records.size()) of one replica.
-  /// REQUIRES: they continue that replica's consumed scans, and either belong to a unit handed out
-  /// or (before the first next_unit) come from a run store.
+  /// REQUIRES: they continue that replica's scans, and belong to a unit handed out or (before the
+  /// first next_unit) to a run store.
   virtual void consume(ReplicaKey replica, base::ScanIndex first_scan,
                        std::span<const ScanRecord> records) = 0;
 
@@ -123,8 +119,7 @@ class Plan {
   /// The draws that every chain has among these scans.
   virtual Draws draws() const { return {.first_scan = 0, .count = scans_common()}; }
 
-  /// Independent solutions so far (lineages with a satisfied scan), and the number of them that
-  /// ends the run, if the stop rule has one.
+  /// Independent solutions so far, and the number of them that ends the run, if any.
   virtual std::uint64_t solutions_found() const = 0;
   virtual std::optional<std::uint64_t> solutions_wanted() const = 0;
 

@@ -1,5 +1,4 @@
-// A sampling method's report: named tables of numbers, which archives store unchanged and people
-// read.
+// A sampling method's report: named tables of numbers, which archives store unchanged.
 #pragma once
 
 #include <cstddef>

@@ -3,8 +3,8 @@
 // A unit is one replica of one chain over consecutive scans, each at its own inverse temperature. A
 // replica's first scan draws its start from the prior, and so does every scan at inverse
 // temperature 0; each such draw begins a lineage. A unit's result is a pure function of (request,
-// unit, state before), so it can be computed anywhere, twice, or again after a crash, with the same
-// bits. The number of scans in a unit may depend on measured cost; no stored result depends on it
+// unit, state before), so it can be computed anywhere, or again after a crash, with the same bits.
+// The number of scans in a unit may depend on measured cost; no stored result depends on it
 // (docs/DETERMINISM).
 #pragma once
 
@@ -74,8 +74,8 @@ inline std::pair<base::ChainId, std::uint64_t> place_of_island(std::uint64_t num
 /// Above the number of replicas of any chain, because lineages are numbered by it.
 inline constexpr std::uint64_t k_replicas_end = 4096;
 
-/// The lineage that begins with a replica's prior draw at a scan. Each such draw of a chain begins
-/// a lineage of its own. The start of replica 0 has lineage 0.
+/// The lineage that begins with a replica's prior draw at a scan. Each such draw of a chain has its
+/// own lineage; the start of replica 0 has 0.
 inline std::uint64_t lineage_from(base::ReplicaId replica, std::uint64_t scan) {
   return scan * k_replicas_end + replica.value;
 }
@@ -102,8 +102,7 @@ struct Unit {
 
   /// Whether each scan is a start of a search, without a state before it. Implies `starts`.
   bool searches() const { return is_search_lane(replica.chain); }
-  /// Whether each scan is a draw from the prior, without states before or after it. Implies
-  /// `starts`.
+  /// Whether each scan is a draw from the prior. Implies `starts`.
   bool draws_prior() const { return is_prior_lane(replica.chain); }
   /// Whether each scan is a free island. Implies `starts`.
   bool makes_islands() const { return is_island_lane(replica.chain); }
@@ -125,11 +124,10 @@ struct ScanRecord {
   std::vector<std::uint32_t> accepted{};  ///< Accepted proposals, by kind.
   std::vector<double> outcome{};          ///< The world's outcome scalars, in its layout's order.
   FailureCounts failures{};               ///< Failures of this scan's simulations.
-  /// Number of this scan's simulations that could not begin, because bodies overlap at the start:
-  /// p_c = 0.
+  /// Number of simulations that could not begin, because bodies overlap at the start: p_c = 0.
   std::uint64_t overlapping_starts = 0;
-  /// Values for the method: estimates of islands (worker/sampling/island.h), or the values by which
-  /// a burn-in is judged (burn_in_judge.h).
+  /// Estimates of islands (worker/sampling/island.h), or values that judge a burn-in
+  /// (burn_in_judge.h).
   std::vector<double> method_values{};
   /// The state, for scans that are archived (every `thin`-th) or satisfied; otherwise empty.
   base::Bytes state{};
@@ -169,11 +167,10 @@ struct CacheUse {
 class UnitWorker {
  public:
   virtual ~UnitWorker() = default;
-  /// REQUIRES: `state` is the replica's state before unit.first_scan. For the replica's first scan,
-  /// `state` is the start (Plan::start_state) or empty.
+  /// REQUIRES: `state` is the replica's state before unit.first_scan. For its first scan, `state`
+  /// is Plan::start_state's or empty.
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
-  /// Runs the unit from the sample that this worker held after the preceding unit. Empty without
-  /// one.
+  /// Runs the unit from the sample that this worker holds for it. Empty without one.
   virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }
   /// Whether the worker holds that sample now. REQUIRES: !unit.starts.
   virtual bool holds(const Unit&) const { return false; }

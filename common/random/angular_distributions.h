@@ -7,8 +7,7 @@
 
 namespace sleight::random {
 
-/// Tolerance of log_density for the squared norm of a unit vector or quaternion. Rounding causes
-/// about 1e-15; only a missing normalisation exceeds the tolerance.
+/// Tolerance of log_density for a squared norm of 1. Rounding causes about 1e-15.
 constexpr double k_unit_square_tolerance = 1e-9;
 
 /// A unit vector of the plane, with density 1/(2 pi) by arc length. One word per draw.
@@ -17,8 +16,8 @@ struct UniformDirection2 {
   double log_density(const math::Vec2& x) const;
 };
 
-/// A unit vector of space, with density 1/(4 pi) by area on the unit sphere. The height z is
-/// uniform on [-1, 1] (Archimedes). Two words per draw.
+/// A unit vector of space, with density 1/(4 pi) by area. The height z is uniform on [-1, 1]
+/// (Archimedes). Two words per draw.
 struct UniformDirection3 {
   math::Vec3 draw(Stream& stream) const;
   double log_density(const math::Vec3& x) const;

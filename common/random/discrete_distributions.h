@@ -1,5 +1,4 @@
-// Distributions on booleans and whole numbers. distributions.h states their common properties.
-// Densities are probabilities.
+// Distributions on booleans and whole numbers, whose densities are probabilities.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +9,7 @@
 
 namespace sleight::random {
 
-/// True with probability p, within 2^-53, and exactly for 0 and 1. One word per draw. REQUIRES: 0
-/// <= p <= 1.
+/// True with probability p, within 2^-53. One word per draw. REQUIRES: 0 <= p <= 1.
 struct Bernoulli {
   double p = 0.5;
 
@@ -29,8 +27,8 @@ struct UniformInteger {
   double log_density(std::uint64_t x) const;
 };
 
-/// Draws an index with probability proportional to its share; never one of share 0. One word per
-/// draw. REQUIRES: shares >= 0, not all 0.
+/// Draws an index with probability proportional to its share. One word per draw. REQUIRES: shares
+/// >= 0, not all 0.
 std::size_t draw_by_share(std::span<const double> shares, Stream& stream);
 
 }  // namespace sleight::random

@@ -1,5 +1,4 @@
-// Distributions on the line: uniform and normal. distributions.h states their common properties and
-// the meaning of "exact". truncated_normal.h has the truncated normal.
+// Distributions on the line: uniform and normal (truncated_normal.h has the truncated normal).
 // Units: x and the parameters share one unit. Densities are per length in that unit.
 #pragma once
 
@@ -7,8 +6,7 @@
 
 namespace sleight::random {
 
-/// Uniform on the closed interval [low, high]. One word per draw. Values are on a grid of 2^52
-/// midpoints, rounded to doubles.
+/// Uniform on [low, high], on a grid of 2^52 midpoints, rounded to doubles. One word per draw.
 /// REQUIRES: low < high, and high - low finite.
 struct Uniform {
   double low = 0;

@@ -1,8 +1,7 @@
 // All uses of random numbers in one list, so that two uses never share a stream.
 //
 // The numbers are part of the archive's meaning (the same seed yields the same animations). Never
-// change or reuse a number; a new purpose gets the next one. 0 is no purpose, so Stream refuses a
-// key without one.
+// change or reuse a number; a new purpose gets the next one. Stream refuses 0, a missing purpose.
 #pragma once
 
 #include <cstdint>

@@ -16,8 +16,7 @@ namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_sqrt_half = 0x1.6a09e667f3bcdp-1;  // 0.70710678118654752
-// At least 4 in 10 proposals are accepted, so this many consecutive rejections have probability
-// 1e-222 and mean a bug.
+// 1000 rejections in a row have probability 1e-222, because 4 in 10 proposals are accepted.
 constexpr int k_proposals_max = 1000;
 
 struct Interval {
@@ -113,8 +112,8 @@ double short_integral(double a, double width) {
 
 // Log of the integral of exp(-a t - t^2/2) over 0 < t < width, for a >= 0.
 double log_tail_integral(double a, double width) {
-  // The integrand falls by a factor exp(fall) across the interval. The quadrature rule is exact to
-  // rounding for a small fall. For a large fall, the difference of two Mills ratios has no
+  // exp(-fall) is the integrand's ratio across the interval. The quadrature rule is exact to
+  // rounding for a small fall; for a large fall, the difference of two Mills ratios has no
   // cancellation.
   const double fall = width * (a + 0.5 * width);
   constexpr double k_fall_short_max = 4;

@@ -14,16 +14,14 @@ struct BlockSizeOptions {
   /// Target duration of a block.
   double target_s = 0.050;
   /// The coordinator's cost per block, storing of results included, and the maximum share of its
-  /// time for this work. Blocks are longer than target_s if these limits require it at the number
-  /// of busy threads.
+  /// time. Blocks exceed target_s if many busy threads require it.
   double handling_s = 50e-6;
   double handling_share = 0.5;
-  /// Maximum target duration for the sake of the coordinator, and minimum duration when workers
-  /// wait for work.
+  /// Limits of a block's duration: at most target_s_max, and at least least_s when workers wait.
   double target_s_max = 1;
   double least_s = 0.001;
-  /// Ladders stay whole if one scan of all levels takes at most this long and there are enough
-  /// ladders.
+  /// With enough ladders, a ladder stays whole if one scan of all its levels takes at most this
+  /// long.
   double whole_s_max = 0.25;
   std::uint32_t scans_max = 8192;  ///< Maximum scans of a block, which limits a result's memory.
 };
@@ -37,12 +35,12 @@ class BlockSize {
     std::uint64_t all = 1;
     std::uint64_t at_work = 1;
   };
-  /// Limits of the next block. `scans_max`: maximum scans of one replica, which is exceeded only if
-  /// the coordinator couldn't keep up otherwise.
+  /// Limits of the next block. `scans_max`: maximum scans of one replica, exceeded only if the
+  /// coordinator couldn't keep up otherwise.
   plan::BlockLimits limits(const Threads& threads, std::uint64_t scans_max) const;
-  /// Reports a completed block. `moving`: its scans that made proposals. Starts cost almost
-  /// nothing, or as much as a scan if they are islands, so they count only until another cost is
-  /// known. An invalid time (possible from other ranks) is ignored.
+  /// Reports a completed block. `moving`: its scans that made proposals. Starts count only until a
+  /// scan's cost is known, because they cost almost nothing, or as much as a scan if they are
+  /// islands. Invalid times (possible from other ranks) are ignored.
   void measured(std::uint64_t scans, std::uint64_t moving, double cost_s);
   /// Report that a thread found no work although the plan continues, or that it found some.
   void starved() { slack_ = std::max(slack_ * k_narrowing, slack_min()); }
@@ -55,8 +53,7 @@ class BlockSize {
   static constexpr double k_narrowing = 0.7;
   static constexpr double k_widening = 1.01;
   static constexpr double k_growth = 8;
-  /// The share of target_s that least_s is. A smaller slack would have no effect, and recovering
-  /// from it would take long.
+  /// A smaller slack would have no effect, and recovering from it would take long.
   double slack_min() const { return std::min(options_.least_s / options_.target_s, 1.0); }
   BlockSizeOptions options_;
   /// Average scans of a split ladder's blocks, whatever their limit.

@@ -1,5 +1,4 @@
-// Inputs and effects of the scheduler. Messages are purely logical: the coordinator determines how
-// bytes travel and where results are written.
+// Inputs and effects of the scheduler. The coordinator transports and stores them.
 #pragma once
 
 #include <cstdint>

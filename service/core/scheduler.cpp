@@ -67,8 +67,7 @@ void Scheduler::take(Delivered& input) {
   if (task == tasks_.end()) {
     ++counts_.refused;
   } else if (delivery.results.empty()) {
-    // The worker lacks a state that it was thought to hold, so the next worker gets the state as
-    // bytes.
+    // The worker lacks a state, so the next worker gets the state as bytes.
     ++counts_.states_missing;
     task->second.preferred.reset();
     for (const plan::Unit& member : task->second.block.members) {
@@ -205,8 +204,7 @@ void Scheduler::heard(WorkerId id) {
   threads_ += found->second.threads;
   silent_.erase(id);
   place(id);
-  // Hearing a worker doesn't show which assignments it has, so renewed leases make sure that it is
-  // asked about missing ones.
+  // Renew leases, so that the worker is asked about assignments that it may lack.
   for (const AssignmentId assignment : found->second.before_it) {
     const Given& given = assignments_.at(assignment);
     if (leases_.contains({given.lease_end_s, assignment})) continue;
@@ -281,8 +279,7 @@ void Scheduler::place(WorkerId id) {
 }
 
 void Scheduler::fetch() {
-  // A single worker needs no choice. With several workers, a block may wait for the worker that
-  // holds its states.
+  // With several workers, a block may wait for the worker that holds its states.
   const std::size_t wanted = workers_.size() > 1 ? k_lookahead : 1;
   while (waiting_.size() < wanted) {
     // Limit units to the number of scans that all chains have. So chains stay within a factor of
@@ -305,8 +302,7 @@ void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
   while (!roomy_.empty() && roomy_.begin()->first < 1) {
     const WorkerId worker = roomy_.begin()->second;
     if (!has_work()) {
-      // Smaller blocks would leave more of a ladder to other threads. Plain chains gain nothing
-      // from smaller blocks.
+      // Smaller blocks would leave more of a ladder to others, but not more of plain chains.
       if (heard_of && splits_ladders_) size_.starved();
       return;
     }
@@ -382,8 +378,7 @@ void Scheduler::give(WorkerId id, TaskId task_id) {
   task.leases.insert(assignment);
   if (task.given++ > 0) ++counts_.copies;
 
-  // Send only the version of a state that the worker itself made last; the version is the member's
-  // first scan.
+  // Send only the version (the member's first scan) of a state that the worker made last.
   std::vector<plan::GivenState> states;
   for (const plan::Unit& member : task.block.members) {
     plan::GivenState& state = states.emplace_back();

@@ -1,13 +1,12 @@
 // The scheduler decides which worker runs which block, as a pure state machine. An input goes in,
 // effects come out. The scheduler uses no network, disk, clock or thread. It knows the plan's
-// units, their dependencies (through the plan), the versions of states, and which worker holds
-// which state.
+// units, the versions of states, and which worker holds which state.
 //
-// Idea. The plan determines which units can run. The scheduler requests blocks of them, gives each
-// block to a worker, and accepts each block's first result from any worker. A result is a pure
-// function of its block, so several workers may run the same block: if a worker is silent for too
-// long (its lease ends), another worker gets the block too. A state's version is the number of the
-// scan that follows it. A state travels as bytes unless the worker made it last.
+// Idea. The scheduler requests blocks from the plan, gives each block to a worker, and accepts each
+// block's first result from any worker. A result is a pure function of its block, so several
+// workers may run the same block: if a worker is silent for too long (its lease ends), another
+// worker gets the block too. A state's version is the number of the scan that follows it. A state
+// travels as bytes unless the worker made it last.
 //
 //   plan ── block ──▶ waiting ──▶ given out ──▶ first result: stored, into the plan
 //                        ▲            │
@@ -19,8 +18,8 @@
 //   2. A block that is not done either waits or is assigned under a running lease. So after any
 //      failures of workers and messages, the block completes if some worker eventually answers.
 //   3. A worker is thought to have at most threads * blocks_per_thread assignments. A silent worker
-//      gets none until it is heard. A worker that isn't silent has a lease on each assignment, so
-//      it is asked about lost ones.
+//      gets none until it is heard. Any other worker has a lease on each assignment, so it is asked
+//      about lost ones.
 //   4. Effects are a function of the inputs' order alone.
 //
 // The order of decisions in one step:
@@ -53,12 +52,10 @@ struct SchedulerOptions {
   std::uint64_t epoch = 1;  ///< Epoch of the run store, which assignments and deliveries carry.
   BlockSizeOptions size{};
   /// Number of blocks that wait at a worker for each of its threads, so that the thread need not
-  /// wait for a message. 0 if a scan takes longer than ahead_s_max, because a message's delay is
-  /// then negligible.
+  /// wait for a message. 0 if a scan takes longer than ahead_s_max.
   std::uint32_t blocks_ahead = 1;
   double ahead_s_max = 0.1;
-  /// Minimum duration of a lease, and its minimum as a multiple of the expected time for the
-  /// worker's blocks.
+  /// A lease is at least lease_s, and at least lease_factor times the worker's expected work.
   double lease_s = 30;
   double lease_factor = 20;
   /// Interval between questions to a silent worker.
@@ -107,8 +104,7 @@ class Scheduler {
   struct Task {
     plan::Block block;
     std::set<AssignmentId> leases;  ///< Running leases. Empty: the block waits.
-    /// The worker that holds most of the members' states, which doesn't change before the block is
-    /// done.
+    /// The worker that holds most of the members' states.
     std::optional<WorkerId> preferred{};
     std::size_t given = 0;  ///< Number of times given out.
     std::uint32_t passed_over = 0;

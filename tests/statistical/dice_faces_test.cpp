@@ -1,5 +1,4 @@
-// Fair dice are fair: after throws from a uniform orientation onto a random table, without goals,
-// each face comes up once in six throws.
+// Fair dice are fair: without goals, each face comes up once in six throws.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// Contract C3 for dice: proposals leave p_w p_c^beta invariant, including those whose ratio depends
-// on the candidate's collisions.
+// Tests that proposals for dice leave p_w p_c^beta invariant, including proposals whose ratio
+// depends on the candidate's collisions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,8 +30,7 @@ bool is_soak() {
   return property::long_run();
 }
 
-/// A small table whose fields are all random, and one die. Steps are as large as the quantities
-/// that they change.
+/// A table with random fields, and one die. Steps are as large as the quantities they change.
 Parameters small_table() {
   Parameters parameters;
   auto& table = parameters.world.table;
@@ -49,9 +48,8 @@ Parameters small_table() {
   return parameters;
 }
 
-/// Dice whose simulation is a formula with three collisions. The collisions' places depend on the
-/// throw and on the heights of the points among them, so each change shifts the shares of all
-/// points.
+/// Dice whose simulation is a formula with three collisions. Their places depend on the throw and
+/// on the heights of the points, so each change shifts the shares of all points.
 class Formula {
  public:
   using State = worlds::dice::State;
@@ -197,8 +195,7 @@ struct Run {
   std::size_t chains = 2000;
 };
 
-/// Returns the least p-value times the number of tests, for exact draws moved by some steps against
-/// fresh ones.
+/// Returns the least p-value times the number of tests, for moved exact draws against fresh ones.
 template <class T>
 double least_p(const T& world, const Run& run) {
   std::array<std::vector<double>, 14> moved;
@@ -226,8 +223,8 @@ class DiceInvariance : public testing::TestWithParam<std::tuple<double, std::uin
 
 TEST_P(DiceInvariance, ProposalsKeepExactDrawsExact) {
   // Goal: the kernel leaves p_w p_c^beta invariant, the table's points and the start included.
-  // Method: replace the simulation by a formula, and compare moved exact draws (by rejection) with
-  // fresh ones. Fails by chance once in 10^4 runs.
+  // Method: compare moved exact draws (by rejection) with fresh ones, with a formula as simulation.
+  // Fails by chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const std::size_t chains = is_soak() ? 100'000 : 4000;
   const double p = least_p(Formula(small_table()), {beta, steps, chains});

@@ -1,5 +1,4 @@
-// Contract C3 for dice as a world that acts in stages: compare islands with rejection, and particle
-// steps with exact draws.
+// Compares islands of dice with rejection, and particle steps with exact draws.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

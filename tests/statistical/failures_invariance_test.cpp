@@ -1,5 +1,5 @@
-// Contract C3 with failing simulations: at each inverse temperature, chains sample p_w p_c^beta
-// conditioned on success of the simulation (docs/SAMPLING.md).
+// Tests that chains with failing simulations sample p_w p_c^beta conditioned on success, at each
+// inverse temperature (docs/SAMPLING.md).
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -58,8 +58,7 @@ sampling::ChainStreams streams_of(std::uint64_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{static_cast<std::uint32_t>(chain)}, .replica = {}};
 }
 
-/// Returns the probability of such counts if `move` leaves p_beta invariant. Each exact draw is
-/// moved once.
+/// Returns the probability of such counts if `move` leaves p_beta invariant.
 template <class Move>
 double p_value(double beta, std::uint64_t first_chain, const Move& move) {
   const FailingRing ring;

@@ -1,4 +1,5 @@
-// Contract C3: Metropolis-Hastings leaves p_w p_c^beta invariant, and a kernel with a bug doesn't.
+// Tests that Metropolis-Hastings leaves p_w p_c^beta invariant, and that a kernel with a bug
+// doesn't.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,8 +70,7 @@ INSTANTIATE_TEST_SUITE_P(Betas, Invariance,
 
 TEST(InvarianceRepeats, PValuesAreUniform) {
   // Goal: no small bias hides below the single test's threshold. Method: compare each function's
-  // p-values in 400 repeats of 300 draws with uniform. The suite fails by chance with probability
-  // 8e-5.
+  // p-values in 400 repeats of 300 draws with uniform. Fails by chance with probability 8e-5.
   std::array<std::vector<double>, k_ball_functions> collected;
   for (std::uint32_t repeat = 1; repeat <= 400; ++repeat) {
     const auto p = p_values(Bug::none, 1.0, 10, 300, repeat);
@@ -85,9 +85,8 @@ TEST(InvarianceRepeats, PValuesAreUniform) {
 class BrokenKernel : public testing::TestWithParam<Bug> {};
 
 TEST_P(BrokenKernel, IsCaught) {
-  // Goal: the invariance test can fail, even with the fast run's number of draws. Method: the same
-  // test on a kernel with a known bug, at 100 steps. At least one function's p-value is below the
-  // test's threshold.
+  // Goal: the invariance test can fail with the fast run's number of draws. Method: a kernel with a
+  // known bug, at 100 steps. At least one p-value is below the test's threshold.
   const auto p = p_values(GetParam(), 1.0, 100, k_draws_that_tell, 0);
   EXPECT_LT(*std::min_element(p.begin(), p.end()), 1e-5 / k_ball_functions) << name_of(GetParam());
 }

@@ -1,4 +1,4 @@
-// Contract C3 for islands: unbiased estimates, and Markov chain steps that leave the target
+// Tests that islands' estimates are unbiased and their Markov chain steps leave the target
 // invariant.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -100,8 +100,7 @@ TEST(Islands, EstimatesOfParticlesThatChooseTogetherAreUnbiased) {
 }
 
 TEST(Islands, AFifthOfTheToyIsRescued) {
-  // Goal: a fifth of the toy's mass belongs to states that a potential of 0 would lose. Method:
-  // enumeration.
+  // Goal: a fifth of the toy's mass is in states that a potential of 0 loses. Method: enumeration.
   const Toy toy;
   const std::vector<double> masses = toy.masses(1);
   double rescued = 0;
@@ -198,8 +197,7 @@ void expect_kept(std::uint32_t first_chain,
 
 TEST(ParticleSteps, ConditionalStepsKeepTheTarget) {
   // Goal: particle Gibbs is right for two or more particles, each way of resampling and any
-  // temperature, and retains the ground. Method: compare exact draws after one step and after ten
-  // with enumeration.
+  // temperature. Method: compare exact draws after one step and after ten with enumeration.
   expect_kept(20'000'000, [](const auto& islands, std::uint64_t number, ToyParticle& current) {
     const std::uint32_t ground = Toy::ground_of(current.sample.state);
     sampling::conditional_step(islands, number, current);

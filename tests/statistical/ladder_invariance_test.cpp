@@ -1,5 +1,5 @@
-// Contract C3 for parallel tempering on a world that can be enumerated: swaps and scans together
-// leave the product of all tempered distributions invariant.
+// Tests parallel tempering on a world that can be enumerated: swaps and scans together leave the
+// product of all tempered distributions invariant.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -52,9 +52,9 @@ TEST(LadderInvariance, ExactDrawsStayExact) {
   // Goal: with a fixed ladder, every level keeps its distribution and levels stay independent, over
   // swaps, scans and ends of rounds. Method: start many ladders of five levels from exact draws.
   // After one scan and after ten, compare each level and each pair of neighbours with enumeration
-  // by chi-square. 18 p-values, each below 1e-6 once in a million runs by chance. Mean
-  // rejection rates agree with enumeration within 5 standard errors (4 rates: 2.3e-6). The fast
-  // tier has as few repeats as mutants/ladder_checks.cpp, whose checks reject every mutant.
+  // by chi-square. 18 p-values, each below 1e-6 once in a million runs by chance. Mean rejection
+  // rates agree with enumeration within 5 standard errors (4 rates: 2.3e-6). The fast tier has as
+  // few repeats as mutants/ladder_checks.cpp, whose checks reject every mutant.
   const std::uint64_t repeats = property::of_tier(6'000, 100'000);
   const RuggedRing ring;
   const std::vector<std::uint64_t> looked_at{1, 10};

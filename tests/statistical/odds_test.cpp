@@ -23,9 +23,8 @@ namespace sleight::statistical::odds_test {
 
 constexpr std::uint64_t k_seed = 602214;
 
-/// Letters that are right or wrong, in pairs. For a pair with one right letter p_c has a factor
-/// that acts as a barrier. A state satisfies if all letters are right. A proposal changes at most
-/// one letter.
+/// Letters that are right or wrong, in pairs. A factor in p_c for a pair with one right letter acts
+/// as a barrier. A state satisfies if all letters are right. A proposal changes at most one letter.
 struct Letters {
   using State = std::uint32_t;
   using Outcome = std::uint32_t;
@@ -196,13 +195,14 @@ void add_world(Verdicts& all, const char* name, const World& world, const Ladder
 }
 
 TEST(Odds, TrustedErrorsHoldTheTruth) {
-  // Goal: as for the file. Method: letters that change seldom, pairs of letters behind a barrier,
-  // and a bullseye with too short steps; ladders of 4, 1 and 16, seven rounds that double from 32
-  // scans. 68% of trusted estimates should be within one error and 99.7% within three. A round's
-  // log Z and log P share most of their error, so about half of the estimates count. The share
-  // within one error may be lower by five standard errors. The limit within three errors is 95%,
-  // because estimated errors have heavier tails (with one miss in 100, seven misses or more of 125
-  // occur once in 3,000). Doubted estimates miss far more often, mostly below the truth.
+  // Goal: trusted errors are calibrated. Method: letters that change seldom, pairs of letters
+  // behind a barrier, and a bullseye with too short steps; ladders of 4, 1 and 16, seven rounds
+  // that double from 32 scans. 68% of trusted estimates should be within one error and 99.7% within
+  // three. A round's log Z and log P share most of their error, so about half of the estimates
+  // count. The share within one error may be lower by five standard errors. The limit within three
+  // errors is 95%, because estimated errors have heavier tails (with one miss in 100, seven misses
+  // or more of 125 occur once in 3,000). Doubted estimates miss far more often, mostly below the
+  // truth.
   Letters seldom;
   seldom.busy = 0.1;
   Letters pairs;
@@ -233,8 +233,7 @@ TEST(Odds, TrustedErrorsHoldTheTruth) {
 
 TEST(Odds, LaddersThatNeverComeDownHaveNone) {
   // Goal: estimates by 16 short ladders of a hard word are never trusted, though the ladders agree.
-  // Method: letters that change so seldom that almost no ladder makes a round trip; three seeds,
-  // each round.
+  // Method: letters that change so seldom that almost no ladder makes a round trip.
   Letters stuck;
   stuck.letters = 20;
   stuck.busy = 0.01;

@@ -22,8 +22,8 @@ std::vector<double> normals(std::uint32_t chain, std::size_t count, double mean)
 }
 
 TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
-  // Goal: the Kolmogorov-Smirnov test is calibrated. Method: compare the p-values of 500 pairs of
-  // equal distributions with uniform.
+  // Goal: the Kolmogorov-Smirnov test is calibrated. Method: p-values of 500 pairs of equal
+  // samples.
   std::vector<double> p_values;
   for (std::uint32_t i = 0; i < 500; ++i) {
     p_values.push_back(kolmogorov_smirnov_p(normals(2 * i, 400, 0), normals(2 * i + 1, 300, 0)));
@@ -50,9 +50,8 @@ TEST(KolmogorovSmirnov, HasTheKnownTail) {
 }
 
 TEST(EffectiveSampleSize, IsThatOfAnAutoregression) {
-  // Goal: errors include autocorrelation. Method: x' = 0.9 x + noise has an integrated
-  // autocorrelation time of (1 + 0.9) / (1 - 0.9) = 19, which 200,000 steps estimate to a few
-  // percent.
+  // Goal: errors include autocorrelation. Method: x' = 0.9 x + noise has an autocorrelation time of
+  // (1 + 0.9) / (1 - 0.9) = 19, which 200,000 steps estimate to a few percent.
   const std::vector<double> noise = normals(7, 200000, 0);
   std::vector<double> series(noise.size());
   double x = 0;

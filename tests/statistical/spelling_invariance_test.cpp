@@ -1,5 +1,5 @@
-// Contract C3 for balls that spell: all proposals together leave p_w p_c^beta invariant over states
-// with varying numbers of balls. A.2.2's ratios as printed don't.
+// Tests that all proposals for balls that spell leave p_w p_c^beta invariant over states with
+// varying numbers of balls. The ratios printed in A.2.2 of the thesis don't.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,14 +22,13 @@ using worlds::spelling::Kernel;
 
 constexpr std::uint64_t k_seed = 535897;
 
-/// Number of chains: as few in the fast tier as reject each of the wrong kernels below, more in the
-/// long run (SLEIGHT_SOAK=1).
+/// The fast tier has as few chains as reject each of the wrong kernels below.
 std::size_t chain_count() {
   return property::long_run() ? 40'000 : property::of_tier(1200, 2000);
 }
 
-/// The tested quantities: the set of active balls and the number of filled bins, as a cell number;
-/// and, if the state has them, the places of drops, an offset and the size.
+/// The tested quantities: the set of active balls and the number of filled bins (as a cell number),
+/// the places of drops, an offset and the size.
 struct Functions {
   static constexpr std::size_t k_cells = 4 * 3;
   std::array<double, k_cells> cells{};
@@ -50,8 +49,7 @@ struct Functions {
   }
 };
 
-/// Returns the least p-value times the number of tests, for exact draws moved by some steps of a
-/// world's proposals against fresh ones.
+/// Returns the least p-value times the number of tests, for moved exact draws against fresh ones.
 template <class World>
 double least_p(const World& world, double beta, std::uint64_t steps) {
   const Spelling exact = world_with(Kernel::correct);
@@ -150,24 +148,21 @@ struct Hasty : Spelling {
 };
 
 TEST(SpellingInvarianceOfAHastyRatio, IsRefuted) {
-  // Goal: the test of proposals by outcome can fail. Method: a ratio that doesn't wait for the
-  // outcome.
+  // Goal: the test of proposals by outcome can fail. Method: a ratio that ignores the outcome.
   const double p = least_p(Hasty(parameters_with_aims()), 1.0, 40);
   std::printf("hasty, 40 steps: p %g\n", p);
   EXPECT_LT(p, 1e-9);
 }
 
 TEST_P(SpellingInvariance, SoloStepsKeepExactDrawsExact) {
-  // Goal: proposals that lone falls of balls pre-judge (walks and anchored steps) are right.
-  // Method: as above.
+  // Goal: walks and anchored steps that falls of lone balls pre-judge are right. Method: as above.
   const auto [beta, steps] = GetParam();
   const double p = least_p(Spelling(parameters_with_solo_steps()), beta, steps);
   std::printf("solo, beta %g, %d steps: p %g\n", beta, static_cast<int>(steps), p);
   EXPECT_GT(p, 1e-4) << "seed " << k_seed;
 }
 
-/// A wrong kernel that anchors all balls that fill a bin, and ignores that the reverse move must do
-/// so too.
+/// A wrong kernel that anchors all balls that fill a bin, without the reverse move's probability.
 struct Stubborn : Spelling {
   using Spelling::Spelling;
   Anchor draw_anchor(const State& state, const Outcome& outcome,

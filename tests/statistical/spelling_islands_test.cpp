@@ -1,5 +1,4 @@
-// Contract C3 for balls that spell as a world that acts in stages: compare islands with rejection,
-// and particle steps with exact draws.
+// Compares islands of balls that spell with rejection, and particle steps with exact draws.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -48,9 +47,9 @@ void expect_mean(const char* name, const std::vector<double>& draws, double expe
 }
 
 TEST(SpellingIslands, AgreeWithRejection) {
-  // Goal: islands and blind throws agree on Z and P(satisfied) of three balls. Method: compare the
+  // Goal: islands and blind throws agree on Z and P(satisfied) of three balls. Method: compare
   // means of islands of two guides, and of joint islands, with prior draws, within 4 combined
-  // standard errors.
+  // errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#\n.#.").value();
   parameters.constraint.log_lambda = 1.5;

@@ -1,4 +1,4 @@
-// Contract C3 for tempered transitions: invariance, and reversibility, which is stronger.
+// Tests tempered transitions for invariance, and for reversibility, which is stronger.
 #include "worker/sampling/tempered_transition.h"
 
 #include <fmt/format.h>

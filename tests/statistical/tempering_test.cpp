@@ -129,9 +129,9 @@ TEST(Evidence, HasHonestErrorBars) {
 TEST(RoundTrips, AreAsManyAsPredicted) {
   // Goal: with perfect exploration, the observed rate is 1 / (2 + 2 sum r / (1 - r)). Method:
   // workers that draw exactly from each tempered distribution, narrow and wide targets, near and
-  // far, adapting ladders. The observed rate is within 10% of the predicted one in the last round.
-  // At least 2,500 trips, no more variable than a Poisson process, make 10% at least 5 standard
-  // errors.
+  // far, adapting ladders. Observed and predicted rates of the last round differ by at most 10%. At
+  // least 2,500 trips, no more variable than a Poisson process, make this 5 standard errors or
+  // more.
   for (const auto& [target, sigma] : {std::pair{0.0, 0.3}, {1.0, 0.02}, {3.0, 0.1}, {0.0, 0.005}}) {
     Bullseye world;
     world.target = target;
@@ -223,8 +223,7 @@ TEST(BallByTempering, EqualsRejection) {
 TEST(SpellingByTempering, EqualsRejection) {
   // Goal: tempering and rejection agree if the number of variables varies. Method: two bins.
   // Compare the set of active balls and the number of filled bins, in the last round of 32 ladders,
-  // with 20,000 exact draws. 12 shares, within 5 standard errors of the mean over ladders each
-  // (7e-6).
+  // with 20,000 exact draws. 12 shares, within 5 standard errors over ladders each (7e-6).
   const Spelling world = world_with(worlds::spelling::Kernel::correct);
   const run::ChainWorker<Spelling> worker(world_with(worlds::spelling::Kernel::correct),
                                           {.iterations_per_scan = 2});

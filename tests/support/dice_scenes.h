@@ -8,8 +8,7 @@
 
 namespace sleight::tests {
 
-/// One die at a place, within a tolerance, with a six on top; `turned`: also with its two along the
-/// table.
+/// One die at a place, within a tolerance, with a six on top; `turned`: its two along the table.
 inline worlds::dice::Parameters die(double tolerance_m, double sigma_m, bool turned) {
   constexpr double k_degree = std::numbers::pi / 180;
   worlds::dice::Parameters parameters;

@@ -1,5 +1,4 @@
-// State that property.h shares with a test program's main.cpp: the current case, and the command
-// that repeats it.
+// State shared by property.h and a test program's main.cpp.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +15,7 @@ struct Asked {
   bool long_run = false;                      ///< SLEIGHT_SOAK.
 };
 
-/// Reads the settings at the first call. Throws std::invalid_argument with a readable message if
-/// they are invalid.
+/// Reads the settings at the first call. Throws std::invalid_argument if they are invalid.
 const Asked& asked();
 
 std::optional<std::uint64_t> current_case();
@@ -32,8 +30,7 @@ bool failing_case_was_met();
 std::string command_of(std::string_view program, std::string_view test,
                        std::optional<std::uint64_t> number, bool long_run);
 
-/// Returns a program's path relative to the project's folder: from the last folder named build on,
-/// or the whole path.
+/// Returns a program's path from the last folder named build on, or the whole path.
 std::string path_in_project(std::string_view path);
 
 }  // namespace sleight::property

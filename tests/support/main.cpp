@@ -1,5 +1,5 @@
-// main() of every test program: GoogleTest's main, which after each failure also prints the command
-// that repeats it (property.h).
+// GoogleTest's main(), which after each failure also prints the command that repeats it
+// (property.h).
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,8 +22,7 @@ std::string this_program() {
   return path_in_project(std::filesystem::read_symlink("/proc/self/exe").string());
 }
 
-/// The current test as `Suite.Name`, or empty. GoogleTest's own accessor would wait for a lock that
-/// it holds while it reports a failure.
+/// The current test as `Suite.Name`. GoogleTest's accessor waits for a lock during reports.
 std::string& current_test() {
   static std::string name;
   return name;
@@ -52,8 +51,8 @@ class Printer : public testing::EmptyTestEventListener {
   std::string told_;
 };
 
-/// Handles a fatal signal, from a failed CHECK or a crash. fmt::format is not strictly
-/// async-signal-safe, which is acceptable because the process ends anyway.
+/// Handles a fatal signal. fmt::format is not strictly async-signal-safe, but the process ends
+/// anyway.
 void say_and_die(int signal) {
   if (!current_test().empty()) {
     const std::string line = fmt::format("to see it again: {}\n", command());

@@ -31,8 +31,7 @@ Now& now() {
   return now;
 }
 
-/// With sanitizers a case takes some ten times as long, and they find nothing that depends on the
-/// number of cases.
+/// With sanitizers a case takes some ten times as long.
 constexpr bool runs_a_part() {
 #ifdef SLEIGHT_SANITIZED
   return true;
@@ -118,8 +117,7 @@ Cases::Cases(std::uint64_t first, std::uint64_t last, Order order)
 }
 
 Cases::~Cases() {
-  // An exception is reported only after it has left the loop, so the case stays set until the test
-  // ends.
+  // An exception is reported after it has left the loop, so the case stays set until the test ends.
   if (std::uncaught_exceptions() == exceptions_) set_current_case(std::nullopt);
 }
 

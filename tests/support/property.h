@@ -13,8 +13,7 @@
 //   to see it again: SLEIGHT_CASE=17 build/release/tests/tests_unit_x --gtest_filter=Suite.Name
 //
 // Cases that share one stream, or that continue from one another, are `in_turn`: the command runs
-// all cases up to the failed one. For a test without such a loop, the command has no case, and
-// still repeats the failure, because seeds are fixed.
+// all cases up to the failed one. A test without such a loop has a command without a case.
 //
 // Environment variables select what runs:
 //   SLEIGHT_ALL=1        as many cases as deploy/test --all runs (of_tier)
@@ -27,8 +26,7 @@
 //   1. Loops over cases don't nest, and their bodies run in one thread. Threads that a body starts
 //      and joins may fail too.
 //   2. Test expectations about all cases together only if `all_cases()`. With sanitizers a loop has
-//      the first quarter of its cases, and at least ten, because the release build tests the claim
-//      and sanitizer builds test memory and undefined behaviour.
+//      only the first quarter of its cases, and at least ten.
 //   3. tests/support/main.cpp prints the commands, also for a CHECK, a crash or an exception.
 #pragma once
 
@@ -39,8 +37,7 @@ namespace sleight::property {
 /// Whether a case needs earlier cases.
 enum class Order : std::uint8_t { any, in_turn };
 
-/// The numbers from `first` to `last` - 1, for a range-based `for`. SLEIGHT_CASE selects one of
-/// them.
+/// The numbers from `first` to `last` - 1, or the one that SLEIGHT_CASE selects.
 class Cases {
  public:
   Cases(std::uint64_t first, std::uint64_t last, Order order);
@@ -81,14 +78,12 @@ inline Cases seeds(std::uint64_t count) {
   return {1, count + 1, Order::any};
 }
 
-/// Cases 0 to count - 1, each of which needs earlier cases. REQUIRES: no earlier loop of the test
-/// draws numbers from the same stream.
+/// Cases that need earlier cases. REQUIRES: no earlier loop of the test uses the same stream.
 inline Cases in_turn(std::uint64_t count) {
   return {0, count, Order::in_turn};
 }
 
-/// Whether all cases run, so that expectations about many cases together hold. False with
-/// SLEIGHT_CASE and with sanitizers.
+/// Whether all cases run, so that expectations about many cases together hold.
 bool all_cases();
 
 /// Whether tests run at the length of deploy/soak.

@@ -1,7 +1,7 @@
-// Parallel tempering by its plain loop (tests/tempering/tempering_loop.h) with a worker, as a
-// reference for LadderRun and block runners. Units and results are stored by place. Round trips and
-// solutions are counted here from whole paths. Only the adaptation between rounds is shared with
-// the real code; ladder_round_test.cpp verifies that by hand.
+// Parallel tempering by its plain loop (tests/tempering/tempering_loop.h), as a reference for
+// LadderRun and block runners. Round trips and solutions are counted here from whole paths. Only
+// the adaptation between rounds is shared with the real code; ladder_round_test.cpp verifies that
+// by hand.
 #pragma once
 
 #include <cstdint>

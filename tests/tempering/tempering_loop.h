@@ -1,8 +1,7 @@
 // Parallel tempering as one loop, which defines the method on one screen (tempering_loop.cpp).
 //
-// Runs use LadderRun (worker/sampling/ladder_run.h), in which replicas get ahead of one another and
-// any number of workers run blocks (block_runner.h there). Tests compare both with this loop's
-// results, bit for bit. The loop needs none of their bookkeeping, and contains the swap in full,
+// Runs use LadderRun (worker/sampling/ladder_run.h) and blocks (block_runner.h there) instead.
+// Tests compare both with this loop's results, bit for bit. The loop contains the swap in full,
 // independent of swap.h.
 #pragma once
 

@@ -104,8 +104,7 @@ namespace {
 
 sampling::StopRule stop_of(const request::DirectionRequest& request,
                            const std::optional<request::Cut>& cut) {
-  // A cut of islands records whether solutions could end the run, because then not all islands
-  // count towards the odds.
+  // A cut of islands keeps the rule of solutions, because with it not all islands count.
   const bool has_islands = request.sampler.method == request::Method::sequential;
   sampling::StopRule rule{.scans = request.stop.scans,
                           .rounds = request.stop.rounds,

@@ -1,5 +1,4 @@
-// This program's worlds. Each entry has the world's request keys, a worker that computes its units,
-// and a reader of its states.
+// This program's worlds, each with its request keys, its worker, and its reader of states.
 #pragma once
 
 #include <cstddef>
@@ -47,12 +46,10 @@ class WorldEntry {
                                                 base::BytesView state) const = 0;
   /// By kind of proposal: whether it has a tunable scale.
   virtual std::vector<bool> kinds_with_scale(const request::DirectionRequest& request) const = 0;
-  /// The values by which chains that start from a search are judged. Empty if the world has no
-  /// search.
+  /// The values that judge chains from a search. Empty if the world has no search.
   virtual std::vector<sampling::BurnInValue> burn_in_values(
       const request::DirectionRequest& request) const = 0;
-  /// The effort of earlier runs for solutions in the model's proportions, for display. Empty if
-  /// unknown.
+  /// The effort for solutions in the model's proportions so far, for display. Empty if unknown.
   virtual std::string past_effort(const request::DirectionRequest& request) const = 0;
   /// Names of stages for display, such as "ball 3 of 16". Empty if the world has no search.
   virtual std::vector<std::string> stage_names(const request::DirectionRequest& request) const = 0;

@@ -158,8 +158,8 @@ class ChainWorker final : public plan::UnitWorker {
     }
   }
 
-  /// Returns a chain's start from islands or a search. Empty if these fail. The hottest replica of
-  /// a ladder, and replicas that join later, draw from the prior.
+  /// Returns a chain's start from islands or a search. Empty if these fail, and for a ladder's
+  /// hottest replica and replicas that join later.
   std::optional<Sample> start_in_stages(Walk& walk, std::uint64_t scan, double beta,
                                         Counts& counts) const {
     const bool by_search =
@@ -236,8 +236,7 @@ class ChainWorker final : public plan::UnitWorker {
       const std::uint64_t number = first_scan + nth;
       Counts counts(world_.proposal_kinds());
       walk.method_values.clear();
-      // Make one scan. A replica's first scan is its given start or a draw from the prior, and so
-      // is each scan without constraint.
+      // Make one scan. A replica's first scan, and each scan at inverse temperature 0, is a draw.
       const bool is_first = unit.starts && nth == 0;
       if (is_first && walk.current) {
         walk.lineage = plan::lineage_from(unit.replica.replica, number);
@@ -283,8 +282,7 @@ class ChainWorker final : public plan::UnitWorker {
     if (report.from_prior) walk.lineage = plan::lineage_from(unit.replica.replica, scan);
   }
 
-  /// Returns whether a scan's state counts as satisfying. The end of a relaxed find must satisfy
-  /// until rest.
+  /// Whether a scan's state satisfies; the end of a relaxed find must satisfy until rest.
   bool is_satisfied(std::uint64_t scan, const Sample& sample, Counts& counts) const {
     if (!world_.satisfied(sample.outcome)) return false;
     if constexpr (StagedWorld<W>) {

@@ -1,5 +1,4 @@
-// Runs a unit of free islands, for runs that request only the odds
-// (worker/sampling/free_islands.h).
+// Runs free islands, for runs that request only the odds (worker/sampling/free_islands.h).
 #pragma once
 
 #include <cstdint>
@@ -14,8 +13,7 @@
 
 namespace sleight::run {
 
-/// Returns the guide for islands that no chain continues from. By value or by reference, depending
-/// on the world.
+/// Returns the guide for islands that no chain continues from, by value or by reference.
 template <StagedWorld W>
 decltype(auto) guide_for_odds(const W& world, const typename W::Guide& guide) {
   if constexpr (sampling::ListsChoices<W>) {

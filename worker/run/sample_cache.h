@@ -1,10 +1,8 @@
 // The latest samples of the replicas that a worker ran, so that a replica's next unit need not
-// simulate its state again. A sample includes the outcome, and the simulation's recording if the
-// world makes one.
-//
+// simulate its state again. A sample includes the outcome and any recording of the simulation.
 // Invariants
-//   1. take() returns the sample put for that replica and scan, or nothing. So caching changes no
-//      result.
+//   1. take() returns the sample put for that replica and scan, or nothing. Caching changes no
+//   result.
 //   2. All samples together have at most bytes_max bytes. The oldest sample is evicted first, and
 //      a sample larger than bytes_max is not held.
 // Thread-safe.

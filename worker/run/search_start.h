@@ -1,5 +1,4 @@
-// Starts of a search (worker/sampling/stage_search.h) by a worker: consecutive starts of a lane, or
-// one start for a chain.
+// Starts of a search (worker/sampling/stage_search.h), for a lane or for a chain.
 #pragma once
 
 #include <concepts>
@@ -22,8 +21,7 @@
 
 namespace sleight::run {
 
-/// A world that acts in stages and has a search. Its guide depends only on the run's seed, so every
-/// worker computes the same guide.
+/// A world that acts in stages and has a search. Its guide depends only on the run's seed.
 template <class W>
 concept StagedWorld = sampling::ActsInStages<W> &&
     requires(const W& world, std::uint64_t seed, const typename W::Guide& guide,
@@ -32,11 +30,9 @@ concept StagedWorld = sampling::ActsInStages<W> &&
   /// Failures of the simulations that computed the guide.
   { world.failures_of(guide) } -> std::convertible_to<std::span<const plan::FailurePointer>>;
   requires sampling::StageBuilder<decltype(world.builder(guide))>;
-  /// Outcome of the whole motion until rest. A state that satisfies is a find only if this outcome
-  /// satisfies too.
+  /// Outcome of the whole motion until rest, which must satisfy too for a find.
   { world.simulate_to_rest(state) } -> std::same_as<typename W::Outcome>;
-  /// The values by which chains that start from a search are judged (burn_in_judge.h), and a
-  /// state's values.
+  /// The values by which chains from a search are judged (burn_in_judge.h), and a state's values.
   { world.burn_in_values() } -> std::same_as<std::vector<sampling::BurnInValue>>;
   { world.burn_in_values_of(state, outcome) } -> std::same_as<std::vector<double>>;
   /// Name for display, such as "ball 3 of 16".
@@ -46,8 +42,7 @@ concept StagedWorld = sampling::ActsInStages<W> &&
 /// Maximum number of starts of one chain at one scan.
 inline constexpr std::uint64_t k_starts_max = 256;
 
-/// Makes the `number`-th start of a lane or chain, and returns its find. Empty if the search gave
-/// up. Adds the simulations to `effort`.
+/// Returns the find of the `number`-th start of a lane or chain. Empty if the search gave up.
 template <StagedWorld W>
 std::optional<sampling::Sample<W>> search_start(const W& world, const typename W::Guide& guide,
                                                 const sampling::ChainStreams& streams,
@@ -71,8 +66,7 @@ std::optional<sampling::Sample<W>> search_start(const W& world, const typename W
   return sampling::Sample<W>{std::move(state), std::move(outcome), log_prior, log_constraint};
 }
 
-/// Returns a start's record. Without a find, the record has no densities, only the maximum number
-/// of accepted stages.
+/// Returns a start's record. Without a find, only the maximum number of accepted stages is set.
 template <StagedWorld W>
 plan::ScanRecord start_record(const W& world, const std::optional<sampling::Sample<W>>& find,
                               std::uint64_t scan, std::uint32_t furthest,
@@ -94,8 +88,8 @@ plan::ScanRecord start_record(const W& world, const std::optional<sampling::Samp
   return record;
 }
 
-/// Makes a lane's starts, one per scan. With `tells_guide`, start 0 reports failures from computing
-/// the guide. REQUIRES: unit.searches().
+/// Makes a lane's starts, one per scan. With `tells_guide`, start 0 reports failures of the guide.
+/// REQUIRES: unit.searches().
 template <StagedWorld W>
 plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, const plan::Unit& unit,
                              bool tells_guide) {

@@ -1,5 +1,4 @@
-// A catalogue entry, assembled from the world's class and its folder's functions request_binding
-// and make_state_reader.
+// A catalogue entry, from a world's class and its request_binding and make_state_reader.
 #pragma once
 
 #include <memory>

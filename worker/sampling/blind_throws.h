@@ -9,8 +9,7 @@
 
 namespace sleight::sampling {
 
-/// Returns log p_w of `count` states that `draw` makes from random streams. Every call uses the
-/// same streams.
+/// Returns log p_w of `count` states that `draw` makes, the same in every call.
 template <class World, class Draw>
 std::vector<double> log_priors_of_throws(const World& world, std::size_t count, const Draw& draw) {
   std::vector<double> all;

@@ -28,8 +28,7 @@ FlowLevels levels_of(const plan::Block& block) {
           .inverse_temperatures = block.ladder->inverse_temperatures};
 }
 
-/// A running part of a ladder. Replicas are numbered by their place among the members, and levels
-/// are counted from the part's first level.
+/// A running part of a ladder. Replicas and levels are counted from the part's first.
 class PartRun {
  public:
   PartRun(const plan::UnitWorker& worker, const plan::Block& block)
@@ -38,8 +37,7 @@ class PartRun {
       flow_.sit(i, i, block.members[i].first_scan.value);
   }
 
-  /// Runs the members' first scans. Returns false if a state is neither given nor held. Missing
-  /// states that are known beforehand prevent all scans.
+  /// Runs the members' first scans. Returns false if a state is neither given nor held.
   bool begin(const plan::Block& block, std::span<const plan::GivenState> states) {
     for (std::size_t i = 0; i < block.members.size(); ++i) {
       const plan::Unit& member = block.members[i];

@@ -1,5 +1,5 @@
-// Runs blocks (common/plan/block.h). Single units run by themselves. A part of a ladder runs scan
-// by scan, with the swaps between its members (swap_flow.h).
+// Runs blocks (common/plan/block.h): a single unit, or a part of a ladder scan by scan, with the
+// swaps between its members (swap_flow.h).
 // Invariant: each member's records equal those of scans run one at a time at the levels that the
 // plan would have chosen. A member stops where only the plan can determine its next level.
 // Thread-safe if the worker is.

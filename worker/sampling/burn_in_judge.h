@@ -1,17 +1,14 @@
-// Judges whether chains that started from searches have burnt in.
+// Judges whether chains that started from searches (stage_search.h) have burnt in.
 //
-// Chains that start from a search (stage_search.h) all lack what searches seldom produce, such as
-// helped balls. Such chains agree from the first scan on, so R-hat, which measures agreement, is no
-// sufficient test by itself. The judge looks at the second half of a tour's scans, over all chains
-// together, and excludes no chain for its values. The chains have burnt in if both conditions hold
-// for each value:
+// Such chains all lack what searches seldom produce, such as helped balls. They agree from the
+// first scan on, so R-hat, which measures agreement, is no sufficient test by itself. The judge
+// looks at the second half of a tour's scans, over all chains together, and excludes no chain for
+// its values. The chains have burnt in if both conditions hold for each value:
 //
 //   - Split R-hat is at most k_burnt_in_r_hat. Means of half chains then differ by at most 0.66
-//     standard deviations of a draw, as if each half held some 2.3 effective draws. The discarded
-//     first half of the tour is then 4.5 times the correlation time of draws, so some 1% of the
-//     start's bias should be left.
-//   - A value that starts at one end has left it, so at least one draw differs from all chains'
-//     starts.
+//     standard deviations of a draw, as if each half held some 2.3 effective draws. Then the
+//     first half lasts 4.5 correlation times, so some 1% of the start's bias should be left.
+//   - A value that starts at one end has left it: at least one draw differs from all starts.
 //
 // Source of R-hat: diagnostics/r_hat.h. Thread safety: pure functions.
 #pragma once
@@ -29,8 +26,7 @@ inline constexpr double k_burnt_in_r_hat = 1.2;
 /// A value by which a world's burn-in is judged.
 struct BurnInValue {
   const char* name;
-  /// In every chain the value starts at one end of its range, though the target also has other
-  /// values. Chains in which the value has never changed have not burnt in.
+  /// Every chain starts at one end of the value's range. Chains in which it never changed fail.
   bool starts_at_one_end = false;
 };
 
@@ -39,8 +35,7 @@ struct ValueVerdict {
   bool passes = false;
 };
 
-/// Judges `draws` from the second half of a tour. `starts` holds each chain's value before its
-/// first step.
+/// Judges `draws` from the second half of a tour. `starts` holds each chain's initial value.
 ValueVerdict judge_value(const BurnInValue& value, std::span<const double> starts,
                          const Chains& draws);
 

@@ -1,7 +1,6 @@
-// Methods that start from the temperatures of a burn-in, as a Plan. Every chain runs some rounds of
-// parallel tempering, whose results its ChainPart (chain_part.h) then uses.
-//
-// The stop rule counts rounds from the burn-in's end. Scan counts include the burn-in.
+// Methods that start from the results of a burn-in, as a Plan. Every chain runs some rounds of
+// parallel tempering, and then its ChainPart (chain_part.h). The stop rule counts rounds from the
+// burn-in's end. Scan counts include the burn-in.
 #pragma once
 
 #include <cstdint>
@@ -46,8 +45,7 @@ class BurntInChains final : public plan::Plan {
   }
   std::vector<plan::Solution> solutions_between(std::uint64_t after,
                                                 std::uint64_t until) const override;
-  /// The burn-in's rounds by ladder, then the stop rule's rounds, whose numbers continue those of
-  /// the burn-in.
+  /// The burn-in's rounds by ladder, then the stop rule's rounds, numbered consecutively.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after,
                                                std::uint64_t until) const override;
   /// Round trips of the burn-in.

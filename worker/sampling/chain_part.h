@@ -1,6 +1,4 @@
-// One chain's part of a plan after its burn-in by parallel tempering (ladder_run.h). The burn-in
-// provides temperatures, proposal scales, log Z at each level, and a state at inverse temperature
-// 1.
+// One chain's part of a plan after its burn-in by parallel tempering (ladder_run.h).
 #pragma once
 
 #include <cstdint>
@@ -22,8 +20,7 @@ struct BurnIn {
   base::ReplicaId coolest;     ///< The replica at inverse temperature 1.
   base::ReplicaId first_free;  ///< The smallest unused replica id; all greater ids are unused too.
   std::uint64_t lineage = 0;   ///< The lineage of the coolest replica's state.
-  /// Results of the last round: ascending levels, the proposal scales in use, and log Z_{i+1} - log
-  /// Z_i.
+  /// The last round's ascending levels, its proposal scales, and log Z_{i+1} - log Z_i.
   std::vector<double> ladder;
   std::vector<std::vector<double>> scales;
   std::vector<double> log_z_steps;

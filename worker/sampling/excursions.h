@@ -1,7 +1,6 @@
 // A chain whose scans each end with a tempered transition (tempered_transition.h). The transition
-// passes the burn-in's temperatures and some steps between them, because an excursion is rarely
-// accepted if any of its steps is large.
-// Not thread-safe.
+// uses steps between the burn-in's temperatures, because an excursion with a large step is rarely
+// accepted. Not thread-safe.
 #pragma once
 
 #include <cstdint>

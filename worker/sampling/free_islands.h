@@ -1,9 +1,8 @@
 // Free islands alone, as a Plan for runs that request only the odds. Islands share nothing, so any
 // number of workers can run them. OddsRule (odds_rule.h) decides how many islands to make.
 //
-// Archives show the islands as the scans of one chain, ordered by island number. Each draw is an
-// island's drawn state, weighted by the island's estimate of Z. An island whose particles all died
-// contributes a draw from the prior with weight 0 instead.
+// In archives the islands are one chain's scans. Each draw is an island's drawn state, weighted by
+// the island's estimate of Z. An island whose particles all died adds a prior draw of weight 0.
 // Invariant: the number of islands is a function of their estimates in the order of island numbers.
 // Not thread-safe.
 #pragma once

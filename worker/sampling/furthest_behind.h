@@ -1,7 +1,6 @@
 // Selects the chain with the fewest scans to run next, so that all chains reach a common waiting
-// point together. Chains are identified by their numbers. A chain that had no work is not queried
-// again until it moves or the query changes.
-// Not thread-safe.
+// point together. A chain that had no work is not queried again until it moves or the query
+// changes. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -31,13 +30,11 @@ class FurthestBehind {
   /// Number of chains with fewer scans than `horizon`.
   std::size_t going(std::uint64_t horizon);
 
-  /// Reports that a chain has consumed results and now has `scans` scans. REQUIRES: no fewer than
-  /// before.
+  /// Reports that a chain now has `scans` scans. REQUIRES: no fewer than before.
   void moved(std::size_t chain, std::uint64_t scans);
 
-  /// Returns the first non-empty result of `next` over the chains in order of (scans, chain
-  /// number). REQUIRES: a chain for which `next` returns nothing has work in progress whose result
-  /// moves it, or only another `asked` can give it work.
+  /// Returns the first non-empty result of `next` over chains in order of (scans, chain). REQUIRES:
+  /// a chain without result has work in progress, or only another `asked` can give it work.
   template <class Next>
   auto first(const Asked& asked, const Next& next) -> decltype(next(std::size_t{0})) {
     if (asked != asked_) {

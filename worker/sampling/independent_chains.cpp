@@ -57,8 +57,7 @@ plan::Draws IndependentChains::draws() const {
   return {.first_scan = scans_before_draws_, .count = scans - std::min(scans, scans_before_draws_)};
 }
 
-/// Plain chains count solutions from their start. After a burn-in, lineages that began in the
-/// burn-in don't count, because they depend on where the chain began.
+/// Plain chains count solutions from their start. Lineages that began in a burn-in don't count.
 bool IndependentChains::counts(const plan::ScanRecord& record, std::uint64_t scan) const {
   if (scans_before_draws_ == anneal_scans_) return true;
   return scan >= scans_before_draws_ &&

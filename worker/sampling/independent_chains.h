@@ -1,9 +1,7 @@
 // Chains that never interact, as a Plan. Each chain runs scans at inverse temperature 1 from its
 // own prior draw. The kernel is plain Metropolis-Hastings, the baseline for all other methods.
 // Alternatively, islands of particles start the chain and end each scan (worker/run/island_scan.h).
-//
-// stop_rule.h describes rounds and barriers. Invariant: the scan at which the run stops is a
-// function of the results up to that scan.
+// Invariant: the scan at which the run stops is a function of the results up to that scan.
 #pragma once
 
 #include <cstdint>
@@ -24,11 +22,10 @@ struct IndependentChainsOptions {
   std::uint64_t seed = 0;
   std::uint32_t chains = 1;
   std::uint64_t round_scans = 64;  ///< Length of the first round.
-  /// Number of scans of initial simulated annealing, which goes from the prior to inverse
-  /// temperature 1 in equal steps. These scans belong to no round.
+  /// Number of initial scans of simulated annealing, in equal steps; they belong to no round.
   std::uint64_t anneal_scans = 0;
-  /// Number of burn-in scans after the annealing. They yield no draws, belong to no round, and
-  /// lineages that begin in them are not counted.
+  /// Number of burn-in scans after the annealing. They yield no draws and no solutions, and belong
+  /// to no round.
   std::uint64_t burn_in_scans = 0;
   bool has_islands = false;  ///< Each scan ends with islands.
   StopRule stop;

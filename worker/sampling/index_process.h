@@ -1,10 +1,9 @@
-// The level of each replica in each scan, for display (the index process of Syed et al.,
+// The level of each replica in each scan, for display alone (the index process of Syed et al.,
 // "Non-reversible parallel tempering", 2022). Replicas that travel from the hottest to the coolest
-// level bring new draws there. No result depends on the index process.
+// level bring new draws there.
 //
 // The stored scans are the multiples of a stride, which doubles when the number of stored scans
-// exceeds a bound. So the stored set is a function of the scans added.
-// Not thread-safe.
+// exceeds a bound. So the stored set is a function of the scans added. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -22,13 +21,11 @@ class IndexProcess {
 
   struct Moment {
     std::uint64_t scan = 0;
-    /// Level by replica; 0 is the hottest, k_no_level means none. The list ends at the last replica
-    /// that has had a level.
+    /// Level by replica, up to the last replica with a level; 0 is the hottest, k_no_level: none.
     std::vector<std::uint16_t> level;
   };
 
-  /// Adds a scan. `replica` is indexed by level. REQUIRES: scans ascend; fewer than k_no_level
-  /// levels.
+  /// `replica` is indexed by level. REQUIRES: scans ascend; fewer than k_no_level levels.
   void add(std::uint64_t scan, std::span<const std::uint32_t> replica);
 
   const std::vector<Moment>& moments() const { return moments_; }

@@ -1,8 +1,8 @@
 // Islands: sequential Monte Carlo along the animation.
 //
-// An island's particles are prefixes of one ground. Each stage extends every particle by a choice.
-// The stage then multiplies the particle's weight by the choice's importance weight and by the
-// change of potential. When the weights have become unequal, the particles are resampled.
+// An island's particles are prefixes of one ground. Each stage extends every particle by a choice,
+// and multiplies its weight by the choice's importance weight and by the change of potential.
+// Unequal weights cause resampling.
 //
 //   island(ground):
 //     each particle: the prefix without stages, weight 1
@@ -12,8 +12,7 @@
 //         Z *= mean weight; resample; weights 1
 //     Z *= mean weight; draw one particle by weight
 //
-// After the last stage p_c replaces psi. So for any number of particles Z is an unbiased estimate
-// of
+// After the last stage p_c replaces psi. For any number of particles, Z is an unbiased estimate of
 //
 //   Z = integral of p_w p_c^beta,
 //
@@ -25,10 +24,10 @@
 // particles is a Markov chain step that leaves p_w p_c^beta invariant (particle Gibbs). Its Z is
 // the current state's Z in the independence sampler over islands (particle_steps.h).
 //
-// If a target can list its choices, the particles of an island may choose together (joint). From
-// all pairs of a particle and an alternative, one pair per particle is drawn, with probability
-// proportional to weight times the choice's density q. The draws are systematic: equal steps along
-// all pairs in order of sorts:
+// If a target can list its choices, an island's particles may choose together (joint). One pair per
+// particle is drawn from all pairs of a particle and an alternative, with probability proportional
+// to weight times the choice's density q. The draws are systematic along all pairs in order of
+// sorts:
 //
 //     resample and extend: mass = sum of weight * q over pairs; pairs by weight * q / mass;
 //                          Z *= mass / particles; weight = p / q * psi after / psi before
@@ -77,8 +76,7 @@ struct Island {
   std::optional<Sample<T>> drawn{};
   double effective_size = 0;    ///< Effective size of the last stage's particles.
   std::uint32_t satisfied = 0;  ///< Number of particles whose final state satisfies.
-  /// No path of prefixes reaches the retained state, because one of its prefixes has psi = 0. The
-  /// other fields then mean nothing.
+  /// There is no island, because a prefix of the retained state has psi = 0.
   bool is_unreachable = false;
 };
 
@@ -109,8 +107,7 @@ class Islands {
 
   /// Makes the `number`-th island.
   Island<T> free(std::uint64_t number) const { return made(number, nullptr); }
-  /// Makes the `number`-th island, with particles that choose together if the target lists its
-  /// choices (see the top of this file). Otherwise the same as free().
+  /// Makes the `number`-th island with particles that choose together if choices can be listed.
   Island<T> joint(std::uint64_t number) const {
     if constexpr (ListsChoices<T>) {
       Making making = begun(number, nullptr);
@@ -123,8 +120,8 @@ class Islands {
       return free(number);
     }
   }
-  /// Makes a conditional island, in which particle 0 follows the path of `state`. REQUIRES: at
-  /// least two particles, and p_w p_c^beta > 0 at `state`.
+  /// Makes a conditional island, with `state` as particle 0. REQUIRES: at least two particles, and
+  /// p_w p_c^beta > 0 at `state`.
   Island<T> given(std::uint64_t number, const State& state) const {
     CHECK_GE(options_.particles, 2U);
     return made(number, &state);
@@ -277,8 +274,7 @@ class Islands {
     weigh(making, stage, n, extension, prefix, making.log_potentials[n]);
   }
 
-  /// Updates a particle's weight after its extension. After the last stage p_c replaces the
-  /// potential.
+  /// Updates a particle's weight after its extension: after the last stage by p_c.
   void weigh(Making& making, std::uint32_t stage, std::uint32_t n, const Extension& extension,
              const typename T::Prefix& prefix, double& log_potential_before) const {
     told_(extension.simulation);

@@ -36,8 +36,8 @@ struct OddsScans {
   std::optional<std::uint64_t> end{};
 };
 
-/// Reports the islands of each chain's first `scans` scans. The report is empty if there are none.
-/// REQUIRES: the range of `odds` lies within these scans.
+/// Reports the islands of each chain's first `scans` scans; empty without islands. REQUIRES: `odds`
+/// lies within these scans.
 plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans,
                        const OddsScans& odds = {});
 

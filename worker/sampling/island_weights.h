@@ -28,7 +28,7 @@ class IslandWeights {
 
   /// Returns the normalised weights. REQUIRES: at least one live particle.
   std::vector<double> shares() const;
-  /// Call after resampling: multiplies Z by the mean weight and sets all weights to 1. REQUIRES: at
+  /// After resampling: multiplies Z by the mean weight and sets all weights to 1. REQUIRES: at
   /// least one particle was live.
   void start_again();
   /// Like start_again(), with this factor of Z instead of the mean weight.

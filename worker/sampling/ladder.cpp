@@ -9,8 +9,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// Minimum rejection rate, so that a level whose swaps are never rejected still has a place of its
-/// own.
+/// Minimum rejection rate, so that levels stay distinct even if no swap is rejected.
 constexpr double k_rejection_min = 1e-3;
 
 /// A monotone cubic through points, with Fritsch and Carlson's slopes by harmonic means.

@@ -30,26 +30,22 @@ inline constexpr std::uint32_t k_first_power = 6;
 /// because the lowest level after the prior must stay above 0.
 std::vector<double> first_ladder(std::uint32_t levels, std::uint32_t power = k_first_power);
 
-/// Returns the inverse temperatures target * scan / anneal_scans of simulated annealing, for scans
-/// first_scan to first_scan + scans - 1. The first scan after the annealing is the first at
-/// `target`.
+/// Returns target * scan / anneal_scans, the inverse temperatures of simulated annealing, for scans
+/// first_scan to first_scan + scans - 1. The scan after the annealing is the first at `target`.
 std::vector<double> annealing(double target, std::uint64_t anneal_scans, std::uint64_t first_scan,
                               std::uint64_t scans);
 
-/// Limits on the number of levels. LadderOptions::levels_max can lower the maximum for numbers that
-/// a run chooses.
+/// Limits on the number of levels. LadderOptions::levels_max can lower the maximum.
 inline constexpr std::uint32_t k_levels_min = 2;
 inline constexpr std::uint32_t k_levels_max = 256;
 
 /// Returns twice the barrier plus one, with which neighbours swap about every second time.
 std::uint32_t levels_for(double barrier);
 
-/// Returns the communication barrier up to each level, from 0 to the whole. `rejections` has one
-/// rate per gap.
+/// Returns the communication barrier up to each level. `rejections` has one rate per gap.
 std::vector<double> cumulative_barrier(std::span<const double> rejections);
 
-/// Returns the local barrier at each level: the slope of a monotone cubic (Fritsch and Carlson
-/// 1980) through the cumulative barrier.
+/// Returns the slope of the barrier's monotone cubic (Fritsch and Carlson 1980) at each level.
 std::vector<double> local_barrier(std::span<const double> ladder,
                                   std::span<const double> rejections);
 
@@ -65,8 +61,7 @@ std::vector<double> finer(std::span<const double> ladder, std::uint32_t steps_pe
 /// Returns the round trips per scan of all replicas together.
 double predicted_round_trip_rate(std::span<const double> rejections);
 
-/// Interpolates a curve linearly between levels. REQUIRES: one value per level; beta within the
-/// ladder.
+/// Interpolates linearly. REQUIRES: one value per level; beta within the ladder.
 double interpolated(std::span<const double> ladder, std::span<const double> values, double beta);
 
 }  // namespace sleight::sampling

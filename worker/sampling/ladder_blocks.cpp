@@ -1,5 +1,4 @@
-// Outgoing work of LadderRun: which scans are handed out, and in which units and blocks. No result
-// depends on this division.
+// Outgoing work of LadderRun, divided into units and blocks. No result depends on this division.
 #include <algorithm>
 #include <cmath>
 
@@ -66,9 +65,8 @@ std::optional<plan::Unit> LadderRun::next_unit(std::uint64_t horizon, std::uint3
   return anneal(chosen, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, scans_max)));
 }
 
-/// Returns the end scan of a block of the whole ladder. The block ends at the end of a row, so that
-/// all levels can continue together in another block. It has as many rows as the limit allows, and
-/// at least one new row.
+/// Returns the end scan of a block of the whole ladder: the end of a row, so that all levels can
+/// continue together, after as many rows as the limit allows, but at least one new row.
 std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
                                         std::uint64_t end_scan, std::uint64_t scans_max) const {
   std::uint64_t begin = 0;  // First row that no level has begun.
@@ -81,8 +79,7 @@ std::uint64_t LadderRun::whole_rows_end(std::span<const std::uint32_t> ready,
   return std::min(end_scan, std::max(begin + 1, most));
 }
 
-/// Returns the ready replica by level, or k_nobody. A level has at most one, because its scans are
-/// sequential.
+/// Returns the ready replica by level, or k_nobody.
 std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) const {
   std::vector<std::uint32_t> ready(levels(), k_nobody);
   for (std::uint32_t id = 0; id < replicas_.size(); ++id) {
@@ -91,8 +88,7 @@ std::vector<std::uint32_t> LadderRun::ready_by_level(std::uint64_t horizon) cons
   return ready;
 }
 
-/// Extends a stretch from `level` to neighbouring ready levels, from both sides in turns, up to the
-/// wanted size.
+/// Extends a stretch from `level` to ready neighbours, from both sides in turns, up to `wanted`.
 LadderRun::Stretch LadderRun::joined(std::span<const std::uint32_t> ready, std::uint32_t level,
                                      std::uint64_t wanted) {
   Stretch stretch{.first = level, .end = level + 1};
@@ -126,7 +122,7 @@ std::optional<plan::Block> LadderRun::next_block(std::uint64_t horizon,
     return std::nullopt;
 
   // Add neighbours: the whole ladder if the limit allows each level a scan, otherwise as many
-  // levels as a triangle of scans allows that loses a level on each side with each scan.
+  // levels as fit a triangle of scans that loses a level on each side with each scan.
   const auto root = static_cast<std::uint64_t>(std::sqrt(2.0 * limits.block_scans_max));
   const std::uint64_t share =
       ladders >= limits.threads ? levels() : ladders * levels() / (2 * limits.threads);

@@ -10,8 +10,7 @@
 
 namespace sleight::sampling {
 
-/// Omits rounds that begin before scan `burnt_in_at`, because their states may descend from a
-/// search.
+/// Omits rounds before scan `burnt_in_at`, because their states may descend from a search.
 plan::Report report_of(std::span<const LadderRun* const> ladders, std::uint64_t burnt_in_at = 0);
 
 }  // namespace sleight::sampling

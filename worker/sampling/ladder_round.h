@@ -25,8 +25,7 @@ struct LadderOptions {
   std::vector<bool> has_scale;
   std::uint64_t round_scans = 64;  ///< Length of the first round. Each later round is twice as
                                    ///< long.
-  /// Number of scans of initial simulated annealing from the prior to the replica's first
-  /// temperature, in equal steps. These scans belong to no round.
+  /// Number of initial scans of simulated annealing, in equal steps; they belong to no round.
   std::uint64_t anneal_scans = 0;
   /// All first replicas but the hottest start from searches. Requires anneal_scans = 0.
   bool starts_by_search = false;

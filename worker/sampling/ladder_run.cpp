@@ -174,8 +174,7 @@ const Solutions& LadderRun::solutions_since(std::uint64_t first_scan) const {
   return found->since;
 }
 
-/// Returns whether a lineage descends from a search's find; all first replicas but the hottest
-/// start from finds.
+/// Whether a lineage descends from a search's find, from which all replicas but the hottest start.
 bool LadderRun::began_by_search(std::uint64_t lineage) const {
   return options_.starts_by_search && lineage != 0 && plan::scan_of_lineage(lineage) == 0;
 }

@@ -1,10 +1,9 @@
-// One running ladder of parallel tempering. tests/tempering/tempering_loop.cpp computes the same in
-// a few lines. Here any number of workers run the replicas, some of which get ahead of others.
+// One running ladder of parallel tempering, whose replicas run on any number of workers, some ahead
+// of others. tests/tempering/tempering_loop.cpp computes the same in a few lines.
 //
 // Idea. Replicas keep their states and exchange temperatures. A swap (swap.h) needs only its two
-// replicas, so rounds have no internal barrier (swap_flow.h). All replicas wait at a round's end,
-// where the next round's ladder and proposal scales are computed (ladder_round.h). ladder_run.cpp
-// consumes results; ladder_blocks.cpp hands out units and blocks.
+// replicas, so rounds have no internal barrier (swap_flow.h). All replicas wait at a round's end
+// for the next round's ladder and proposal scales (ladder_round.h).
 //
 //   scan s of all levels
 //     level 0 --+                 the hottest draws from the prior, and begins a lineage
@@ -12,8 +11,8 @@
 //     level 2 --+
 //     level 3 --+-- swap?
 //
-// If a new round has more levels, new replicas start from prior draws and become the hottest. If a
-// new round has fewer levels, the hottest replicas are removed.
+// If a round has more levels than the last, new replicas start from prior draws and become the
+// hottest. If a round has fewer levels, the hottest replicas are removed.
 //
 // Invariants
 //   1. The ladder's behaviour is a function of the results, not of their order of delivery.
@@ -42,13 +41,12 @@ class LadderRun {
  public:
   explicit LadderRun(const LadderOptions& options);
 
-  /// Returns a unit of a replica that is furthest behind. Empty if every unit that can run is
-  /// handed out. `horizon`: scans below this number may begin.
+  /// Returns a unit of a replica that is furthest behind. Empty if no more can run. `horizon`:
+  /// scans below this number may begin.
   std::optional<plan::Unit> next_unit(std::uint64_t horizon, std::uint32_t scans_max = 1);
   /// Returns a block of such a unit and, within the limits, runnable units of neighbouring levels.
-  /// `ladders` run side by side. With at least one ladder per thread, a block has a whole ladder,
-  /// so no swap waits and no state travels. Otherwise a block has half a thread's share of the
-  /// levels.
+  /// With at least one ladder per thread, a block has a whole ladder, so no swap waits and no state
+  /// travels. Otherwise a block has half a thread's share of the levels.
   std::optional<plan::Block> next_block(std::uint64_t horizon, const plan::BlockLimits& limits,
                                         std::size_t ladders = 1);
   void consume(base::ReplicaId replica, std::uint64_t first_scan,
@@ -61,8 +59,8 @@ class LadderRun {
   std::uint64_t records_counted() const;
   std::uint64_t round_trips() const;
   const Solutions& solutions() const { return solutions_.front().since; }
-  /// Solutions whose lineages satisfied in scans from `first_scan` on. REQUIRES: replicas start
-  /// from searches; `first_scan` begins a round that has begun.
+  /// Solutions of lineages in scans from `first_scan` on. REQUIRES: replicas start from searches;
+  /// `first_scan` begins a round that has begun.
   const Solutions& solutions_since(std::uint64_t first_scan) const;
   /// The first scan at which no level's state descends from a search's find, so all levels'
   /// lineages began with a prior draw. Equals scans() while some state descends from a find.

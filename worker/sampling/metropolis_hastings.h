@@ -105,8 +105,7 @@ inline StepStreams step_streams(const ChainStreams& streams, std::uint64_t itera
           .acceptance = streams.at(random::Purpose::acceptance, iteration)};
 }
 
-/// Lines 4 to 10 of Algorithm 2.1: one iteration, which replaces or retains `current`. `scales`:
-/// proposal scales by kind (ScalesProposals).
+/// Lines 4 to 10 of Algorithm 2.1: one iteration. `scales`: by kind (ScalesProposals).
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     StepStreams& streams, Sample<T>& current,
@@ -149,8 +148,7 @@ StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
   return report;
 }
 
-/// The same step with the random numbers of an iteration. REQUIRES: each iteration of a replica at
-/// most once.
+/// The same with an iteration's streams. REQUIRES: each iteration of a replica at most once.
 template <Target T>
 StepReport metropolis_hastings_step(const T& target, double inverse_temperature,
                                     const ChainStreams& streams, std::uint64_t iteration,

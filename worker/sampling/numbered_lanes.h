@@ -1,6 +1,5 @@
-// Numbered work, dealt to lanes in turn: number n is scan n / lanes of lane n % lanes. The result
-// of a number depends on the number alone, so numbers can be computed in any order. The lane that
-// is furthest behind comes first. Not thread-safe.
+// Numbered work, dealt to lanes in turn: number n is scan n / lanes of lane n % lanes. A number's
+// result depends on nothing else. The lane that is furthest behind comes first. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +19,7 @@ class NumberedLanes {
 
   /// Returns the next numbers below `end` of one lane. `starts` is set in each unit.
   std::optional<plan::Unit> next_unit(std::uint64_t end, std::uint32_t scans_max);
-  /// Marks the lane's next `records` numbers as done. REQUIRES: the lane's earlier numbers are
-  /// done.
+  /// Marks the lane's next numbers as done. REQUIRES: the lane's earlier numbers are done.
   void consume(base::ChainId lane, base::ScanIndex first_scan, std::size_t records);
   /// Count of numbers before the first unfinished number.
   std::uint64_t done() const { return done_; }

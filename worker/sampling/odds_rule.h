@@ -6,18 +6,17 @@
 //                     sizes the batch
 //
 // Pilot. 32 islands, and 32 more as long as one island exceeds a third of their sum, because their
-// spread is then unreliable. The pilot ends at 1,024 islands in any case. If all are 0, the run
-// ends.
+// spread is then unreliable; at most 1,024. If all are 0, the run ends.
 // Batch. Large enough for the requested error of log P if its relative variance is half as large
 // again as the pilot's, since small pilots mostly miss the largest islands; at least
 // math::k_islands_min.
 // Extension. If one island exceeds a tenth of the batch's sum, there is no error estimate. The
 // batch then grows by half of its first length, repeatedly, up to 32 times its first length.
 //
-// The pilot's islands must not count, because the pilot determines the number of islands. A run
-// that ends when its own estimate looks good ends before the rare large islands appear, and
-// underestimates P. Extensions have a small bias of this kind: a batch with a large island grows
-// and dilutes it, while a batch without one stops. docs/MEASUREMENTS quantifies the bias.
+// The pilot determines the number of islands, so its islands must not count: a run that ends when
+// its own estimate looks good ends before the rare large islands appear, and underestimates P.
+// Extensions have a small bias of this kind: a batch with a large island grows and dilutes it,
+// while a batch without one stops. docs/MEASUREMENTS quantifies the bias.
 // Invariant: the rule's results are a function of the estimates in order. A value type.
 #pragma once
 

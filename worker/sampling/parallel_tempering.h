@@ -1,11 +1,10 @@
 // Parallel tempering as a Plan: independent ladders (ladder_run.h), each of which is a chain of the
 // archive. The draws are the states at inverse temperature 1.
 //
-// Replicas may start from searches, so that ladders contain solutions from their first round on.
-// Such ladders burn in until a round ends in whose last scan no state at any level descends from a
-// search. By then each replica was redrawn from the prior at the hottest level. Earlier scans yield
-// no draws, and their solutions and rounds are not reported. A ladder whose swaps fail to bring all
-// replicas to the hottest level never burns in.
+// If replicas start from searches, the first rounds already contain solutions. The ladders then
+// burn in until a round ends in whose last scan no state descends from a search, so each replica
+// was redrawn from the prior. Earlier scans yield no draws, and their solutions and rounds are not
+// reported. A ladder whose swaps fail to bring all replicas to the hottest level never burns in.
 #pragma once
 
 #include <cstdint>
@@ -51,8 +50,7 @@ class ParallelTempering final : public plan::Plan {
   std::uint64_t scans_consumed() const override;
   /// Estimate with the current numbers of levels.
   std::optional<std::uint64_t> scans_total() const override;
-  /// Tables over (chain, round): first scan, barrier, round trips and their rates, log Z, log
-  /// P(satisfied). Tables over (chain, round, level): statistics of levels.
+  /// Tables of rounds (barrier, round trips, log Z, log P(satisfied)) and of their levels.
   plan::Report report() const override;
 
   const std::vector<LadderRun>& ladders() const { return ladders_; }

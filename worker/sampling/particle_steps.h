@@ -5,13 +5,13 @@
 //                      island that the current state was drawn from; its draw is then the state
 //   conditional step   makes an island with the current state's path; its draw is always the state
 //
-// A state is unreachable if no path of prefixes with positive potentials leads to it. Both steps
-// leave unreachable states unchanged and never produce them, so local moves have to.
+// Both steps leave a state unchanged, and never produce it, if no path of prefixes with positive
+// potentials leads to it. Local moves have to reach such states.
 //
 // An accepted local move makes the island's Z stale, because this Z belongs to another state. The
 // next independence step then draws a conditional island, and uses only its Z. It must not use that
-// island's draw too. Staleness depends on the state through accepted moves, and steps chosen
-// depending on the state don't leave the target invariant (a test shows this).
+// island's draw too, because staleness depends on the state, and steps chosen by the state don't
+// leave the target invariant (a test shows this).
 // Source: Andrieu, Doucet, Holenstein (island.h), sections 2.4.2 and 2.4.3.
 #pragma once
 
@@ -47,8 +47,7 @@ ParticleStepReport report_of(const Island<T>& island) {
           .effective_size = island.effective_size};
 }
 
-/// Makes an island given the current state; its draw is the next state. REQUIRES: as
-/// Islands::given; each island number of a chain once.
+/// The draw is the next state. REQUIRES: as Islands::given; each island number of a chain once.
 template <ActsInStages T>
 ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t number,
                                     ParticleSample<T>& current) {
@@ -61,8 +60,7 @@ ParticleStepReport conditional_step(const Islands<T>& islands, std::uint64_t num
   return report;
 }
 
-/// Uses the island numbers `number` and number + 1. An unreachable state stays. REQUIRES: as
-/// conditional_step.
+/// Uses island numbers `number` and number + 1. REQUIRES: as conditional_step.
 template <ActsInStages T>
 ParticleStepReport independence_step(const Islands<T>& islands, std::uint64_t number,
                                      ParticleSample<T>& current) {

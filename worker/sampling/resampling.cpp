@@ -10,14 +10,13 @@
 namespace sleight::sampling {
 namespace {
 
-/// Returns the particles whose arcs contain the points offset, offset + 1, ... The circle's length
-/// is the number of particles. `offset`: from 0 to 1.
+/// Returns the particles whose arcs contain the points offset, offset + 1, ... on a circle as long
+/// as the number of particles. `offset`: from 0 to 1.
 std::vector<std::uint32_t> ancestors_by_points(std::span<const double> shares, double offset) {
   const std::size_t count = shares.size();
   std::vector<std::uint32_t> ancestors;
   ancestors.reserve(count);
-  // Rounding may end the arcs before the last point. That point belongs to the last particle of
-  // positive weight.
+  // If rounding ends the arcs too early, the last particle of positive weight gets the last point.
   std::size_t last = count - 1;
   while (last > 0 && shares[last] <= 0)
     --last;
@@ -50,19 +49,16 @@ std::vector<std::uint32_t> resampled_with_first(std::span<const double> shares,
                                                 random::Stream& stream) {
   CHECK(!shares.empty());
   CHECK_GT(shares[0], 0.0);
-  // The first arc extends from 0 to `length`. An offset below its fraction puts one more point into
-  // the arc.
+  // The first arc is [0, length]. An offset below `fraction` puts one more point into the arc.
   const double length = static_cast<double>(shares.size()) * shares[0];
   const double whole = std::floor(length);
   const double fraction = length - whole;
-  // An offset's weight is its number of points in the arc, because each of them may be rotated to
-  // place 0.
+  // Weigh an offset by its points in the arc, each of which may be rotated to place 0.
   const double with_more = fraction * (whole + 1) / length;
   const double offset = stream.uniform() < with_more ? fraction * stream.uniform()
                                                      : fraction + (1 - fraction) * stream.uniform();
   std::vector<std::uint32_t> ancestors = ancestors_by_points(shares, offset);
-  // The first arc's points come first. Rounding may have moved the arc's end, so add a point if
-  // there is none.
+  // The first arc's points come first; if rounding moved its end, add a point.
   const auto points = static_cast<std::uint64_t>(std::ranges::count(ancestors, 0U));
   if (points == 0) {
     ancestors[0] = 0;

@@ -1,14 +1,14 @@
-// Resampling of an island's particles: selects each new particle's ancestor.
+// Systematic resampling of an island's particles: selects each new particle's ancestor.
 //
-// The scheme is systematic resampling with a random rotation, so each new particle descends from
-// particle m with probability W_m. Particles are arcs of a circle, as long as their weights.
-// Equally spaced points with one random offset select ancestors.
+// Particles are arcs of a circle, as long as their weights. Equally spaced points with one random
+// offset select ancestors, followed by a random rotation. So each new particle descends from
+// particle m with probability W_m.
 //
-// Conditional sequential Monte Carlo needs the same scheme conditioned on the first new particle
-// descending from the first old one, because the retained path keeps place 0. The first arc has L =
-// (count W_0) expected points. The offset is drawn given that the arc has a point, weighted by the
-// arc's number of points. Then one of these points is rotated to place 0. Source: N. Chopin, S.
-// Singh, On particle Gibbs sampling (Bernoulli 21, 2015), section 4.3.
+// Conditional sequential Monte Carlo conditions on the first new particle descending from the first
+// old one, because the retained path keeps place 0. The first arc has L = (count W_0) expected
+// points. The offset is drawn given that the arc has a point, weighted by the arc's number of
+// points. Then one of these points is rotated to place 0. Source: N. Chopin, S. Singh, On particle
+// Gibbs sampling (Bernoulli 21, 2015), section 4.3.
 // Thread safety: pure functions of the stream.
 #pragma once
 
@@ -20,8 +20,7 @@
 
 namespace sleight::sampling {
 
-/// Returns the ancestor of each new particle, one per weight. `shares`: normalised weights.
-/// REQUIRES: at least one share is above 0.
+/// Returns each new particle's ancestor. REQUIRES: shares are normalised, at least one above 0.
 std::vector<std::uint32_t> resampled(std::span<const double> shares, random::Stream& stream);
 
 /// The same conditioned on the first ancestor being 0. REQUIRES: shares[0] > 0.

@@ -112,8 +112,7 @@ plan::Report RestartedChains::report() const {
   std::vector<const IslandsOfChain*> islands;
   for (const Chain& chain : chains_)
     islands.push_back(&chain.islands);
-  // The first tour is made in any case. Later tours are made depending on islands, through the
-  // solutions.
+  // Islands decide, through solutions, whether there are tours after the first one.
   const bool can_end_early = options_.independent_solutions.has_value();
   const std::uint64_t in_any_case = std::min(end_of_tour(0), options_.scans.value_or(k_no_end));
   const bool are_there = can_end_early && scans_common() >= in_any_case;

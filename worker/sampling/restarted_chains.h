@@ -5,9 +5,9 @@
 //   the scans after it, local moves and islands (worker/run/island_scan.h), burn the chain in
 //   the last scan alone is a draw, and an independent solution if it satisfies
 //
-// Counting a chain's first visits to solutions would be biased: a chain stays long at states of
-// large weight but counts them once, like all others. Such counts would reflect how often a chain
-// leaves a state. At a scan fixed beforehand, a burnt-in chain has the model's proportions.
+// First visits to solutions would be biased, because a chain stays long at states of large weight
+// but counts each of them once. At a scan fixed beforehand, a burnt-in chain has the model's
+// proportions.
 // Invariant: the scan at which the run stops is a function of the results up to that scan.
 // Not thread-safe.
 #pragma once
@@ -53,8 +53,8 @@ class RestartedChains final : public plan::Plan {
                                                 std::uint64_t until) const override;
   std::uint64_t scans_consumed() const override { return behind_.sum(end_); }
   std::optional<std::uint64_t> scans_total() const override;
-  /// Reports the free islands of all scans but the first ones of tours. If solutions end the run,
-  /// only the first tour's islands count towards the odds.
+  /// Reports the free islands of all scans but tours' first. If solutions end the run, only the
+  /// first tour's islands count towards the odds.
   plan::Report report() const override;
 
  private:

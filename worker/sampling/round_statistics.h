@@ -1,15 +1,14 @@
 // Statistics of one round of a ladder: swap rejection rates, and estimates of log Z and of the
 // probability that a throw satisfies.
 //
-// With l = log p_c and E_beta the mean at inverse temperature beta (Xie et al. 2011, stepping
-// stones):
+// With l = log p_c and E_beta the mean at inverse temperature beta (stepping stones, Xie et al.
+// 2011):
 //
 //   log Z = sum over levels of log E_{beta_i}[exp((beta_{i+1} - beta_i) l)]
 //   log P(satisfied) = log Z + log E_1[1{satisfied} / p_c]
 //
-// Errors are jackknife errors: the round is divided into k_batches parts of equal length, each of
-// which is left out in turn. Jackknife errors include correlations between replicas and over time,
-// as long as a part is longer than the correlation time.
+// Errors are jackknife errors over k_batches equal parts of the round. They include correlations
+// between replicas and over time, as long as a part is longer than the correlation time.
 #pragma once
 
 #include <array>

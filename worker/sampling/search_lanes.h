@@ -2,9 +2,8 @@
 // and when the search ends.
 //
 // Starts are numbered (plan::k_search_lanes). A find counts once all earlier starts are done, so
-// the counted finds don't depend on which worker runs which start. The number of starts in progress
-// is the expected number needed for the missing finds, at the success rate so far.
-// Not thread-safe.
+// the counted finds don't depend on workers. At the success rate so far, the starts in progress are
+// expected to yield the missing finds. Not thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -7,8 +7,7 @@
 //     after too many tries in total: give up
 //
 // The prior can produce each quantity of a find, but finds don't occur in the proportions of p_w
-// p_c. Finds are no samples: compute no average, weight or odds from them. Chains may start from
-// them.
+// p_c. Chains may start from finds, but no average, weight or odds may be computed from finds.
 //
 // A builder is a world together with its guide. Thread safety: as the builder's.
 #pragma once
@@ -51,8 +50,7 @@ concept StageBuilder = std::copyable<typename B::Prefix> &&
   { builder.limits() } -> std::same_as<SearchLimits>;
   /// The prefix without stages, on a ground of the prior.
   { builder.start(stream) } -> std::same_as<typename B::Prefix>;
-  /// One try at the stage after a prefix of `stage` stages. Empty if the try isn't promising. Adds
-  /// its simulations to `effort`.
+  /// Tries the stage after a prefix of `stage` stages. Empty if the try isn't promising.
   {
     builder.attempt(prefix, stage, effort, stream)
     } -> std::same_as<std::optional<typename B::Prefix>>;

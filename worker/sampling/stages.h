@@ -4,15 +4,14 @@
 //
 // A state consists of its ground, which no stage chooses (a box's offsets), and of one choice for
 // each stage. A prefix is the ground with the choices of the first stages, and the result of
-// simulating them. Extending a prefix draws the next stage's choice from a density q, and simulates
-// its effect from the prefix's result. The world defines q, which may depend on the prefix.
+// simulating them. Extending a prefix draws the next stage's choice from a density q that the world
+// defines and that may depend on the prefix, and continues the simulation.
 //
 //   p_w(A) = p(ground) prod_i p(choice i | ground, choices before i)
 //
 // A potential psi_i >= 0 rates how promising a prefix of i stages is. It replaces p_c before the
 // last stage; after the last stage p_c itself counts. So weights are exact for any psi wherever psi
-// is positive. A state with a prefix of psi = 0 is never reached, and islands carry no information
-// about it.
+// is positive. A state with a prefix of psi = 0 is never reached, and islands ignore it.
 //
 // Guide. Information that a world collects about itself (where lone balls land, how often a choice
 // succeeds) shapes q and psi. The guide is computed before sampling and then fixed.
@@ -72,19 +71,17 @@ concept ActsInStages = Target<T> && std::copyable<typename T::Prefix> &&
   { target.no_stages(guide, ground) } -> std::same_as<typename T::Prefix>;
   /// Extends a prefix of `stage` stages (from 0) by one stage.
   { target.extend(guide, ground, stage, longer, stream) } -> std::same_as<Extension>;
-  /// Extends a prefix by the state's own choice. REQUIRES: ground_given made `ground` for this
-  /// state, and the prefix has the state's first `stage` stages.
+  /// Extends by the state's own choice. REQUIRES: ground_given made `ground` for this state, and
+  /// the prefix has the state's first `stage` stages.
   { target.extend_as(guide, ground, state, stage, longer) } -> std::same_as<Extension>;
-  /// log psi of a prefix that is neither empty nor complete. An empty prefix has psi = 1, and a
-  /// complete one p_c.
+  /// log psi. Not called for empty prefixes (psi = 1) and complete ones (p_c).
   { target.log_potential(guide, ground, prefix) } -> std::same_as<double>;
   /// The state and the outcome of a complete prefix. REQUIRES: the prefix has all stages.
   { target.state_of(ground, prefix) } -> std::same_as<typename T::State>;
   { target.outcome_of(prefix) } -> std::same_as<typename T::Outcome>;
 };
 
-/// A target whose choices can be listed by sorts that behave alike, so that particles can choose
-/// together (Islands::joint).
+/// A target that lists choices by sorts that behave alike, so particles can choose together.
 template <class T>
 concept ListsChoices = ActsInStages<T> &&
     requires(const T& target, const typename T::Guide& guide, const typename T::Ground& ground,
@@ -97,8 +94,7 @@ concept ListsChoices = ActsInStages<T> &&
   {
     target.alternatives(guide, ground, stage, prefix, /*sort=*/number)
     } -> std::same_as<std::vector<Alternative>>;
-  /// Extends a prefix by an alternative, deterministically. The extension's weight is 1, or 0 if
-  /// the simulation failed.
+  /// Extends by an alternative, deterministically. Weight 1, or 0 if the simulation failed.
   { target.take(guide, ground, stage, number, longer) } -> std::same_as<Extension>;
 };
 

@@ -1,5 +1,4 @@
 // Decides when a run ends: by scans, by rounds, or by independent solutions at the ends of rounds.
-// Wall-clock time plays no part.
 //
 // Rounds double: round r, from 1, has round_scans * 2^(r-1) scans of every chain (or ladder).
 // Solutions are judged at round ends only, so all chains wait there for the last one. The other
@@ -36,8 +35,8 @@ class StopJudge {
 
   using SolutionsBefore = std::function<std::uint64_t(std::uint64_t scan)>;
 
-  /// Advances over every round end that all chains have reached. `solutions_before(scan)`: number
-  /// of lineages over all chains that satisfied before that scan.
+  /// Advances over round ends that all chains have reached. `solutions_before(scan)`: number of
+  /// lineages over all chains that satisfied before that scan.
   void judge(std::uint64_t reached_by_all, const SolutionsBefore& solutions_before);
 
   /// Scans of each chain below this number can be handed out.
@@ -49,7 +48,7 @@ class StopJudge {
   /// Common rounds of all chains that end with after < scans <= until.
   std::vector<plan::EndedRound> rounds_between(std::uint64_t after, std::uint64_t until) const;
 
-  /// Number of scans that each chain makes in any case, if solutions end the run: to the end of the
+  /// Number of scans that each chain makes in any case if solutions end the run: to the end of the
   /// first round, or less if `scans` ends the run earlier. Empty if solutions don't end the run.
   std::optional<std::uint64_t> scans_in_any_case() const;
 

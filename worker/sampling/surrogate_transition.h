@@ -8,17 +8,14 @@
 //
 //   log ratio = beta ((l(y) - l*(y)) - (l(x) - l*(x))).
 //
-// The steps are reversible, so the forward and the backward path cancel against p_w p_c*^beta of
-// their ends, and only the surrogate's error remains in the ratio. Candidates that the surrogate
-// already rejects cost no simulation, and a walk of several steps makes several changes for one
-// simulation.
+// The steps are reversible, so only the surrogate's error remains in the ratio. Candidates that the
+// surrogate already rejects cost no simulation, and a walk of several steps costs only one.
 //
 // Anchors. Where the surrogate is wrong about x, its steps would try to "mend" parts of x that are
-// right already. The surrogate can therefore use known facts about x. Let F(x) be the parts of x
-// that only the simulation gets right (say, balls that reach their place because others push them).
-// Each part is kept with some probability. The surrogate takes the kept parts, the anchor A, for
-// granted as long as its steps leave them alone. The reverse move must have the same anchor. With P
-// the probability to draw an anchor,
+// right already. Let F(x) be the parts of x that only the simulation gets right (say, balls that
+// reach their place because others push them). Each part is kept with some probability. The
+// surrogate takes the kept parts, the anchor A, for granted as long as its steps leave them alone.
+// The reverse move must have the same anchor. With P the probability to draw an anchor,
 //
 //   log ratio += log P(A | y) - log P(A | x),
 //
@@ -27,8 +24,8 @@
 // parts, or each part with probability 1/2.
 //
 // Exactness requires three things. The surrogate has the target's p_w. If l(x) > -infinity, then
-// l*(x) > -infinity with any anchor that x may have. An anchor's distribution
-// doesn't depend on the anchor with which the surrogate's outcome was made.
+// l*(x) > -infinity with any anchor that x may have. An anchor's distribution doesn't depend on the
+// anchor with which the surrogate's outcome was made.
 #pragma once
 
 #include <cstdint>
@@ -44,8 +41,7 @@ namespace sleight::sampling {
 
 /// Share of iterations that are walks, for targets with walks.
 inline constexpr double k_walk_share = 0.25;
-/// Share of one-step transitions that keep all of F. The others keep each part with probability
-/// k_keep.
+/// Share of one-step transitions that keep all of F. The others keep each part with k_keep.
 inline constexpr double k_keep_all_share = 0.7;
 inline constexpr double k_keep = 0.5;
 
@@ -77,9 +73,9 @@ struct SurrogateTransition {
   std::span<const double> scales;  ///< Proposal scales by kind.
 };
 
-/// Replaces or retains `current`. Calls `count` with the report of each surrogate step (marked as
-/// not simulated), and with the transition's report if the walk ended at another state. REQUIRES:
-/// an inverse temperature above 0.
+/// Makes one transition of `current`. Calls `count` with the report of each surrogate step (marked
+/// as not simulated), and with the transition's report if the walk ended at another state.
+/// REQUIRES: an inverse temperature above 0.
 template <HasSurrogate T, class Count>
 void surrogate_transition(const T& target, const SurrogateTransition& transition,
                           StepStreams& streams, Sample<T>& current, const Count& count) {
@@ -138,9 +134,8 @@ void surrogate_transition(const T& target, const SurrogateTransition& transition
   count(report);
 }
 
-/// Makes one iteration: a walk of the target's surrogate, several one-step transitions, or a step
-/// of Algorithm 2.1 if the target requests neither. REQUIRES: each iteration of a replica at most
-/// once.
+/// Makes one iteration: a walk of the target's surrogate, several one-step transitions, or
+/// otherwise a step of Algorithm 2.1. REQUIRES: each iteration of a replica at most once.
 template <Target T, class Count>
 void iterate(const T& target, double inverse_temperature, const ChainStreams& streams,
              std::uint64_t iteration, Sample<T>& current, std::span<const double> scales,

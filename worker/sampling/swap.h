@@ -35,13 +35,11 @@ struct SwapPair {
   double log_constraint_cooler = 0;
 };
 
-/// Returns the level that swaps with `level` after a scan. Empty at an end of the ladder without a
-/// partner after that scan.
+/// Returns the level that swaps with `level` after a scan. Empty at an end without a partner.
 std::optional<std::uint32_t> even_odd_partner(std::uint32_t level, std::uint64_t scan,
                                               std::uint32_t levels);
 
-/// Returns log of p_hotter(x') p_cooler(x) / (p_hotter(x) p_cooler(x')), where x and x' are the two
-/// states.
+/// Returns log of p_hotter(x') p_cooler(x) / (p_hotter(x) p_cooler(x')) for states x and x'.
 double log_swap_ratio(const SwapPair& pair);
 
 /// Returns u, the uniform number that decides the swap.

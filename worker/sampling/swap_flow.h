@@ -16,8 +16,7 @@
 // So each replica waits for at most one other, and replicas on both sides of a slow one get ahead
 // of it. After a replica has left, later partners of its level wait until the end. Plans apply this
 // to whole ladders (ladder_run.h), and workers to the part in their block (block_runner.h).
-// Invariant: the flow is a function of the reported densities, not of the order in which levels
-// report.
+// Invariant: the flow is a function of the reported densities, not of the order of levels' reports.
 // Not thread-safe.
 #pragma once
 
@@ -65,7 +64,7 @@ class SwapFlow {
   void sit(std::uint32_t level, std::uint32_t replica, std::uint64_t scan);
 
   /// Reports that a level's scan is made. Returns the replicas, at most two, that can then
-  /// continue. The result is valid until the next call. REQUIRES: the level's seat may run.
+  /// continue, valid until the next call. REQUIRES: the level's seat may run.
   std::span<const GoesOn> made(std::uint32_t level, double log_constraint);
 
  private:

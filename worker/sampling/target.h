@@ -30,8 +30,7 @@ struct Proposal {
   State candidate;
   double log_q_ratio = 0;  ///< log q(current|candidate) - log q(candidate|current).
   std::uint32_t kind = 0;  ///< The target's kind of proposal.
-  /// The ratio depends on the candidate's outcome; log_q_ratio is an upper bound
-  /// (ProposesByOutcome).
+  /// log_q_ratio is an upper bound; the ratio depends on the outcome (ProposesByOutcome).
   bool ratio_waits = false;
 };
 
@@ -48,8 +47,7 @@ concept Target = std::copyable<typename T::State> && std::copyable<typename T::O
   { target.proposal_kinds() } -> std::convertible_to<std::uint32_t>;
 };
 
-/// A target with an upper bound for a state's log_constraint that needs no simulation. Candidates
-/// that would be rejected even at the bound need not be simulated.
+/// A target with an upper bound for log_constraint that needs no simulation (early rejection).
 template <class T>
 concept BoundsConstraint = Target<T> && requires(const T& target, const typename T::State& state) {
   { target.log_constraint_at_most(state) } -> std::same_as<double>;
@@ -64,8 +62,7 @@ concept MayFail = Target<T> && requires(const T& target, const typename T::Outco
   { target.starts_overlap(outcome) } -> std::same_as<bool>;
 };
 
-/// A surrogate whose failures count as ordinary guesses. Its failures are reported, but reject no
-/// candidate.
+/// A surrogate whose failures are reported, but count as guesses and reject no candidate.
 template <class T>
 concept GuessesOnFailure = MayFail<T> && T::k_guesses_on_failure;
 
@@ -90,9 +87,8 @@ bool is_refused(const SimulationReport& report) {
   return report.failure != nullptr && !GuessesOnFailure<T>;
 }
 
-/// A target with proposals whose scale can be tuned. `scales` has a factor for each kind of
-/// proposal, or is empty, which means 1. Kinds without a scale ignore their factor. Proposals must
-/// be correct for any constant factors.
+/// A target with tunable proposals. `scales` has a factor for each kind, or is empty for 1. Kinds
+/// without a scale ignore their factor. Proposals must be correct for any constant factors.
 template <class T>
 concept ScalesProposals = Target<T> &&
     requires(const T& target, const typename T::State& state, std::span<const double> scales,
@@ -112,16 +108,15 @@ concept ProposesByOutcome = ScalesProposals<T> &&
   { target.log_q_ratio(state, outcome, proposal, outcome) } -> std::same_as<double>;
 };
 
-/// A target that can derive a candidate's outcome from the previous state's outcome at lower cost.
-/// The result equals that of `simulate`.
+/// A target that can derive a candidate's outcome from the previous state's outcome at lower cost,
+/// with the same result as `simulate`.
 template <class T>
 concept SimulatesChanges = Target<T> &&
     requires(const T& target, const typename T::State& state, const typename T::Outcome& outcome) {
   { target.simulate_from(state, state, outcome) } -> std::same_as<typename T::Outcome>;
 };
 
-/// The surrogate's steps in one iteration (surrogate_transition.h), and their kinds of proposal for
-/// the counts.
+/// The surrogate's steps in one iteration (surrogate_transition.h), and their kinds for the counts.
 struct SurrogateSteps {
   std::uint32_t walk = 0;    ///< Steps of a walk without anchor; 0: no walks.
   std::uint32_t single = 0;  ///< Number of one-step transitions.
@@ -130,9 +125,8 @@ struct SurrogateSteps {
 };
 
 /// A target with a surrogate: another target over the same states with the same p_w, whose much
-/// cheaper simulation predicts most of an outcome. The surrogate's errors about a state may anchor
-/// it (surrogate_transition.h); an Anchor{} anchors nothing. simulate_from accepts outcomes made
-/// with another anchor. States are equality-comparable.
+/// cheaper simulation predicts most of an outcome. Anchor{} anchors nothing. simulate_from accepts
+/// outcomes made with another anchor. States are equality-comparable.
 template <class T>
 concept HasSurrogate = Target<T> && SimulatesChanges<typename T::Surrogate> &&
     std::same_as<typename T::State, typename T::Surrogate::State> &&
@@ -150,8 +144,7 @@ concept HasSurrogate = Target<T> && SimulatesChanges<typename T::Surrogate> &&
   { target.surrogate_steps(scales) } -> std::same_as<SurrogateSteps>;
 };
 
-/// The surrogate's outcome for a sample's state, once computed. Targets without a surrogate have
-/// none.
+/// The surrogate's outcome for a sample's state, once computed.
 struct NoSurrogate {};
 template <class T>
 struct SurrogateOutcome {

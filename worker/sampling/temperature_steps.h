@@ -11,8 +11,7 @@
 
 namespace sleight::sampling {
 
-/// Returns the log weight of a level's draw at the next cooler level, for stepping stones
-/// (round_statistics.h).
+/// Returns the log weight of a level's draw at the next cooler level (round_statistics.h).
 double stone_log_weight(std::span<const double> ladder, std::size_t level, double l);
 
 /// A step of an ascent, to temperature number `to` of the schedule.

@@ -8,9 +8,8 @@
 //
 //   log ratio = sum over k of (beta_{k+1} - beta_k) (l(x_k) - l(x'_k)),    l = log p_c.
 //
-// x_k is the state that goes down from beta_k, and x'_k the state that has come up to it. The
-// kernels are reversible, as are Metropolis-Hastings steps, surrogate transitions and prior draws.
-// At inverse temperature 0 the two passes merge into one prior draw.
+// x_k is the state that goes down from beta_k, and x'_k the state that has come up to it. All
+// kernels are reversible. At inverse temperature 0 the two passes merge into one prior draw.
 #pragma once
 
 #include <cmath>
@@ -27,8 +26,7 @@
 
 namespace sleight::sampling {
 
-/// Maximum number of steps of one excursion, because excursions have disjoint ranges of iteration
-/// numbers.
+/// Maximum number of steps of one excursion, because excursions have disjoint iteration numbers.
 inline constexpr std::uint64_t k_excursion_steps_max = std::uint64_t{1} << 20U;
 
 struct Excursion {
@@ -44,8 +42,8 @@ struct ExcursionReport {
   std::uint64_t simulations = 0;
 };
 
-/// Replaces or retains `current`. Calls `told` for each simulation. REQUIRES: each scan of a
-/// replica at most once; fewer than k_excursion_steps_max steps in total.
+/// Calls `told` for each simulation. REQUIRES: each scan of a replica at most once; fewer than
+/// k_excursion_steps_max steps in total.
 template <Target T, class Told>
 ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                                     const ChainStreams& streams, std::uint64_t scan,
@@ -73,8 +71,8 @@ ExcursionReport tempered_transition(const T& target, const Excursion& excursion,
                 told(step.simulation);
               });
   };
-  // Weigh a step between two temperatures. Only a start that breaks a hard constraint has zero
-  // density; then the excursion accepts any candidate of positive density.
+  // Weigh a step. From a start of zero density (one that breaks a hard constraint), the excursion
+  // accepts any candidate of positive density.
   const auto weighs = [&](double above, double below, bool down) {
     log_ratio += excursion_log_weight(
         {.above = above, .below = below, .l = candidate.log_constraint, .down = down});

@@ -1,10 +1,8 @@
-// Adaptation of proposal scales: between rounds, each level and kind of proposal gets a scale from
-// its acceptance rate.
+// Adaptation of proposal scales, by level and kind of proposal, from acceptance rates.
 //
-// A kind's scale is multiplied by exp(gain (acceptance - target)), bounded per round and in total.
-// Kinds with few proposals stay unchanged. Scales are constant within a round, so each scan leaves
-// its distribution invariant.
-// Thread safety: pure functions.
+// Between rounds, a kind's scale is multiplied by exp(gain (acceptance - target)), bounded per
+// round and in total. Kinds with few proposals stay unchanged. Scales are constant within a round,
+// so each scan leaves its distribution invariant. Thread safety: pure functions.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +11,7 @@
 
 namespace sleight::sampling {
 
-/// Between the optimal acceptance rates for one dimension, 0.44, and for many, 0.234 (Roberts and
-/// Rosenthal 2001).
+/// Between the optima for one dimension, 0.44, and for many, 0.234 (Roberts and Rosenthal 2001).
 inline constexpr double k_acceptance_target = 0.3;
 /// Kinds with fewer proposals in a round are not tuned.
 inline constexpr std::uint64_t k_proposals_min = 50;
@@ -29,8 +26,7 @@ struct KindCounts {
            std::span<const std::uint32_t> accepted_now);
 };
 
-/// Returns the tuned scales. Empty `scales` count as 1. Scales are tuned only if `has_scale` (by
-/// kind) is set.
+/// Returns the tuned scales of the kinds in `has_scale`. Empty `scales` count as 1.
 std::vector<double> tuned(std::span<const double> scales, const KindCounts& counts,
                           const std::vector<bool>& has_scale);
 

@@ -127,8 +127,7 @@ std::vector<double> kernel_moves(const Mutant& mutant, std::uint64_t seed) {
   return {chi_square_p(counts, expected)};
 }
 
-/// Compares the last two of a worker's scans from exact draws with enumeration. States travel as
-/// bytes.
+/// Compares the last two of a worker's scans from exact draws with enumeration.
 std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});
@@ -178,8 +177,7 @@ std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed) {
   return p;
 }
 
-/// Verifies that a unit's result doesn't depend on earlier units, and that its record belongs to
-/// its state.
+/// Verifies that a unit's result doesn't depend on earlier units.
 std::vector<double> results_are_pure(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});

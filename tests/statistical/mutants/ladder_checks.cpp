@@ -192,8 +192,7 @@ std::vector<double> parts_are_found(const Mutant& mutant, std::uint64_t seed) {
   return {mean_p(shares[0], exact[0]), mean_p(shares[2], exact[2])};
 }
 
-/// Like parts_are_found, for two narrow modes on a line with adapting proposal scales: the left
-/// mode's share.
+/// Like parts_are_found, for two narrow modes on a line, with adapting proposal scales.
 std::vector<double> modes_are_found(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_round_scans = 32;
   constexpr std::uint64_t k_rounds = 5;
@@ -242,8 +241,7 @@ std::vector<double> lineages_are_right(const Mutant& mutant, std::uint64_t seed)
   return {all_right && names.size() == begun && solved.size() == right.solutions_found() ? 1.0 : 0};
 }
 
-/// Verifies that each level keeps one inverse temperature and one set of proposal scales within a
-/// round.
+/// Verifies that each level's inverse temperature and proposal scales are fixed within a round.
 std::vector<double> rounds_are_frozen(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring;
   const run::ChainWorker<Ring> chain_worker(ring, {});

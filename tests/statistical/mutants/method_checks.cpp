@@ -66,8 +66,7 @@ std::vector<double> exp_of_row(const sampling::ChainPart& part, std::string_view
 
 }  // namespace
 
-/// Compares means over rounds of independent exact draws with enumeration: each stepping stone, and
-/// 1{satisfied} / p_c.
+/// Compares stepping stones and 1{satisfied} / p_c over exact draws with enumeration.
 std::vector<double> stones_weigh(const Mutant& mutant, std::uint64_t seed) {
   constexpr std::uint64_t k_scans = 20;
   const std::vector<double>& ladder = ladder_of_checks();

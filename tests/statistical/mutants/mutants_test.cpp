@@ -1,5 +1,4 @@
-// Contract C3 with negative controls: the statistical checks catch samplers with one known mistake
-// each, and pass the right code.
+// The statistical checks catch samplers with one known mistake each, and pass the right code.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,8 +19,7 @@ constexpr std::uint64_t k_seed = 20270101;
 /// Maximum probability that the whole suite fails by chance.
 constexpr double k_budget = 1e-3;
 
-/// Number of seeds over which p-values are tested for uniformity; more in the long run
-/// (SLEIGHT_SOAK=1).
+/// Number of seeds over which p-values are tested for uniformity.
 std::uint64_t uniformity_seeds() {
   return property::long_run() ? 1000 : 100;
 }
@@ -38,8 +36,7 @@ std::vector<Mutant> all_mutants() {
 class RightCode : public testing::TestWithParam<Check> {};
 
 TEST_P(RightCode, PassesTheCheck) {
-  // Goal: checks that reject mutants don't reject the right code. Method: the same checks on the
-  // code without a mistake, with one seed.
+  // Goal: right code passes the checks. Method: each check on the code without a mistake.
   const Check& check = GetParam();
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<double> p = check.p_values(right_code(), k_seed);
@@ -53,9 +50,8 @@ TEST_P(RightCode, PassesTheCheck) {
 class CheapCheck : public testing::TestWithParam<Check> {};
 
 TEST_P(CheapCheck, HasUniformPValues) {
-  // Goal: the cheaper half of the checks have calibrated p-values. Method: compare their p-values
-  // of the right code over many seeds with uniform. Checks with certainty pass with each of ten
-  // seeds.
+  // Goal: the cheaper half of the checks have calibrated p-values. Method: compare p-values of the
+  // right code over many seeds with uniform. Checks with certainty pass with each of ten seeds.
   const Check& check = GetParam();
   const std::uint64_t seeds = check.certain ? 10 : uniformity_seeds();
   std::vector<std::vector<double>> p(check.count);
@@ -92,8 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Checks, CheapCheck, testing::ValuesIn(cheap_checks()), 
 
 TEST(Checks, FailByChanceOnceInAThousandRuns) {
   // Goal: the suite's total probability of a chance failure is within budget. Method: add up the
-  // thresholds of all p-values of the right code, and of their uniformity tests. At least half of
-  // the checks have a uniformity test.
+  // thresholds of all p-values of the right code, and of their uniformity tests.
   double sum = 0;
   std::size_t uncertain = 0;
   std::size_t shown_uniform = 0;

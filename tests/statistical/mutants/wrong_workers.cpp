@@ -129,8 +129,7 @@ OnTheWay ladder_follows_density() {
           .taken_in =
               [last, asked](const plan::ReplicaKey& key, std::vector<plan::ScanRecord>& records) {
                 *last = records.back().log_constraint;
-                // Correct the temperatures, because a plan refuses records of wrong temperatures at
-                // once.
+                // Correct the temperatures, because a plan refuses records of wrong ones at once.
                 for (std::uint32_t nth = 0; nth < records.size(); ++nth)
                   records[nth].inverse_temperature = asked->at(key).inverse_temperature(nth);
               }};

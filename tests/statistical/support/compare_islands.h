@@ -11,8 +11,7 @@
 
 namespace sleight::statistical {
 
-/// Expects that the means of independent estimates differ by less than 4 combined standard errors,
-/// and prints the difference.
+/// Expects means of independent estimates to differ by less than 4 combined standard errors.
 inline void expect_equal_means(const char* name, const std::vector<double>& islands,
                                const std::vector<double>& throws) {
   const MeanWithError first = mean_of_independent(islands);

@@ -14,8 +14,7 @@ double kolmogorov_smirnov_p(std::span<const double> a, std::span<const double> b
 /// Like kolmogorov_smirnov_p, against the uniform distribution on (0, 1).
 double uniformity_p(std::span<const double> values);
 
-/// Returns the number of independent draws that estimate the mean of a stationary series as
-/// accurately, by Geyer's initial monotone sequence (1992).
+/// Returns a stationary series' effective sample size, by Geyer's initial monotone sequence (1992).
 double effective_sample_size(std::span<const double> series);
 
 struct MeanWithError {

@@ -170,8 +170,7 @@ struct TwoModes : Line {
 };
 static_assert(run::World<TwoModes>);
 
-/// A worker that starts replicas at exact draws of their tempered distribution, and delegates the
-/// rest to another worker.
+/// A worker that starts replicas at exact draws, and delegates the rest to another worker.
 template <class World>
 class ExactStarts final : public plan::UnitWorker {
  public:

@@ -109,8 +109,7 @@ TEST(Planted, DISABLED_InTurn) {
 class PlantedValues : public ::testing::TestWithParam<int> {};
 
 TEST_P(PlantedValues, DISABLED_Expectation) {
-  // Goal: provide a parametrised test, whose name has slashes. Method: case 7 with one of three
-  // values.
+  // Goal: provide a parametrised test, whose name has slashes. Method: case 7, one of three values.
   for (const std::uint64_t n : cases(9)) {
     say(n);
     EXPECT_FALSE(n == 7 && GetParam() == 3);
@@ -239,9 +238,8 @@ TEST(Property, OneCaseIsThatOfEachLoopThatHasIt) {
 }
 
 TEST(Property, SanitizersRunTheFirstQuarter) {
-  // Goal: with sanitizers a loop has a quarter of its cases, without expectations about all cases.
-  // SLEIGHT_CASE can still select any case, and long runs have all. Method: a loop of a hundred;
-  // all other builds.
+  // Goal: with sanitizers a loop has a quarter of its cases. SLEIGHT_CASE can still select any
+  // case, and long runs have all. Method: a loop of a hundred; all other builds.
   const std::string test = "Planted.DISABLED_ManyCases";
   const std::vector<std::uint64_t> whole = ended_test("SLEIGHT_SOAK=1", test).cases();
   ASSERT_EQ(whole.size(), 101U);
@@ -282,8 +280,7 @@ TEST(Property, AFailureCanBeAskedFor) {
 }
 
 TEST(Property, ProgramsAreNamedAsInTheProject) {
-  // Goal: commands are relative to the project's folder. Method: paths with and without build
-  // folders.
+  // Goal: commands are relative to the project's folder. Method: paths with and without build.
   EXPECT_EQ(path_in_project("/a/build/b/build/release/tests/t"), "build/release/tests/t");
   EXPECT_EQ(path_in_project("/opt/t"), "/opt/t");
 }

@@ -20,12 +20,11 @@ namespace sleight::run {
 namespace {
 
 constexpr int k_coordinator_rank = 0;
-/// Growth of the polling interval. A message waits at most a tenth of the idle time before it,
-/// because a rank that runs a whole ladder has no other work meanwhile.
+/// Growth of the polling interval, so that a message waits at most a tenth of the idle time before
+/// it.
 constexpr double k_backoff_growth = 1.1;
 
-/// Messages in transit to rank 0. A large message takes until rank 0 polls, and waiting for that
-/// would spin on a core that could compute.
+/// Messages in transit to rank 0. Waiting for a large one would spin on a core that could compute.
 class Outbox {
  public:
   Outbox() = default;

@@ -37,8 +37,7 @@ std::vector<Complex> unit_roots(std::size_t size) {
   return roots;
 }
 
-/// Replaces z by its forward transform. REQUIRES: z.size() is a power of two; `roots` has its
-/// roots.
+/// Replaces z by its forward transform. REQUIRES: z.size() is a power of two with these roots.
 void transform(std::vector<Complex>& z, const std::vector<Complex>& roots) {
   const std::size_t size = z.size();
   // Put each value at its bit-reversed index.
@@ -86,8 +85,7 @@ std::vector<double> mean_autocovariances(const Chains& draws) {
       power[k].real += z[k].real * z[k].real + z[k].imaginary * z[k].imaginary;
   }
 
-  // For real values, the forward transform is the conjugate of the inverse transform, with the same
-  // real part.
+  // For real values, the forward transform is the conjugate of the inverse transform.
   transform(power, roots);
   const double scale = static_cast<double>(size) * static_cast<double>(draws.values.size());
   std::vector<double> autocovariances(draws.draws);

@@ -23,8 +23,7 @@ std::size_t count_not_finite(std::span<const double> values) {
       values.begin(), values.end(), [](double value) { return !std::isfinite(value); }));
 }
 
-/// Returns "3 of 4 chains never move and ", or nothing. A single chain that never moves is a
-/// constant quantity, so it is not mentioned.
+/// Returns "3 of 4 chains never move and ", or nothing if all chains move.
 std::string who_never_moves(const Convergence& convergence) {
   if (convergence.unmoved == 0) return "";
   return fmt::format("{} of {} chains never move{} and ", convergence.unmoved, convergence.chains,

@@ -24,9 +24,8 @@ constexpr double k_r_hat_max = 1.01;
 /// error of a mean is 1/20 of the standard deviation.
 constexpr double k_ess_min = 400;
 
-/// Minimum effective sample size per chain, with more than four chains. The paper's 400 is 50 for
-/// each half of four chains, below which neither R-hat nor the sample sizes themselves are
-/// reliable.
+/// Minimum effective sample size per chain, with more than four chains. The paper's 400 is 50 per
+/// half of four chains, below which R-hat and the sample sizes themselves are unreliable.
 constexpr double k_ess_per_chain_min = 100;
 
 /// Minimum draws per chain for an effective sample size: each half needs three.
@@ -51,15 +50,13 @@ struct Convergence {
 /// REQUIRES: the shape is that of Chains.
 Convergence convergence_of(const Chains& draws);
 
-/// Returns the minimum bulk and tail effective sample size: the greater of k_ess_min and
-/// k_ess_per_chain_min for each chain.
+/// Returns the greater of k_ess_min and k_ess_per_chain_min times the number of chains.
 double ess_wanted(std::size_t chains);
 
-/// Returns the reasons to believe that chains have not mixed, one sentence each, which opens with
-/// the quantity's name and has no line break. Empty without such a reason, and for a constant
-/// quantity. If r_hat is NaN because all distances from the median are equal, r_hat_bulk decides.
-/// An ess_tail of NaN, whose quantile is the greatest draw, is ignored, because such a quantity has
-/// few values and no tail.
+/// Returns the reasons to believe that chains have not mixed. Each sentence opens with the
+/// quantity's name and has no line break. Empty without a reason, and for a constant quantity. If
+/// r_hat is NaN because all distances from the median are equal, r_hat_bulk decides. An ess_tail of
+/// NaN is ignored, because such a quantity has few values and no tail.
 std::vector<std::string> complaints(std::string_view name, const Convergence& convergence);
 
 }  // namespace sleight::sampling

@@ -13,8 +13,7 @@ namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t k_draws_min = 3;
-// Autocorrelations have errors of some 1e-15. A smaller sum of two counts as 0, so that the result
-// doesn't depend on the transform's rounding.
+// Smaller sums of two autocorrelations count as 0, because their errors are some 1e-15.
 constexpr double k_zero_pair = 1e-12;
 
 /// rho at lags 0, 1, 2, ... with pairs (0, 1), (2, 3), ..., and the first omitted lag.

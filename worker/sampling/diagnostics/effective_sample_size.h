@@ -1,26 +1,23 @@
 // Effective sample sizes: the number of independent draws that would estimate as accurately.
 //
-// Idea. The variance of an average over S draws of a stationary chain is one draw's variance times
-// tau / S, where tau = 1 + 2 (rho_1 + rho_2 + ...) sums the autocorrelations. So S draws are worth
-// S / tau. All chains, cut into halves, yield one estimate of each rho_t, which includes the
-// distance between their means. Sums of two neighbouring terms are positive for a reversible chain.
-// The total ends where such a sum turns negative, and the sums are made non-increasing (C. Geyer,
-// "Practical Markov chain Monte Carlo", Statistical Science 7 (1992) 473-483, section 3.3). Draws
-// of antithetic chains are worth more than independent ones; their effective sample size is limited
-// to S log10 S.
+// Idea. S draws of a stationary chain are worth S / tau, where tau = 1 + 2 (rho_1 + rho_2 + ...)
+// sums the autocorrelations. All chains, cut into halves, yield one estimate of each rho_t, which
+// includes the distance between their means. Sums of two neighbouring terms are positive for a
+// reversible chain. The total ends where such a sum turns negative, and the sums are made
+// non-increasing (C. Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7 (1992)
+// 473-483, section 3.3). Antithetic chains are worth more than independent draws, at most S log10
+// S.
 // Source: Vehtari et al. (2021), see transforms.h, on effective sample sizes of split chains, of
 // ranks and of quantiles. Results equal those of R's posterior 1.4.0 within 1e-10 relative
 // (tests/posterior), peculiarities included: chains whose halves have three to five draws are worth
-// half their number, regardless of the draws. There are two exceptions. If the sum of two terms is
-// 0 in exact arithmetic, which happens to short series of few values, our total ends, whereas
-// posterior's depends on rounding. If the variance overflows, posterior returns half the number of
-// draws, but these functions NaN.
+// half their number. There are two exceptions. If the sum of two terms is exactly 0, as in short
+// series of few values, our total ends, whereas posterior's depends on rounding. If the variance
+// overflows, posterior returns half the number of draws, but these functions NaN.
 //
 // NaN means one of: a draw is NaN or infinite (the middle draw of an odd number counts only where
 // stated); all draws are within 2.2e-16 of each other; a half has fewer than three draws (see
 // split_in_halves for two and three draws); the variance overflows.
-// REQUIRES, of all functions: the shape is that of Chains. Cost: O(n log n). Thread safety: pure
-// functions.
+// REQUIRES, of all: the shape is that of Chains. Cost: O(n log n). Thread safety: pure functions.
 #pragma once
 
 #include "worker/sampling/diagnostics/chains.h"
@@ -38,9 +35,9 @@ double ess_tail(const Chains& draws);
 /// Returns the effective sample size for the mean. The draws must have a finite variance.
 double ess_mean(const Chains& draws);
 
-/// Returns the effective sample size for the quantile at a probability, that is, of the indicators
-/// that a draw is at most that quantile. NaN if all indicators are true. Probability 1 means the
-/// quantile half a draw below. REQUIRES: probability in [0, 1].
+/// Returns the effective sample size of indicators that a draw is at most the quantile. NaN if all
+/// indicators are true. Probability 1 means the quantile half a draw below. REQUIRES: probability
+/// in [0, 1].
 double ess_quantile(const Chains& draws, double probability);
 
 }  // namespace sleight::sampling

@@ -1,17 +1,16 @@
 // Split R-hat: whether chains agree with each other, and each chain with itself over time.
 //
-// Idea. Cut every chain into halves. If all halves sample one distribution, the variance of all
-// draws together equals the variance within a half. R-hat is the square root of the ratio of the
-// former, estimated, to the latter: near 1 for mixed chains, larger if the halves' means differ.
-// Rank normalisation makes R-hat valid without finite moments. Folding about the median turns
-// differences of scale into differences of mean.
+// Idea. Cut every chain into halves. R-hat is the square root of a ratio: the estimated variance of
+// all draws together over the variance within a half. The ratio is near 1 for mixed chains, and
+// larger if the halves' means differ. Rank normalisation makes R-hat valid without finite moments.
+// Folding about the median turns differences of scale into differences of mean.
 // Source: Vehtari et al. (2021), see transforms.h, on split, rank-normalised and folded R-hat.
 // Results equal those of R's posterior 1.4.0 within 1e-10 relative (tests/posterior).
 //
 // NaN means one of: a draw in the halves is NaN; all draws are equal; each chain has one draw.
-// Infinite draws are allowed if the median is finite, because they have ranks. If each half is
-// constant but halves differ, R-hat is infinite, or some 1e15 because means are rounded the way
-// posterior rounds them. Thread safety: pure functions.
+// Infinite draws are allowed if the median is finite. If each half is constant but halves differ,
+// R-hat is infinite, or some 1e15 because means are rounded the way posterior rounds them.
+// Thread safety: pure functions.
 #pragma once
 
 #include "worker/sampling/diagnostics/chains.h"

@@ -15,13 +15,11 @@
 
 namespace sleight::sampling {
 
-/// Returns the mean, almost correctly rounded and exact if all values are equal. REQUIRES: values
-/// not empty.
+/// Returns the mean, exact if all values are equal. REQUIRES: values not empty.
 double mean_of(std::span<const double> values);
 
-/// Returns each chain's sum in index order over its length. posterior computes the variance between
-/// chains from means rounded in this way, which matters if means are large compared with that
-/// variance.
+/// Returns each chain's sum in index order over its length. posterior rounds means in this way,
+/// which matters if means are large compared with the variance between them.
 std::vector<double> chain_means(const Chains& draws);
 
 /// Returns the sum of squared distances from the mean over n - 1. NaN for a single value; 0 only if
@@ -50,8 +48,7 @@ OwnedChains split_in_halves(const Chains& draws);
 /// other scores are then meaningless.
 OwnedChains normal_scores(const Chains& draws);
 
-/// Returns distances from the median of all draws, which show differences of scale. All are NaN if
-/// one draw is NaN.
+/// Returns distances from the median of all draws. All are NaN if one draw is NaN.
 OwnedChains folded(const Chains& draws);
 
 }  // namespace sleight::sampling

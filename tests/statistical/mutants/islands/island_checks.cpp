@@ -26,8 +26,7 @@ double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// P-value of independent draws against their expected mean, by the normal distribution. 0 if a
-/// draw is NaN.
+/// P-value of independent draws against a mean, by the normal distribution. 0 if a draw is NaN.
 double mean_p(const std::vector<double>& draws, double mean) {
   const MeanWithError seen = mean_of_independent(draws);
   if (!std::isfinite(seen.mean) || !(seen.standard_error > 0)) return 0;

@@ -1,8 +1,6 @@
 // Checks that right islands pass and of which each mutant fails one. A check takes a mistake and a
-// seed and returns p-values, which are uniform for right code.
-//
-// Means of estimates are compared with enumeration in standard errors, converted to the normal
-// distribution's two-sided p-value. The threshold of 1e-5 is 4.4 errors.
+// seed and returns p-values, which are uniform for right code. P-values of means are two-sided and
+// normal. The threshold of 1e-5 is 4.4 standard errors.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +23,7 @@ struct IslandCheck {
 
 /// A p-value below this limit rejects.
 inline constexpr double k_rejects_below = 1e-5;
-/// Mutants stay below this limit with the suite's seed, far enough from the threshold to fail with
-/// other seeds too.
+/// Mutants stay below this limit with the suite's seed, so they fail with other seeds too.
 inline constexpr double k_mutants_below = 1e-9;
 
 /// Settings for the comparison of the reference with the real code, and for some checks.
@@ -41,8 +38,7 @@ std::vector<double> satisfied_is_right(Mistake mistake, std::uint64_t seed);
 std::vector<double> draws_are_weighed(Mistake mistake, std::uint64_t seed);
 /// Tests exact draws after conditional steps.
 std::vector<double> conditional_keeps(Mistake mistake, std::uint64_t seed);
-/// Tests conditional steps with a guide that overrates fallen walkers, by the number of draws that
-/// had fallen.
+/// Tests conditional steps with a guide that overrates fallen walkers.
 std::vector<double> conditional_keeps_rescued(Mistake mistake, std::uint64_t seed);
 /// Tests exact draws after conditional steps alternating with local moves.
 std::vector<double> conditional_keeps_among_moves(Mistake mistake, std::uint64_t seed);

@@ -1,5 +1,4 @@
-// Contract C3 for islands, with negative controls: right islands pass the statistical checks, and
-// each known mistake fails one.
+// Right islands pass the statistical checks, and each known mistake fails one.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -135,8 +134,7 @@ TEST(StagedReference, MakesTheSameSteps) {
 }
 
 TEST(StagedReference, MakesTheSameVisits) {
-  // Goal: the reference's visits equal a run's, even from a start of zero density. Method: as
-  // above.
+  // Goal: visits equal a run's, even from a start of zero density. Method: as above.
   const SearchedToy world;
   int without_mass = 0;
   for (const IslandSetting& setting : all_settings()) {
@@ -173,8 +171,7 @@ class RightIslands : public testing::TestWithParam<IslandCheck<Mistake>> {};
 class RightPools : public testing::TestWithParam<IslandCheck<PoolMistake>> {};
 
 TEST_P(RightIslands, PassTheCheck) {
-  // Goal: checks that reject mutants don't reject the right code. Method: the same checks without a
-  // mistake, with several seeds.
+  // Goal: right code passes the checks. Method: the checks without a mistake, with several seeds.
   for (std::uint64_t seed = k_seed; seed < k_seed + k_seeds; ++seed)
     EXPECT_GT(least_p(GetParam(), Mistake::none, seed), k_rejects_below);
 }
@@ -229,8 +226,7 @@ void expect_all_used(const std::vector<IslandMutant<M>>& mutants,
 }
 
 TEST(IslandChecks, EachMistakeAndEachCheckIsUsed) {
-  // Goal: the tables contain every mistake and every check. Method: count; enumerators are numbered
-  // from 0.
+  // Goal: the tables contain every mistake and every check. Method: count.
   expect_all_used(island_mutants(), island_checks(), Mistake::start_of_a_search_counts);
   expect_all_used(pool_mutants(), pool_checks(), PoolMistake::retained_drops_share_a_place);
 }

@@ -126,8 +126,7 @@ PooledToy::Ground PooledToy::draw_ground(const Guide& /*guide*/, random::Stream&
   return ground;
 }
 
-/// Puts each ball's drop in an unused place of a random stratum, with probability proportional to
-/// the stratum's density.
+/// Puts each ball's drop in an unused place of a stratum drawn by its density.
 PooledToy::Ground PooledToy::ground_given(const Guide& guide, const State& state,
                                           random::Stream& stream) const {
   const std::uint32_t n = drops_of_stratum();
