@@ -6,8 +6,8 @@
 // Sleef_cinz, suffix purec) that never fuse and never dispatch.
 //
 // std::sqrt is safe, because IEEE 754 requires correct rounding, as for + - * /. std::floor,
-// std::fabs, std::ldexp and std::copysign are exact and safe too. Results must not use std::hypot
-// or the rest of <cmath>.
+// std::fabs, std::ldexp and std::copysign are exact. Results must not use std::hypot or the rest of
+// <cmath>.
 //
 // Invariants
 //   1. A result depends on the argument's bits alone: not on processor, thread or earlier calls

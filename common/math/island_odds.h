@@ -5,8 +5,8 @@
 // standard error of the mean is the estimates' standard deviation over the square root of their
 // number. The relative error is the error of the log, in nats. If a few large estimates dominate
 // the sum, the standard deviation is mostly too small, because even larger estimates have not
-// occurred yet. So an error is valid only if no estimate exceeds a tenth of the sum, and if there
-// are enough estimates.
+// occurred yet. So an error is valid only if there are enough estimates and none exceeds a tenth of
+// the sum.
 //
 // A run may choose the number of estimates by earlier ones, but not by the counted ones
 // (worker/sampling/odds_rule.h).

@@ -1,5 +1,5 @@
-// The work of one assignment: a single unit, or units of neighbouring replicas of a ladder with the
-// swaps between them.
+// The work of one assignment: a single unit, or a ladder's neighbouring replicas with the swaps
+// between them.
 //
 //   scan s      . a b c d e .      a block of five levels; each member's first scan is certain
 //        s+1      a b c d          e swapped with a level outside, so its next scan is unknown here

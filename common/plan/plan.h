@@ -37,8 +37,7 @@ struct Draws {
   std::vector<DrawPart> parts{};
 };
 
-/// Finds of searches. A find counts once all earlier starts are done, so counts don't depend on
-/// workers.
+/// Finds of searches. A find counts once all earlier starts are done.
 struct Finds {
   std::uint64_t found = 0;
   std::uint64_t wanted = 0;  ///< 0: no search.
@@ -149,8 +148,7 @@ class Plan {
 
   virtual Odds odds() const { return {}; }
 
-  /// Number of trips from the prior to inverse temperature 1 and back. Empty for methods without
-  /// such trips.
+  /// Number of trips from the prior to inverse temperature 1 and back. Empty: no trips exist.
   virtual std::optional<std::uint64_t> round_trips() const { return std::nullopt; }
 
   /// Consumed scans over all chains, and their total if the stop rule determines it.

@@ -4,8 +4,7 @@
 // replica's first scan draws its start from the prior, and so does every scan at inverse
 // temperature 0; each such draw begins a lineage. A unit's result is a pure function of (request,
 // unit, state before), so it can be computed anywhere, or again after a crash, with the same bits.
-// The number of scans in a unit may depend on measured cost; no stored result depends on it
-// (docs/DETERMINISM).
+// A unit's size may depend on measured cost, but no stored result does (docs/DETERMINISM).
 #pragma once
 
 #include <compare>
@@ -126,8 +125,7 @@ struct ScanRecord {
   FailureCounts failures{};               ///< Failures of this scan's simulations.
   /// Number of simulations that could not begin, because bodies overlap at the start: p_c = 0.
   std::uint64_t overlapping_starts = 0;
-  /// Estimates of islands (worker/sampling/island.h), or values that judge a burn-in
-  /// (burn_in_judge.h).
+  /// Estimates of islands (island_estimate.h), or values that judge a burn-in (burn_in_judge.h).
   std::vector<double> method_values{};
   /// The state, for scans that are archived (every `thin`-th) or satisfied; otherwise empty.
   base::Bytes state{};

@@ -27,8 +27,7 @@ struct UniformInteger {
   double log_density(std::uint64_t x) const;
 };
 
-/// Draws an index with probability proportional to its share. One word per draw. REQUIRES: shares
-/// >= 0, not all 0.
+/// Draws an index in proportion to its share. One word per draw. REQUIRES: shares >= 0, not all 0.
 std::size_t draw_by_share(std::span<const double> shares, Stream& stream);
 
 }  // namespace sleight::random

@@ -112,9 +112,8 @@ double short_integral(double a, double width) {
 
 // Log of the integral of exp(-a t - t^2/2) over 0 < t < width, for a >= 0.
 double log_tail_integral(double a, double width) {
-  // exp(-fall) is the integrand's ratio across the interval. The quadrature rule is exact to
-  // rounding for a small fall; for a large fall, the difference of two Mills ratios has no
-  // cancellation.
+  // exp(-fall) is the integrand's ratio across the interval. The quadrature rule is exact for a
+  // small fall. For a large fall, the difference of two Mills ratios has no cancellation.
   const double fall = width * (a + 0.5 * width);
   constexpr double k_fall_short_max = 4;
   if (fall <= k_fall_short_max) return math::log(short_integral(a, width));

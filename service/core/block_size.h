@@ -1,6 +1,6 @@
 // The size of blocks, from the measured cost of scans: long enough that handing them out costs
-// little, short enough that all workers have some and that a stop takes effect soon. Changes no
-// result. Not thread-safe.
+// little, short enough that all workers have some and a stop is quick. Changes no result. Not
+// thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,7 @@ struct BlockSizeOptions {
   /// Limits of a block's duration: at most target_s_max, and at least least_s when workers wait.
   double target_s_max = 1;
   double least_s = 0.001;
-  /// With enough ladders, a ladder stays whole if one scan of all its levels takes at most this
-  /// long.
+  /// With enough ladders, a ladder stays whole if a scan of all levels takes this long at most.
   double whole_s_max = 0.25;
   std::uint32_t scans_max = 8192;  ///< Maximum scans of a block, which limits a result's memory.
 };

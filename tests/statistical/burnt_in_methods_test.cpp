@@ -229,8 +229,7 @@ TEST(SimulatedTempering, IsRightAfterALearntBurnIn) {
 }
 
 TEST(TemperedTransitions, AreRightAfterALearntBurnIn) {
-  // Goal: chains with tempered transitions have the target's distribution. Method: 400 runs of 300
-  // scans.
+  // Goal: tempered transitions have the target's distribution. Method: 400 runs of 300 scans.
   std::vector<std::vector<double>> runs;
   double acceptance = 0;
   for (std::uint64_t repeat = 0; repeat < 400; ++repeat) {
@@ -251,8 +250,8 @@ TEST(AnnealedImportance, WeightsAreUnbiased) {
   // Goal: mean weights are unbiased for Z and P(satisfied), weighted means are the target's, and
   // errors are calibrated. Method: 1,500 runs of 24 ascents with ladders from short burn-ins. The
   // mean over runs of exp(log Z) / Z and of exp(log P) / P is 1. Z-scores of the logs have about
-  // unit spread, between 0.8 and 1.4 because 24 weights are skewed. Sums of weights by place agree
-  // with enumeration.
+  // unit spread, between 0.8 and 1.4 because 24 weights are skewed. Sums of weights by place are
+  // right.
   constexpr std::uint64_t k_repeats = 1500;
   std::vector<double> ratios[2];
   std::vector<double> z[2];

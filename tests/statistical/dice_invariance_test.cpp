@@ -256,8 +256,8 @@ TEST(DiceInvarianceOfAHastyRatio, IsRefuted) {
 
 TEST(DiceInvarianceOfThrows, Holds) {
   // Goal: the kernel is right with real simulations that reuse similar ones, and with a face
-  // numbered afterwards. Method: a table of a few points where the die lands, and a wide goal, so
-  // that exact draws are cheap.
+  // numbered afterwards. Method: a table of a few points, and a wide goal, so that exact draws are
+  // cheap.
   Parameters parameters = small_table();
   parameters.world.dice[0].position_m.x() = -0.03;
   parameters.world.dice[0].velocity_mps.x() = 0.2;

@@ -1,5 +1,4 @@
-// Tests that Metropolis-Hastings leaves p_w p_c^beta invariant, and that a kernel with a bug
-// doesn't.
+// Tests that Metropolis-Hastings leaves p_w p_c^beta invariant, and a wrong kernel doesn't.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// Tests that islands' estimates are unbiased and their Markov chain steps leave the target
-// invariant.
+// Tests that islands' estimates are unbiased and their steps leave the target invariant.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

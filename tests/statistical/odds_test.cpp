@@ -201,8 +201,7 @@ TEST(Odds, TrustedErrorsHoldTheTruth) {
   // three. A round's log Z and log P share most of their error, so about half of the estimates
   // count. The share within one error may be lower by five standard errors. The limit within three
   // errors is 95%, because estimated errors have heavier tails (with one miss in 100, seven misses
-  // or more of 125 occur once in 3,000). Doubted estimates miss far more often, mostly below the
-  // truth.
+  // or more of 125 occur once in 3,000). Doubted estimates miss more often, and mostly low.
   Letters seldom;
   seldom.busy = 0.1;
   Letters pairs;

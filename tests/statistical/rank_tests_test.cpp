@@ -22,8 +22,7 @@ std::vector<double> normals(std::uint32_t chain, std::size_t count, double mean)
 }
 
 TEST(KolmogorovSmirnov, ItsPValuesAreUniformWhenTheSamplesAreAlike) {
-  // Goal: the Kolmogorov-Smirnov test is calibrated. Method: p-values of 500 pairs of equal
-  // samples.
+  // Goal: the Kolmogorov-Smirnov test is calibrated. Method: 500 pairs of samples.
   std::vector<double> p_values;
   for (std::uint32_t i = 0; i < 500; ++i) {
     p_values.push_back(kolmogorov_smirnov_p(normals(2 * i, 400, 0), normals(2 * i + 1, 300, 0)));

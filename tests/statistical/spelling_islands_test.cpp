@@ -48,8 +48,7 @@ void expect_mean(const char* name, const std::vector<double>& draws, double expe
 
 TEST(SpellingIslands, AgreeWithRejection) {
   // Goal: islands and blind throws agree on Z and P(satisfied) of three balls. Method: compare
-  // means of islands of two guides, and of joint islands, with prior draws, within 4 combined
-  // errors.
+  // means of islands of two guides, and of joint islands, with prior draws, within 4 errors.
   worlds::spelling::Parameters parameters;
   parameters.pattern = worlds::spelling::pattern_of_rows("#.#\n.#.").value();
   parameters.constraint.log_lambda = 1.5;

@@ -1,5 +1,4 @@
-// GoogleTest's main(), which after each failure also prints the command that repeats it
-// (property.h).
+// GoogleTest's main(), which also prints the command that repeats each failure (property.h).
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,8 +50,7 @@ class Printer : public testing::EmptyTestEventListener {
   std::string told_;
 };
 
-/// Handles a fatal signal. fmt::format is not strictly async-signal-safe, but the process ends
-/// anyway.
+/// Handles a fatal signal. fmt::format isn't async-signal-safe, but the process ends anyway.
 void say_and_die(int signal) {
   if (!current_test().empty()) {
     const std::string line = fmt::format("to see it again: {}\n", command());

@@ -1,5 +1,4 @@
-// Property tests: a claim is tested on many random cases, and a failed case prints the command that
-// repeats it alone.
+// Property tests: many random cases of a claim; a failed case prints the command that repeats it.
 //
 //   for (const std::uint64_t n : property::cases(300)) {
 //     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, n);

@@ -1,8 +1,7 @@
 // Parallel tempering as one loop, which defines the method on one screen (tempering_loop.cpp).
 //
 // Runs use LadderRun (worker/sampling/ladder_run.h) and blocks (block_runner.h there) instead.
-// Tests compare both with this loop's results, bit for bit. The loop contains the swap in full,
-// independent of swap.h.
+// Tests compare both with this loop's results, bit for bit. The loop has a swap of its own.
 #pragma once
 
 #include <cstdint>

@@ -68,8 +68,7 @@ class Catalogue {
   std::vector<std::unique_ptr<WorldEntry>> worlds_;
 };
 
-/// Returns the plan of a request's sampling method. With a cut, the run ends there instead of by
-/// the request's own rule.
+/// Returns the plan of a request's sampling method. With a cut, the run ends there instead.
 std::unique_ptr<plan::Plan> make_plan(const request::DirectionRequest& request,
                                       const WorldEntry& world,
                                       const std::optional<request::Cut>& cut = {});

@@ -1,7 +1,7 @@
 // The islands in a chain of a sequential run. Islands provide the chain's start. Each scan ends
 // with a conditional step, which provides Z, and some independence steps
-// (worker/sampling/particle_steps.h). The sequence of steps never depends on the chain's state, so
-// the target stays invariant.
+// (worker/sampling/particle_steps.h). Steps are never chosen by the chain's state, so the target
+// stays invariant.
 #pragma once
 
 #include <cstdint>

@@ -88,7 +88,7 @@ plan::ScanRecord start_record(const W& world, const std::optional<sampling::Samp
   return record;
 }
 
-/// Makes a lane's starts, one per scan. With `tells_guide`, start 0 reports failures of the guide.
+/// Makes a lane's starts, one per scan. If `tells_guide`, start 0 reports the guide's failures.
 /// REQUIRES: unit.searches().
 template <StagedWorld W>
 plan::UnitResult search_unit(const W& world, const typename W::Guide& guide, const plan::Unit& unit,

@@ -1,6 +1,5 @@
-// A chain whose scans each end with a tempered transition (tempered_transition.h). The transition
-// uses steps between the burn-in's temperatures, because an excursion with a large step is rarely
-// accepted. Not thread-safe.
+// A chain whose scans each end with a tempered transition (tempered_transition.h). Steps between
+// the burn-in's temperatures are added, because large steps are rarely accepted. Not thread-safe.
 #pragma once
 
 #include <cstdint>

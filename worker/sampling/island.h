@@ -26,8 +26,7 @@
 //
 // If a target can list its choices, an island's particles may choose together (joint). One pair per
 // particle is drawn from all pairs of a particle and an alternative, with probability proportional
-// to weight times the choice's density q. The draws are systematic along all pairs in order of
-// sorts:
+// to weight times the choice's density q. The draws are systematic, in order of sorts:
 //
 //     resample and extend: mass = sum of weight * q over pairs; pairs by weight * q / mass;
 //                          Z *= mass / particles; weight = p / q * psi after / psi before

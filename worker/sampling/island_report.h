@@ -29,15 +29,13 @@ class IslandsOfChain {
 };
 
 /// The scans of each chain whose islands count towards the odds: from `first` on, if earlier
-/// islands determined how many there are; before `end`, if later scans are made or not depending on
-/// islands.
+/// islands determined how many there are; before `end`, if islands decide on later scans.
 struct OddsScans {
   std::optional<std::uint64_t> first{};
   std::optional<std::uint64_t> end{};
 };
 
-/// Reports the islands of each chain's first `scans` scans; empty without islands. REQUIRES: `odds`
-/// lies within these scans.
+/// Reports the islands of the chains' first scans. REQUIRES: `odds` lies within these scans.
 plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans,
                        const OddsScans& odds = {});
 

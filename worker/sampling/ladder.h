@@ -1,6 +1,5 @@
 // Ladders of inverse temperatures, and how swap statistics improve them (Syed, Bouchard-Cote,
-// Deligiannidis, Doucet 2022, Non-reversible parallel tempering: a scalable highly parallel MCMC
-// scheme).
+// Deligiannidis, Doucet 2022, Non-reversible parallel tempering).
 //
 // Idea. Let r_i be the rejection rate of swaps between levels i and i+1. The sum of r_i up to a
 // level estimates the communication barrier Lambda(beta) there, for any ladder. Temperatures must

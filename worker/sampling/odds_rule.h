@@ -1,5 +1,4 @@
-// Decides how many free islands a run makes, and which of these estimate the odds: a batch whose
-// size a pilot determines.
+// Decides how many free islands a run makes: a pilot, and a batch that estimates the odds.
 //
 //   island  0            32                              p + n
 //           |-- pilot, p --|-- batch, n: estimates P --|-- extended by n / 2 ...

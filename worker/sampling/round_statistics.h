@@ -1,8 +1,7 @@
 // Statistics of one round of a ladder: swap rejection rates, and estimates of log Z and of the
 // probability that a throw satisfies.
 //
-// With l = log p_c and E_beta the mean at inverse temperature beta (stepping stones, Xie et al.
-// 2011):
+// With l = log p_c and E_beta the mean at beta (stepping stones, Xie et al. 2011):
 //
 //   log Z = sum over levels of log E_{beta_i}[exp((beta_{i+1} - beta_i) l)]
 //   log P(satisfied) = log Z + log E_1[1{satisfied} / p_c]

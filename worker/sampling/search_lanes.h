@@ -1,5 +1,4 @@
-// The starts of a search (stage_search.h) as units of work: which starts run next, what they found,
-// and when the search ends.
+// The starts of a search (stage_search.h) as units of work, their finds, and the search's end.
 //
 // Starts are numbered (plan::k_search_lanes). A find counts once all earlier starts are done, so
 // the counted finds don't depend on workers. At the success rate so far, the starts in progress are

@@ -1,6 +1,5 @@
 // Simulated tempering (Geyer and Thompson 1995, Annealing Markov chain Monte Carlo with
-// applications to ancestral inference): one state whose temperature is itself a coordinate of the
-// chain.
+// applications to ancestral inference): the temperature is itself a coordinate.
 //
 // The chain samples (level i, x) with density proportional to w_i p_w(x) p_c(x)^beta_i. With w_i =
 // 1 / Z_i it visits all levels equally often. The weights come from a burn-in, relative to the

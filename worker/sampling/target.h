@@ -54,8 +54,8 @@ concept BoundsConstraint = Target<T> && requires(const T& target, const typename
 };
 
 /// A target whose simulation may fail (common/plan/failure.h). A failed state is never a sample,
-/// and `log_constraint` and `satisfied` of its outcome mean nothing. Starts that overlap are no
-/// failures: p_c = 0.
+/// and `log_constraint` and `satisfied` of its outcome mean nothing. Starts that overlap have p_c =
+/// 0.
 template <class T>
 concept MayFail = Target<T> && requires(const T& target, const typename T::Outcome& outcome) {
   { target.failure(outcome) } -> std::same_as<plan::FailurePointer>;

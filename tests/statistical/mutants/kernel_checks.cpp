@@ -149,8 +149,7 @@ std::vector<double> scans_move(const Mutant& mutant, std::uint64_t seed) {
   return {chi_square_p(counts, expected)};
 }
 
-/// Compares pairs of prior draws (a replica's first two scans, two replicas, two chains) with the
-/// product of priors.
+/// Tests the independence of prior draws: two scans, two replicas, two chains.
 std::vector<double> draws_are_fresh(const Mutant& mutant, std::uint64_t seed) {
   const Ring ring = ring_of(mutant);
   const run::ChainWorker<Ring> right(ring, {});

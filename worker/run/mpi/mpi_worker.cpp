@@ -20,8 +20,7 @@ namespace sleight::run {
 namespace {
 
 constexpr int k_coordinator_rank = 0;
-/// Growth of the polling interval, so that a message waits at most a tenth of the idle time before
-/// it.
+/// Growth of the polling interval, so that a message waits at most a tenth of the time idled.
 constexpr double k_backoff_growth = 1.1;
 
 /// Messages in transit to rank 0. Waiting for a large one would spin on a core that could compute.

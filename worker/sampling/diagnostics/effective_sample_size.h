@@ -36,8 +36,7 @@ double ess_tail(const Chains& draws);
 double ess_mean(const Chains& draws);
 
 /// Returns the effective sample size of indicators that a draw is at most the quantile. NaN if all
-/// indicators are true. Probability 1 means the quantile half a draw below. REQUIRES: probability
-/// in [0, 1].
+/// are true. Probability 1 means the quantile half a draw below. REQUIRES: probability in [0, 1].
 double ess_quantile(const Chains& draws, double probability);
 
 }  // namespace sleight::sampling
