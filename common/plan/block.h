@@ -28,8 +28,7 @@ struct LadderPart {
   /// By level of the part. The members are at these levels in order, each at its own first scan.
   std::vector<double> inverse_temperatures;
   std::vector<std::vector<double>> proposal_scales;
-  std::uint64_t end_scan = 0;  ///< Scans from here on are excluded: the end of the round or of the
-                               ///< run.
+  std::uint64_t end_scan = 0;  ///< Exclusive, at most the end of the round or run.
   /// Maximum scans of all members together; each member's first scan is made in any case.
   std::uint32_t scans_max = 1;
   friend bool operator==(const LadderPart&, const LadderPart&) = default;
@@ -37,8 +36,7 @@ struct LadderPart {
 
 struct Block {
   std::vector<Unit> members;         ///< At least one.
-  std::optional<LadderPart> ladder;  ///< Empty: one member, run as it is. Otherwise each member has
-                                     ///< one scan.
+  std::optional<LadderPart> ladder;  ///< Empty: a single unit. Otherwise one scan each.
   friend bool operator==(const Block&, const Block&) = default;
 };
 

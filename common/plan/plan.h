@@ -84,8 +84,7 @@ struct EndedRound {
   std::uint64_t round = 0;                     ///< From 1.
   std::uint64_t scans = 0;                     ///< The chain's number of scans at the round's end.
   std::optional<double> swaps{};               ///< Mean swap acceptance, for ladders.
-  std::optional<std::uint64_t> round_trips{};  ///< Round trips that ended in the round, for
-                                               ///< ladders.
+  std::optional<std::uint64_t> round_trips{};  ///< Ended round trips, for ladders.
 };
 
 class Plan {
@@ -135,8 +134,8 @@ class Plan {
 
   virtual Finds finds() const { return {}; }
 
-  /// Starts of the search before the first unfinished start, up to the one that ended the search;
-  /// and finds of starts [first, end), in order. REQUIRES: end <= starts_done().
+  /// Number of starts before the first unfinished one, and finds of starts [first, end), in order.
+  /// REQUIRES: end <= starts_done().
   virtual std::uint64_t starts_done() const { return 0; }
   virtual std::vector<Find> finds_between(std::uint64_t /*first*/, std::uint64_t /*end*/) const {
     return {};

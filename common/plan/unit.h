@@ -88,8 +88,7 @@ struct Unit {
   std::uint64_t seed = 0;  ///< Seed of the run, which addresses all random numbers of the unit.
   base::ScanIndex first_scan;
   std::uint32_t scans = 0;    ///< At least 1.
-  bool starts = false;        ///< The unit includes the replica's first scan, so there is no state
-                              ///< before it.
+  bool starts = false;        ///< The unit has the replica's first scan.
   std::uint64_t lineage = 0;  ///< Lineage of the state before the unit.
   /// beta of p_w p_c^beta, in [0, 1], for each scan. A single value applies to all scans.
   std::vector<double> inverse_temperatures{1};
@@ -165,8 +164,8 @@ struct CacheUse {
 class UnitWorker {
  public:
   virtual ~UnitWorker() = default;
-  /// REQUIRES: `state` is the replica's state before unit.first_scan. For its first scan, `state`
-  /// is Plan::start_state's or empty.
+  /// REQUIRES: `state` is the replica's state before unit.first_scan. For the first scan, `state`
+  /// is Plan::start_state's result.
   virtual UnitResult run(const Unit& unit, base::BytesView state) const = 0;
   /// Runs the unit from the sample that this worker holds for it. Empty without one.
   virtual std::optional<UnitResult> run_from_held(const Unit&) const { return std::nullopt; }

@@ -4,8 +4,8 @@
 // rejection from the normal, or from the uniform if the interval is short. If the interval is to
 // the right of 0, draws use rejection from an exponential restricted to the interval, with the rate
 // of C. Robert, "Simulation of truncated normal variables", Statistics and Computing 5 (1995),
-// section 2. (Restricting the exponential exactly makes his separate two-sided case unnecessary.)
-// An interval to the left of 0 is mirrored.
+// section 2. (Restricting the exponential exactly makes the paper's two-sided case unnecessary.) An
+// interval to the left of 0 is mirrored.
 //
 // In the tail everything is computed from the interval's end nearest to 0: the draw is low + sd t
 // and the density a function of t = (x - low)/sd. No step subtracts two distribution functions that

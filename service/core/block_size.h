@@ -29,7 +29,7 @@ class BlockSize {
  public:
   explicit BlockSize(const BlockSizeOptions& options) : options_(options) {}
 
-  /// All threads, and those with work, which are fewer if the plan has too little work.
+  /// Number of threads, and of threads with work.
   struct Threads {
     std::uint64_t all = 1;
     std::uint64_t at_work = 1;

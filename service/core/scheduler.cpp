@@ -308,7 +308,7 @@ void Scheduler::hand_out(std::optional<WorkerId> heard_of) {
     }
     give(worker, take_waiting(choose(worker)));
   }
-  // Give the heard worker more blocks, unless another worker holds their states.
+  // Give more blocks to the worker that was heard, unless another worker holds their states.
   const auto has_more_room = [&] {
     const auto found = workers_.find(*heard_of);
     return found != workers_.end() && has_room(found->second);

@@ -73,8 +73,7 @@ struct Counts {
   std::uint64_t blocks = 0;   ///< Completed blocks.
   std::uint64_t scans = 0;    ///< Scans of completed blocks.
   std::uint64_t copies = 0;   ///< Blocks given out again after a lease or a worker ended.
-  std::uint64_t refused = 0;  ///< Deliveries of another epoch, of completed blocks, or that don't
-                              ///< fit.
+  std::uint64_t refused = 0;  ///< Deliveries that are late, foreign or don't fit.
   std::uint64_t states_sent = 0;
   std::uint64_t states_held = 0;     ///< States sent as a version number alone.
   std::uint64_t states_missing = 0;  ///< Deliveries that reported a missing state.
@@ -121,8 +120,7 @@ class Scheduler {
     std::optional<double> load;  ///< Place in roomy_.
     bool silent = false;
     double asked_s = 0;
-    std::uint64_t asked_up_to = 0;  ///< Assignments below this number were made before the last
-                                    ///< question.
+    std::uint64_t asked_up_to = 0;  ///< Assignments below this precede the last question.
   };
   struct Replica {
     std::uint64_t version = 0;

@@ -222,7 +222,7 @@ double least_p(const T& world, const Run& run) {
 class DiceInvariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
 
 TEST_P(DiceInvariance, ProposalsKeepExactDrawsExact) {
-  // Goal: the kernel leaves p_w p_c^beta invariant, the table's points and the start included.
+  // Goal: the kernel leaves p_w p_c^beta invariant, including the table's points and the start.
   // Method: compare moved exact draws (by rejection) with fresh ones, with a formula as simulation.
   // Fails by chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();

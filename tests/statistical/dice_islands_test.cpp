@@ -40,8 +40,8 @@ StagedDice two_dice(double sigma_m, double tolerance_m) {
 }
 
 TEST(DiceIslands, AgreeWithRejection) {
-  // Goal: islands and blind throws agree on Z and P(satisfied) of two dice. Method: compare means
-  // of islands with pools of eight throws with prior draws, within 4 combined errors.
+  // Goal: islands and blind throws agree on Z and P(satisfied) of two dice. Method: islands with
+  // pools of eight throws, and prior draws, agree within 4 combined errors.
   const StagedDice world = two_dice(0.02, 0.025);
   const int throws = property::long_run() ? 200'000 : 8'000;
   const std::uint32_t islands = property::long_run() ? 20'000 : 700;

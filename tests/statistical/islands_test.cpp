@@ -220,7 +220,7 @@ Step mixed(const Setting& setting, AfterLocalMove after) {
   return [setting, after](const Toy& toy, const sampling::ChainStreams& streams,
                           std::uint64_t number, ToyParticle& current) {
     const sampling::Islands islands(toy, setting.guide, setting.options, streams);
-    // The mistake: if the island is stale, the state moves within the new one.
+    // The mistake: if the island is stale, the state becomes the new island's draw.
     if (!current.log_z && after == AfterLocalMove::takes_the_draw)
       sampling::conditional_step(islands, 1000 + number, current);
     sampling::independence_step(islands, 2 * number, current);

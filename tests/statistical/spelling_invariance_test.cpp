@@ -81,7 +81,7 @@ double least_p(const World& world, double beta, std::uint64_t steps) {
 class SpellingInvariance : public testing::TestWithParam<std::tuple<double, std::uint64_t>> {};
 
 TEST_P(SpellingInvariance, ExactDrawsStayExact) {
-  // Goal: the kernel leaves p_w p_c^beta invariant, the number of active balls included. Method:
+  // Goal: the kernel leaves p_w p_c^beta invariant, including the number of active balls. Method:
   // compare moved exact draws (by rejection) with fresh ones. Fails by chance once in 10^4 runs.
   const auto [beta, steps] = GetParam();
   const double p = least_p(world_with(Kernel::correct), beta, steps);

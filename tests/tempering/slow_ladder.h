@@ -44,7 +44,7 @@ struct SlowLadder {
 SlowLadder slow_ladder(const LadderOptions& options, const plan::UnitWorker& worker,
                        std::uint64_t scans);
 
-/// Returns all numbers of the rounds, bit for bit.
+/// Returns the bits of all numbers in the rounds.
 std::vector<std::uint64_t> fingerprint(std::span<const RoundReport> rounds,
                                        std::span<const std::uint64_t> solutions);
 

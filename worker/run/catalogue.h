@@ -22,8 +22,7 @@ namespace sleight::run {
 
 /// A worker's resources on this machine; they change no result.
 struct WorkerResources {
-  std::size_t cache_bytes_max = k_cache_bytes_max;  ///< Memory for samples held for their next
-                                                    ///< units.
+  std::size_t cache_bytes_max = k_cache_bytes_max;  ///< Memory for held samples.
 };
 
 struct SimulationEnd {

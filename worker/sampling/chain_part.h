@@ -38,7 +38,7 @@ class ChainPart {
                        std::span<const plan::ScanRecord> records) = 0;
   /// Scans that all replicas of the part have completed, burn-in included.
   virtual std::uint64_t scans() const = 0;
-  /// Number of those scans' records at inverse temperature 1.
+  /// Number of the part's records at inverse temperature 1.
   virtual std::uint64_t draws() const = 0;
   virtual const Solutions& solutions() const = 0;
   /// One chain's row of a table.

@@ -55,8 +55,7 @@ class FreeIslands final : public plan::Plan {
   NumberedLanes lanes_;
   std::uint64_t islands_max_;
   OddsRule rule_;
-  std::map<std::uint64_t, IslandEstimate> ahead_;  ///< Estimates by island number that wait for
-                                                   ///< islands with lower numbers.
+  std::map<std::uint64_t, IslandEstimate> ahead_;  ///< By number, before their turn.
   IslandsOfChain islands_;
 };
 

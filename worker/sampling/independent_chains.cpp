@@ -71,8 +71,7 @@ void IndependentChains::consume(plan::ReplicaKey replica, base::ScanIndex first_
   Chain& chain = chains_[replica.chain.value];
   CHECK_EQ(first_scan.value, chain.consumed);
   by_progress_.erase({chain.consumed, replica.chain.value});
-  idle_.erase({chain.consumed, replica.chain.value});  // Still idle if results come from a run
-                                                       // store.
+  idle_.erase({chain.consumed, replica.chain.value});  // Idle if from a run store.
   for (const plan::ScanRecord& record : records) {
     if (counts(record, chain.consumed)) chain.solutions.add(chain.consumed, record);
     if (has_islands_) chain.islands.add(record);

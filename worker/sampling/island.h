@@ -38,7 +38,7 @@
 //   1. Random numbers are addressed by (seed, chain, island, stage, particle). An island is a pure
 //      function of its streams, its number and, if conditional, the state.
 //   2. A particle of weight 0 is dead and is not extended. If all particles are dead, Z is 0.
-// Memory: one prefix per particle, twice that during resampling.
+// Memory: one prefix per particle, and two during resampling.
 // Sources: C. Andrieu, A. Doucet, R. Holenstein, Particle Markov chain Monte Carlo methods (Journal
 // of the Royal Statistical Society B 72, 2010); Chopin and Papaspiliopoulos (stages.h), chapter 16.
 #pragma once

@@ -13,8 +13,7 @@ namespace sleight::sampling {
 struct IslandEstimate {
   static constexpr std::size_t k_values = 4;
 
-  double log_z = k_log_zero;          ///< Log of an unbiased estimate of Z; -infinity if all
-                                      ///< particles died.
+  double log_z = k_log_zero;          ///< Log of an unbiased estimate of Z.
   double log_satisfied = k_log_zero;  ///< Log of an unbiased estimate of P(satisfied).
   double effective_size = 0;          ///< Effective size of the particles.
   bool accepted = false;              ///< Whether the island's draw became the chain's state.

@@ -77,8 +77,7 @@ class JudgedChains final : public plan::Plan {
     std::uint64_t end = 0;
     std::vector<double> r_hats{};                         ///< R-hat by judged value.
     std::vector<std::optional<std::uint64_t>> counted{};  ///< By chain: the scan of its solution.
-    std::vector<double> log_ps{};                         ///< log p_w + log p_c of the counted
-                                                          ///< scans, by chain.
+    std::vector<double> log_ps{};                         ///< By chain: log p_w + log p_c.
   };
 
   std::uint64_t round_length() const { return options_.round_scans << round_; }

@@ -17,14 +17,12 @@ struct LadderOptions {
   std::uint64_t seed = 0;
   base::ChainId chain;
   std::vector<double> first_ladder;  ///< Ascending, from 0 to 1.
-  bool levels_chosen = true;         ///< The barrier determines the number of levels; otherwise it
-                                     ///< stays as in first_ladder.
+  bool levels_chosen = true;         ///< By the barrier; otherwise as in first_ladder.
   std::uint32_t levels_max = 64;
   bool ladder_adapts = true;
   /// By kind of proposal: whether it has a tuned scale (target.h).
   std::vector<bool> has_scale;
-  std::uint64_t round_scans = 64;  ///< Length of the first round. Each later round is twice as
-                                   ///< long.
+  std::uint64_t round_scans = 64;  ///< Of the first round; each later one is twice as long.
   /// Number of initial scans of simulated annealing, in equal steps; they belong to no round.
   std::uint64_t anneal_scans = 0;
   /// All first replicas but the hottest start from searches. Requires anneal_scans = 0.
@@ -35,8 +33,7 @@ struct LadderOptions {
 struct RoundReport {
   std::uint64_t first_scan = 0;
   RoundStatistics statistics;
-  std::uint64_t round_trips = 0;            ///< Trips from the hottest level to the coolest and
-                                            ///< back that ended in this round.
+  std::uint64_t round_trips = 0;            ///< Round trips that ended in this round.
   std::uint64_t restarts = 0;               ///< Arrivals at the coolest level from the hottest.
   std::vector<KindCounts> counts;           ///< By level.
   std::vector<std::vector<double>> scales;  ///< Proposal scales by level, then by kind.

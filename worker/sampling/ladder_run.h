@@ -77,12 +77,7 @@ class LadderRun {
 
  private:
   static constexpr std::uint32_t k_nobody = UINT32_MAX;
-  enum class Way : std::uint8_t {
-    unknown,
-    up,
-    down
-  };  ///< Direction towards the coolest level, or
-      ///< back.
+  enum class Way : std::uint8_t { unknown, up, down };  ///< Towards coolest, or back.
 
   using Result = plan::ScanRecord;  ///< The fields of the record that ladders need.
   struct Replica {

@@ -17,7 +17,7 @@ class NumberedLanes {
   /// Lanes are chains with one replica, numbered from `first_lane` on. REQUIRES: at least one lane.
   NumberedLanes(std::uint32_t first_lane, std::uint32_t lanes, std::uint64_t seed);
 
-  /// Returns the next numbers below `end` of one lane. `starts` is set in each unit.
+  /// Returns the next numbers below `end` of one lane. Each unit has `starts` set.
   std::optional<plan::Unit> next_unit(std::uint64_t end, std::uint32_t scans_max);
   /// Marks the lane's next numbers as done. REQUIRES: the lane's earlier numbers are done.
   void consume(base::ChainId lane, base::ScanIndex first_scan, std::size_t records);
@@ -30,8 +30,7 @@ class NumberedLanes {
   std::uint32_t first_lane_;
   std::uint64_t seed_;
   std::vector<std::uint64_t> scans_;                        ///< Consumed scans by lane.
-  std::set<std::pair<std::uint64_t, std::uint32_t>> idle_;  ///< Lanes with nothing handed out, by
-                                                            ///< scan.
+  std::set<std::pair<std::uint64_t, std::uint32_t>> idle_;  ///< Lanes with no unit out, by scan.
   std::uint64_t done_ = 0;
   std::uint64_t consumed_ = 0;
 };

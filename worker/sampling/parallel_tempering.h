@@ -59,7 +59,7 @@ class ParallelTempering final : public plan::Plan {
   std::uint64_t anneal_scans_;
   void judge_burn_in();
   std::uint64_t solutions_before(std::uint64_t scan) const;
-  /// The solutions of a ladder that count. REQUIRES: the burn-in is over.
+  /// A ladder's solutions after the burn-in. REQUIRES: the burn-in is over.
   const Solutions& solutions_of(const LadderRun& ladder) const;
 
   std::uint64_t round_scans_;

@@ -10,8 +10,8 @@
 //
 // An accepted local move makes the island's Z stale, because this Z belongs to another state. The
 // next independence step then draws a conditional island, and uses only its Z. It must not use that
-// island's draw too, because staleness depends on the state, and steps chosen by the state don't
-// leave the target invariant (a test shows this).
+// island's draw. Staleness depends on the state, and steps chosen by the state don't leave the
+// target invariant (a test shows this).
 // Source: Andrieu, Doucet, Holenstein (island.h), sections 2.4.2 and 2.4.3.
 #pragma once
 

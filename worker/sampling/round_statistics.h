@@ -57,7 +57,7 @@ class RoundStatistics {
     std::vector<LogSum> steps;  ///< Sums of exp((beta_{i+1} - beta_i) l) by level.
     LogSum inverse;             ///< Sum of 1{satisfied} / p_c at the coolest level.
   };
-  /// Estimates log Z without one batch, or with all batches if `left_out` is none of them.
+  /// Estimates log Z without batch `left_out`; k_batches leaves out none.
   double log_z_without(std::size_t left_out) const;
   template <class Value>
   Estimate jackknife(const Value& value) const;

@@ -44,8 +44,7 @@ class SearchLanes {
   struct Lane {
     std::uint64_t handed_out = 0;
     std::vector<bool> found{};              ///< By consumed scan.
-    std::vector<std::uint32_t> furthest{};  ///< By consumed scan: most stages completed in a start
-                                            ///< without a find.
+    std::vector<std::uint32_t> furthest{};  ///< By scan: most stages, if no find.
     std::vector<double> log_ps{};           ///< By consumed scan: log p_w + log p_c.
   };
   using Next = std::pair<std::uint64_t, std::uint32_t>;  ///< (scan, lane).

@@ -44,8 +44,7 @@ class SimulatedTempering final : public ChainPart {
   std::uint64_t lineage_ = 0;
   bool handed_out_ = false;
   std::vector<std::uint64_t> visits_;    ///< Number of scans by level.
-  std::vector<std::uint64_t> proposed_;  ///< Proposed moves between a level and the next cooler
-                                         ///< one, both directions.
+  std::vector<std::uint64_t> proposed_;  ///< Moves between a level and the next, both ways.
   std::vector<std::uint64_t> accepted_;
   std::vector<double> draw_scans_;
   bool was_hot_ = false;  ///< Whether the chain has been hottest since it was last coolest.

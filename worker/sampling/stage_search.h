@@ -27,8 +27,7 @@ namespace sleight::sampling {
 struct SearchEffort {
   std::uint64_t tries = 0;
   std::uint64_t simulations = 0;  ///< Simulations of prefixes.
-  std::uint64_t guesses = 0;      ///< Cheap simulations that decide whether a try deserves a full
-                                  ///< one.
+  std::uint64_t guesses = 0;      ///< Cheap simulations before a full one.
   std::uint64_t steps_back = 0;
   std::uint32_t furthest = 0;  ///< Maximum number of accepted stages.
   std::uint64_t overlapping_starts = 0;
@@ -36,10 +35,8 @@ struct SearchEffort {
 };
 
 struct SearchLimits {
-  std::uint32_t tries_of_stage = 200;  ///< Tries at one stage before the previous stage is taken
-                                       ///< back.
-  std::uint32_t turns_per_stage = 40;  ///< Tries and steps back per stage. Their sum over all
-                                       ///< stages is the limit at which a search gives up.
+  std::uint32_t tries_of_stage = 200;  ///< Then the previous stage is taken back.
+  std::uint32_t turns_per_stage = 40;  ///< Average turns at which a search gives up.
 };
 
 template <class B>

@@ -1,10 +1,10 @@
 // The swap of two neighbouring levels of a ladder: partners, ratio and random number.
 //
-//   partners    after scan s the levels i and i+1 with i + s even (deterministic even-odd swaps,
-//               which carry states through the ladder like a conveyor)
-//   log ratio   (beta' - beta) (l - l'): beta' is the cooler level's inverse temperature, l and l'
-//               are log p_c of the hotter and the cooler level's state
-//   swapped     if log u < log ratio, u uniform from (seed, chain, the hotter level, scan)
+//   1. After scan s, levels i and i+1 with i + s even are partners. (Deterministic even-odd swaps
+//      carry states through the ladder like a conveyor.)
+//   2. The log ratio is (beta' - beta) (l - l'). beta' is the cooler level's inverse temperature,
+//      and l and l' are log p_c of the hotter and the cooler level's state.
+//   3. Partners swap if log u < log ratio, with u uniform from (seed, chain, hotter level, scan).
 //
 // A swap depends on two densities and its place alone, so plan and worker decide it alike.
 // swap_flow.h defines which replicas wait for each other.

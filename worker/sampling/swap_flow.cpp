@@ -28,8 +28,7 @@ std::span<const SwapFlow::GoesOn> SwapFlow::made(std::uint32_t level, double log
     go_on(level, *seat.replica);
     return {going_.data(), going_count_};
   }
-  const std::uint32_t other = *partner - levels_.first_level;  // Wraps around below the first
-                                                               // level.
+  const std::uint32_t other = *partner - levels_.first_level;  // Wraps below the first level.
   if (other >= seats_.size()) {
     seat = {.replica = {}, .scan = seat.scan, .log_constraint = {}};
     return {};

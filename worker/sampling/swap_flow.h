@@ -4,10 +4,10 @@
 // Idea. Each level has a seat: the replica at that level, and the replica's scan there. After the
 // scan, the level's partner (swap.h) determines the next step:
 //
-//   no partner              the replica continues at its level
-//   partner outside         the replica leaves: its next level depends on the partner's replica
-//   partner's scan missing  the replica waits
-//   partner's scan made     the two swap or don't (swap.h), and both continue
+//   1. Without a partner, the replica continues at its level.
+//   2. If the partner is outside this part, the replica leaves. Its next level is unknown here.
+//   3. If the partner has not made its scan, the replica waits.
+//   4. If the partner has made its scan, the two swap or don't (swap.h), and both continue.
 //
 //   scan s     . a b c d e .     a part of a longer ladder: a and b swap, c and d; e leaves
 //        s+1     a b c d         b and c swap; a leaves, d waits for the level that e has left

@@ -16,7 +16,7 @@ using Observe = std::function<void(const plan::UnitResult&)>;
 void run_serially(plan::Plan& plan, const plan::UnitWorker& worker, const Observe& observe);
 
 /// Returns for each chain, in scan order, `value` of each scan at inverse temperature 1 from
-/// `first_scan` on. REQUIRES: each chain has one such record per scan, as chains and ladders have.
+/// `first_scan` on. REQUIRES: each chain has one such record per scan.
 std::vector<std::vector<double>> run_and_collect(
     plan::Plan& plan, const plan::UnitWorker& worker, std::uint64_t first_scan,
     const std::function<double(const plan::ScanRecord&)>& value);

@@ -16,7 +16,7 @@
 namespace sleight::statistical {
 
 /// Fourteen places in a ring, with hills and valleys of p_c. Three places have p_c = 0 and cut the
-/// ring into parts that no step at inverse temperature above 0 connects. Steps are to neighbours,
+/// ring into parts that no step at inverse temperature above 0 connects. A step moves one place,
 /// more often clockwise.
 struct RuggedRing {
   using State = std::uint32_t;

@@ -12,7 +12,7 @@
 // (tests/posterior), peculiarities included: chains whose halves have three to five draws are worth
 // half their number. There are two exceptions. If the sum of two terms is exactly 0, as in short
 // series of few values, our total ends, whereas posterior's depends on rounding. If the variance
-// overflows, posterior returns half the number of draws, but these functions NaN.
+// overflows, posterior returns half the number of draws, but these functions return NaN.
 //
 // NaN means one of: a draw is NaN or infinite (the middle draw of an odd number counts only where
 // stated); all draws are within 2.2e-16 of each other; a half has fewer than three draws (see
