@@ -1,3 +1,4 @@
+// Constants that the log densities share.
 #pragma once
 
 #include <limits>

@@ -236,7 +236,7 @@ class ChainWorker final : public plan::UnitWorker {
       const std::uint64_t number = first_scan + nth;
       Counts counts(world_.proposal_kinds());
       walk.method_values.clear();
-      // Make one scan. A replica's first scan, and each scan at inverse temperature 0, is a draw.
+      // Make one scan. A replica's first scan is its given start or a draw.
       const bool is_first = unit.starts && nth == 0;
       if (is_first && walk.current) {
         walk.lineage = plan::lineage_from(unit.replica.replica, number);

@@ -26,7 +26,7 @@ inline constexpr double k_burnt_in_r_hat = 1.2;
 /// A value by which a world's burn-in is judged.
 struct BurnInValue {
   const char* name;
-  /// Every chain starts at one end of the value's range. Chains in which it never changed fail.
+  /// Every chain starts at one end of the value's range. The value fails if no draw differs.
   bool starts_at_one_end = false;
 };
 

@@ -35,7 +35,7 @@ struct OddsScans {
   std::optional<std::uint64_t> end{};
 };
 
-/// Reports the islands of the chains' first scans. REQUIRES: `odds` lies within these scans.
+/// Reports the islands of each chain's first `scans` scans. REQUIRES: `odds` lies within them.
 plan::Report report_of(std::span<const IslandsOfChain* const> chains, std::uint64_t scans,
                        const OddsScans& odds = {});
 

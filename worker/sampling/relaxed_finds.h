@@ -80,7 +80,7 @@ class RelaxedFinds final : public plan::Plan {
   std::uint64_t known_starts_ = 0;                        ///< Starts whose finds have chains.
   std::size_t begun_ = 0;                                 ///< Chains whose finds are known.
   std::set<std::pair<std::uint64_t, std::size_t>> idle_;  ///< Begun, with no unit out.
-  std::size_t judged_ = 0;                                ///< Chains that have ended in order.
+  std::size_t judged_ = 0;                                ///< Chains before the first unfinished.
   std::uint64_t takes_ = 0;                               ///< Takes of the judged chains.
   std::uint64_t in_vain_ = 0;                             ///< Judged chains since the last take.
   std::uint64_t chain_scans_ = 0;

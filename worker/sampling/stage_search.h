@@ -36,7 +36,7 @@ struct SearchEffort {
 
 struct SearchLimits {
   std::uint32_t tries_of_stage = 200;  ///< Then the previous stage is taken back.
-  std::uint32_t turns_per_stage = 40;  ///< Average turns at which a search gives up.
+  std::uint32_t turns_per_stage = 40;  ///< Tries and steps back, on average; then it gives up.
 };
 
 template <class B>
