@@ -23,7 +23,7 @@ struct LadderOptions {
   /// By kind of proposal: whether it has a tuned scale (target.h).
   std::vector<bool> has_scale;
   std::uint64_t round_scans = 64;  ///< Of the first round; each later one is twice as long.
-  /// Initial scans that anneal each replica to its first temperature, in equal steps and no round.
+  /// Annealing scans before the first round, in equal steps to each replica's temperature.
   std::uint64_t anneal_scans = 0;
   /// All first replicas but the hottest start from searches. Requires anneal_scans = 0.
   bool starts_by_search = false;
