@@ -84,8 +84,8 @@ double largest_z(Bug bug) {
 
 TEST(Geweke, BothWaysToDrawTheJointAgree) {
   // Goal: prior, proposal, acceptance, simulator and constraint belong to one joint density.
-  // Method: compare means of 8 functions in standard errors that include autocorrelation. By chance
-  // one of 8 exceeds 4.5 of them once in 18,000 runs.
+  // Method: compare means of 8 functions in standard errors that include autocorrelation. One of
+  // the 8 exceeds 4.5 errors by chance once in 18,000 runs.
   EXPECT_LT(largest_z(Bug::none), 4.5) << "seed " << k_seed;
 }
 

@@ -100,8 +100,8 @@ double largest_z(const Ball& ball, Bug bug, const std::vector<BallSample>& exact
 TEST(Marginals, AgreeWithRejectionSamplingAndABrokenChainDoesNot) {
   // Goal: long chains have the right marginals, and the comparison can fail. Method: compare 56
   // statistics of 400 chains of 1,000 iterations with 100,000 exact draws. Standard errors come
-  // from the spread of the chains' means, and are valid for any mixing. By chance one of 56 exceeds
-  // 4.5 of them once in 2,600 runs. Then compare two bugs that still yield a stationary chain.
+  // from the spread of the chains' means, and are valid for any mixing. One of the 56 exceeds 4.5
+  // errors by chance once in 2,600 runs. Then compare two bugs that still yield a stationary chain.
   const Ball ball{worlds::ball_2d::Parameters{}};
   const std::vector<BallSample> exact = exact_draws(ball);
   EXPECT_LT(largest_z(ball, Bug::none, exact), 4.5) << "seed " << k_seed;

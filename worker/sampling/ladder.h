@@ -20,8 +20,8 @@
 namespace sleight::sampling {
 
 /// The power of first_ladder that makes the hottest of a dozen levels hot enough for narrow
-/// constraints. Too hot wastes a level. Too cold costs rounds: a gap that rejects all swaps counts
-/// as a barrier of 1, so each respacing only halves it or so.
+/// constraints. A ladder that starts too hot wastes a level. One that starts too cold costs rounds:
+/// a gap that rejects all swaps counts as a barrier of 1, so each respacing only halves it or so.
 inline constexpr std::uint32_t k_first_power = 6;
 
 /// Returns the initial ladder, (i / (levels - 1))^power. With power 1, steps are equal and the
