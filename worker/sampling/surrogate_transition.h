@@ -24,8 +24,8 @@
 // parts, or each part with probability 1/2.
 //
 // Exactness requires three things. The surrogate has the target's p_w. If l(x) > -infinity, then
-// l*(x) > -infinity with any anchor that x may have. An anchor's distribution doesn't depend on the
-// anchor with which the surrogate's outcome was made.
+// l*(x) > -infinity with any anchor that x may have. F, as computed from
+// the surrogate's outcome, and so P, doesn't depend on the anchor with which that outcome was made.
 #pragma once
 
 #include <cstdint>
