@@ -16,7 +16,7 @@ bool is_asked(const Job& job) {
   return job.state == State::yielding;
 }
 
-/// Deaths in a row without a commit, this one included.
+/// Deaths in a row without a commit, including the current one.
 std::uint32_t deaths_with_this(const Job& job) {
   return job.deaths == 0 || job.counts.scans > job.scans_at_death ? 1 : job.deaths + 1;
 }
@@ -27,27 +27,27 @@ std::string with_log(std::string words, std::string_view log_end, std::string_vi
   return words;
 }
 
-/// It starts again, unless a stop was asked for.
+/// The job starts again, unless a stop was requested.
 Verdict goes_on(const Job& job, const Verdict& else_) {
   if (!is_asked(job)) return else_;
   const State to = state_after_stop(job.reason);
   Verdict verdict = else_;
   verdict.to = to;
-  if (to == State::queued && else_.backs_off) return verdict;  // the reason is why it waits
+  if (to == State::queued && else_.backs_off) return verdict;  // the reason explains the wait
   verdict.reason = job.reason;
   verdict.words = job.words;
   if (to == State::cancelled) verdict.words = "Cancelled.";
   return verdict;
 }
 
-/// It would end so again, whoever starts it.
+/// The job fails, because any restart would end in the same way.
 Verdict fails(const Job& job, Reason reason, std::string words) {
   if (is_asked(job) && job.reason == Reason::cancel_asked)
     return {.to = State::cancelled, .reason = Reason::cancel_asked, .words = "Cancelled."};
   return {.to = State::failed, .reason = reason, .words = std::move(words)};
 }
 
-/// It goes on when what hinders it is gone.
+/// The job is held until the hindrance is gone.
 Verdict is_hindered(const Job& job, Reason reason, std::string words) {
   Verdict verdict{
       .to = State::held, .reason = reason, .words = std::move(words), .backs_off = true};
@@ -55,7 +55,7 @@ Verdict is_hindered(const Job& job, Reason reason, std::string words) {
   return verdict;
 }
 
-/// Not the job's doing: a batch system took its place, or somebody cancelled it there.
+/// A batch system took the job's cores, or somebody cancelled the job there. Not the job's fault.
 Verdict ends_outside(const Job& job, Outside outside, const std::string& how) {
   if (outside == Outside::cancelled)
     return goes_on(job, {.to = State::held,
@@ -72,7 +72,7 @@ Verdict ends_outside(const Job& job, Outside outside, const std::string& how) {
             .backs_off = job.counts.scans <= job.scans_at_attempt});
 }
 
-/// What others say may lack its end.
+/// Completes the sentence with a period if it lacks one.
 std::string sentence(std::string words) {
   if (!words.empty() && std::string_view(".!?").find(words.back()) == std::string_view::npos)
     words += '.';
@@ -192,7 +192,8 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
     case EndKind::stop_requested:
       if (ended.outside != Outside::nothing)
         return ends_outside(job, ended.outside, ended.outside_words);
-      // Somebody else's signal, again and again before a commit, must not keep a machine busy.
+      // Back off before the first commit, so that repeated signals from outside don't keep the
+      // machine busy.
       return goes_on(job,
                      {.to = State::queued,
                       .reason = Reason::stopped_by_itself,

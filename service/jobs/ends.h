@@ -1,20 +1,21 @@
-// What it means for a job that an attempt came to an end: pure functions of the job, of what was
-// seen, and of what was asked for.
+// Decides what becomes of a job when its attempt ends. The decision depends only on the job, on
+// what the daemon saw of the attempt, and on what people asked for.
 //
 //   judge(job, ended):
-//     its request's end was reached      done, or queued if it was extended meanwhile
+//     the request is finished            done, or queued if the request was extended meanwhile
 //     gave up, no draws, --strict        failed, and never restarted (gave up with finds: done)
-//     the request is refused             failed: it would be refused again
-//     no room on disk, other results     held
-//     a check failed                     failed if it is the same place and nothing was committed
-//                                        since; else a death
-//     cancelled in the batch system      held: it goes on when its user says so
-//     its place was taken away           starts again, and is no death
-//     stopped in order                   what the stop was asked for; else it starts again
-//     any other error, or no record      a death: starts again later; the fifth without a commit
-//                                        between: failed
-//   Where a stop was asked for, that is what becomes of a job that would start again; a cancelled
-//   one is cancelled unless its request's end was reached.
+//     the request is invalid             failed: another start would be refused too
+//     disk full, other results version   held
+//     a check failed                     failed if the last check failed at the same place with no
+//                                        commit since; else a death
+//     cancelled in the batch system      held until the user resumes the job
+//     the batch system took its cores    starts again; not a death
+//     clean stop                         what the stop was requested for; else starts again
+//     any other error, or no record      a death: starts again later; the fifth death without a
+//                                        commit in between: failed
+//
+// After a stop request, a job that would start again gets the outcome that the request named. A
+// cancelled job becomes cancelled unless its request is finished.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -32,32 +33,32 @@ struct Verdict {
   State to = State::queued;
   Reason reason = Reason::died;
   std::string words{};
-  bool backs_off = false;  ///< the next start waits, longer each time
-  bool is_death = false;   ///< counted: without a commit between, five are enough
-  bool is_bug = false;     ///< whose place is noted
+  bool backs_off = false;  ///< the next start is delayed, longer each time
+  bool is_death = false;   ///< counts towards deaths_max
+  bool is_bug = false;     ///< the place of the failed check is stored
 };
 
-/// What the machine knows of the surroundings.
+/// The machine's view of the surroundings.
 struct Surroundings {
   bool is_disk_low = false;
-  bool has_other_results = false;  ///< the programs are of another results version than the run
+  bool has_other_results = false;  ///< the run has another results version than the programs
 };
 
-/// REQUIRES: an attempt of the job is open; job.counts is what the end says.
+/// REQUIRES: an attempt of the job is open; job.counts are those of the end.
 Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
               const Options& options);
 Verdict judge(const Job& job, const Died& died, const Options& options);
 Verdict judge(const Job& job, const LaunchFailed& failed, const Surroundings& around,
               const Options& options);
-/// No launch of the attempt ever began.
+/// For an attempt of which no launch ever began.
 Verdict judge_unbegun(const Job& job, const Options& options);
 
-/// Counts the verdict into the job's deaths, back-offs and bugs, and returns how long its next
-/// start waits. `lived_s` is how long the attempt did.
+/// Updates the job's deaths, back-offs and bugs from the verdict. Returns the delay before the next
+/// start. `lived_s` is how long the attempt lived.
 double count_end(Job& job, const Verdict& verdict, const std::string& place, double lived_s,
                  const Options& options);
 
-/// What a job becomes that was asked to stop for this reason: queued, held or cancelled.
+/// Returns the state of a job after a stop requested for this reason: queued, held or cancelled.
 State state_after_stop(Reason reason);
 
 }  // namespace sleight::jobs

@@ -11,13 +11,13 @@
 namespace sleight::jobs {
 namespace {
 
-/// How often a machine with nothing to do saves its clock, by which finished jobs grow old.
+/// How often an idle machine saves its clock, which determines the age of finished jobs.
 constexpr double k_idle_save_s = 3600;
-/// Between two looks at whether running jobs should make room.
+/// Interval of checks whether running jobs should make room.
 constexpr double k_look_at_turns_s = 0.5;
-/// Between two looks at whether a user's limit allows it more again.
+/// Interval of checks whether held jobs are below their user's limit again.
 constexpr double k_look_at_limits_s = 10;
-/// After which a folder that is to be deleted is asked for again.
+/// Interval of further requests to delete a folder.
 constexpr double k_remove_again_s = 60;
 
 bool goes_on_by_itself(const Job& job) {
@@ -62,13 +62,13 @@ Jobs::Jobs(const Options& options, Restored restored)
 std::vector<Effect> Jobs::step(const Input& input) {
   effects_.clear();
   std::visit([this](const auto& kind) { take(kind); }, input);
-  // News of a job that goes on give nobody a turn; the clock does.
+  // A running job's reports don't change whose turn it is; the clock does.
   if (!std::holds_alternative<Sight>(input) || !save_.changes.empty()) hand_out();
   finish_step();
   return std::exchange(effects_, {});
 }
 
-/// The save of all that the step changed goes before all else.
+/// Puts the Save of all changes before the step's other effects.
 void Jobs::finish_step() {
   if (dirty_.empty() && dirty_users_.empty() && save_.changes.empty() && save_.erased.empty() &&
       !saves_clock_)
@@ -190,7 +190,7 @@ void Jobs::note(const Job& job, State from, Reason reason, std::string words) {
   dirty_.insert(job.id);
 }
 
-/// Takes the job out of all that is ordered by its values; REQUIRED before these change.
+/// Removes the job from all indices. REQUIRED before a value changes that orders an index.
 void Jobs::leave_indices(const Job& job) {
   delayed_.erase({job.next_start_s, job.id});
   if (job.is_leaving) return;
@@ -243,7 +243,7 @@ void Jobs::put_into_queue(const Job& job) {
   }
 }
 
-/// Since when the user waits with nothing running.
+/// Updates since when the user waits with nothing running.
 void Jobs::note_idle(UserId user) {
   Account& account = accounts_.of(user);
   if (account.cores > 0 || !queue_.users().contains(user)) {
@@ -315,7 +315,7 @@ void Jobs::end_delays() {
   }
 }
 
-/// Its record stays until its folder is gone.
+/// Deletes the job except for its record, which stays until the folder is gone.
 void Jobs::let_go(Job& job) {
   leave_indices(job);
   if (!job.client_key.empty()) by_key_.erase({job.user, job.client_key});

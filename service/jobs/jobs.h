@@ -1,47 +1,47 @@
-// The machine of jobs: what becomes of each, as a pure state machine. An input goes in, effects
-// come out; it knows no process, file, socket, clock or thread.
+// The machine of jobs: a pure state machine that decides what happens to each job. It maps inputs
+// to effects and touches no process, file, socket, clock or thread.
 //
-// Idea. A job is a run that is started again until it comes to an end. Since a run goes on where
-// its store is, and stopping in order loses nothing, a job may be stopped and started as often as
-// is good for others: so jobs are processes that share a machine in slices of some ten seconds.
+// Idea. A job is a run that is started repeatedly until it is finished. A run resumes from its run
+// store, and a clean stop loses nothing. So the machine may stop and start a job as often as other
+// jobs need it: jobs are like processes that share a machine in slices of some ten seconds.
 //
 //   inputs ──▶ step ──▶ Save, then Launch, Stop, Look, Answer, Remove, Announce
 //              │ ends.h     what a job's end means
 //              │ turns.h    who is next, with how many cores, and who makes room
-//              │ keeping.h  which finished jobs are deleted, and when that is said
+//              │ keeping.h  which finished jobs are deleted, and when the deletion is announced
 //
-// What it relies on, of a job's folder (the keeper's invariants), and nothing else:
+// The machine relies only on these properties of a job's folder (the keeper's invariants):
 //   K1. At most one keeper is in a folder.
 //   K2. A keeper of attempt n does nothing if the folder's record is of n or a newer attempt.
-//   K3. The record is durable before the program starts, and again when all its processes are gone.
-// So to launch an attempt again is safe (K1, K2), and "never began" is no proof that it won't
-// begin: a Launch of a daemon that was killed may be under way. To be rid of such an attempt the
-// machine launches it again, sees it, and stops it.
+//   K3. The record is durable before the program starts, and again after all its processes ended.
+// So launching an attempt again is safe (K1, K2). "Never began" doesn't prove that the attempt
+// won't begin, because a killed daemon's Launch may still be in progress. To end such an attempt,
+// the machine launches it again, sees it, and stops it.
 //
 // Invariants
 //   1. A job's state changes only in a Save, with a Change; the Save is its step's first effect. So
-//      whatever was told or started is in the job store, and a machine made from the store goes on.
+//      whatever was reported or started is in the job store, and a machine restored from the store
+//      continues from there.
 //   2. A job is over at most once, unless its user extends or resumes it.
-//   3. At most one attempt of a job is open; only its sights count. A keeper of another one that is
-//      seen is stopped.
-//   4. Cores and memory of open attempts never exceed the newest Room's when one is launched, nor
-//      a user's cores its limit.
-//   5. What comes out is a function of the options, the restored records and the inputs' order.
-//   6. Of waiting jobs the next one is never overtaken by one that comes after it (turns.h), so a
-//      large one gets its room.
+//   3. At most one attempt of a job is open, and only sights of that attempt count. The machine
+//      stops the keeper of any other attempt that it sees.
+//   4. When an attempt is launched, open attempts exceed neither the cores and memory of the newest
+//      Room, nor their user's limit of cores.
+//   5. Effects are a function of the options, the restored records and the order of inputs.
+//   6. No job overtakes the next job (turns.h), so a large job gets its room in the end.
 //
-// A batch system may have an attempt in its queue first: the job stays `starting` with its cores
-// kept for it, and nothing is charged. How long that takes is that system's.
+// A batch system may queue an attempt first. The job then stays `starting`, its cores stay
+// reserved, and nothing is charged. The batch system decides how long the attempt waits.
 //
-// Nobody starves: a user that waits with nothing running is next after patience_s at the latest; it
-// has its room when the running jobs' slices are over (a slice is bounded by slice_per_cost times a
-// job's restart, or by twice the time that its longest scan takes) and they have stopped
-// (stop_now_after_s at most). So a user waits at most patience_s and, for each user that is before
-// it for the same reason, one slice and one stop. Within a user, a job waits for those before it;
-// but each patience_s the one that has waited longest is next.
+// Nobody starves. A user that waits with nothing running is next after patience_s at the latest.
+// The user's job gets room when the running jobs' slices are over and these jobs have stopped. A
+// slice is bounded by slice_per_cost times a job's restart cost, or by twice the duration of its
+// longest scan; a stop is bounded by stop_now_after_s. So a user waits at most patience_s plus, for
+// each user that is next for the same reason, one slice and one stop. Among one user's jobs, a job
+// waits for those before it; but once per patience_s the longest-waiting job is next.
 //
-// A step costs the logarithm of the number of jobs, and is linear in users that wait and in running
-// jobs; only a Room with other cores or memory looks at all jobs.
+// A step is logarithmic in the number of jobs and linear in waiting users and running jobs. Only a
+// Room with other cores or memory visits all jobs.
 //
 // Not thread-safe.
 #pragma once
@@ -65,7 +65,7 @@
 
 namespace sleight::jobs {
 
-/// What the job store has. A fresh one is as below.
+/// Contents of the job store. The defaults are those of a new store.
 struct Restored {
   double clock_s = 0;
   std::uint64_t next_id = 1;
@@ -75,27 +75,27 @@ struct Restored {
 
 /// Why a queued job isn't running yet.
 enum class WhyNot {
-  next,          ///< it would start if there were room: running jobs make some after their slices
-  others_first,  ///< jobs are before it
-  back_off,      ///< it failed; until next_start_s
-  limit_cores,   ///< its user has all the cores that it may have
+  next,          ///< first in line: running jobs make room after their slices
+  others_first,  ///< other jobs go first
+  back_off,      ///< the last attempt failed; the job waits until next_start_s
+  limit_cores,   ///< its user's jobs use all cores of the limit
   limit_core_hours,
   too_large,  ///< for this machine as it is now
   draining,
   disk_low,
   backend_away,
-  not_known_yet  ///< the daemon has only begun
+  not_known_yet  ///< the daemon has just started
 };
 
 struct Waiting {
   WhyNot why = WhyNot::next;
-  /// 1: it is next; 0: it waits for something else than its turn. Counted as if users took turns;
-  /// k_place_max: that or more.
+  /// 1: next. 0: the job doesn't wait for its turn. k_place_max: that place or a later one. Places
+  /// are counted as if users took turns.
   std::uint64_t place = 1;
   std::string sentence{};
 };
 
-/// How the server stands, for its status.
+/// The server's state, for its status.
 struct Standing {
   std::uint32_t cores = 0;
   std::uint32_t cores_in_use = 0;
@@ -112,45 +112,47 @@ struct Standing {
 
 class Jobs {
  public:
-  /// REQUIRES: the records are what Saves of one store came to. The first inputs are a Tick, then
-  /// Began; sights are asked for then, of all jobs that had an open attempt.
+  /// REQUIRES: the records are the result of one store's Saves. The first inputs are a Tick, then
+  /// Began. The machine then looks at all jobs that had an open attempt.
   explicit Jobs(const Options& options, Restored restored = {});
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
 
   std::vector<Effect> step(const Input& input);
 
-  /// What a submit would be refused for now, if so many new jobs of its user came before it: for
-  /// those who submit several jobs or none. None also where it is a job that is there.
+  /// Returns why a submit would be refused now, after `before_it` other new jobs of the same user.
+  /// None also if the submit's key names an existing job. Clients use this to submit several jobs
+  /// or none.
   std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
 
   const Job* find(JobId id) const;
-  /// All that aren't deleted or leaving, and those that are leaving.
+  /// All jobs that aren't deleted, with those whose folder is still being deleted.
   const std::map<JobId, Job>& all() const { return jobs_; }
   /// REQUIRES: the job is queued.
   Waiting waiting(JobId id) const;
   Standing standing() const;
-  /// By the ticks' clock: when a Tick is wanted at the latest; none: not before another input.
+  /// The latest time for the next Tick, by the ticks' clock. None: no Tick is needed before another
+  /// input.
   std::optional<double> next_tick_s() const;
   /// Service time as of the last tick.
   double clock_s() const { return clock_s_; }
 
  private:
-  /// What is known of an open attempt beside the job's record; not stored.
+  /// State of an open attempt beyond the job's record; not stored.
   struct Open {
     bool has_begun = false;                ///< its keeper has been seen
-    bool is_looked_for = false;            ///< a Look is out
+    bool is_looked_for = false;            ///< a Look is unanswered
     bool is_pending = false;               ///< a batch system has it in its queue
-    bool is_found = false;                 ///< its launch was an earlier daemon's
-    bool is_launched_again = false;        ///< so an earlier launch may still be under way
-    std::uint32_t unbegun = 0;             ///< answers in a row that it never began
-    double charged_s = 0;                  ///< its cores are counted up to here
+    bool is_found = false;                 ///< an earlier daemon launched it
+    bool is_launched_again = false;        ///< an earlier launch may still be in progress
+    std::uint32_t unbegun = 0;             ///< consecutive NeverBegan answers
+    double charged_s = 0;                  ///< its cores are charged up to here
     std::optional<double> alarm_s{};       ///< its place in alarms_
-    std::optional<double> stop_asked_s{};  ///< since when it is to stop
-    bool is_ended_now = false;             ///< it was asked for long enough
+    std::optional<double> stop_asked_s{};  ///< when its stop was requested
+    bool is_ended_now = false;             ///< the clean stop took too long
   };
 
-  // jobs.cpp: inputs that are about all jobs, and a job's way from state to state
+  // jobs.cpp: inputs about all jobs, and a job's changes of state
   void take(const Tick& input);
   void take(const Began& input);
   void take(const Room& input);
@@ -173,7 +175,7 @@ class Jobs {
   void finish_step();
   double wall_at(double service_s) const { return wall_ + (service_s - clock_s_); }
 
-  // jobs_asks.cpp: what people ask for
+  // jobs_asks.cpp: people's requests
   void take(const Submit& input);
   void take(const Ask& input);
   const Job* known(const Submit& input) const;
@@ -214,7 +216,7 @@ class Jobs {
   Surroundings around(const Job& job) const;
   bool has_other_results(const Job& job) const;
 
-  // jobs_turns.cpp: who starts, and who makes room
+  // jobs_turns.cpp: which jobs start, and which make room
   void hand_out();
   void start(Job& job, std::uint32_t cores, bool is_turn);
   bool may_start() const;
@@ -239,9 +241,9 @@ class Jobs {
   std::map<JobId, Job> jobs_;
   std::map<std::pair<UserId, std::string>, JobId> by_key_;
   std::map<JobId, Open> open_;
-  std::set<JobId> held_;  ///< that go on by themselves, but for those of limits:
+  std::set<JobId> held_;  ///< jobs that resume by themselves, except limited_
   std::set<std::pair<UserId, JobId>> limited_;
-  std::set<JobId> unfit_;                       ///< queued, too large for the machine as it is
+  std::set<JobId> unfit_;                       ///< queued, too large for the machine now
   std::set<std::pair<double, JobId>> alarms_;   ///< of open attempts
   std::set<std::pair<double, JobId>> delayed_;  ///< queued, held or leaving, not before a time
   Accounts accounts_{options_};

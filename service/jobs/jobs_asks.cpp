@@ -1,4 +1,4 @@
-// What people ask for: submits, and what is to become of a job.
+// People's requests: submitting jobs and changing them.
 #include <fmt/format.h>
 
 #include <utility>
@@ -44,7 +44,7 @@ void Jobs::take(const Submit& input) {
   answer(id, true, std::nullopt);
 }
 
-/// The job that the submit's key has made.
+/// The job that an earlier submit with the same key created.
 const Job* Jobs::known(const Submit& input) const {
   if (input.client_key.empty()) return nullptr;
   const auto found = by_key_.find({input.user, input.client_key});
@@ -230,7 +230,8 @@ void Jobs::set_priority(Job& job, std::int32_t priority) {
   dirty_.insert(job.id);
 }
 
-/// From held, or from an end, by its user's will: nothing that it was counted against it is left.
+/// Queues a held or finished job again at its user's request, with failures and announcements
+/// reset.
 void Jobs::begin_anew(Job& job, Reason reason, std::string words) {
   leave_indices(job);
   job.next_start_s = 0;

@@ -1,4 +1,4 @@
-// What is seen of open attempts, and what the backend is told about them.
+// What is seen of open attempts, and what the backend is asked to do with them.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,7 @@
 namespace sleight::jobs {
 namespace {
 
-/// What a stop is for, the more binding the higher: a lower one doesn't take a higher one's place.
+/// Rank of a stop's reason. A reason replaces only reasons of lower rank.
 int weight(Reason reason) {
   if (reason == Reason::cancel_asked) return 3;
   if (reason == Reason::hold_asked) return 2;
@@ -24,7 +24,8 @@ void Jobs::take(const Sight& input) {
   const bool is_there =
       std::holds_alternative<Running>(input.seen) || std::holds_alternative<Pending>(input.seen);
   if (!is_active(job.state) || input.attempt < job.attempt) {
-    // An attempt that was thought to be gone holds the folder. Those after it wait for that.
+    // An attempt that was presumed dead still holds the folder. Stop it, because newer attempts
+    // wait.
     if (is_there)
       effects_.emplace_back(Stop{.job = job.id,
                                  .attempt = input.attempt,
@@ -32,7 +33,8 @@ void Jobs::take(const Sight& input) {
     return;
   }
   if (input.attempt > job.attempt) {
-    // The job store is older than the folder, as after a restored copy: the folder is right.
+    // The folder is newer than the job store, for example after restoring a backup. The folder is
+    // right.
     job.attempt = input.attempt;
     dirty_.insert(job.id);
   }
@@ -55,15 +57,15 @@ void Jobs::take(const LaunchFailed& input) {
   if (found == jobs_.end() || !is_active(found->second.state) ||
       found->second.attempt != input.attempt)
     return;
-  // Of an attempt that was launched before this, another keeper may begin yet: looks go on.
+  // If the attempt was launched before, another keeper may still begin, so looks continue.
   const Open& open = open_.at(input.job);
   if (open.has_begun || open.is_pending || open.is_found || open.is_launched_again) return;
   close(found->second, judge(found->second, input, around(found->second), options_));
 }
 
-/// It is no proof that it won't begin, so the same attempt is launched again, also if it is to be
-/// stopped. Of a keeper that was seen the answer is a late one, unless it comes again and again:
-/// then somebody has deleted the folder's record.
+/// The attempt may still begin, so the same attempt is launched again, even if it should stop. If a
+/// keeper has been seen, NeverBegan is late news and ignored. Repeated NeverBegan answers mean that
+/// somebody deleted the folder's record.
 void Jobs::see(Job& job, Open& open, const NeverBegan&) {
   if (!std::exchange(open.is_looked_for, false)) return;
   set_pending(job, open, false);
@@ -78,7 +80,7 @@ void Jobs::see(Job& job, Open& open, const NeverBegan&) {
   set_alarm(job.id, open, clock_s_ + options_.look_after_launch_s);
 }
 
-/// It begins by itself, or is stopped where it waits.
+/// The attempt begins by itself, or is stopped in the batch system's queue.
 void Jobs::see(Job& job, Open& open, const Pending& seen) {
   open.is_looked_for = false;
   open.unbegun = 0;
@@ -125,7 +127,7 @@ void Jobs::see(Job& job, Open& open, const Ended& seen) {
   if (seen.kind != EndKind::none) job.end = seen.kind;
   if (!seen.digest.empty()) job.digest = seen.digest;
   Ended ended = seen;
-  // That we ended it ourselves is no death of its own.
+  // An attempt that we killed counts as stopped, not as a death.
   if (open.is_ended_now && ended.kind == EndKind::none) ended.kind = EndKind::stop_requested;
   close(job, judge(job, ended, around(job), options_), seen.place);
 }
@@ -137,7 +139,7 @@ void Jobs::see(Job& job, Open& open, const Died& seen) {
                  : judge(job, seen, options_));
 }
 
-/// What isn't known changes nothing: keepers go on without us.
+/// An Unknown changes nothing, because keepers continue without the daemon.
 void Jobs::see(Job& job, Open& open, const Unknown& seen) {
   open.is_looked_for = false;
   if (job.state == State::starting && !seen.words.empty() && job.words != seen.words) {
@@ -149,7 +151,7 @@ void Jobs::see(Job& job, Open& open, const Unknown& seen) {
 
 void Jobs::hear(Job& job, const Counts& counts, std::uint64_t disk_bytes,
                 const std::string& results_version) {
-  // Sights may overtake each other; what was committed stays committed.
+  // Sights may arrive out of order. The highest count is right, because commits are never undone.
   if (counts.scans >= job.counts.scans) job.counts = counts;
   if (disk_bytes > 0) {
     Account& account = accounts_.of(job.user);
@@ -198,7 +200,7 @@ void Jobs::close(Job& job, const Verdict& verdict, const std::string& bug_place)
 
   const double waits_s =
       count_end(job, verdict, bug_place, clock_s_ - job.attempt_begin_s, options_);
-  // What it is held for may be over by now, so it is looked at once again.
+  // The cause of a hold may be gone already, so the job is checked once more after this time.
   constexpr double k_held_s_min = 1;
   job.next_start_s =
       clock_s_ + (verdict.to == State::held ? std::max(waits_s, k_held_s_min) : waits_s);
@@ -230,7 +232,6 @@ void Jobs::launch(const Job& job) {
                                .memory_bytes = job.wishes.memory_bytes});
 }
 
-/// REQUIRES: an attempt of the job is open.
 void Jobs::ask_to_stop(Job& job, Reason reason, std::string words) {
   Open& open = open_.at(job.id);
   if (open.stop_asked_s) {
@@ -257,7 +258,7 @@ void Jobs::set_alarm(JobId job, Open& open, double at_s) {
   alarms_.emplace(at_s, job);
 }
 
-/// Of attempts that nothing was heard of, or that don't stop.
+/// Looks at attempts that sent no report, and repeats the stop of those that don't stop.
 void Jobs::ring_alarms() {
   while (!alarms_.empty() && alarms_.begin()->first <= clock_s_) {
     const JobId id = alarms_.begin()->second;

@@ -1,4 +1,4 @@
-// Who starts, and who makes room for others: the rules of turns.h carried out.
+// Which jobs start and which make room, by the rules of turns.h.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,14 +31,14 @@ std::uint64_t Jobs::memory_free() const {
   return room_->memory_bytes - std::min(room_->memory_bytes, memory_in_use_);
 }
 
-/// Of running jobs that aren't asked to stop.
+/// Cores of the user's attempts that aren't asked to stop.
 std::uint32_t Jobs::cores_kept(UserId user) const {
   const Account* account = accounts_.find(user);
   return account == nullptr ? 0 : account->cores - account->cores_stopping;
 }
 
-/// The most that the job can use here, beside what its user's other jobs have of its limit. 0:
-/// none.
+/// Maximum cores that the job can use here, within its user's limit less the cores of the user's
+/// other jobs.
 std::uint32_t Jobs::cores_max(const Job& job) const {
   std::uint32_t cores = room_->cores;
   if (job.wishes.ranks > 0) {
@@ -90,7 +90,6 @@ std::optional<NextJob> Jobs::next_job() const {
   return next;
 }
 
-/// The users that have something to run.
 Shares Jobs::shares() const {
   std::set<UserId> users;
   for (const auto& [user, waiting] : queue_.users()) {
@@ -102,7 +101,7 @@ Shares Jobs::shares() const {
   return {.cores = room_->cores, .users = std::max<std::uint64_t>(1, users.size())};
 }
 
-/// What other users that wait should find free.
+/// Free cores that should be left for other waiting users.
 std::uint64_t Jobs::claim_of_others(UserId user, const Shares& shares) const {
   std::uint64_t claim = 0;
   for (const auto& [other, waiting] : queue_.users()) {
@@ -180,13 +179,13 @@ std::vector<RunningJob> Jobs::running_jobs() const {
   return running;
 }
 
-/// Asks running jobs to stop where the next job comes before them. Whether it should wait for those
-/// that stop; if not it takes what is free, or can't start.
+/// Asks running jobs to stop if the next job comes before them. Returns whether the next job should
+/// wait for the stops. Otherwise the next job takes what is free, or can't start.
 bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares) {
   std::uint32_t cores = cores_free();
   std::uint64_t memory = memory_free();
   for (const auto& [id, open] : open_) {
-    // One that takes long to stop is not counted on.
+    // A job that is slow to stop doesn't count.
     if (!open.stop_asked_s || clock_s_ - *open.stop_asked_s >= options_.slice_s_min) continue;
     cores += jobs_.at(id).cores;
     memory += jobs_.at(id).wishes.memory_of_all();
@@ -214,7 +213,7 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
     cores += job.cores;
     memory += job.memory_bytes;
   };
-  // Its share, from those above theirs.
+  // Free the next job's share, from users above their share.
   std::map<UserId, std::uint32_t> kept;
   for (const auto& [standing, job] : after) {
     if (is_enough(need.cores)) break;
@@ -223,7 +222,7 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
     add(job);
     kept[user] -= job.cores;
   }
-  // What it can't start without, from any; but nobody stops for less.
+  // If the next job couldn't start, stop jobs of any user. Stop none if even that isn't enough.
   for (const auto& [standing, job] : after) {
     if (is_enough(need.cores_min)) break;
     if (!stops.contains(job.id)) add(job);
@@ -235,12 +234,12 @@ bool Jobs::make_room(const NextJob& next, const Need& need, const Shares& shares
   return !stops.empty();
 }
 
-/// Cores that are free while nobody waits for them.
+/// Restarts a running job with more cores while cores are free and nobody waits for them.
 void Jobs::use_idle_cores() {
   if (!may_start() || next_job()) return;
   for (const auto& [id, open] : open_) {
     if (open.is_pending) continue;
-    if (jobs_.at(id).state != State::running) return;  // first it is seen what comes of that
+    if (jobs_.at(id).state != State::running) return;  // wait for the outcome first
   }
   const std::vector<RunningJob> running = running_jobs();
   const RunningJob* widest = nullptr;
@@ -259,8 +258,8 @@ void Jobs::use_idle_cores() {
   }
 }
 
-/// A user below its share, and one above it that has had more: the one's job stops to go on wider,
-/// the other's to make room.
+/// Stops a job of a user below its share, to restart it with more cores, and a job of a user above
+/// its share that has used more.
 void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares) {
   const auto had = [&](const RunningJob& job) { return accounts_.had_core_s(job.user, clock_s_); };
   const RunningJob* below = nullptr;
@@ -273,14 +272,14 @@ void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares
     if (kept > shares.each() && (above == nullptr || had(job) > had(*above))) above = &job;
   }
   if (below == nullptr || above == nullptr) return;
-  // A slice's worth of difference, so that two users don't change places all the time.
+  // The difference must be worth a slice, so that two users don't keep changing places.
   if (had(*above) - had(*below) < shares.each() * options_.slice_s_min) return;
   ask_to_stop(jobs_.at(below->id), Reason::wider, "The job resumes with more cores.");
   ask_to_stop(jobs_.at(above->id), Reason::others_wait,
               "Other users have had less computing time.");
 }
 
-/// The machine has become smaller than what is in use.
+/// Stops jobs until the rest fits a machine that has become smaller.
 void Jobs::shed() {
   std::uint64_t cores = 0;
   std::uint64_t memory = 0;
@@ -306,7 +305,7 @@ void Jobs::hold_over_limits() {
   for (const auto& [id, open] : open_) {
     Job& job = jobs_.at(id);
     const bool has_had_slice = clock_s_ - job.attempt_begin_s >= slice_s(job, options_);
-    // Not before its slice is over, or a job whose scans are long would never get further.
+    // Wait for the end of the slice. Otherwise a job with long scans would never progress.
     if (has_had_slice && accounts_.is_over_core_hours(job.user, clock_s_, false)) {
       ask_to_stop(job, Reason::limit_core_hours,
                   "The user's jobs have used their daily core-hours. The job resumes automatically "

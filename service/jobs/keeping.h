@@ -1,8 +1,9 @@
-// How long finished jobs are kept. One is deleted when it has been over for keep_s, or when those
-// that are over hold more than keep_bytes, the oldest first; but not while it is pinned, and not
-// before announce_s after that was said. To pin, extend or resume one takes what was said back.
+// How long finished jobs are stored. A job is deleted when it has been over for keep_s. If finished
+// jobs hold more than keep_bytes, the oldest are deleted earlier. A deletion is announced
+// announce_s in advance. Pinned jobs aren't deleted. Pinning, extending or resuming a job withdraws
+// the announcement.
 //
-// Time is service time: while no daemon is up, and when the wall clock jumps, nothing grows old.
+// Times are service times, so jobs don't age while no daemon is up or when the wall clock jumps.
 //
 // Thread safety: none.
 #pragma once
@@ -19,18 +20,17 @@ namespace sleight::jobs {
 
 class Keeping {
  public:
-  /// Borrows the options.
   explicit Keeping(const Options& options) : options_(options) {}
 
-  /// A job that is over and not pinned, as it is; before it changes it is taken out.
+  /// Adds a job that is over and not pinned. REQUIRES: the job is removed before its values change.
   void add(const Job& job);
   void remove(const Job& job);
 
-  /// The next job to say it of, with the time at which it is to be deleted.
+  /// The next job whose deletion must be announced, with the time of the deletion.
   std::optional<std::pair<JobId, double>> next_to_announce(double now_s) const;
-  /// The next one to delete now.
+  /// The next job to delete now.
   std::optional<JobId> next_to_delete(double now_s) const;
-  /// When one of these has something to say, if nothing changes.
+  /// The earliest time at which one of the two functions above returns a job, if nothing changes.
   std::optional<double> next_s() const;
 
  private:

@@ -1,5 +1,5 @@
-// What goes into the machine of jobs and what comes out of it. All of it is logical: processes,
-// folders, sockets and the job store's rows are the daemon's.
+// Inputs and outputs of the machine of jobs. All messages are logical: the daemon maps them to
+// processes, folders, sockets and rows of the job store.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,22 @@
 
 namespace sleight::jobs {
 
-/// Given back with the answer; the machine only carries it.
+/// The caller's value, which the machine returns unchanged with the answer.
 using Token = std::uint64_t;
 
 // Inputs
 
-/// Time has come to here: a monotonic clock, which begins anywhere and doesn't go back, and the
-/// wall clock, which may jump. The daemon ticks before what it has heard, and at next_tick_s().
+/// The current time. `now_s` is a monotonic clock with any origin; `wall` is the wall clock, which
+/// may jump. The daemon ticks before each other input, and at next_tick_s().
 struct Tick {
   double now_s = 0;
   double wall = 0;
 };
 
-/// All that the job store had is there: first after a restart, once.
+/// The whole job store is restored. Sent once after a restart, before other inputs.
 struct Began {};
 
-/// What the machine may use. Nothing starts before the first.
+/// What the machine may use. No job starts before the first Room.
 struct Room {
   std::uint32_t cores = 0;
   std::uint64_t memory_bytes = 0;
@@ -35,19 +35,19 @@ struct Room {
   std::uint64_t disk_reserve_bytes = 0;  ///< below this nothing starts, and jobs are held
 };
 
-/// On: nothing starts, and what runs is stopped in order. The jobs stay, queued.
+/// If on, no job starts, and running jobs stop cleanly and stay queued.
 struct Drain {
   bool on = false;
 };
 
-/// The programs that are started: whether they can be now, and of which results version they are
-/// (empty: not known).
+/// The programs that attempts start: whether they can start now, and their results version (empty:
+/// unknown).
 struct BackendNote {
   bool is_there = true;
   std::string results_version{};
 };
 
-/// The text itself goes with the Save of this step into the job store: it is never read here.
+/// The request's text isn't part of this message. The daemon stores it with this step's Save.
 struct Submit {
   Token token = 0;
   UserId user;
@@ -59,47 +59,47 @@ struct Submit {
   Wishes wishes{};
 };
 
-/// As rpc::ChangeKind has them.
+/// The counterparts of rpc::ChangeKind.
 enum class AskKind { cancel, hold, resume, extend, remove, pin, unpin, set_priority };
 
 struct Ask {
   Token token = 0;
   UserId user;
-  bool is_operator = false;  ///< may ask of others' jobs
+  bool is_operator = false;  ///< may change other users' jobs
   JobId job;
   AskKind kind = AskKind::cancel;
   std::int32_t priority = 0;  ///< of set_priority
 };
 
-/// The backend hasn't got the attempt: no keeper, and its folder has no record of this attempt or a
-/// newer one. It may be that it begins yet.
+/// The backend doesn't have the attempt: there is no keeper, and the folder has no record of this
+/// attempt or a newer one. The attempt may still begin.
 struct NeverBegan {};
-/// A batch system has the attempt in its queue: it will begin by itself, and uses nothing yet.
+/// A batch system has queued the attempt, which will begin by itself and uses no cores yet.
 struct Pending {
   std::string words{};  ///< why it waits there: "Slurm job 812 waits: Priority"
 };
-/// A keeper has it.
+/// A keeper holds the attempt.
 struct Running {
   Counts counts{};
-  /// Seconds from its launch to its first commit in this attempt, if there was one.
+  /// Seconds from the attempt's launch to its first commit. Empty: no commit yet.
   std::optional<double> first_commit_after_s{};
   std::uint64_t disk_bytes = 0;
-  std::string results_version{};  ///< of its run; empty: not known
+  std::string results_version{};  ///< of its run; empty: unknown
 };
-/// Why a program couldn't go on, where the daemon could tell.
+/// Why a program couldn't continue, if the daemon found out.
 enum class Hindrance {
   none,
   disk_full,
   other_results,
-  store_damaged  ///< what the run had stored can't be read: no attempt would get further
+  store_damaged  ///< the run store is unreadable, so any further attempt would fail too
 };
-/// What a batch system, or somebody by its means, did to an attempt that we had not asked for.
+/// What a batch system, or somebody through it, did to an attempt without our request.
 enum class Outside {
   nothing,
   taken,     ///< it had to make room, or its machine was lost
   cancelled  ///< by hand
 };
-/// It is gone, with all its processes, and its record has an end.
+/// The attempt and all its processes ended, and its record has an end.
 struct Ended {
   EndKind kind = EndKind::none;
   int exit_code = 0;
@@ -109,7 +109,7 @@ struct Ended {
   std::string words{};    ///< of the run
   std::string place{};    ///< of a failed check
   std::string log_end{};  ///< its last 50 lines
-  std::string repeat{};   ///< the command that repeats it
+  std::string repeat{};   ///< command that repeats the failure
   Counts counts{};
   std::optional<double> first_commit_after_s{};
   std::uint64_t disk_bytes = 0;
@@ -117,7 +117,7 @@ struct Ended {
   Outside outside = Outside::nothing;
   std::string outside_words{};  ///< "Slurm job 812: PREEMPTED"
 };
-/// Nobody holds its folder, and its record has no end: keeper and program were killed.
+/// Keeper and program were killed: no keeper holds the folder, and the record has no end.
 struct Died {
   std::string words{};
   std::string log_end{};
@@ -126,35 +126,35 @@ struct Died {
   std::uint64_t disk_bytes = 0;
   Outside outside = Outside::nothing;
 };
-/// The backend can't say.
+/// The backend couldn't find out.
 struct Unknown {
-  std::string words{};  ///< why, for whoever waits for the attempt to begin
+  std::string words{};  ///< why; shown while the attempt is awaited
 };
 
-/// What the backend sees of a job; unasked, or after a Look. `attempt` is that of the folder's
-/// record; for NeverBegan, Pending and Unknown the one that was asked about.
+/// What the backend sees of a job, either spontaneously or after a Look. `attempt` comes from the
+/// folder's record; for NeverBegan, Pending and Unknown it is the attempt of the Look.
 struct Sight {
   JobId job;
   Attempt attempt;
   std::variant<NeverBegan, Pending, Running, Ended, Died, Unknown> seen;
 };
 
-/// The keeper of the attempt holds the folder.
+/// The attempt's keeper holds the folder.
 struct Launched {
   JobId job;
   Attempt attempt;
 };
-/// Its keeper couldn't be started, by this launch: nothing of it will begin. (A keeper that finds
-/// its folder taken is no such failure.)
+/// This launch couldn't start a keeper, so it will begin nothing. A keeper that finds its folder
+/// taken is not such a failure.
 struct LaunchFailed {
   JobId job;
   Attempt attempt;
-  bool is_backend_away = false;  ///< else something of this job
+  bool is_backend_away = false;  ///< else the job itself is the cause
   Hindrance hindrance = Hindrance::none;
   std::string words{};
 };
 
-/// The folder of a Remove is gone.
+/// The folder of a Remove no longer exists.
 struct Removed {
   JobId job;
 };
@@ -162,21 +162,21 @@ struct Removed {
 using Input = std::variant<Tick, Began, Room, Drain, BackendNote, Submit, Ask, Sight, Launched,
                            LaunchFailed, Removed>;
 
-// Effects, in the order in which they are to be carried out
+// Effects, in the order in which the daemon must carry them out
 
-/// To be durable, as one transaction, before any other effect of its step is carried out or
-/// answered. At most one a step, its first effect.
+/// A transaction that must be durable before the daemon carries out any other effect of the step. A
+/// step has at most one Save, as its first effect.
 struct Save {
-  std::vector<Job> jobs{};        ///< as they are now
+  std::vector<Job> jobs{};        ///< in their current state
   std::vector<Change> changes{};  ///< appended to the history
-  std::vector<JobId> erased{};    ///< with their histories
+  std::vector<JobId> erased{};    ///< deleted with their histories
   std::vector<Usage> usages{};
   double clock_s = 0;         ///< service time
   std::uint64_t next_id = 1;  ///< of the next job
 };
 
-/// Start a keeper for the attempt, by rewriting the request where the revision is newer than that
-/// of the folder. The same attempt may come again.
+/// Start a keeper for the attempt. If `revision` is newer than the folder's, rewrite the folder's
+/// request first. The same attempt may be launched repeatedly.
 struct Launch {
   JobId job;
   Attempt attempt;
@@ -193,7 +193,7 @@ struct Stop {
   StopHow how = StopHow::in_order;
 };
 
-/// Say what is seen of it.
+/// Report what is seen of the attempt, as a Sight.
 struct Look {
   JobId job;
   Attempt attempt;
@@ -202,7 +202,7 @@ struct Look {
 enum class RefusalKind {
   not_found,
   not_allowed,
-  key_in_use,  ///< with other content
+  key_in_use,  ///< with different content
   over_limit,
   too_large,  ///< for this machine
   wrong_state,
@@ -215,20 +215,20 @@ struct Refusal {
   std::string what_to_do{};
 };
 
-/// To a Submit or an Ask: the job, or why not.
+/// The answer to a Submit or an Ask: the job, or the refusal.
 struct Answer {
   Token token = 0;
   JobId job{};
-  bool is_new = false;  ///< of a submit: the job was made by it
+  bool is_new = false;  ///< the submit created the job
   std::optional<Refusal> refusal{};
 };
 
-/// Delete the job's folder, if it is there.
+/// Delete the job's folder, if it exists.
 struct Remove {
   JobId job;
 };
 
-/// The job will be deleted at about this time, unless it is pinned.
+/// Unless somebody pins the job, it will be deleted at about this time.
 struct Announce {
   JobId job;
   UserId user;

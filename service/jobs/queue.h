@@ -1,5 +1,5 @@
-// The queue: jobs that could start now, by user. Among the jobs of one user the highest priority
-// comes first, then the oldest; beside it stands the one that has waited longest.
+// The queue of jobs that could start now, by user. One user's jobs are ordered by priority (highest
+// first), then by age. The user's longest-waiting job can also be looked up.
 //
 // Thread safety: none.
 #pragma once
@@ -22,16 +22,17 @@ class Queue {
     std::pair<double, JobId> longest() const { return *by_wait.begin(); }
   };
 
-  /// REQUIRES: it isn't there.
+  /// REQUIRES: the job isn't in the queue.
   void add(const Job& job);
-  /// Whether it was there.
+  /// Returns whether the job was in the queue.
   bool remove(JobId job);
   bool has(JobId job) const { return entries_.contains(job); }
   bool empty() const { return entries_.empty(); }
   std::size_t size() const { return entries_.size(); }
-  /// Those with jobs.
+  /// Users with jobs in the queue.
   const std::map<UserId, OfUser>& users() const { return users_; }
-  /// From 1, k_place_max at most. REQUIRES: it is there.
+  /// Position among the user's jobs, from 1, at most k_place_max. REQUIRES: the job is in the
+  /// queue.
   std::uint64_t rank(JobId job) const;
 
  private:

@@ -35,7 +35,8 @@ double slice_s(const Job& job, const Options& options) {
   const double worth_s =
       std::max(options.slice_s_min, options.slice_per_cost * restart_cost_s(job, options));
   if (job.counts.scans > job.scans_at_attempt) return worth_s;
-  // A scan may take longer than any slice. What was begun of it is lost, so the time doubles.
+  // A scan may be longer than any slice. A stop discards the scan in progress, so the slice
+  // doubles.
   const auto doublings = static_cast<int>(std::min(job.fruitless, k_doublings_max));
   return std::max(worth_s, std::ldexp(options.slice_uncommitted_s, doublings));
 }
@@ -54,7 +55,7 @@ bool comes_before(const NextJob& next, double next_standing, const RunningJob& r
                                std::tuple(-std::int64_t{running.priority}, running.id);
   }
   if (next.is_overdue) return true;
-  // When it has stopped, its cores no longer count as about to be had.
+  // After the stop, the running job's future use no longer counts.
   return next_standing < running_standing - options.horizon_s * static_cast<double>(running.cores);
 }
 

@@ -1,28 +1,31 @@
-// Whose turn it is, with how many cores, and who makes room: the rules as pure functions of values.
+// Decides which job is next, how many cores it gets, and which running jobs make room. The rules
+// are pure functions of values.
 //
-// Shares. The users with something to run, u of them, have a claim to an equal part of the cores
-// each: s = cores / u. Space comes first: where each user can have its share at the same time, jobs
-// of several run side by side and nobody is stopped. Time comes second: where shares can't be had
-// in whole cores, jobs take turns in slices.
+// Shares. Each user with something to run has a claim to an equal share of the cores. Space comes
+// first: if each user can have its share at the same time, jobs of several users run side by side.
+// Time comes second: if the shares aren't whole cores, jobs take turns in slices.
 //
-// The next job. A user that waited patience_s with nothing running, the longest first; else the
-// user with the least decayed core-seconds, what its running jobs will soon have had included; then
-// priority, then age. Of that user its first job: by priority, then age; but the one that has
-// waited longest, where that is over patience_s, once in so long.
+// The next job. A user that has waited patience_s with nothing running is next, the longest wait
+// first. Otherwise the user with the fewest decayed core-seconds is next, counting what its running
+// jobs will use soon; then priority decides, then age. The user's first job by priority, then age,
+// is taken. Once per patience_s, the user's longest-waiting job is taken instead if it has waited
+// that long.
 //
 //   hand_out:
 //     while there is a next job:
 //       need = its user's share, or what the job must and can have
-//       if fewer cores are free than need: those that come after it and have had their slice stop,
-//         of users above their share, or of any where the job couldn't start else
+//       if fewer cores are free than need: stop running jobs that come after the next job and have
+//         had their slice; first jobs of users above their share, then any without which the next
+//         job couldn't start
 //       if need will be free when these have stopped: wait
-//       else if it can start: it gets what is free, less the shares of other users that wait
-//       else: wait, and nothing overtakes it
+//       else if the job can start: it gets the free cores, less the shares of other waiting users
+//       else: wait, and nothing overtakes the job
 //
-// Cores that are free while nobody waits: a job that was given fewer than it wishes is stopped and
-// started wider, if by the work that it has had so far, taken for the work that is left, it saves
-// slice_per_cost times what its restart costs. A user below its share with such a job, beside one
-// above its share that has had more, gets its share by both being stopped.
+// Free cores that nobody waits for widen a job that has fewer cores than it wishes. The job is
+// stopped and restarted with more cores if the time saved is at least slice_per_cost times the
+// restart's cost. The estimate assumes that the remaining work equals the work so far. If a user
+// with such a job is below its share, and another user is above its share and has used more, both
+// users' jobs are stopped so that the first user gets its share.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -42,11 +45,11 @@ struct RunningJob {
   UserId user;
   std::int32_t priority = 0;
   std::uint32_t cores = 0;
-  std::uint32_t cores_wished = 0;  ///< most that it can use here and its user may have
+  std::uint32_t cores_wished = 0;  ///< maximum that the job can use here within its user's limit
   std::uint64_t memory_bytes = 0;
   bool has_had_slice = false;
   double restart_cost_s = 0;
-  double core_seconds = 0;  ///< that it has had
+  double core_seconds = 0;  ///< used so far
 };
 
 struct NextJob {
@@ -54,7 +57,7 @@ struct NextJob {
   UserId user;
   std::int32_t priority = 0;
   bool is_overdue = false;  ///< its user has waited for patience_s
-  bool is_turn = false;     ///< it has waited longest of its user's
+  bool is_turn = false;     ///< it goes first because it has waited longest
 };
 
 /// Users with something to run share the cores.
@@ -65,28 +68,28 @@ struct Shares {
 };
 
 struct Need {
-  std::uint32_t cores_min = 1;  ///< to start at all
+  std::uint32_t cores_min = 1;  ///< minimum to start
   std::uint32_t cores = 1;      ///< its user's share, or what it can use
   std::uint32_t cores_wished = 1;
   std::uint64_t memory_bytes = 0;
 };
 
-/// What a job needs and can use. `had` is the cores that its user has and keeps.
+/// What a job needs and can use. `had`: cores that its user has and won't give up.
 Need need_of(const Job& job, const Shares& shares, std::uint32_t had, std::uint32_t cores_max);
 
-/// How many of the free cores a job gets, `others_claim` being what waiting users' shares are.
+/// Returns how many of the free cores a job gets. `others_claim`: sum of the waiting users' shares.
 /// REQUIRES: need.cores_min <= free.
 std::uint32_t cores_given(const Need& need, std::uint32_t free, std::uint64_t others_claim);
 
-/// How long a job has its cores before it may be stopped for others.
+/// How long a job has its cores before it can be stopped for other jobs.
 double slice_s(const Job& job, const Options& options);
 double restart_cost_s(const Job& job, const Options& options);
 
-/// Whether to start the job wider is worth its restart.
+/// Whether the time that the additional cores save justifies the restart.
 bool is_worth_widening(const RunningJob& job, std::uint32_t cores, const Options& options);
 
-/// Whether `next` comes before the running job, once that one has stopped. Both users' standings
-/// are in core-seconds (Accounts::standing_core_s).
+/// Whether `next` would come before the running job after that job stopped. Both standings are
+/// core-seconds (Accounts::standing_core_s).
 bool comes_before(const NextJob& next, double next_standing, const RunningJob& running,
                   double running_standing, const Options& options);
 
