@@ -16,7 +16,7 @@
 namespace sleight::daemon {
 namespace {
 
-/// Less than this on the disk, and a failure of the environment is taken for a full one.
+/// With less free space than this, a failure of the environment counts as a full disk.
 constexpr std::uint64_t k_full_below_bytes = std::uint64_t{16} << 20U;
 
 jobs::EndKind end_kind_of(events::End end) {
@@ -50,7 +50,7 @@ AttemptSights::AttemptSights(Parts parts) : parts_(std::move(parts)) {}
 
 WatchedRun AttemptSights::watch(jobs::JobId job, bool is_found) {
   WatchedRun run{.since_s = parts_.clock.now_s(), .is_found = is_found};
-  // Of the program that was started; the one on the disk may be another by now.
+  // Version of the program that was started. The installed program may be another one by now.
   run.results_version = is_found ? run_results_version(job) : results_version_;
   const auto& progress = parts_.feeds.of(job).progress();
   run.scans_before = progress ? progress->scans_done : 0;
@@ -124,7 +124,7 @@ std::string AttemptSights::run_results_version(jobs::JobId job) const {
   }
 }
 
-/// What kept a run from going on, as far as it isn't the run's own fault.
+/// Returns what prevented a run from continuing, unless the run itself was at fault.
 jobs::Hindrance AttemptSights::hindrance_of(jobs::JobId job, const keeper::AttemptEnd& end) const {
   const bool said_why = end.run_end && end.run_end->end == events::End::failed;
   const base::ExitCode code = said_why ? end.run_end->exit_code : base::ExitCode::ok;
@@ -156,7 +156,8 @@ jobs::Ended AttemptSights::ended(jobs::JobId job, const keeper::AttemptRecord& r
                     .results_version = run_results_version(job)};
   if (!end.run_end) {
     ended.words = signal_words(end);
-    // Told to stop before it could listen: what the keeper passed on ended it.
+    // The stop arrived before the program could handle it, so the keeper's signal killed the
+    // program.
     if (end.stop_asked && end.signal == SIGUSR1) ended.kind = jobs::EndKind::stop_requested;
     return ended;
   }

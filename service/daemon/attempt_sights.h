@@ -1,5 +1,5 @@
-// What a job's folder says of its attempts, as the machine of jobs is told it: how a run goes on,
-// how it ended, what hinders it. It makes no difference which backend has the attempt.
+// Reads a job's folder and reports the job's attempts to the machine of jobs: how a run progresses,
+// how it ended, and what hinders it. The same for all backends.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -17,20 +17,20 @@
 
 namespace sleight::daemon {
 
-/// What a process of a job takes up beside its cache.
+/// Memory of a job's process besides its cache.
 inline constexpr std::uint64_t k_process_bytes = std::uint64_t{256} << 20U;
-/// A run that has committed nothing yet is looked at so often, any other so often.
+/// Intervals of looks at a run before its first commit, and at any other run.
 inline constexpr double k_look_young_s = 0.1;
 inline constexpr double k_look_s = 1;
-/// The machine is told of a run that goes on so often.
+/// Interval of reports of a running job to the machine.
 inline constexpr double k_tell_running_s = 5;
-/// The size of its folder is measured so often.
+/// Interval of measuring the size of a job's folder.
 inline constexpr double k_measure_s = 10;
 
-/// A run that goes on, as it was seen last.
+/// A running job as it was last seen.
 struct WatchedRun {
-  double since_s = 0;     ///< launched, or found
-  bool is_found = false;  ///< an earlier daemon's: when it was launched isn't known
+  double since_s = 0;     ///< time of the launch, or when the run was found
+  bool is_found = false;  ///< an earlier daemon launched it at an unknown time
   double told_s = 0;
   std::uint64_t told_scans = 0;
   std::uint64_t scans_before = 0;
@@ -55,19 +55,19 @@ class AttemptSights {
 
   WatchedRun watch(jobs::JobId job, bool is_found);
   jobs::Running running(jobs::JobId job, WatchedRun& run);
-  /// The same where the machine is to hear of it, and it is time to look.
+  /// Returns the report on a run if a look is due and the machine needs the report.
   std::optional<jobs::Running> news(jobs::JobId job, WatchedRun& run, double now_s);
 
   /// REQUIRES: the record has an end.
   jobs::Ended ended(jobs::JobId job, const keeper::AttemptRecord& record,
                     std::optional<double> first_commit_after_s);
-  /// `record`: null where it left none.
+  /// `record`: null if the attempt left none.
   jobs::Died died(jobs::JobId job, const keeper::AttemptRecord* record, std::string words);
   jobs::LaunchFailed launch_failed(jobs::JobId job, jobs::Attempt attempt,
                                    const std::string& words) const;
 
-  /// Of programs that were replaced since the last look, the first one included: what the machine
-  /// is to hear of them.
+  /// Returns a note for the machine if the programs were replaced since the last look. The first
+  /// look always returns one.
   std::optional<jobs::BackendNote> look_at_programs();
 
  private:
@@ -78,7 +78,7 @@ class AttemptSights {
 
   Parts parts_;
   std::optional<std::string> programs_stamp_{};
-  std::string results_version_{};  ///< of the programs on the disk
+  std::string results_version_{};  ///< of the installed programs
 };
 
 }  // namespace sleight::daemon

@@ -1,12 +1,12 @@
-// Carries out what the machine of jobs says of attempts, and tells it what is seen of them: the
-// daemon's side of a backend. There are two: local_attempts.h for this machine, which hears of a
-// keeper's end at once, and system_attempts.h for batch systems, which are asked now and then.
+// The daemon's side of a backend: carries out the machine's effects on attempts, and reports what
+// is seen of them. There are two implementations. local_attempts.h is for this machine and notices
+// a keeper's end at once. system_attempts.h is for batch systems, which it queries periodically.
 //
 //   Launch ──▶ request.toml and the backend; once the keeper has its record: Launched
 //   Look   ──▶ Sight, now or soon
 //   Stop   ──▶ a signal to the keeper
 //
-// Thread safety: all on the loop's thread. What is heard is told through `hear`, never from inside
+// Thread safety: all on the loop's thread. Inputs are reported through `hear`, never from inside
 // launch, stop or look.
 #pragma once
 
@@ -21,11 +21,11 @@
 
 namespace sleight::daemon {
 
-/// What a launch needs of the job beside its number.
+/// The data of a job that a launch needs besides its id.
 struct LaunchText {
   std::string request{};
   bool strict = false;
-  /// What the job wishes of the batch system (backend::Options); of no meaning on this machine.
+  /// The job's options for the batch system (backend::Options). Ignored on this machine.
   std::map<std::string, std::string> options{};
 };
 
@@ -40,11 +40,11 @@ class Attempts {
   virtual void stop(const jobs::Stop& stop) = 0;
   virtual void look(const jobs::Look& look) = 0;
 
-  /// Of programs that were replaced since the last look, the first one included: what the machine
-  /// is to hear of them.
+  /// Returns a note for the machine if the programs were replaced since the last look. The first
+  /// look always returns one.
   virtual std::optional<jobs::BackendNote> look_at_programs() = 0;
 
-  /// Attempts that are waited for.
+  /// Number of attempts that are being awaited.
   virtual std::size_t running() const = 0;
 };
 

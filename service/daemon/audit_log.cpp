@@ -20,7 +20,7 @@ namespace sleight::daemon {
 namespace {
 
 constexpr double k_strangers_every_s = 1;
-constexpr double k_lines_per_s = 0.1;  // of a user and a call, in the long run
+constexpr double k_lines_per_s = 0.1;  // sustained rate per user and call
 constexpr double k_more_every_s = 10;
 constexpr double k_due_s = 1e300;  // later than any clock
 
@@ -28,7 +28,6 @@ std::string time_now() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
-/// In the order in which they are written.
 std::string text_of(const json::Value& line) {
   return line.dump() + "\n";
 }
@@ -98,10 +97,10 @@ void AuditLog::tell_more(double now_s) {
   }
 }
 
-/// One that can't be written is tried again with each line.
+/// Opens the file. After a failure, each further line tries again.
 void AuditLog::open_file() {
   const std::string path = folder_ + "/audit.log";
-  // A pipe there would keep the daemon waiting.
+  // O_NONBLOCK: opening a pipe would block the daemon.
   file_.reset(::open(path.c_str(),
                      O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600));
   const int error = file_ ? EINVAL : errno;
@@ -126,7 +125,7 @@ void AuditLog::write(const std::string& line) {
   if (lost_ > 0)
     whole = text_of({{"time", time_now()}, {"call", "lines were lost"}, {"times", lost_}});
   whole += line;
-  // One call: a daemon that is killed leaves whole lines, but for the last one.
+  // A single call: a killed daemon leaves whole lines, except for the last one.
   const ssize_t put = file_ ? ::write(file_.get(), whole.data(), whole.size()) : -1;
   if (put == static_cast<ssize_t>(whole.size())) {
     lost_ = 0;

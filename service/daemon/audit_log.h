@@ -1,22 +1,24 @@
-// Who did what, as lines of JSON in `audit.log` of the state folder: for whoever runs the service.
+// The audit log: who did what, as lines of JSON in the state folder's `audit.log`, for the
+// service's administrator.
 //
 //   {"time":"2026-11-27T14:05:09Z","call":"submit","user":1000,"from":"192.0.2.7:50312",
 //    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}
 //
-//   call     login, submit, a change's kind (cancel, set_priority), fetch, drain, stop, or one of
+//  call     login, submit, a change's kind (cancel, set_priority), fetch, drain, stop, or one of
 //            create_token, list_tokens, revoke_token
-//   from     a peer's address, or "process 4242" of this machine; token: none of a Unix socket's
+//   from     a peer's address, or "process 4242" of this machine
+//   token    absent for calls over the Unix socket
 //   outcome  "done", or the refusal's kind and sentence
 //
-// `audit.log`, and before it `audit.old.log`: when the first is full it takes the place of the
-// second. Nobody can soon push out what happened before: of each call a user writes k_audit_burst
-// lines at once, and then one in ten seconds; those beyond are told by their number, now and then:
+// When `audit.log` is full, it is renamed to `audit.old.log`. A rate limit keeps users from pushing
+// out older lines. Per call, a user can write k_audit_burst lines at once, then one per ten
+// seconds. Further lines are counted, and the count is logged periodically:
 //
 //   {"time":"...","call":"pin","user":1000,"more":812}
 //
-// Strangers who show wrong tokens are written once a second at most, with their number. Where
-// nothing can be written lines are lost, and nobody is stopped; the daemon's log says so, and how
-// many were lost is said once it can be.
+// Logins with wrong tokens are logged at most once per second, with their count. If the file can't
+// be written, lines are lost but calls continue. The daemon's log reports the failure, and the
+// number of lost lines is logged once writing works again.
 //
 // Thread safety: one thread.
 #pragma once
@@ -37,7 +39,7 @@ inline constexpr std::uint64_t k_audit_bytes_max = 16U << 20U;  ///< of each of 
 
 class AuditLog {
  public:
-  /// Makes the file at the first line.
+  /// Creates the file with the first line.
   AuditLog(std::string folder, const base::Clock& clock,
            std::uint64_t bytes_max = k_audit_bytes_max);
   ~AuditLog();
@@ -45,17 +47,17 @@ class AuditLog {
   AuditLog& operator=(const AuditLog&) = delete;
 
   void note(const rpc::Caller& caller, const rpc::AuditLine& line);
-  /// Of somebody who showed a wrong token.
+  /// Logs a login with a wrong token.
   void note_stranger(const std::string& address);
-  /// Writes what strangers did meanwhile, and the numbers of what has no lines.
+  /// Logs pending counts: of wrong tokens, and of lines beyond the rate limit.
   void flush();
 
  private:
-  /// How much a user may write of one call.
+  /// How many lines a user can still write for one call.
   struct Share {
     double lines = k_audit_burst;
-    double since_s = 0;      ///< when it was so much
-    std::uint64_t more = 0;  ///< that no line has told of yet
+    double since_s = 0;      ///< time for which `lines` holds
+    std::uint64_t more = 0;  ///< lines not logged and not yet counted in a line
     double told_s = 0;
   };
   using WhatByWhom = std::pair<std::uint32_t, std::string>;
@@ -71,12 +73,12 @@ class AuditLog {
   std::uint64_t bytes_ = 0;
   std::uint64_t lost_ = 0;
   std::map<WhatByWhom, Share> shares_{};
-  std::uint64_t strangers_ = 0;  ///< that no line has told of yet
+  std::uint64_t strangers_ = 0;  ///< wrong tokens not yet logged
   std::string last_stranger_{};
   double strangers_told_s_ = -1e9;
 };
 
-/// Lets in whom `inner` does, and notes each attempt.
+/// Accepts whoever `inner` accepts, and logs each attempt.
 class AuditedAuthority final : public rpc::Authority {
  public:
   AuditedAuthority(rpc::Authority& inner, AuditLog& audit) : inner_(inner), audit_(audit) {}

@@ -1,5 +1,5 @@
-// The jobs as they are durable: what people are told. The machine of jobs may be ahead by what is
-// being saved.
+// The board shows the durable state of all jobs, which is what clients see. The machine of jobs may
+// be ahead by the changes that are being saved.
 //
 // Thread safety: one thread.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace sleight::daemon {
 
-/// A job, and what is known of its request beside the text.
+/// A job with its request's data except for the text.
 struct Posted {
   jobs::Job job{};
   StoredRequest asked{};      ///< without its text
@@ -26,15 +26,15 @@ class Board {
   Board() = default;
   explicit Board(const StoredJobs& stored);
 
-  /// What has become durable. Returns the jobs that it is about.
+  /// Applies a durable save. Returns the jobs that it changed.
   std::vector<jobs::JobId> take(const Save& save);
 
-  /// Null: there is no such job, or it is being deleted.
+  /// Null: the job doesn't exist or is being deleted.
   const Posted* find(jobs::JobId job) const;
   const std::map<jobs::JobId, Posted>& all() const { return posted_; }
-  /// In order; empty where there is no such group.
+  /// Jobs of the group, in order. Empty: there is no such group.
   std::vector<jobs::JobId> group(jobs::GroupId group) const;
-  /// Whether an id was given to a job once.
+  /// Whether the id was ever given to a job.
   bool was_there(jobs::JobId job) const { return job.value > 0 && job.value < next_id_; }
 
  private:

@@ -23,7 +23,7 @@ rpc::Refusal not_there(rpc::JobId job, bool was_there) {
           .what_to_do = "`sleight list` shows existing jobs."};
 }
 
-/// Whether a job is one of those that a list asks for.
+/// Whether the list request selects the job.
 bool matches(const rpc::ListAsk& ask, const Posted& posted) {
   const jobs::Job& job = posted.job;
   if (ask.group && job.group.value != ask.group->value) return false;
@@ -34,7 +34,7 @@ bool matches(const rpc::ListAsk& ask, const Posted& posted) {
   return ask.name_part.empty() || job.name.find(ask.name_part) != std::string::npos;
 }
 
-/// A cursor is the id of the last job of its page.
+/// A cursor is the id of the last job on its page.
 std::optional<std::uint64_t> id_of_cursor(const std::string& cursor) {
   std::uint64_t id = 0;
   const char* end = cursor.data() + cursor.size();
@@ -81,7 +81,7 @@ Calls::Calls(rpc::Loop& loop, JobRunner& runner, Tokens& tokens, ServerFacts fac
                  .sleight = runner.options().programs.sleight}) {}
 
 bool Calls::is_operator(const rpc::Caller& caller) const {
-  // A token that is to do less sees less, too.
+  // A token with fewer scopes also sees less.
   return caller.scopes.has(rpc::Scope::operate) && (caller.user == 0 || caller.user == ::geteuid());
 }
 
@@ -159,7 +159,7 @@ void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
     submissions.push_back(
         {.submit = {.token = 0,
                     .user = jobs::UserId{caller.user},
-                    // A group's jobs have a key each, so that any of them is known again.
+                    // Each job of a group has its own key, so that each can be recognised.
                     .client_key = submission.key.empty() ? std::string()
                                   : is_group             ? fmt::format("{}/{}", submission.key, i)
                                                          : submission.key,
@@ -173,7 +173,7 @@ void Calls::submit(const rpc::Caller& caller, rpc::Submission submission,
          .request = std::move(stored)});
   }
   auto owed = std::make_shared<rpc::Reply<rpc::Submitted>>(std::move(reply));
-  // The board has them only once they are durable.
+  // The board has the jobs only after they are durable.
   const std::size_t count = submissions.size();
   being_submitted_[caller.token_id] += count;
   const auto done = [this, token = caller.token_id, count] {
@@ -230,8 +230,8 @@ void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::Jo
   reply.answer(std::move(page));
 }
 
-/// `with_progress`: of a run that goes on, which costs a look at its log where nobody has asked
-/// yet.
+/// Returns the job's view. `with_progress` adds an active run's progress, which may cost a look at
+/// its log.
 rpc::JobView Calls::view(const Posted& posted, bool with_progress) {
   const events::Progress* progress = nullptr;
   if (with_progress && jobs::is_active(posted.job.state)) {
@@ -241,7 +241,7 @@ rpc::JobView Calls::view(const Posted& posted, bool with_progress) {
   return view_of({.posted = posted, .machine = runner_.machine(), .progress = progress});
 }
 
-/// What a failed job's program said last, and what repeats it.
+/// Adds a failed job's last output and the command that repeats the failure.
 void Calls::add_end(rpc::JobView& view, const Posted& posted) const {
   if (posted.job.state != jobs::State::failed) return;
   try {
@@ -314,7 +314,8 @@ void Calls::logs(const rpc::Caller& caller, rpc::LogAsk ask, rpc::Reply<rpc::Log
   }
 }
 
-/// The request of an extended job; none where the machine has the job no more, and says so itself.
+/// Returns the request of an extended job, or none if the machine no longer has the job. The
+/// machine then refuses the change itself.
 base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
     jobs::JobId job, const rpc::Extension& extension) const {
   const jobs::Job* known = runner_.machine().find(job);
@@ -337,8 +338,8 @@ base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
   return std::optional(std::move(longer).value());
 }
 
-/// Asks for each job, and answers when all are durable: a single job's refusal is the call's, in a
-/// group each has its own words.
+/// Changes each job and answers when all changes are durable. A single job's refusal refuses the
+/// call; in a group, each job has its own answer.
 void Calls::change(const rpc::Caller& caller, rpc::ChangeAsk ask,
                    rpc::Reply<std::vector<rpc::Touched>> reply) {
   const auto found = jobs_of(caller, ask.target);

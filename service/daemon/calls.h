@@ -1,7 +1,7 @@
-// What the service answers to its callers: common/rpc's Handler on the jobs of a JobRunner.
+// The service's answers to its clients: implements common/rpc's Handler with a JobRunner.
 //
-// A caller sees and touches its own jobs; the daemon's own user and root see all. Another user's
-// job is answered like one that is not there.
+// A caller sees and changes only its own jobs; the daemon's user and root see all jobs. Another
+// user's job is reported as not found.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -22,19 +22,20 @@
 
 namespace sleight::daemon {
 
-/// What people are told of the server, and what it may use for a job that wishes nothing.
+/// Facts about the server that clients see, and defaults for jobs.
 struct ServerFacts {
   std::string version{};
   std::string results_version{};
-  std::uint64_t cache_mb = 256;  ///< of a process of a job
+  std::uint64_t cache_mb = 256;  ///< of each of a job's processes
   std::string keeping_rule{};
   std::vector<rpc::NamedLimit> limits{};
   RequestLimits request_limits{};
-  std::uint32_t job_cores = 0;  ///< of a job that doesn't say; 0: what is free
-  /// Throws base::Error where the system that runs jobs takes no such options. None: it takes none.
+  std::uint32_t job_cores = 0;  ///< default for jobs without a wish; 0: whatever is free
+  /// Throws base::Error if the backend doesn't support these options. Empty: the backend supports
+  /// none.
   std::function<void(const std::map<std::string, std::string>&)> check_options{};
   std::string backend = "local";
-  // Where it listens over TCP, if it does.
+  // The TCP address, if the server listens there.
   std::string address{};
   std::string fingerprint{};
 };
@@ -65,13 +66,13 @@ class Calls final : public rpc::Handler {
   void revoke_token(const rpc::Caller& caller, std::string id,
                     rpc::Reply<rpc::TokenView> reply) override;
 
-  /// Where it listens from now on.
+  /// Sets the TCP address that clients are shown.
   void listens_at(std::string address, std::string fingerprint);
 
  private:
   bool is_operator(const rpc::Caller& caller) const;
   bool sees(const rpc::Caller& caller, const Posted& posted) const;
-  /// The job as it is durable, or why there is none for this caller.
+  /// Returns the job as the board has it, or a refusal if the caller can't see the job.
   base::Result<const Posted*, rpc::Refusal> look_up(const rpc::Caller& caller,
                                                     rpc::JobId job) const;
   base::Result<std::vector<jobs::JobId>, rpc::Refusal> jobs_of(const rpc::Caller& caller,

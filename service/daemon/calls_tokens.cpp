@@ -1,4 +1,4 @@
-// Of calls.h: what a token's limits allow, and tokens themselves.
+// Part of calls.h: limits of tokens, and the calls for tokens.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,8 @@
 
 namespace sleight::daemon {
 
-/// What a token allows beside its user's limits: of jobs that have not ended, `more` added.
+/// Refuses `more` unfinished jobs beyond the token's limit, which applies besides the user's
+/// limits.
 std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::size_t more) const {
   if (caller.token_jobs_max == 0) return std::nullopt;
   const auto being = being_submitted_.find(caller.token_id);
@@ -27,8 +28,8 @@ std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::
       .what_to_do = "Wait until some jobs end, or use a token with a higher limit."};
 }
 
-/// Of jobs that are resumed or extended. A token with limits brings back those that were submitted
-/// by it, which have its cores, and no more than it may have.
+/// Refuses to resume or extend jobs that weren't submitted with a limited token, or that exceed the
+/// token's limit of jobs. The token's own jobs already respect its limit of cores.
 std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
                                                   const std::vector<jobs::JobId>& jobs) const {
   if (caller.token_jobs_max == 0 && caller.token_cores_max == 0) return std::nullopt;
@@ -47,7 +48,7 @@ std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
   return revived == 0 ? std::nullopt : beyond_token(caller, revived);
 }
 
-/// A job without a wish has at most what the token allows.
+/// Gives a job without a wish the token's maximum of cores.
 std::optional<rpc::Refusal> Calls::fit_to_token(const rpc::Caller& caller, rpc::JobAsk& ask) {
   const std::uint32_t cores_max = caller.token_cores_max;
   if (cores_max == 0) return std::nullopt;

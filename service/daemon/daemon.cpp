@@ -26,7 +26,7 @@
 namespace sleight::daemon {
 namespace {
 
-/// Makes the folder, readable by its owner alone.
+/// Creates the folder, readable only by its owner.
 void make_state_folder(const std::string& state) {
   std::error_code reason;
   std::filesystem::create_directories(state, reason);
@@ -36,7 +36,7 @@ void make_state_folder(const std::string& state) {
   }
 }
 
-/// The state folder's name towards batch systems: drawn once.
+/// Returns the state folder's name in batch systems, which is drawn once.
 std::string daemon_id_of(const std::string& state) {
   base::PosixFileSystem files;
   const std::string path = state + "/daemon.id";
@@ -64,7 +64,7 @@ std::string daemon_id_of(const std::string& state) {
 void run_daemon(const DaemonOptions& options) {
   make_state_folder(options.runner.state);
   const std::unique_ptr<store::RunLock> lock = lock_state_folder(options.runner.state);
-  // Before all that keeps replies: those that are left in the end are noted when it goes.
+  // The audit log must outlive all objects that hold replies, because it records the last of these.
   base::SteadyClock clock;
   AuditLog audit(options.runner.state, clock);
   rpc::Loop loop;
@@ -81,7 +81,7 @@ void run_daemon(const DaemonOptions& options) {
   Tokens tokens(files, options.runner.state + "/tokens.json", wall_s);
   Calls calls(loop, runner, tokens, options.facts, options.read, [&] { loop.stop(); });
   AuditedAuthority authority(tokens, audit);
-  // Calls are answered from the moment on at which the jobs are taken up again.
+  // Calls are answered only after the jobs have been taken over.
   runner.begin();
   server = std::make_unique<rpc::Server>(
       loop, options.socket, calls,

@@ -1,21 +1,20 @@
-// The daemon as a whole: a state folder that is its alone, the jobs in it, and the socket on which
-// it answers.
+// The whole daemon: its own state folder, the jobs in it, and the socket on which it answers.
 //
 //   state folder (0700)
-//     lock          held as long as the daemon lives: one daemon a folder
-//     socket        where it answers (0600); for a group's members (0660) it lies elsewhere
+//     lock          held while the daemon lives: one daemon per folder
+//     socket        where the daemon answers (0600); a socket for a group (0660) is elsewhere
 //     jobs.sqlite   the job store (job_store.h)
 //     jobs/17/      a job's folder (job_folder.h, service/keeper)
-//     server.log    what a daemon in the background says
+//     server.log    output of a daemon in the background
 //     audit.log     who did what (audit_log.h)
-//     daemon.id     its name towards a batch system
-//     tokens.json   by which peers over TCP are let in (tokens.h)
-//     tls/          the certificate of its own making, if it listens over TCP without another
+//     daemon.id     the daemon's name in a batch system
+//     tokens.json   access tokens of peers over TCP (tokens.h)
+//     tls/          self-signed certificate, if the daemon listens over TCP without another one
 //
-// Killed at any moment, it loses nothing that it has answered, and no job notices: the next one
-// takes the jobs up where they are.
+// A daemon killed at any moment loses nothing that it has answered, and its jobs keep running. The
+// next daemon takes the jobs over.
 //
-// Thread safety: run() is the thread's; signals end it in order.
+// Thread safety: run() belongs to one thread; signals end it cleanly.
 #pragma once
 
 #include <cstdint>
@@ -32,20 +31,20 @@ namespace sleight::daemon {
 struct DaemonOptions {
   RunnerOptions runner{};
   std::string socket{};
-  /// Whose members may call it too; none: its own user alone.
+  /// Group whose members can connect too. None: only the daemon's own user.
   std::optional<std::uint32_t> group{};
-  /// Where it listens over TCP too; none: nowhere.
+  /// Address to listen on over TCP. None: no TCP.
   std::optional<access::ServerAddress> address{};
-  /// Certificate and key in PEM; empty: of its own making, in the state folder.
+  /// Certificate and key, in PEM. Empty: self-signed, in the state folder.
   std::string certificate_path{};
   std::string key_path{};
   ServerFacts facts{};
   ReadRequest read{};
 };
 
-/// Serves until it is stopped, by a call or by SIGTERM or SIGINT; jobs run on. Throws base::Error:
-/// conflict where another daemon has the folder or the socket, environment where the folder can't
-/// be used or the job store is damaged (job_store.h).
+/// Serves until a call, SIGTERM or SIGINT stops the daemon; jobs keep running. Throws base::Error:
+/// conflict if another daemon has the folder or the socket, environment if the folder is unusable
+/// or the job store is damaged (job_store.h).
 void run_daemon(const DaemonOptions& options);
 
 }  // namespace sleight::daemon

@@ -1,8 +1,8 @@
-// The feeds of jobs (job_feed.h): made when somebody asks, dropped when nobody has for long.
+// The feeds of jobs (job_feed.h): created on demand, dropped after a time without use.
 //
-// A job's feed is read when its run goes on, often while it is watched. Disks that tell of changes
-// don't do so over a network, so a watched run's log is looked at every k_watched_s: an open file
-// and its size, a few microseconds.
+// A job's feed is read while its run is active, frequently while somebody watches the job. Network
+// disks don't notify of changes, so the daemon polls a watched run's log every k_watched_s. A poll
+// checks an open file's size, which takes a few microseconds.
 //
 // Thread safety: one thread.
 #pragma once
@@ -18,31 +18,32 @@
 
 namespace sleight::daemon {
 
-/// A watched run is looked at so often, and less often where there are many.
+/// Minimum interval of looks at watched runs; with many watched runs, k_watched_each_s times their
+/// number.
 inline constexpr double k_watched_s = 0.02;
 inline constexpr double k_watched_each_s = 0.0002;
-/// A job counts as watched so long after somebody asked for its events: a watch without news is
-/// answered after 20 s and asked again.
+/// A job counts as watched for this time after a request for its events. A watch without news
+/// returns after 20 s, and the client repeats it.
 inline constexpr double k_watched_for_s = 30;
-/// Feeds of jobs that don't run are dropped so long after they were used.
+/// Feeds of jobs that don't run are dropped this long after their last use.
 inline constexpr double k_feed_idle_s = 60;
 
 class Feeds {
  public:
-  /// `news` hears of each job whose feed has something new, whoever had it read.
+  /// `news` is called for each job whose feed has something new, whatever caused the reading.
   Feeds(const JobFolders& folders, const base::Clock& clock, std::function<void(jobs::JobId)> news);
 
-  /// The job's, made and read if need be.
+  /// Returns the job's feed, which is created and read on first use.
   const JobFeed& of(jobs::JobId job);
-  /// The same, read now (job_feed.h).
+  /// Returns the job's feed after reading it again (job_feed.h).
   const JobFeed& read(jobs::JobId job, bool thoroughly);
-  /// From now on for k_watched_for_s the job is watched.
+  /// Marks the job as watched for k_watched_for_s.
   void watched(jobs::JobId job);
   void drop(jobs::JobId job) { feeds_.erase(job); }
 
-  /// Those that are watched now; drops what nobody used.
+  /// Returns the watched jobs; drops unused feeds.
   std::vector<jobs::JobId> watched_now();
-  /// How long until the next look at them; 0: none is watched.
+  /// Time until the next look at the watched jobs. 0: none is watched.
   double watch_every_s() const;
 
  private:

@@ -26,7 +26,7 @@ rpc::Refusal refusal(rpc::RefusalKind kind, std::string sentence, std::string wh
   return {.kind = kind, .sentence = std::move(sentence), .what_to_do = std::move(what_to_do)};
 }
 
-/// What the program said last, without its name and the job's folder.
+/// The program's last line of output, without its name and the job's folder.
 std::string last_line(const keeper::ToolEnd& end) {
   const std::string text =
       end.words.empty() ? end.why() : end.words.substr(end.words.find_last_of('\n') + 1);
@@ -92,7 +92,7 @@ void Fetching::fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string s
        std::make_shared<rpc::Reply<rpc::Fetched>>(std::move(reply)));
 }
 
-/// Beside the cores that jobs have, and no longer than the daemon.
+/// Runs besides the jobs' cores, at most until the daemon ends.
 keeper::ToolEnd Fetching::run_maker(const std::vector<std::string>& command) const {
   return keeper::run_tool(command, {.seconds_max = k_make_s_max,
                                     .environment = keeper::program_environment(),
@@ -111,8 +111,8 @@ Fetching::Files Fetching::derived(jobs::JobId job, const std::string& made) cons
       {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
 }
 
-/// The newest, or where none was written what the store has: of a job that was killed and then
-/// cancelled, say.
+/// Returns the newest archive. If the run wrote none (such as a job killed and then cancelled),
+/// derives one from the store.
 Fetching::Files Fetching::newest(jobs::JobId job, const std::string& made) const {
   const std::string archive = parts_.folders.archive(job);
   if (std::filesystem::exists(archive))
@@ -159,8 +159,8 @@ std::vector<Fetching::Found> Fetching::failures(jobs::JobId job, const std::stri
   return found;
 }
 
-/// Gives a file a name of its own, so that it stays what was hashed whatever is renamed over its
-/// first one, and hashes it. Throws base::Error.
+/// Links the file to a name of its own and hashes it. So the file keeps its hashed contents even if
+/// another file is renamed to its first name. Throws base::Error.
 Fetching::Hashed Fetching::hashed(Found file, const std::string& beside) {
   const std::string own = beside + "-" + file.name;
   std::error_code reason;
@@ -191,7 +191,7 @@ Fetching::Files Fetching::find(const rpc::FetchAsk& ask, const std::string& segm
   return newest(job, beside + ".h5");
 }
 
-/// Finds or makes the files and hashes them, in the worker's thread.
+/// Finds or derives the files and hashes them, in the worker's thread.
 void Fetching::make(std::uint32_t user, const rpc::FetchAsk& ask, const std::string& segments,
                     std::shared_ptr<rpc::Reply<rpc::Fetched>> reply) {
   const std::string beside = fmt::format("{}/{}", parts_.folders.fetched(), ++made_);
@@ -254,7 +254,7 @@ std::unique_ptr<rpc::Source> Fetching::held(const std::string& sha256) {
   }
 }
 
-/// Keeps the file's link for a while, and of those that were made for one name the newest.
+/// Holds the file's link for a while. Of files derived for one name, holds only the newest.
 void Fetching::hold(const std::string& sha256, const Found& file) {
   const auto [at, is_new] = held_.try_emplace(
       sha256, Held{.path = file.path, .name = file.name, .is_ours = file.is_ours});
@@ -268,7 +268,7 @@ void Fetching::hold(const std::string& sha256, const Found& file) {
   drop_oldest([](const Held&) { return true; }, k_held_files_max);
 }
 
-/// Who reads it has it open, and keeps it.
+/// Deletes the link. Readers keep the open file.
 Fetching::HeldFile Fetching::drop(HeldFile held) {
   ::unlink(held->second.path.c_str());
   return held_.erase(held);

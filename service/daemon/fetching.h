@@ -1,11 +1,10 @@
-// The files of a job that clients fetch: its newest archive, one made now, recordings of kept
-// animations, simulations that failed.
+// Files of a job that clients fetch: its newest archive, an archive derived on request, recordings
+// of kept animations, and failed simulations.
 //
-// Hashing and making take long and are a worker thread's; a file that was announced once stays open
-// for a while, so that a client that comes back for the rest finds it even if the run has written a
-// newer one.
+// Hashing and deriving are slow, so worker threads do them. An announced file stays open for a
+// while. A client can then fetch the rest later, even if the run has written a newer file.
 //
-// Thread safety: all on the loop's thread; `folders`, `loop` and `worker` must outlive it.
+// Thread safety: all on the loop's thread; `folders`, `loop` and `worker` must outlive the object.
 #pragma once
 
 #include <cstdint>
@@ -26,37 +25,39 @@
 
 namespace sleight::daemon {
 
-/// Files that are held open for clients that come back.
+/// Maximum files held open for clients that return.
 inline constexpr std::size_t k_held_files_max = 16;
-/// Of a job that goes on, of which there is another archive so far each time.
+/// Maximum derived files held per name: an active job's archive is different each time.
 inline constexpr std::size_t k_held_made_max = 2;
 inline constexpr double k_held_for_s = 600;
-/// A user's fetches that are hashed or made, or wait for that: they go on when their client leaves.
+/// A user's maximum fetches that are queued, hashed or derived. These continue when their client
+/// leaves.
 inline constexpr std::size_t k_fetches_of_user_max = 32;
-/// Of deriving an archive so far, or recordings out of one.
+/// Maximum time for deriving an archive or recordings.
 inline constexpr double k_make_s_max = 900;
 
 class Fetching {
  public:
   struct Parts {
     rpc::Loop& loop;
-    Worker& worker;  ///< hashes what is there
-    Worker& maker;   ///< makes what is not, which takes longer: nobody else waits for that
+    Worker& worker;  ///< hashes existing files
+    Worker& maker;   ///< derives missing ones, which is slower; only such fetches wait for it
     const JobFolders& folders;
     std::string sleight{};  ///< the program that makes archives and recordings
   };
   explicit Fetching(Parts parts);
-  /// Both workers do what they had begun, which uses this, and nothing more.
+  /// Waits for the work that both workers have begun, which uses this object. Queued work is
+  /// dropped.
   ~Fetching();
   Fetching(const Fetching&) = delete;
   Fetching& operator=(const Fetching&) = delete;
 
-  /// For a user. `segments` names the archive's table of recordings: of its draws, or of finds
-  /// where a search is all.
+  /// Answers a user's fetch. `segments` names the archive's table of recordings: that of draws, or
+  /// of finds for a run that only searches.
   void fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string segments,
              rpc::Reply<rpc::Fetched> reply);
 
-  /// A file on the disk and what it is to be called; `is_ours`: made for this call.
+  /// A file on the disk and the name that clients see. `is_ours`: derived for this fetch.
   struct Found {
     std::string path;
     std::string name;
@@ -68,17 +69,17 @@ class Fetching {
     Found file;
     std::string sha256;
   };
-  /// Of a file that may be asked for again: a link to it.
+  /// A link to a file that clients may request again.
   struct Held {
     std::string path;
     std::string name;
-    bool is_ours = false;  ///< made, so that its bytes are nobody else's
+    bool is_ours = false;  ///< derived, so nobody else has the same bytes
     double until_s = 0;
   };
 
   using Files = std::variant<std::vector<Found>, rpc::Refusal>;
 
-  // In the worker's thread. `made` is where a file that is made is put.
+  // In the worker's thread. `made`: where to put a derived file.
   Files find(const rpc::FetchAsk& ask, const std::string& segments, const std::string& beside,
              bool& has_more) const;
   Files newest(jobs::JobId job, const std::string& made) const;
@@ -107,7 +108,7 @@ class Fetching {
   rpc::Loop::Handle expiry_;
 };
 
-/// Hexadecimal SHA-256 of a file's bytes. Throws base::Error where it can't be read.
+/// Hexadecimal SHA-256 of a file's bytes. Throws base::Error if the file can't be read.
 std::string sha256_of_file(const std::string& path);
 
 }  // namespace sleight::daemon

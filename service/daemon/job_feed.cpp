@@ -8,7 +8,7 @@
 namespace sleight::daemon {
 namespace {
 
-/// Of numbered events, at a time.
+/// Maximum numbered events per reading.
 constexpr std::size_t k_read_max = 1000;
 
 }  // namespace
@@ -31,7 +31,7 @@ bool JobFeed::read(bool thoroughly) {
       if (static_cast<std::size_t>(numbered) < k_read_max) return is_new;
     }
   } catch (const base::Error& failure) {
-    // A run that hasn't made its store yet, or a disk that fails: asked again next time.
+    // The run has no store yet, or the disk failed. The next reading tries again.
     trouble_ = failure.what();
   }
   return is_new;
@@ -65,7 +65,7 @@ JobFeed::News JobFeed::after(std::uint64_t after, std::uint64_t mark, std::size_
     }
     news.is_all = !news.events.empty() && news.events.back().number == last_number_;
   }
-  // A mark of the future is another daemon's.
+  // A mark above ours comes from another daemon.
   const std::uint64_t covered = mark > mark_ ? 0 : mark;
   for (const auto& [kind, marked] : newest_)
     if (marked.mark > covered) news.events.push_back(marked.event);

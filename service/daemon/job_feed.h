@@ -1,13 +1,14 @@
-// What a job's run has told, held for those who ask often: its newest progress for lists, and its
-// newest events for watchers.
+// A cache of a job's run events for frequent readers: the newest progress for lists, and the newest
+// events for watchers.
 //
-// The run writes its events into its folder (common/store/told_events.h); a feed follows them. A
-// watcher that lacks more than is held gets it from the folder itself, so what a feed holds is
-// bounded and nothing rests on it.
+// The run writes its events into its folder (common/store/told_events.h), and the feed follows
+// them. If a watcher is missing more events than the feed holds, the events are read from the
+// folder. So the feed's size is bounded, and nothing depends on its contents.
 //
-// Marks number what is unnumbered, so that a watcher gets the newest of each kind once. They begin
-// at the wall clock's microseconds: a feed that is made later, by another daemon too, mostly knows
-// those of an earlier one as past. A mark that it doesn't know gets everything that is newest.
+// Marks number the unnumbered events, so that a watcher gets the newest event of each kind once.
+// Marks begin at the wall clock's microseconds. So a feed created later, even by another daemon,
+// usually recognises an earlier feed's marks as past. An unknown mark returns the newest event of
+// every kind.
 //
 // Thread safety: one thread.
 #pragma once
@@ -27,26 +28,26 @@ namespace sleight::daemon {
 
 class JobFeed {
  public:
-  /// Numbered events that are held.
+  /// Maximum numbered events held.
   static constexpr std::size_t k_held_max = 1024;
 
   JobFeed(std::string run_folder, std::uint64_t first_mark);
 
-  /// Reads what is new; whether there was something. `thoroughly`: the store is asked as well, for
-  /// what the log may never have had. A folder that can't be read has nothing new.
+  /// Reads new events and returns whether there were any. `thoroughly` also reads the store, for
+  /// events that are missing in the log. An unreadable folder has no new events.
   bool read(bool thoroughly);
 
-  /// Numbered events from `after` + 1 on, at most `count_max`, and of the others the newest of each
-  /// kind that `mark` doesn't cover.
+  /// Numbered events from `after` + 1 on, at most `count_max`, and the newest unnumbered event of
+  /// each kind that is newer than `mark`.
   struct News {
     std::vector<events::RunEvent> events{};
     std::uint64_t mark = 0;
-    bool is_all = true;  ///< nothing numbered is left out
+    bool is_all = true;  ///< no numbered event is left out
   };
   News after(std::uint64_t after, std::uint64_t mark, std::size_t count_max) const;
 
   const std::optional<events::Progress>& progress() const { return progress_; }
-  /// Why the last reading came to nothing; empty: it did not.
+  /// Why the last reading failed. Empty: it didn't.
   const std::string& trouble() const { return trouble_; }
 
  private:

@@ -1,7 +1,7 @@
-// A job's folder in the daemon's state folder: where its files are, and what the daemon does to
-// them. The keeper (service/keeper) has the rest.
+// Paths in a job's folder of the state folder, and the daemon's operations on them. The keeper
+// (service/keeper) writes the other files.
 //
-// Thread safety: functions of the files alone; one thread works on a job's folder at a time.
+// Thread safety: functions of files alone; one thread at a time per job's folder.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@ namespace sleight::daemon {
 
 class JobFolders {
  public:
-  /// `state` is the daemon's folder, an absolute path.
+  /// `state`: absolute path of the state folder.
   explicit JobFolders(std::string state) : state_(std::move(state)) {}
 
   std::string all() const { return state_ + "/jobs"; }
-  /// Of files that clients fetch: emptied when a daemon begins.
+  /// Folder of files that clients fetch, emptied when a daemon starts.
   std::string fetched() const { return state_ + "/fetched"; }
   std::string folder(jobs::JobId job) const;
   std::string request(jobs::JobId job) const;
@@ -26,26 +26,28 @@ class JobFolders {
   std::string run(jobs::JobId job) const;  ///< folder of the run store, the events and failures
   std::string failures(jobs::JobId job) const;
 
-  /// Makes the folder if need be and replaces the request in one step, durably. Throws base::Error.
+  /// Creates the folder if necessary and replaces the request atomically and durably. Throws
+  /// base::Error.
   void write_request(jobs::JobId job, const std::string& text, base::FileSystem& files) const;
 
-  /// The highest number that a folder of a job has, whether or not the job is known; 0: none.
+  /// Highest job id of any job folder, whether or not the job is known. 0: there are no folders.
   std::uint64_t highest() const;
 
-  /// Moves the folder out of the way, at once, to be deleted by `clear_away`. False: there is none.
+  /// Moves the folder aside at once, for clear_away() to delete. Returns whether the folder
+  /// existed.
   bool set_aside(jobs::JobId job) const;
-  /// Deletes what was set aside, also by earlier daemons; what can't be deleted stays. Takes long
-  /// where there is much.
+  /// Deletes folders that this or earlier daemons set aside, as far as possible. Slow for large
+  /// folders.
   void clear_away() const;
 
-  /// Of all its files, as far as they can be seen.
+  /// Total size of the job's files that are readable.
   std::uint64_t bytes(jobs::JobId job) const;
 
  private:
   std::string state_;
 };
 
-/// Free on the disk of a folder; 0 where the system doesn't say.
+/// Free space on the folder's disk. 0: unknown.
 std::uint64_t disk_free_bytes(const std::string& folder);
 
 }  // namespace sleight::daemon

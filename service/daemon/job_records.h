@@ -1,7 +1,7 @@
-// Jobs, changes and usages as lines of JSON: what the job store keeps of them.
+// Jobs, changes and usages as lines of JSON, as the job store saves them.
 //
-// A field that is missing has its type's default, and one that is not known is passed over: a later
-// build of the same store format may add some. Everything else that was not written here is none.
+// A missing field has its type's default, and an unknown field is ignored, because a later build of
+// the same store format may add fields. Other lines that weren't written here return none.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -22,7 +22,7 @@ std::string store_path(const std::string& state) {
   return state + "/jobs.sqlite";
 }
 
-/// The step's save, if there is one, and what comes after it.
+/// Removes and returns the step's save, if there is one.
 std::optional<jobs::Save> take_save(std::vector<jobs::Effect>& effects) {
   if (effects.empty()) return std::nullopt;
   auto* save = std::get_if<jobs::Save>(&effects.front());
@@ -32,7 +32,7 @@ std::optional<jobs::Save> take_save(std::vector<jobs::Effect>& effects) {
   return taken;
 }
 
-/// Two steps as one: what is saved by both is saved together.
+/// Joins two steps into one, with a single save.
 void append(std::vector<jobs::Effect>& first, std::vector<jobs::Effect> second) {
   std::optional<jobs::Save> later = take_save(second);
   if (later) {
@@ -70,7 +70,7 @@ JobRunner::JobRunner(rpc::Loop& loop, RunnerOptions options, News news, const st
         JobStore store(store_path(options_.state), lock);
         to_read_ = store.to_read();
         StoredJobs stored = store.load();
-        // A store that somebody deleted leaves folders behind: no new job takes up what is there.
+        // If somebody deleted the store, folders remain. New ids skip the ids of these folders.
         if (const std::uint64_t highest = folders_.highest(); highest >= stored.next_id) {
           logging::warn(
               fmt::format("{}: job folders up to {} are missing from the job store; new jobs are "
@@ -216,7 +216,7 @@ void JobRunner::remove(jobs::JobId job) {
 
 void JobRunner::submit(std::vector<Submission> submissions,
                        std::function<void(const std::vector<jobs::Answer>&)> answered) {
-  // All or none: the first refusal is everybody's, and nothing is submitted then.
+  // All or none: a refusal of one job refuses all.
   for (std::size_t i = 0; i < submissions.size(); ++i) {
     auto refusal = machine_->refusal_of(submissions[i].submit, i);
     if (!refusal) continue;
@@ -224,7 +224,7 @@ void JobRunner::submit(std::vector<Submission> submissions,
     return;
   }
 
-  // Then each, as one save.
+  // Submit each job, then save all at once.
   std::vector<jobs::Effect> effects;
   std::vector<jobs::Answer> answers;
   std::vector<StoredRequest> requests;
@@ -278,7 +278,7 @@ void JobRunner::plan_tick() {
 }
 
 void JobRunner::look_at_room() {
-  // Before there is room: nothing is started by programs that nobody has looked at.
+  // Check the programs before announcing room, so that no unchecked program starts.
   if (auto note = attempts_->look_at_programs()) hear(*std::move(note));
   hear(jobs::Room{.cores = options_.cores,
                   .memory_bytes = options_.memory_bytes,
@@ -293,7 +293,7 @@ void JobRunner::watch(jobs::JobId job) {
   watching_ = loop_.call_later(feeds_.watch_every_s(), [this] { look_at_watched(); });
 }
 
-/// Reads the logs of watched runs that go on.
+/// Reads the logs of active watched runs.
 void JobRunner::look_at_watched() {
   for (const jobs::JobId job : feeds_.watched_now()) {
     const Posted* posted = board_.find(job);

@@ -1,12 +1,13 @@
-// Runs the jobs: the machine of jobs (service/jobs) with its store, its backend and its clock
-// around it.
+// Runs the jobs: joins the machine of jobs (service/jobs) with its store, its backend and its
+// clock.
 //
 //   calls, sights, time ──▶ machine ──▶ Save ──▶ store (a thread) ──▶ board, answers, attempts
 //
 // Invariants
-//   1. Whatever the machine decides is durable before anybody is told of it and before anything is
-//      started or stopped; all effects come in the order of their steps.
-//   2. A request's text is durable together with the job, or the revision, that it belongs to.
+//   1. A decision of the machine is durable before anybody sees it and before anything is started
+//      or
+//      stopped. All effects are carried out in the order of their steps.
+//   2. A request's text becomes durable together with its job or its revision.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -35,49 +36,50 @@
 
 namespace sleight::daemon {
 
-/// The time since 1970.
+/// Seconds since 1970.
 double wall_s();
 
 struct RunnerOptions {
-  std::string state{};  ///< the daemon's folder, an absolute path; it is there
+  std::string state{};  ///< existing state folder, an absolute path
   jobs::Options jobs{};
   std::uint32_t cores = 1;
   std::uint64_t memory_bytes = 0;
   std::uint64_t disk_reserve_bytes = 0;
   keeper::Programs programs{};
-  /// The batch system that has the jobs' attempts; null: this machine.
+  /// The batch system that runs attempts. Null: this machine.
   std::shared_ptr<backend::Backend> system{};
-  std::string daemon_id{};  ///< of the state folder, for the system (backend::is_daemon_name)
+  std::string
+      daemon_id{};  ///< the state folder's name in the batch system (backend::is_daemon_name)
 };
 
-/// The free disk and the folders' sizes are looked at so often while jobs run, or wait.
+/// Interval of measuring the free disk and folder sizes while jobs run or wait.
 inline constexpr double k_room_every_s = 2;
 
 class JobRunner {
  public:
   using Answered = std::function<void(const jobs::Answer&)>;
-  /// Hears of jobs that have news: a change that is durable now, or events.
+  /// Called for each job with news: a durable change, or events.
   using News = std::function<void(jobs::JobId)>;
 
-  /// Opens the job store. Throws base::Error: it is of another format, or damaged.
-  /// `lock` is the folder's.
+  /// Opens the job store. Throws base::Error if the store has another format or is damaged. `lock`:
+  /// the state folder's lock.
   JobRunner(rpc::Loop& loop, RunnerOptions options, News news,
             const store::RunLock* lock = nullptr);
   ~JobRunner();
 
-  /// Takes up what earlier daemons left.
+  /// Takes over the jobs of earlier daemons.
   void begin();
 
-  /// A request's text comes with its job.
+  /// A new job with its request.
   struct Submission {
     jobs::Submit submit{};
     StoredRequest request{};
   };
-  /// All become durable together, or none, and then `answered` hears of each, in order. Where one
-  /// is refused, none is taken.
+  /// Submits all jobs or, if one is refused, none. Calls `answered` once all are durable, with one
+  /// answer per submission in order.
   void submit(std::vector<Submission> submissions,
               std::function<void(const std::vector<jobs::Answer>&)> answered);
-  /// `request` comes with an extend that is taken.
+  /// `request`: the new revision's request, for an extend.
   void ask(jobs::Ask ask, Answered answered, std::optional<StoredRequest> request = {});
   void drain(bool on);
 
@@ -89,11 +91,11 @@ class JobRunner {
   const RunnerOptions& options() const { return options_; }
   Worker& worker() { return worker_; }
   Worker& maker() { return maker_; }
-  /// Of the group that the next submission makes.
+  /// Id of the group that the next submission creates.
   jobs::GroupId next_group() const { return jobs::GroupId{next_id_}; }
-  /// Why nothing can be saved at the moment; empty: it can.
+  /// Why saving currently fails. Empty: saving works.
   const std::string& stalled() const { return stalled_; }
-  /// Somebody wants a job's events as soon as they come.
+  /// Delivers the job's events with little delay from now on.
   void watch(jobs::JobId job);
 
  private:

@@ -28,7 +28,7 @@ CREATE TABLE usage(user INTEGER PRIMARY KEY, record TEXT NOT NULL, checksum INTE
 constexpr const char* k_put_back =
     "Restore the state folder from a backup, or move it away and start with an empty one";
 
-/// A row's place: its table, and up to two numbers.
+/// A row's address: its table and up to two numbers.
 struct Place {
   const char* table;
   std::uint64_t first = 0;
@@ -40,7 +40,7 @@ std::int64_t checksum_of(const Place& place, std::string_view text) {
                                  text);
 }
 
-/// Throws unless the text is the one that was written at this place.
+/// Throws unless the text is unchanged since it was written at this place.
 void verify(const store::Database& database, const Place& place, std::string_view text,
             std::int64_t checksum) {
   if (checksum_of(place, text) == checksum) return;
@@ -103,7 +103,7 @@ Place place_of_asked(jobs::JobId job, std::uint64_t revision) {
 
 namespace {
 
-/// What `work` does; where the file is damaged, with advice for a job store.
+/// Runs `work`. If the file is damaged, adds advice for job stores to the error.
 template <class Work>
 auto with_advice(const std::string& path, const Work& work) {
   try {
@@ -235,7 +235,7 @@ void JobStore::save(std::span<const Save* const> saves) {
     try {
       database_.execute("ROLLBACK");
     } catch (const base::Error&) {
-      // SQLite has rolled it back itself, as it does on a full disk.
+      // SQLite has already rolled back, as after a full disk.
     }
     throw;
   }

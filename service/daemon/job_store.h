@@ -1,17 +1,16 @@
-// The job store: all that a daemon must find again after kill -9 or loss of power, in a SQLite
-// database `jobs.sqlite` in its state folder.
+// The job store: a SQLite database `jobs.sqlite` in the state folder, which restores a daemon after
+// kill -9 or power loss.
 //
-//   job      a row a job, as it is now
-//   change   a row a change of a job, numbered from 1 without a gap
-//   request  of each revision of a job's request its normalised text, and what people are told of
-//   it usage    what each user has had state    format, service time, next id
+//   job      one row per job: its current record
+//   change   one row per change of a job, numbered from 1 without gaps
+//   request  one row per revision of a job's request: the normalised text and what clients see of
+//   it usage    one row per user: the use so far state    format, service time, next id
 //
 // Invariants
-//   1. A save is one transaction: when `save` has returned, all of it survives; else none of it is
-//      there.
-//   2. Every row carries a checksum, over its key too: what a disk or a person changed is refused
-//      when it is read, and nothing of the store is touched then. So is a store of another format.
-//   3. Requests of a job that is erased go with it.
+//   1. A save is one transaction. It is durable when `save` returns, and otherwise has no effect.
+//   2. Every row has a checksum that covers its key too. Reading refuses a row that a disk or a
+//      person changed, and leaves the store untouched. A store of another format is refused too.
+//   3. Erasing a job erases its requests.
 //
 // Thread safety: one thread at a time.
 #pragma once
@@ -34,26 +33,26 @@
 
 namespace sleight::daemon {
 
-/// Of the tables; a store of another format is refused.
+/// Format of the tables; a store of another format is refused.
 inline constexpr std::int64_t k_job_store_format = 1;
 
-/// A revision of a job's request. What it asks for is kept beside the text, so that a list of jobs
-/// reads no requests.
+/// A revision of a job's request. What the request asks for is stored beside the text, so that
+/// listing jobs reads no texts.
 struct StoredRequest {
   jobs::JobId job{};
   std::uint64_t revision = 1;
   std::string text{};                            ///< normalised
   std::string world{};                           ///< its name
   bool strict = false;                           ///< a failed simulation ends the run
-  std::uint64_t found_wanted = 0;                ///< by a search; 0: none are asked for
-  std::uint64_t in_proportion_wanted = 0;        ///< independent solutions; likewise
-  std::string token_id{};                        ///< that it was submitted by; empty: none
-  std::map<std::string, std::string> options{};  ///< for the system that runs it
+  std::uint64_t found_wanted = 0;                ///< by a search; 0: no goal
+  std::uint64_t in_proportion_wanted = 0;        ///< independent solutions; 0: no goal
+  std::string token_id{};                        ///< token of the submit; empty: none
+  std::map<std::string, std::string> options{};  ///< for the batch system
   bool operator==(const StoredRequest&) const = default;
 };
 
-/// What becomes durable as one.
-/// REQUIRES: a job's request comes with its first revision, and with each new one.
+/// The contents of one transaction. REQUIRES: the first and each new revision of a job come with
+/// their request.
 struct Save {
   jobs::Save jobs{};
   std::vector<StoredRequest> requests{};
@@ -62,7 +61,7 @@ struct Save {
 struct StoredJobs {
   std::vector<jobs::Job> jobs{};
   std::vector<jobs::Usage> usages{};
-  std::vector<StoredRequest> requests{};  ///< the newest of each job, without its text
+  std::vector<StoredRequest> requests{};  ///< newest of each job, without its text
   std::map<jobs::JobId, std::uint64_t> change_counts{};
   double clock_s = 0;
   std::uint64_t next_id = 1;
@@ -70,19 +69,19 @@ struct StoredJobs {
 
 class JobStore {
  public:
-  /// Opens or makes it. Throws base::Error: conflict where it is of another format, environment
-  /// where it is damaged or the disk fails. A save counts only while `lock`, if there is one, is
-  /// held: a lease of a network disk may end.
+  /// Opens or creates the store. Throws base::Error: conflict if the store has another format,
+  /// environment if it is damaged or the disk fails. If there is a `lock`, a save succeeds only
+  /// while the lock is held, because the run lease of a network disk can expire.
   explicit JobStore(const std::string& path, const store::RunLock* lock = nullptr);
 
-  /// A connection to read by, beside the writing; on a network disk there is one for all.
+  /// A connection for reading beside the writer. On a network disk, all users share one connection.
   std::shared_ptr<store::SharedDatabase> to_read() const;
 
-  /// Everything, for a daemon that begins. Throws base::Error where a row was changed.
+  /// Loads everything, for a starting daemon. Throws base::Error if a row was changed.
   StoredJobs load();
 
-  /// Durable when it returns; throws base::Error where the disk fails, and then nothing is saved,
-  /// and with ExitCode::conflict where the lock is lost: another daemon may have the folder.
+  /// Saves durably, or throws base::Error and saves nothing. ExitCode::conflict means that the lock
+  /// is lost and another daemon may have the folder.
   void save(std::span<const Save* const> saves);
 
  private:
@@ -94,11 +93,11 @@ class JobStore {
   void set_state(std::string_view key, std::string_view value);
 
   std::shared_ptr<store::SharedDatabase> shared_;
-  store::Database& database_;  ///< of `shared_`, in a turn
+  store::Database& database_;  ///< of `shared_`, used in its turn
   const store::RunLock* lock_;
 };
 
-/// Reads beside the daemon's writing. Functions throw base::Error where a row was changed.
+/// Reads beside the daemon's writing. Functions throw base::Error if a row was changed.
 class JobReader {
  public:
   explicit JobReader(std::shared_ptr<store::SharedDatabase> shared) : shared_(std::move(shared)) {}
@@ -107,10 +106,10 @@ class JobReader {
     std::uint64_t number = 0;
     jobs::Change change;
   };
-  /// From a number on, at most so many.
+  /// Changes from number `from` on, at most `count_max`.
   std::vector<NumberedChange> changes(jobs::JobId job, std::uint64_t from, std::size_t count_max);
   std::uint64_t change_count(jobs::JobId job);
-  /// None: not there, or erased.
+  /// None: no such revision, or erased.
   std::optional<StoredRequest> request(jobs::JobId job, std::uint64_t revision);
 
  private:

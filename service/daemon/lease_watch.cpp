@@ -15,7 +15,7 @@ bool LeaseWatch::may_live(double now_s) {
     const auto generations = files.list();
     if (generations.empty()) return false;
     const auto text = files.read(generations.back());
-    if (!text) return true;  // it is being replaced
+    if (!text) return true;  // the file is being replaced
     const auto lease = store::LeaseText::from_text(*text);
     if (lease && (lease->is_released || files.is_gone(lease->holder))) return false;
     if (generations.back() != generation_ || *text != text_) {

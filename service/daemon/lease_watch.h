@@ -1,6 +1,6 @@
-// Whether somebody on another machine may still write a run: its lease (common/store/lease.h),
-// looked at from outside. Nothing is taken, so that whoever really wants the run isn't kept from
-// it.
+// Watches a run lease (common/store/lease.h) to find out whether a process on another machine can
+// still write the run. The watch doesn't take the lease, so it never blocks a process that needs
+// the run.
 //
 // Not thread-safe.
 #pragma once
@@ -12,18 +12,18 @@ namespace sleight::daemon {
 
 class LeaseWatch {
  public:
-  /// `run_folder`: of the run store; it may be missing.
+  /// `run_folder`: the run store's folder, which may be missing.
   explicit LeaseWatch(std::string run_folder) : run_folder_(std::move(run_folder)) {}
 
-  /// False: there is none, its holder let go, is known to be dead, or hasn't renewed it for a whole
-  /// lease of looks. True too where the disk doesn't say.
+  /// Returns false if there is no lease, if its holder released it or is known to be dead, or if no
+  /// look has seen a renewal for the length of a lease. Returns true if the disk can't be read.
   bool may_live(double now_s);
 
  private:
   std::string run_folder_;
   std::uint64_t generation_ = 0;
   std::string text_{};
-  double since_s_ = 0;  ///< when it was seen like this first
+  double since_s_ = 0;  ///< first time that the lease was seen in this state
 };
 
 }  // namespace sleight::daemon

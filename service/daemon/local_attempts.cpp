@@ -50,7 +50,7 @@ void LocalAttempts::launch(const jobs::Launch& launch) {
   }
 }
 
-/// Until the keeper has its record it may end and leave nothing: then nothing has begun.
+/// Waits for the keeper's record. If the keeper ends before writing the record, nothing has begun.
 void LocalAttempts::await_begin(jobs::JobId job, jobs::Attempt attempt) {
   const auto run = running_.find(job);
   if (run == running_.end() || run->second.attempt != attempt || run->second.has_begun) return;
@@ -64,14 +64,15 @@ void LocalAttempts::await_begin(jobs::JobId job, jobs::Attempt attempt) {
       parts_.loop.call_later(k_again_s, [this, job, attempt] { await_begin(job, attempt); });
 }
 
-/// Whether the attempt has a record, or is found to be another's: `see` tells of that.
+/// Returns whether the attempt has a record. If the folder belongs to another attempt, `see`
+/// reports that.
 bool LocalAttempts::look_whether_begun(jobs::JobId job, jobs::Attempt attempt) {
   try {
     return parts_.backend
         .look(parts_.folders.folder(job), static_cast<std::uint32_t>(attempt.value))
         .record.has_value();
   } catch (const base::Error&) {
-    return false;  // looks that the machine asks for say so
+    return false;  // looks of the machine report the error
   }
 }
 
@@ -79,7 +80,7 @@ void LocalAttempts::stop(const jobs::Stop& stop) {
   const keeper::Stop how =
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   try {
-    // The keeper's own handle reaches it before it has a record.
+    // The keeper's own handle works even before the keeper has a record.
     const auto run = running_.find(stop.job);
     if (run != running_.end() && run->second.attempt == stop.attempt) {
       run->second.keeper->stop(how);
@@ -96,7 +97,7 @@ void LocalAttempts::look(const jobs::Look& look) {
   see(look.job, look.attempt);
 }
 
-/// Tells what the folder says of the attempt, and waits for the keeper of one that runs.
+/// Reports the folder's state of the attempt, and awaits the keeper if it runs.
 void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
   const std::string folder = parts_.folders.folder(job);
   const auto number = static_cast<std::uint32_t>(attempt.value);
@@ -109,7 +110,7 @@ void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
         if (auto keeper = parts_.backend.adopt(folder, number)) {
           follow(job, attempt, *std::move(keeper), true);
         } else {
-          // It just begins, or has just gone: a moment later that can be told.
+          // The keeper has just started or just exited. Another look soon after decides.
           again_[job] =
               parts_.loop.call_later(k_again_s, [this, job, attempt] { see(job, attempt); });
           return;
@@ -167,7 +168,7 @@ void LocalAttempts::keeper_gone(jobs::JobId job) {
   running_.erase(job);
 }
 
-/// Of a keeper that has gone: tells of an attempt without a record that it couldn't be started.
+/// Reports a failed launch if the keeper exited without a record.
 bool LocalAttempts::tell_unbegun(jobs::JobId job, jobs::Attempt attempt) {
   again_.erase(job);
   try {
@@ -183,7 +184,7 @@ bool LocalAttempts::tell_unbegun(jobs::JobId job, jobs::Attempt attempt) {
   }
 }
 
-/// Looks as often as the youngest of the runs needs it.
+/// Polls as often as the youngest run requires.
 void LocalAttempts::plan_poll() {
   double every_s = 0;
   for (const auto& [job, run] : running_) {
@@ -205,7 +206,7 @@ void LocalAttempts::poll() {
   plan_poll();
 }
 
-/// Somebody has deleted their folders: nothing of what they do is kept.
+/// Stops runs whose folder was deleted, because their results would be lost.
 void LocalAttempts::end_those_without_folder(double now_s) {
   std::vector<jobs::JobId> gone;
   for (const auto& [job, run] : running_) {

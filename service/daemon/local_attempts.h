@@ -1,4 +1,5 @@
-// Attempts on this machine: keepers (service/keeper/backend.h), waited for by their descriptors.
+// Attempts on this machine, in keepers (service/keeper/backend.h) that the daemon awaits by their
+// descriptors.
 //
 //   Launch      ──▶ request.toml and a keeper; once that has its record: Launched
 //   Look        ──▶ the folder's record: Sight; a keeper that is found running is waited for
@@ -24,8 +25,7 @@
 
 namespace sleight::daemon {
 
-/// A keeper without a record, or one that can't be waited for yet, is looked at again so much
-/// later.
+/// Delay before another look at a keeper without a record, or at one that can't be awaited yet.
 inline constexpr double k_again_s = 0.02;
 
 class LocalAttempts final : public Attempts {

@@ -13,7 +13,7 @@ namespace sleight::daemon {
 namespace {
 
 struct OnDisk {
-  std::uint64_t inode = 0;  ///< 0: there is none
+  std::uint64_t inode = 0;  ///< 0: no file
   std::uint64_t size = 0;
 };
 
@@ -34,7 +34,6 @@ std::string piece_of(const std::string& path, std::uint64_t offset, std::uint64_
   return text;
 }
 
-/// The last lines of a text.
 std::string tail_of(const std::string& text, std::uint32_t lines) {
   std::size_t begin = text.size();
   for (std::uint32_t line = 0; line <= lines && begin > 0; ++line) {
@@ -54,7 +53,7 @@ rpc::LogPiece Logs::read(const std::string& folder, const rpc::LogAsk& ask) {
   const OnDisk old = look(old_path);
   const OnDisk now = look(path);
   Known& known = known_[folder];
-  // What was `log` is `log.old` now: what stood before it is lost, its numbers are not.
+  // `log` has become `log.old`. The bytes before it are lost but keep their numbers.
   if (known.inode != 0 && old.inode == known.inode) known.base += known.old_size;
   known = {.old_inode = old.inode,
            .inode = now.inode,

@@ -1,8 +1,8 @@
-// What a job's programs have printed, in pieces: the two files that its keeper writes
-// (service/keeper/bounded_log.h) as one text whose bytes are numbered.
+// The output of a job's programs, in pieces. The keeper's two log files
+// (service/keeper/bounded_log.h) form one text with numbered bytes.
 //
-// Numbers count from the oldest byte that was there when the daemon first looked at the job's log.
-// When `log` takes the place of `log.old`, what was lost keeps its numbers.
+// Numbers count from the oldest byte that existed when the daemon first read the job's log. When
+// `log` replaces `log.old`, the lost bytes keep their numbers.
 //
 // Thread safety: one thread.
 #pragma once
@@ -18,7 +18,7 @@ namespace sleight::daemon {
 
 class Logs {
  public:
-  /// Throws base::Error where the log is there and can't be read.
+  /// Throws base::Error if the log exists but can't be read.
   rpc::LogPiece read(const std::string& folder, const rpc::LogAsk& ask);
 
  private:

@@ -1,5 +1,5 @@
-// Which build of the programs lies on the disk: they may be replaced while the daemon runs, by a
-// later build that goes on with every run, or by one of another results version.
+// The build of the installed programs. The programs may be replaced while the daemon runs, by a
+// build of the same or of another results version.
 //
 // Thread safety: any thread.
 #pragma once
@@ -9,11 +9,11 @@
 
 namespace sleight::daemon {
 
-/// Changes when the file is replaced or written; empty where there is none.
+/// A stamp that changes when the file is replaced or written. Empty: there is no file.
 std::string stamp_of(const std::string& program);
 
-/// What `program --version` says in its line "results ...". None where it can't be run, or says no
-/// such thing within k_version_s_max.
+/// The version in the line "results ..." of `program --version`. None if the program can't be run
+/// or doesn't print the line within k_version_s_max.
 std::optional<std::string> results_version_of(const std::string& program);
 inline constexpr double k_version_s_max = 10;
 

@@ -11,7 +11,7 @@ namespace {
 
 using events::grouped;
 
-/// The most that can be told where it is more.
+/// The product, or the maximum if it overflows.
 std::uint64_t product(std::uint64_t a, std::uint64_t b) {
   std::uint64_t whole = 0;
   return __builtin_mul_overflow(a, b, &whole) ? std::numeric_limits<std::uint64_t>::max() : whole;
@@ -24,7 +24,7 @@ bool is_tempered(request::Method method) {
          method == request::Method::annealed_importance;
 }
 
-/// Of each chain; none: the rule is judged by results.
+/// Scans of each chain. None: the stop rule depends on results.
 std::optional<std::uint64_t> scans_of(const request::DirectionRequest& request) {
   if (request.stop.scans) return *request.stop.scans;
   if (!request.stop.rounds) return std::nullopt;

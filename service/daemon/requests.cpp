@@ -33,7 +33,7 @@ rpc::Refusal no_extension(std::string why) {
           .what_to_do = "No job was changed."};
 }
 
-/// Within the type's range; the reader of requests then judges it by the key's.
+/// Converts within the type's range. The reader of requests then checks the key's range.
 template <class Number>
 std::optional<Number> whole(double value) {
   constexpr double k_most = 1e15;

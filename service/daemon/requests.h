@@ -1,6 +1,6 @@
-// Requests as the daemon takes them: read and checked by the worlds, kept as their normalised text.
+// Checks requests with the worlds and normalises their text for the job store.
 //
-// Thread safety: as `read` is.
+// Thread safety: that of `read`.
 #pragma once
 
 #include <functional>
@@ -15,23 +15,24 @@
 
 namespace sleight::daemon {
 
-/// request::read_request with the worlds that the programs have.
+/// request::read_request with the installed worlds.
 using ReadRequest =
     std::function<base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>(
         const std::string& text, const std::string& name)>;
 
-/// Checks what a client sends. `ask.name` stands for a file's name in the errors; empty: "request".
+/// Checks a client's request. `ask.name` appears as the file name in errors; empty: "request".
 base::Result<StoredRequest, rpc::Refusal> checked_request(const rpc::JobAsk& ask,
                                                           const ReadRequest& read,
                                                           const RequestLimits& limits);
 
-/// The next revision: the same request with a longer [stop].
+/// Returns the next revision: the same request with a longer [stop].
 base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& stored,
                                                            const rpc::Extension& extension,
                                                            const ReadRequest& read,
                                                            const RequestLimits& limits);
 
-/// For a submission's idempotency: equal for equal asks. `request` is the ask's, normalised.
+/// A digest that is equal for equal asks, for idempotent submits. `request`: the normalised
+/// request.
 std::string content_of(const rpc::JobAsk& ask, const std::string& request);
 
 }  // namespace sleight::daemon

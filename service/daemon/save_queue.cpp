@@ -49,7 +49,7 @@ void SaveQueue::work() {
   }
 }
 
-/// Whether the group is durable now.
+/// Returns whether the group is durable.
 bool SaveQueue::save(std::vector<Waiting>& group) {
   std::vector<const Save*> saves;
   for (const Waiting& waiting : group)
@@ -58,7 +58,7 @@ bool SaveQueue::save(std::vector<Waiting>& group) {
     store_.save(saves);
   } catch (const base::Error& failure) {
     if (failure.exit_code() == base::ExitCode::conflict) {
-      // The folder may be another daemon's: nothing more is written, and the owner ends.
+      // Another daemon may have the folder: write nothing more, and end the owner.
       is_over_ = true;
       post_([failure] { throw failure; });
       return false;

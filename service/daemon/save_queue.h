@@ -1,15 +1,16 @@
-// Makes saves durable on a thread of its own, in groups: whatever has come while one group was
-// written is the next. So many submits share a sync of the disk, and the loop never waits for one.
+// Saves in a thread of its own and in groups: all saves that arrive while a group is written form
+// the next group. So many submits share one sync of the disk, and the loop never waits for the
+// disk.
 //
 // Invariants
-//   1. Saves become durable in the order in which they are put, each whole or not at all.
-//   2. A save's `then` is posted once it is durable, in the same order, and never before.
-//   3. A disk that fails loses nothing: the group is tried again every k_retry_s until it is
-//      durable, and what waits for it waits.
-//   4. Where the store's lock is lost nothing more is saved, and the error is thrown in the owner's
+//   1. Saves become durable in the order of `put`, each completely or not at all.
+//   2. A save's `then` is posted after the save is durable, in the same order.
+//   3. A failing disk loses nothing. The group is retried every k_retry_s until it is durable, and
+//      later saves wait.
+//   4. If the store's lock is lost, nothing more is saved, and the error is thrown in the owner's
 //      thread.
 //
-// Thread safety: put is called from one thread; `post` must be callable from any.
+// Thread safety: one thread calls put; `post` must be callable from any thread.
 #pragma once
 
 #include <condition_variable>
@@ -29,18 +30,18 @@ inline constexpr double k_retry_s = 1;
 class SaveQueue {
  public:
   using Callback = std::function<void()>;
-  /// Calls it soon, in the owner's thread.
+  /// Calls the callback soon, in the owner's thread.
   using Post = std::function<void(Callback)>;
 
-  /// `stalled` is posted with the disk's reason when a group can't be saved, and empty when it is
-  /// after all.
+  /// `stalled` is posted with the disk's error if saving a group fails, and with an empty string
+  /// when saving works again.
   SaveQueue(JobStore store, Post post, std::function<void(const std::string&)> stalled);
-  /// Tries once more to save what was put; `then`s are not called any more.
+  /// Tries once more to save the queue, without calling any `then`.
   ~SaveQueue();
   SaveQueue(const SaveQueue&) = delete;
   SaveQueue& operator=(const SaveQueue&) = delete;
 
-  /// Without a save `then` keeps its place in the order all the same.
+  /// Without a save, `then` still keeps its place in the order.
   void put(std::optional<Save> save, Callback then);
 
  private:
@@ -58,7 +59,7 @@ class SaveQueue {
   std::condition_variable changed_;
   std::vector<Waiting> queue_;
   bool is_stalled_ = false;  ///< of the thread
-  bool is_over_ = false;     ///< likewise: the lock is lost
+  bool is_over_ = false;     ///< the lock is lost; of the thread
   bool ending_ = false;
   std::thread thread_;
 };

@@ -1,7 +1,7 @@
-// One daemon a state folder: its lock is a run's (common/store/run_lock.h), so it holds on network
-// disks too.
+// The lock that admits one daemon per state folder. It is a run's lock (common/store/run_lock.h),
+// so it works on network disks too.
 //
-// Thread safety: as RunLock's.
+// Thread safety: that of RunLock.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,7 @@
 
 namespace sleight::daemon {
 
-/// Takes the folder's lock. Throws base::Error: conflict, naming the other process, where it is
-/// taken.
+/// Locks the folder. Throws base::Error (conflict), naming the other process, if the lock is taken.
 std::unique_ptr<store::RunLock> lock_state_folder(const std::string& state);
 
 }  // namespace sleight::daemon

@@ -14,13 +14,13 @@
 namespace sleight::daemon {
 namespace {
 
-/// Ends of which a stop may be the cause; all others are the run's own.
+/// Whether a stop can have caused this end. Other ends are the run's own.
 bool may_be_stopped(const keeper::AttemptEnd& end) {
   return !end.run_end || end.run_end->end == events::End::stop_requested ||
          end.run_end->end == events::End::time_limit;
 }
 
-/// What a shared disk has of a folder: opening it asks for its newest state.
+/// Opens the folder, which makes a shared disk load the folder's newest state.
 void refresh(const base::FileSystem& files, const std::string& folder) {
   try {
     static_cast<void>(files.names_in(folder));
@@ -68,7 +68,7 @@ SystemAttempts::Run* SystemAttempts::find(jobs::JobId job, jobs::Attempt attempt
   return run == runs_.end() || run->second.attempt != attempt ? nullptr : &run->second;
 }
 
-/// The attempt's, made if need be; an older attempt's is over then.
+/// Returns the attempt's entry, created if necessary. An older attempt's entry is dropped.
 SystemAttempts::Run& SystemAttempts::run_of(jobs::JobId job, jobs::Attempt attempt) {
   if (Run* run = find(job, attempt)) return *run;
   Run& run = runs_[job];
@@ -141,7 +141,7 @@ void SystemAttempts::launched(jobs::JobId job, jobs::Attempt attempt, const back
   Run* run = find(job, attempt);
   if (run == nullptr) return;
   run->is_launching = false;
-  run->since_list = lists_;  // one that is under way began before
+  run->since_list = lists_;  // a list in progress began before
   run->seen = seen;
   judge(job);
 }
@@ -171,10 +171,10 @@ void SystemAttempts::stop(const jobs::Stop& stop) {
       stop.how == jobs::StopHow::now ? keeper::Stop::now : keeper::Stop::in_order;
   ask([this, name = name_of(stop.job, stop.attempt), how] {
     try {
-      // What becomes of one that waits only a list tells.
+      // A list reports the outcome for an attempt that was still queued.
       if (parts_.backend->signal(name, how)) parts_.loop.post([this] { list(); });
     } catch (const base::Error& failure) {
-      // The machine asks again.
+      // The machine repeats the stop.
       logging::warn(fmt::format("job {}: {}", name.job, failure.what()));
     }
   });
@@ -197,7 +197,7 @@ void SystemAttempts::list_if_due() {
     list();
 }
 
-/// One question at a time.
+/// Requests a list, unless one is in progress.
 void SystemAttempts::list() {
   if (is_listing_) return;
   is_listing_ = true;
@@ -263,7 +263,7 @@ bool SystemAttempts::is_gone(const Run& run) const {
 jobs::Outside SystemAttempts::outside_of(const Run& run) const {
   if (!run.seen || run.is_stopped || run.seen->state != backend::State::gone)
     return jobs::Outside::nothing;
-  // One that never begins, again and again, is no accident.
+  // If an attempt is taken before it begins, count that as a failure, because it may recur forever.
   if (run.seen->cause == backend::Cause::taken)
     return run.has_begun ? jobs::Outside::taken : jobs::Outside::nothing;
   return run.seen->cause == backend::Cause::cancelled ? jobs::Outside::cancelled
@@ -277,7 +277,8 @@ std::string SystemAttempts::words_of(const Run& run) const {
   return fmt::format("{} job {}: {}", title, run.seen->id, run.seen->words);
 }
 
-/// What the two say of it; tells it, and forgets what is over.
+/// Combines the system's answer and the folder's record, reports the result, and forgets ended
+/// attempts.
 void SystemAttempts::judge(jobs::JobId job) {
   const auto found = runs_.find(job);
   if (found == runs_.end()) return;
@@ -308,7 +309,7 @@ void SystemAttempts::judge(jobs::JobId job) {
   }
 }
 
-/// True: it has ended.
+/// Returns whether the attempt has ended.
 bool SystemAttempts::judge_begun(jobs::JobId job, Run& run, const keeper::AttemptRecord& record) {
   if (!run.has_begun) {
     run.has_begun = true;
@@ -316,7 +317,7 @@ bool SystemAttempts::judge_begun(jobs::JobId job, Run& run, const keeper::Attemp
     tell(jobs::Launched{.job = job, .attempt = run.attempt});
   }
   if (!record.end) return false;
-  // Whoever stopped it is known once the system has it no more.
+  // Who stopped the attempt is known once the system no longer has it.
   if (may_be_stopped(*record.end) && !run.is_stopped && !is_gone(run)) return false;
   jobs::Ended ended = sights_.ended(job, record, run.watched.first_commit_after_s);
   ended.outside = outside_of(run);
@@ -325,13 +326,14 @@ bool SystemAttempts::judge_begun(jobs::JobId job, Run& run, const keeper::Attemp
   return true;
 }
 
-/// Of one that the system has no more, and without an end. True: it is over.
+/// Judges an attempt that the system no longer has and whose record has no end. Returns whether the
+/// attempt is over.
 bool SystemAttempts::judge_gone(jobs::JobId job, Run& run, const keeper::AttemptRecord* record) {
   const double now_s = parts_.clock.now_s();
   if (!run.gone_s) run.gone_s = now_s;
   if (now_s - *run.gone_s < parts_.settle_s) return false;
   if (record != nullptr) {
-    // Where its machine is lost to the system, it may run there yet.
+    // The system may have lost contact to a machine on which the run is still alive.
     if (!run.lease) run.lease.emplace(parts_.folders.run(job));
     if (run.lease->may_live(now_s)) return false;
     jobs::Died died = sights_.died(job, record, words_of(run) + ".");
@@ -352,7 +354,7 @@ bool SystemAttempts::judge_gone(jobs::JobId job, Run& run, const keeper::Attempt
   return false;
 }
 
-/// It left no record: what the system and its keeper said is all that is known.
+/// Fetches the output of the system and the keeper, which is all that is known without a record.
 void SystemAttempts::fetch_last_words(jobs::JobId job, Run& run) {
   ask([this, job, attempt = run.attempt, folder = parts_.folders.folder(job)] {
     std::string log;
@@ -373,7 +375,7 @@ void SystemAttempts::fetch_last_words(jobs::JobId job, Run& run) {
   });
 }
 
-/// Of one that the system has, or may have.
+/// Judges an attempt that the system has, or may have.
 void SystemAttempts::judge_there(jobs::JobId job, Run& run) {
   run.gone_s.reset();
   if (run.has_begun) {
@@ -395,7 +397,7 @@ void SystemAttempts::judge_there(jobs::JobId job, Run& run) {
   }
 }
 
-/// Somebody has deleted it: nothing of what its run does is kept.
+/// Stops the run if somebody deleted its folder, because its results would be lost.
 bool SystemAttempts::is_folder_gone(jobs::JobId job, Run& run) {
   if (!run.has_begun || parts_.files.exists(parts_.folders.folder(job))) return false;
   stop({.job = job, .attempt = run.attempt, .how = jobs::StopHow::now});

@@ -1,5 +1,5 @@
-// Attempts that a batch system has (service/backend): by questions to it, in a thread of their own,
-// and by what their keepers write into the jobs' folders on some other machine.
+// Attempts in a batch system (service/backend). A thread of their own queries the system, and polls
+// read what the keepers on other machines write into the jobs' folders.
 //
 //   Launch       ──▶ request.toml, backend.launch; its answer: Sight {Pending}, or LaunchFailed
 //   Look         ──▶ the next list of all attempts, and the folder's record: Sight
@@ -7,17 +7,17 @@
 //   each second  ──▶ the folders' records: Launched, Sight {Running}, Sight {Ended}
 //   now and then ──▶ one list for all: Sight {Pending}, and of those that are gone what follows
 //
-//     the system has it | the folder's record | so
+//     the system has it | the folder's record | result
 //     waiting, running  | none                | Pending, with the system's words
 //     running           | without an end      | Running
-//     any               | with an end         | Ended. If somebody else stopped it: once the system
-//                       |                     | says who
+//     any               | with an end         | Ended; if stopped by somebody else, once the system
+//                       |                     | reports by whom
 //     gone, absent      | without an end      | Died, once no lease of its run can be alive
-//     gone              | none                | Died, with what the system and the keeper said
-//     absent            | none                | NeverBegan, to a Look
-//     doesn't answer    | none, without end   | Unknown, to a Look: never an end
+//     gone              | none                | Died, with the system's and the keeper's output
+//     absent            | none                | NeverBegan, as an answer to a Look
+//     doesn't answer    | none, without end   | Unknown, as an answer to a Look; never an end
 //
-// A disk that machines share shows files late, so what is gone is looked at for k_settle_s.
+// Shared disks show files late, so records of gone attempts are read for another k_settle_s.
 //
 // Thread safety: as Attempts.
 #pragma once
@@ -43,11 +43,11 @@
 
 namespace sleight::daemon {
 
-/// A list that somebody waits for comes so much sooner, as a part of the time between two lists.
+/// A list that somebody awaits is requested earlier: after this part of list_every_s.
 inline constexpr double k_list_soonest_share = 0.2;
-/// What is gone may show its record so much later.
+/// Maximum delay until an ended attempt's record becomes visible.
 inline constexpr double k_settle_s = 5;
-/// Of what system and keeper said of an attempt that left no record, so much is told.
+/// Maximum reported output of the system and the keeper, for an attempt without a record.
 inline constexpr std::size_t k_system_log_bytes = 2000;
 
 class SystemAttempts final : public Attempts {
@@ -60,8 +60,8 @@ class SystemAttempts final : public Attempts {
     Feeds& feeds;
     std::shared_ptr<backend::Backend> backend;
     std::string daemon_id{};         ///< backend::is_daemon_name
-    double list_every_s = 10;        ///< of all attempts together
-    double look_every_s = k_look_s;  ///< at the folders' records
+    double list_every_s = 10;        ///< interval of lists of all attempts
+    double look_every_s = k_look_s;  ///< interval of reading the folders' records
     double settle_s = k_settle_s;
     keeper::Programs programs{};  ///< as the system's machines see them
     TextOf text_of;
@@ -81,13 +81,13 @@ class SystemAttempts final : public Attempts {
  private:
   struct Run {
     jobs::Attempt attempt{};
-    bool is_launching = false;     ///< no list says anything of it yet
-    std::uint64_t since_list = 0;  ///< lists from this one on do
+    bool is_launching = false;     ///< no list includes it yet
+    std::uint64_t since_list = 0;  ///< first list that can include it
     bool is_looked_for = false;
     bool is_stopped = false;    ///< by us
     bool is_told_gone = false;  ///< its last words are being fetched
     std::optional<backend::Seen> seen{};
-    std::optional<double> gone_s{};  ///< since when the system has it no more
+    std::optional<double> gone_s{};  ///< since when the system no longer has it
     std::optional<LeaseWatch> lease{};
     bool has_begun = false;  ///< it has a record
     std::string told_words{};
@@ -102,7 +102,7 @@ class SystemAttempts final : public Attempts {
   backend::AttemptName name_of(jobs::JobId job, jobs::Attempt attempt) const;
   backend::Order order_of(const jobs::Launch& launch, const LaunchText& text) const;
 
-  /// On the backend's thread; what comes of it is told on the loop's.
+  /// Runs the question in the backend's thread. The question posts its outcome to the loop.
   void ask(std::function<void()> question);
   void launched(jobs::JobId job, jobs::Attempt attempt, const backend::Seen& seen);
   void not_launched(jobs::JobId job, jobs::Attempt attempt, const std::string& words, bool is_away,
@@ -132,9 +132,9 @@ class SystemAttempts final : public Attempts {
   rpc::Loop::Handle listing_{};
   bool is_polling_ = false;
   bool is_listing_ = false;
-  std::optional<double> list_begun_s_{};  ///< the newest
-  std::uint64_t lists_ = 0;               ///< begun so far
-  Worker worker_;                         ///< last: what it does uses the rest
+  std::optional<double> list_begun_s_{};  ///< begin of the newest list
+  std::uint64_t lists_ = 0;               ///< number of lists begun
+  Worker worker_;                         ///< last member: its work uses the others
 };
 
 }  // namespace sleight::daemon

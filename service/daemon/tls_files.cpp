@@ -14,12 +14,13 @@ namespace {
 
 constexpr std::size_t k_pem_bytes_max = std::size_t{1} << 20U;
 
-/// A secret that others can read is none.
+/// Refuses a key file that others can read.
 void refuse_if_others_read(const std::string& path) {
   struct stat seen = {};
-  if (::stat(path.c_str(), &seen) != 0 || !S_ISREG(seen.st_mode)) return;  // reading it says so
+  if (::stat(path.c_str(), &seen) != 0 || !S_ISREG(seen.st_mode))
+    return;  // the later read reports the error
   if ((seen.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
-  // A group that has the key for its services, as Debian's ssl-cert.
+  // Accept a group that owns keys for services, such as Debian's ssl-cert.
   const bool is_group_reader = (seen.st_mode & S_IRWXO) == 0 && (seen.st_mode & S_IWGRP) == 0;
   if (is_group_reader && seen.st_uid != ::geteuid()) return;
   throw base::Error(
@@ -61,7 +62,7 @@ access::Keypair keypair_of(const std::string& state, const std::string& certific
     }
     const access::Keypair made = access::make_self_signed();
     files.make_folder(folder);
-    // The key first: with the certificate both are there.
+    // The key is written first, so if the certificate exists, both do.
     base::replace_text_file(files, key, made.key, base::Readers::owner);
     base::replace_text_file(files, certificate, made.certificate);
     return made;

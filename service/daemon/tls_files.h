@@ -1,4 +1,4 @@
-// The certificate and key of a service over TLS, as files.
+// The files of a TLS service's certificate and key.
 //
 // Thread safety: one thread.
 #pragma once
@@ -9,9 +9,10 @@
 
 namespace sleight::daemon {
 
-/// Those of the two paths; without paths those in `tls` of the state folder, which are made the
-/// first time: `certificate.pem`, and `key.pem` for its owner alone. Throws base::Error, with the
-/// file's name: it can't be read, the key is readable by others, or is not the certificate's.
+/// Reads certificate and key from the two paths. Without paths, reads `certificate.pem` and
+/// `key.pem` (readable only by the owner) in the state folder's `tls`, and creates them the first
+/// time. Throws base::Error with the file's name if a file can't be read, if others can read the
+/// key, or if the key doesn't match the certificate.
 access::Keypair keypair_of(const std::string& state, const std::string& certificate_path,
                            const std::string& key_path);
 

@@ -44,7 +44,7 @@ json::Value json_of(const rpc::TokenView& view, const std::string& hash) {
           {"user", view.user}};
 }
 
-/// A value that was not written here.
+/// Thrown for a value that this class can't have written.
 struct Unsound {};
 
 template <class T>
@@ -116,7 +116,7 @@ void Tokens::read() {
   }
 }
 
-/// Durable when it returns, in one step.
+/// Replaces the file atomically; durable on return.
 void Tokens::write() {
   is_saved_ = false;
   json::Value list = json::Value::array();
@@ -128,7 +128,7 @@ void Tokens::write() {
   has_new_uses_ = false;
 }
 
-/// Notes it where its time is over.
+/// Returns whether the token is valid, and notes its expiry.
 bool Tokens::is_valid(Kept& kept) {
   rpc::TokenView& view = kept.view;
   if (!view.has_expired && view.expires_s > 0 && wall_s_() >= view.expires_s) {
@@ -208,7 +208,7 @@ base::Result<rpc::TokenView, rpc::Refusal> Tokens::revoke(std::optional<std::uin
                         .what_to_do = "`sleight token list` shows existing tokens."};
   }
   rpc::TokenView& view = found->second.view;
-  // It is over before it is written, and stays so whatever comes of that.
+  // The token is revoked before the write and stays revoked even if the write fails.
   if (view.revoked_s > 0 && is_saved_) return view;
   if (view.revoked_s <= 0) view.revoked_s = wall_s_();
   write();
@@ -220,7 +220,7 @@ base::Result<rpc::Caller, rpc::Refusal> Tokens::login(const std::string& text,
   const auto token = access::token_of(text);
   if (!token) return wrong_token();
   const auto found = tokens_.find(token->id);
-  // A hash that none has: what is unknown takes as long as what is wrong.
+  // Compare with a hash that no token has, so that an unknown token takes as long as a wrong one.
   const std::string& kept_hash =
       found == tokens_.end() ? std::string(k_hash_characters, '-') : found->second.hash;
   const bool is_equal = access::are_equal_hashes(access::hash_of(*token), kept_hash);

@@ -1,15 +1,15 @@
-// The tokens by which peers over TCP are let in, kept as `tokens.json` in the state folder.
+// Access tokens of peers over TCP, stored as `tokens.json` in the state folder.
 //
-// Of a token's secret only its hash is kept. A token is its user's: what a session by it does, that
-// user does, as far as the token's scopes go.
+// Only a hash of a token's secret is stored. A token belongs to a user: a session that logs in with
+// the token acts as that user, within the token's scopes.
 //
 // Invariants
-//   1. What create and revoke have answered is durable. When a token was last used is written now
-//      and then; a daemon that is killed forgets the last minute of it.
-//   2. login tells nobody whether a token is unknown, wrong, expired or revoked.
-//   3. A token that is revoked, or was seen to have expired, is never valid again, whatever the
-//   clock
-//      says later; it is listed for some time. One is seen when it is used, and each minute.
+//   1. Answers of create and revoke are durable. The time of a token's last use is written
+//      periodically; a killed daemon loses the last minute of these times.
+//   2. login doesn't reveal whether a token is unknown, wrong, expired or revoked.
+//   3. A token that was revoked or found expired is never valid again, whatever the clock shows
+//   later,
+//      and stays listed for some time. Expiry is checked at each use and once per minute.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
@@ -25,12 +25,12 @@
 
 namespace sleight::daemon {
 
-/// A token that is over is listed so much longer.
+/// How long revoked and expired tokens stay listed.
 inline constexpr double k_over_token_listed_s = 30.0 * 86400;
-/// What is known of uses is saved so often.
+/// Interval of saving the times of last use.
 inline constexpr double k_token_uses_saved_s = 60;
 
-/// As the file has it.
+/// A token as the file stores it.
 struct KeptToken {
   rpc::TokenView view{};
   std::string hash{};
@@ -38,16 +38,18 @@ struct KeptToken {
 
 class Tokens final : public rpc::Authority {
  public:
-  /// `wall_s` is the time since 1970. Throws base::Error where the file can't be read, or is none
-  /// of ours: nobody is let in by what may have been changed.
+  /// `wall_s` returns seconds since 1970. Throws base::Error if the file can't be read or isn't
+  /// valid, because a file that may have been changed must authorize nobody.
   Tokens(base::FileSystem& files, std::string path, std::function<double()> wall_s,
          std::size_t of_user_max = rpc::k_tokens_max);
 
-  /// For its user, `ask.for_user` or `user`. The same token again answers what it did at first.
+  /// Creates a token for `ask.for_user`, or else for `user`. Repeating a call with the same token
+  /// returns the first answer.
   base::Result<rpc::TokenView, rpc::Refusal> create(std::uint32_t user, const rpc::TokenAsk& ask);
-  /// None: of all users. The newest first.
+  /// Tokens of a user, newest first. None: of all users.
   std::vector<rpc::TokenView> of(std::optional<std::uint32_t> user);
-  /// None as in `of`. Another's is answered like one that is not there.
+  /// Revokes a token of this user; none: of any user. Another user's token is reported as not
+  /// found.
   base::Result<rpc::TokenView, rpc::Refusal> revoke(std::optional<std::uint32_t> user,
                                                     const std::string& id);
 
@@ -55,7 +57,7 @@ class Tokens final : public rpc::Authority {
                                                 const std::string& address) override;
   bool lets_go_on(const rpc::Caller& caller) override;
 
-  /// Writes which have expired, and what is known of uses since the last save. Failures are logged.
+  /// Saves expiries and times of last use. Failures are logged.
   void save_uses();
 
  private:
@@ -70,7 +72,7 @@ class Tokens final : public rpc::Authority {
   std::function<double()> wall_s_;
   std::size_t of_user_max_;
   std::map<std::string, Kept> tokens_;  ///< by id
-  bool is_saved_ = true;                ///< all but uses
+  bool is_saved_ = true;                ///< all but the times of last use
   bool has_new_uses_ = false;
 };
 

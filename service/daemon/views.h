@@ -1,6 +1,6 @@
 // Jobs as clients see them.
 //
-// Thread safety: pure functions of what they are given.
+// Thread safety: pure functions of their arguments.
 #pragma once
 
 #include <cstdint>
@@ -21,18 +21,17 @@ rpc::JobState rpc_state(jobs::State state);
 /// REQUIRES: the kind is known.
 jobs::AskKind ask_kind(rpc::ChangeKind kind);
 
-/// What a view tells beside the job's own record.
+/// The data of a job's view.
 struct ViewOf {
   const Posted& posted;
   const jobs::Jobs& machine;
-  const events::Progress* progress = nullptr;  ///< newest; null: none is known
+  const events::Progress* progress = nullptr;  ///< newest; null: unknown
 };
 rpc::JobView view_of(const ViewOf& what);
 
-/// A change with its number.
 rpc::StateChange change_of(const JobReader::NumberedChange& change);
 
-/// "done", or with the reason where that says more: "held: the disk is full".
+/// "done", or with the reason if that adds information: "held: the disk is full".
 std::string reason_of(const jobs::Job& job);
 
 rpc::Refusal refusal_of(const jobs::Refusal& refusal);

@@ -1,5 +1,5 @@
-// One thread for what takes long and may wait its turn: hashing files, deleting folders; another
-// one for deriving archives.
+// A thread for slow work that can wait, such as hashing files, deleting folders and deriving
+// archives.
 //
 // Thread safety: `run` is called from one thread.
 #pragma once
@@ -22,12 +22,13 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// In order. `work` must not throw, and says by Loop::post what came of it.
+  /// Queues the work, which must not throw and reports its outcome with Loop::post.
   void run(Work work);
-  /// Waits for the work that has begun, which `ending` tells; what has not begun never does. By who
-  /// owns what the work uses, before that goes; once more does nothing.
+  /// Waits for the work in progress, which `ending` asks to stop; queued work never begins. The
+  /// owner of anything that the work uses calls this before destroying it. Repeated calls have no
+  /// effect.
   void end();
-  /// True from the beginning of its end: work that takes long looks at it. Any thread.
+  /// True once end() is called; slow work checks it. Callable from any thread.
   const std::atomic<bool>& ending() const { return ending_; }
 
  private:
