@@ -4,7 +4,7 @@
 //   {"time":"2026-11-27T14:05:09Z","call":"submit","user":1000,"from":"192.0.2.7:50312",
 //    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}
 //
-//  call     login, submit, a change's kind (cancel, set_priority), fetch, drain, stop, or one of
+//   call     login, submit, a change's kind (cancel, set_priority), fetch, drain, stop, or one of
 //            create_token, list_tokens, revoke_token
 //   from     a peer's address, or "process 4242" of this machine
 //   token    absent for calls over the Unix socket

@@ -3,8 +3,9 @@
 //
 //   job      one row per job: its current record
 //   change   one row per change of a job, numbered from 1 without gaps
-//   request  one row per revision of a job's request: the normalised text and what clients see of
-//   it usage    one row per user: the use so far state    format, service time, next id
+//   request  one row per revision of a job's request: the normalised text and what clients see
+//   usage    one row per user: the use so far
+//   state    format, service time, next id
 //
 // Invariants
 //   1. A save is one transaction. It is durable when `save` returns, and otherwise has no effect.

@@ -7,9 +7,9 @@
 //   1. Answers of create and revoke are durable. The time of a token's last use is written
 //      periodically; a killed daemon loses the last minute of these times.
 //   2. login doesn't reveal whether a token is unknown, wrong, expired or revoked.
-//   3. A token that was revoked or found expired is never valid again, whatever the clock shows
-//   later,
-//      and stays listed for some time. Expiry is checked at each use and once per minute.
+//   3. A token that was revoked or found expired is never valid again, whatever the clock
+//      shows later. The token stays listed for some time. Expiry is checked at each use and once
+//      per minute.
 //
 // Thread safety: all on the loop's thread.
 #pragma once
