@@ -48,7 +48,7 @@ std::optional<T> value_in(const std::array<std::pair<T, std::string_view>, n>& n
   return std::nullopt;
 }
 
-// Each record's fields, once for both ways.
+// Each list of fields serves both reading and writing.
 
 template <class Visit, class Keeper>
 void keeper_fields(Visit& visit, Keeper& keeper) {
@@ -68,7 +68,7 @@ void end_fields(Visit& visit, End& end) {
   visit.as(
       "stop_asked", end.stop_asked, [](Stop how) { return name_in(k_stops, how); },
       [](const std::string& name) { return value_in(k_stops, name); });
-  // As its own line, which knows its own keys and bounds.
+  // As a line of its own, whose reader checks its keys and limits.
   visit.as(
       "run_end", end.run_end, [](const events::RunEnd& ended) { return events::to_line(ended); },
       events::run_end_of);
@@ -93,7 +93,7 @@ std::string text_of(const AttemptRecord& record) {
   Json json{{"format", k_format}};
   json::FieldWriter writer(json, json::None::null);
   record_fields(writer, record);
-  // Bytes that are no UTF-8 become U+FFFD.
+  // Invalid UTF-8 becomes U+FFFD.
   return json.dump() + "\n";
 }
 
@@ -171,7 +171,7 @@ RecordFile::RecordFile(base::FileSystem& files, std::string folder)
     : files_(files), folder_(std::move(folder)) {}
 
 void RecordFile::begin(const AttemptRecord& record) {
-  // Room for the end comes first: where the disk has none, the program does not start.
+  // Reserve room for the end first. On a full disk the program doesn't start.
   const std::string end_path = path(k_end_beside);
   auto room = files_.create(end_path);
   if (!room) fail_at(end_path, room.error());

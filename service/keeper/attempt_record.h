@@ -1,18 +1,16 @@
-// What a job's folder says of its newest attempt: the file `attempt.json`.
+// The record of a job's newest attempt: the file `attempt.json` in the job's folder.
 //
-// An attempt is the n-th start of a job's program. Its keeper writes the record twice: before it
-// starts the program, and when the program and all its descendants are gone. What is in the file
-// thus says, together with the keeper's lock, how far an attempt has come, whatever was killed
-// (backend.h).
+// An attempt is the n-th start of a job's program. The keeper writes the record twice: before it
+// starts the program, and after the program and all its descendants ended. So the record and the
+// keeper's lock together show an attempt's progress, whichever processes were killed (backend.h).
 //
 // Invariants:
-//   1. The file is one whole record at any moment, or is not there: each is written beside it,
-//      synced, renamed, and the folder synced.
-//   2. Records only go forward: attempts ascend, and an attempt's end follows its beginning and
+//   1. The file is absent or one complete record: each record is written beside the file,
+//      synced and renamed, and the folder is synced.
+//   2. Records only advance: attempts ascend, an attempt's end follows its beginning, and an end
 //      never changes.
-//   3. An end finds its place on a full disk: its bytes are written, as zeros, before the program
-//      starts (`RecordFile::begin`). On file systems that copy what they overwrite (btrfs, ZFS) it
-//      may not.
+//   3. An end fits on a full disk, because `RecordFile::begin` writes its bytes as zeros before the
+//      program starts. Copy-on-write file systems (btrfs, ZFS) don't guarantee this.
 //
 // Thread safety: values; a RecordFile belongs to one thread.
 #pragma once
@@ -34,15 +32,15 @@ namespace sleight::keeper {
 
 /// How an attempt is stopped.
 enum class Stop : std::uint8_t {
-  in_order,  ///< the run stores everything, writes its archive and ends
-  now        ///< its processes are killed; what they had committed stays
+  in_order,  ///< the run stores everything, writes its archive and exits
+  now        ///< its processes are killed; their commits remain
 };
 
-/// A process that no later one is taken for, though its number be used again.
+/// Identifies a process even after the kernel reuses its process id.
 struct ProcessIdentity {
   pid_t pid = 0;
-  std::uint64_t start_ticks = 0;  ///< since the machine started, as the kernel says
-  std::string boot{};             ///< of which start of the machine
+  std::uint64_t start_ticks = 0;  ///< after boot, as the kernel reports
+  std::string boot{};             ///< id of the machine's boot
 
   bool operator==(const ProcessIdentity&) const = default;
 };
@@ -51,26 +49,26 @@ struct ProcessIdentity {
 enum class KilledFor : std::uint8_t {
   nothing,
   asked,         ///< Stop::now
-  lingering,     ///< it told its end and did not exit within the grace
-  without_ranks  ///< mpirun whose ranks had all gone did not exit within the grace
+  lingering,     ///< it reported its end but didn't exit within the grace time
+  without_ranks  ///< mpirun without living ranks didn't exit within the grace time
 };
 
 struct AttemptEnd {
-  /// One of the three says how the program ended.
+  /// Exactly one of these three describes the program's end.
   std::optional<int> exit_code{};
   std::optional<int> signal{};
-  std::string not_started{};  ///< why it could not be started
+  std::string not_started{};  ///< why the program could not be started
 
   KilledFor killed_for = KilledFor::nothing;
-  std::optional<Stop> stop_asked{};  ///< the last that the keeper passed on
-  /// How the session ended, from its pipe or its store. None: it died, or never began; then the
-  /// three above are all that is known.
+  std::optional<Stop> stop_asked{};  ///< last stop that the keeper passed on
+  /// How the session ended, from its pipe or its store. None: the session died or never began, and
+  /// only the three fields above are known.
   std::optional<events::RunEnd> run_end{};
   double wall_s = 0;                   ///< from the program's start to its end
   double processor_s = 0;              ///< of the program and all its descendants
-  std::uint64_t memory_bytes_max = 0;  ///< resident, of the largest of them
+  std::uint64_t memory_bytes_max = 0;  ///< largest resident size of one of these processes
   double ended_unix_s = 0;
-  std::vector<std::string> log_tail{};  ///< the last k_tail_lines_max lines that it printed
+  std::vector<std::string> log_tail{};  ///< the last k_tail_lines_max lines of output
 
   bool operator==(const AttemptEnd&) const = default;
 };
@@ -78,46 +76,47 @@ struct AttemptEnd {
 struct AttemptRecord {
   std::uint32_t attempt = 0;  ///< from 1
   ProcessIdentity keeper{};
-  std::vector<std::string> command{};  ///< program and arguments; its folder is the job's
+  std::vector<std::string> command{};  ///< program and arguments, run in the job's folder
   double begun_unix_s = 0;
-  std::uint64_t epoch_before = 0;  ///< of the newest session that the run's store had then; 0: none
+  std::uint64_t epoch_before = 0;  ///< of the run store's newest session at the beginning; 0: none
   std::optional<AttemptEnd> end{};
 
   bool operator==(const AttemptRecord&) const = default;
 };
 
 inline constexpr std::size_t k_tail_lines_max = 50;
-/// A record is no longer: the oldest lines of a tail go first, then the middles of long words.
+/// Maximum size of a record. Longer records lose the oldest lines of the tail, then the middles of
+/// long words.
 inline constexpr std::size_t k_record_bytes_max = 64U << 10U;
 inline constexpr const char* k_record_name = "attempt.json";
 
-/// A JSON object of at most k_record_bytes_max bytes, ended by a newline.
+/// Returns a JSON object of at most k_record_bytes_max bytes, ended by a newline.
 std::string to_text(const AttemptRecord& record);
 
-/// None for anything that to_text did not write.
+/// None unless to_text wrote the text.
 std::optional<AttemptRecord> record_of(std::string_view text);
 
-/// Its text, of one moment; empty where the folder has none. Throws base::Error where it can't be
-/// read.
+/// Returns the record's text, read atomically. Empty: the folder has no record. Throws base::Error
+/// if the record can't be read.
 std::string record_text_in(const std::string& folder);
 
-/// The record of such a text, none of an empty one. Throws base::Error where it is none of ours.
+/// Returns the record in the text; none if the text is empty. Throws base::Error if the text is not
+/// a valid record.
 std::optional<AttemptRecord> record_in(const std::string& folder, const std::string& text);
 
-/// Both.
+/// record_text_in, then record_in.
 std::optional<AttemptRecord> read_record(const std::string& folder);
 
-/// Writes the two records of one attempt.
 class RecordFile {
  public:
   RecordFile(base::FileSystem& files, std::string folder);
 
-  /// Durable when it returns, with room for the end. Throws base::Error; then the record may be
-  /// there or not.
+  /// Durable on return, with room reserved for the end. If it throws base::Error, the record may
+  /// exist or not.
   void begin(const AttemptRecord& record);
 
-  /// Durable when it returns. REQUIRES: `record` has an end; begin has returned; once. Throws
-  /// base::Error; then the record of the beginning may stand.
+  /// Durable on return. REQUIRES: `record` has an end; begin has returned; called once. If it
+  /// throws base::Error, the record of the beginning may remain.
   void end(const AttemptRecord& record);
 
  private:
@@ -126,7 +125,7 @@ class RecordFile {
 
   base::FileSystem& files_;
   std::string folder_;
-  std::unique_ptr<base::File> room_;  ///< for the end
+  std::unique_ptr<base::File> room_;  ///< reserved for the end
 };
 
 }  // namespace sleight::keeper

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <utility>
 
-// After unistd.h, which declares what it is for.
+// This header requires unistd.h before it.
 #include <linux/close_range.h>
 
 #include "common/base/check.h"
@@ -34,7 +34,7 @@ constexpr std::size_t k_keeper_words_max = 4096;
   throw base::Error(fmt::format("{}: {}", what, std::strerror(error)));
 }
 
-// Debian 12's <sys/pidfd.h> declares these for C alone.
+// Debian 12's <sys/pidfd.h> declares these functions only for C.
 int open_process(pid_t pid) {
   return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
 }
@@ -43,7 +43,7 @@ bool signal_process(int descriptor, int number) {
   return ::syscall(SYS_pidfd_send_signal, descriptor, number, nullptr, 0) == 0;
 }
 
-/// Both ends of a connection between the launcher and the keeper's process.
+/// The two ends of a connection between the launcher and the keeper's process.
 struct Line {
   base::Descriptor mine;
   base::Descriptor theirs;
@@ -56,7 +56,7 @@ Line make_line() {
   return {.mine = base::Descriptor(ends[0]), .theirs = base::Descriptor(ends[1])};
 }
 
-/// Whether all of it came.
+/// Returns whether the whole value arrived.
 template <class T>
 bool receive(int descriptor, T& value) {
   ssize_t count = 0;
@@ -66,30 +66,30 @@ bool receive(int descriptor, T& value) {
   return count == sizeof(value);
 }
 
-/// No signal where the other side has gone.
+/// Sends without a signal if the peer has closed its end.
 template <class T>
 bool send(int descriptor, const T& value) {
   return ::send(descriptor, &value, sizeof(value), MSG_NOSIGNAL) == sizeof(value);
 }
 
-/// All that the forked processes need, made before the fork: a daemon has other threads, so that
-/// they may call nothing that takes a lock.
+/// Everything that the forked processes need, prepared before the fork. The daemon has other
+/// threads, so a forked process must not call functions that take locks.
 struct KeeperStart {
   char* const* arguments;
   char* const* environment;
   int null;
   int words;      ///< becomes its stdout and stderr
-  int line;       ///< says its number, waits for leave to begin, says the error of a failed exec
-  int other_end;  ///< of the line
+  int line;       ///< sends the process id, receives permission to begin, sends exec's error
+  int other_end;  ///< the launcher's end of the line
 };
 
-/// In the keeper's process: waits until the launcher knows it, then becomes the keeper.
+/// In the keeper's process: waits for the launcher's permission, then becomes the keeper.
 [[noreturn]] void become_keeper(const KeeperStart& start) {
-  // The launcher alone has its end, so that the line breaks with it.
+  // Close the launcher's end here, so that the line breaks if the launcher dies.
   ::close(start.other_end);
   bool goes = false;
   if (!send(start.line, ::getpid()) || !receive(start.line, goes)) ::_exit(127);
-  // Signals that come before the keeper listens wait for it.
+  // Block signals until the keeper can handle them.
   sigset_t waiting;
   sigemptyset(&waiting);
   for (const int number : {SIGUSR1, SIGINT, SIGTERM})
@@ -103,7 +103,7 @@ struct KeeperStart {
   ::_exit(127);
 }
 
-/// In the process between: it ends at once, so that the keeper is not the daemon's child.
+/// In the intermediate process, which exits at once, so that the keeper isn't the daemon's child.
 [[noreturn]] void fork_keeper(const KeeperStart& start) {
   if (::setsid() < 0) ::_exit(1);
   const pid_t keeper = ::fork();
@@ -117,7 +117,7 @@ std::string words_in(const std::string& folder) {
     return base::PosixFileSystem().exists(path) ? base::read_text_file(path, k_keeper_words_max)
                                                 : std::string();
   } catch (const base::Error&) {
-    return {};  // words alone: nothing rests on them
+    return {};  // words are only for display
   }
 }
 
@@ -173,7 +173,7 @@ RunningKeeper LocalBackend::launch_command(const std::string& folder,
   }
   pid_t keeper = 0;
   if (!receive(line.mine.get(), keeper)) fail("can't start a keeper", EAGAIN);
-  // The keeper waits for leave: its number can't be another's yet.
+  // The keeper still waits for permission, so its process id can't have been reused.
   RunningKeeper running(identity_of(keeper).value_or(ProcessIdentity{.pid = keeper}),
                         base::Descriptor(open_process(keeper)));
   if (running.descriptor() < 0) fail("can't watch the keeper", errno);
@@ -184,8 +184,8 @@ RunningKeeper LocalBackend::launch_command(const std::string& folder,
 }
 
 Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const {
-  // A record that is the same before and after the lock was looked at is the one of that moment, as
-  // records only go forward.
+  // Records only advance. So if the record is the same before and after the lock is tested, the
+  // record was current at the time of the test.
   std::string text = record_text_in(folder);
   bool is_held = KeeperLock::is_held(folder);
   for (std::string again = record_text_in(folder); again != text; again = record_text_in(folder)) {
@@ -202,7 +202,7 @@ Look LocalBackend::look(const std::string& folder, std::uint32_t attempt) const 
   const bool has_begun = newest == attempt;
   const bool has_ended = has_begun && look.record->end;
   if (!has_begun) look.record.reset();
-  // Somebody may have taken the lock's file away: a keeper that lives has the folder all the same.
+  // Somebody may have deleted the lock file. A living keeper still has the folder.
   const bool lives = has_begun && !has_ended && is_living(look.record->keeper);
   if (is_held || lives) {
     look.state = Look::State::running;
@@ -220,8 +220,8 @@ std::optional<RunningKeeper> LocalBackend::adopt(const std::string& folder,
   if (looked.state != Look::State::running || !looked.record) return std::nullopt;
   const ProcessIdentity& recorded = looked.record->keeper;
   base::Descriptor descriptor(open_process(recorded.pid));
-  // Read after it was opened: what has the number now began at the recorded moment, so it had the
-  // number then too.
+  // Read the identity after opening. If it matches the record, the descriptor refers to the
+  // recorded process.
   if (!descriptor || identity_of(recorded.pid) != recorded) return std::nullopt;
   return RunningKeeper(recorded, std::move(descriptor));
 }

@@ -1,33 +1,31 @@
-// The local backend: starts, signals and looks at attempts on this machine, for a daemon that may
-// be killed and started again at any moment.
+// The local backend starts, signals and inspects attempts on this machine. The daemon may be killed
+// and restarted at any moment.
 //
-// Each attempt is held by a keeper, a process of its own (`sleight-keeper`, keep.h) that no
-// daemon's end touches. All that a daemon needs to go on with is the job's folder and the attempt's
-// number:
+// Each attempt runs under a keeper, a separate process (`sleight-keeper`, keep.h) that outlives the
+// daemon. A new daemon needs only the job's folder and the attempt's number:
 //
-//   backend.launch(spec)            before: the number is stored. It returns once the keeper runs
-//   backend.look(folder, attempt)   at any time, by any daemon
-//     never_began  launch the same attempt again: of two keepers one starts the program. As long as
-//                  the keeper that launch returned has not gone, it means "not yet"
-//     running      adopt(folder, attempt), wait for its descriptor, then look again. None to adopt:
-//                  it has just begun, or gone: look again some milliseconds later
+//   backend.launch(spec)            store the number first. Returns once the keeper runs
+//   backend.look(folder, attempt)   at any time, from any daemon
+//     never_began  launch the same attempt again: of two keepers only one starts the program. While
+//                  the keeper that launch returned is alive, this means "not yet"
+//     running      adopt(folder, attempt), wait for its descriptor, then look again. If adopt
+//                  returns none, the keeper has just started or exited: look again some ms later
 //     ended        the record has its end
-//     died         the keeper was killed, and the program with it: a new attempt
+//     died         keeper and program were killed: start a new attempt
 //
 // Invariants:
-//   1. A folder has at most one keeper, by a lock that lives as long as it; an attempt's program is
-//      started at most once.
-//   2. `ended` and `died` are final: nothing of the attempt runs any more, but for the moment that
-//      the kernel takes to kill a dead keeper's program, under 0.1 s.
-//   3. Signals reach the keeper of the attempt that they are meant for, never another process that
-//      has got its number.
-//   4. launch starts nothing that holds a descriptor of the daemon's, its terminal or its process
-//      group, and leaves no zombie.
+//   1. A folder has at most one keeper, because the keeper holds a lock for life. An attempt's
+//      program is started at most once.
+//   2. `ended` and `died` are final: no process of the attempt runs any more. After a keeper's
+//      death, the kernel may take up to 0.1 s to kill its program.
+//   3. Signals reach only the attempt's own keeper, never a process with a reused process id.
+//   4. A launched keeper has no descriptor of the daemon, nor its terminal or process group, and
+//      leaves no zombie.
 //   5. No function waits for a program. launch waits for one exec.
 //
-// The lock is one of fcntl's on open file descriptions (F_OFD_SETLK) rather than flock's: like it,
-// it goes with the keeper, but one can ask for it without taking it, so that a look never makes a
-// keeper that just begins believe that there is another.
+// The lock uses fcntl's open file descriptions (F_OFD_SETLK) instead of flock. Both are released
+// when the keeper ends. But only the former can be tested without being taken, so a look never
+// makes a starting keeper believe that another one exists.
 //
 // Thread safety: any thread; functions are independent of one another.
 #pragma once
@@ -43,17 +41,17 @@
 
 namespace sleight::keeper {
 
-/// A keeper that runs, or did when this was made. Move-only.
+/// A keeper that was running when this object was created. Move-only.
 class RunningKeeper {
  public:
   /// `descriptor` is a pidfd.
   RunningKeeper(ProcessIdentity identity, base::Descriptor descriptor);
 
   const ProcessIdentity& identity() const { return identity_; }
-  /// For poll and its like: becomes readable when the keeper has gone, and stays so.
+  /// For poll: becomes and stays readable once the keeper has exited.
   int descriptor() const { return descriptor_.get(); }
   bool has_gone() const;
-  /// False: it has gone. May be called again, in_order then now too.
+  /// False: the keeper has exited. Can be repeated, also with `now` after `in_order`.
   bool stop(Stop how) const;
 
  private:
@@ -64,10 +62,10 @@ class RunningKeeper {
 struct Look {
   enum class State : std::uint8_t { never_began, running, ended, died };
   State state = State::never_began;
-  /// The attempt's. Always of ended and died; of running, unless the keeper has just begun.
+  /// The attempt's record. Present for ended and died, and for running unless the keeper has just
+  /// started.
   std::optional<AttemptRecord> record{};
-  /// Of one that never began: what the keeper that was to start it said, such as that the disk is
-  /// full. Empty mostly.
+  /// For never_began: the error output of its keeper, such as "disk full". Usually empty.
   std::string words{};
 };
 
@@ -75,22 +73,22 @@ class LocalBackend {
  public:
   explicit LocalBackend(Programs programs);
 
-  /// The program does not run yet when this returns, and may never: look says. Throws base::Error
-  /// where no keeper can be started, or the spec can't be run here (more ranks than cores, no
-  /// mpirun).
+  /// Starts a keeper. On return the program doesn't run yet, and it may never run; look() reports
+  /// which. Throws base::Error if no keeper can be started, or if this machine can't run the spec
+  /// (more ranks than cores, no mpirun).
   RunningKeeper launch(const AttemptSpec& spec) const;
-  /// The same with a keeper's command as it stands (keeper_command_of).
+  /// Like launch, with a complete keeper command (keeper_command_of).
   RunningKeeper launch_command(const std::string& folder, std::vector<std::string> command) const;
 
-  /// Throws base::Error where the record can't be read, or is of a later attempt: another daemon
-  /// uses the folder.
+  /// Throws base::Error if the record can't be read, or if it is of a later attempt, because then
+  /// another daemon uses the folder.
   Look look(const std::string& folder, std::uint32_t attempt) const;
 
-  /// The keeper of a running attempt. None where it is not running, or has no record yet: look
-  /// tells the two apart. Throws as look.
+  /// Returns the keeper of a running attempt. None: the attempt isn't running, or has no record
+  /// yet; look() distinguishes the two. Throws like look.
   std::optional<RunningKeeper> adopt(const std::string& folder, std::uint32_t attempt) const;
 
-  /// adopt, and stop. False: nothing to stop, or no record yet.
+  /// Adopts the keeper and stops it. False: the attempt isn't running, or has no record yet.
   bool stop(const std::string& folder, std::uint32_t attempt, Stop how) const;
 
   const Programs& programs() const { return programs_; }

@@ -27,7 +27,7 @@ void BoundedLog::open() {
   descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
   const off_t size = descriptor_ < 0 ? 0 : ::lseek(descriptor_, 0, SEEK_END);
   bytes_ = size > 0 ? static_cast<std::uint64_t>(size) : 0;
-  // An earlier keeper may have been killed in the middle of a line.
+  // An earlier keeper may have been killed within a line.
   char last = '\n';
   if (bytes_ > 0 && ::pread(descriptor_, &last, 1, size - 1) == 1) at_line_begin_ = last == '\n';
 }
@@ -41,7 +41,7 @@ void BoundedLog::append(std::string_view bytes) {
   }
   while (!bytes.empty()) {
     if (bytes_ >= bytes_max_ / 2) turn_over();
-    // Of a file that is still full, since it could neither be renamed nor removed, nothing is left.
+    // If the file could be neither renamed nor removed, it is still full and has no room.
     const std::uint64_t room = bytes_max_ / 2 - std::min(bytes_max_ / 2, bytes_);
     const std::string_view piece = bytes.substr(0, room);
     if (piece.empty()) {
@@ -60,7 +60,7 @@ void BoundedLog::append(std::string_view bytes) {
 void BoundedLog::mark(std::string_view words) {
   std::string line = at_line_begin_ ? "" : "\n";
   line += k_log_mark;
-  // One line, whatever the words hold.
+  // Keep the words on one line.
   for (const char c : words)
     line += c == '\n' ? ' ' : c;
   append(line + "\n");
@@ -71,7 +71,7 @@ void BoundedLog::turn_over() {
   descriptor_ = -1;
   const std::string path = folder_ + "/" + k_log_name;
   const std::string old = folder_ + "/" + k_old_log_name;
-  // Where it can't be renamed it is given up, so that the bound holds.
+  // If renaming fails, delete the log to stay within the bound.
   if (std::rename(path.c_str(), old.c_str()) != 0) ::unlink(path.c_str());
   open();
 }

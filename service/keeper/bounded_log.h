@@ -1,11 +1,10 @@
-// What an attempt's program prints, in files of the job's folder that never grow over a bound.
+// The output of an attempt's program, in files of the job's folder with a bounded size.
 //
-// `log`, and before it `log.old`: when the first is full, at half the bound, it takes the place of
-// the second. All attempts of a job go on in the same files; each begins with a marked line, as
-// does whatever the keeper has to say.
+// When `log` reaches half the bound, it is renamed to `log.old`. All attempts of a job append to
+// the same files. A marked line begins each attempt and each message of the keeper.
 //
-// A disk that takes nothing loses output, never stops a program: the log says how much was lost
-// once it can.
+// If the disk accepts no output, output is lost but the program continues. The log reports the lost
+// bytes once writing works again.
 //
 // Thread safety: one thread.
 #pragma once
@@ -20,7 +19,7 @@
 namespace sleight::keeper {
 
 inline constexpr std::uint64_t k_log_bytes_max = 8U << 20U;
-/// A line of the keeper's own begins so.
+/// Prefix of the keeper's own lines.
 inline constexpr const char* k_log_mark = "=== ";
 
 class BoundedLog {
@@ -30,15 +29,15 @@ class BoundedLog {
   BoundedLog(const BoundedLog&) = delete;
   BoundedLog& operator=(const BoundedLog&) = delete;
 
-  /// What a program printed, in any pieces.
+  /// Appends output, split at any places.
   void append(std::string_view bytes);
-  /// A marked line, on a line of its own.
+  /// Appends a marked line.
   void mark(std::string_view words);
 
  private:
   void open();
   void turn_over();
-  /// How many bytes of these the disk took.
+  /// Returns how many of the bytes were written.
   std::size_t write(std::string_view bytes);
 
   std::string folder_;
@@ -49,7 +48,7 @@ class BoundedLog {
   bool at_line_begin_ = true;
 };
 
-/// The last lines of what is printed, each cut to a length; the last one may lack its end.
+/// The last lines of an output, each cut to a maximum length. The last line may be incomplete.
 class LastLines {
  public:
   static constexpr std::size_t k_line_bytes_max = 400;
@@ -60,8 +59,8 @@ class LastLines {
 
  private:
   std::size_t lines_max_;
-  std::deque<std::string> lines_{};  ///< whole ones
-  std::string open_{};               ///< without its end yet
+  std::deque<std::string> lines_{};  ///< complete ones
+  std::string open_{};               ///< incomplete so far
 };
 
 }  // namespace sleight::keeper

@@ -14,7 +14,7 @@
 namespace sleight::keeper {
 namespace {
 
-/// The first file of that name on PATH that can be run.
+/// Returns the first executable file of this name on PATH.
 std::string found_on_path(const std::string& name) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path == nullptr ? "/usr/bin:/bin" : path;
@@ -28,10 +28,10 @@ std::string found_on_path(const std::string& name) {
   }
 }
 
-/// Open MPI on this machine alone: no network but loopback, and none of its files elsewhere. Ranks
-/// are not bound to cores: each mpirun would bind its own to the same first ones.
+/// mpirun for this machine only: no network but loopback, and no files of Open MPI elsewhere. Ranks
+/// aren't bound to cores, because each mpirun would bind its ranks to the same first cores.
 std::vector<std::string> mpirun_of(const AttemptSpec& spec, const Programs& programs) {
-  // In a batch system's job mpirun asks that system for its machines, and the site has set it up.
+  // In a batch system's job, mpirun gets the machines from that system, as the site has set it up.
   if (spec.in_batch)
     return {programs.mpirun.empty() ? "mpirun" : programs.mpirun, "-n",
             fmt::format("{}", spec.ranks), programs.sleight_batch};

@@ -40,18 +40,19 @@ namespace sleight::keeper {
 namespace {
 
 constexpr double k_never_s = std::numeric_limits<double>::infinity();
-/// A wait for a signal, a word or output; it ends sooner where there is something to look for.
+/// Maximum wait for a signal, output or a message, unless a check is due earlier.
 constexpr double k_patience_s_max = 3600;
-/// How often it looks whether mpirun has ranks.
+/// Interval of checks whether mpirun has ranks.
 constexpr double k_rank_look_s = 1;
-/// The same until it has one: short-lived ranks must not be missed, and a stop may wait for them.
+/// The same until the first rank appears. It is short, because ranks may be short-lived and a stop
+/// may wait for them.
 constexpr double k_first_rank_look_s = 0.02;
-/// How soon it kills again what is left of a program, at first and at last.
+/// First and last interval of killing remaining descendants again.
 constexpr int k_kill_again_ms_min = 1;
 constexpr int k_kill_again_ms_max = 100;
-/// How often a keeper that waits for another one looks at it.
+/// Interval at which a waiting keeper checks another keeper.
 constexpr int k_other_look_ms = 200;
-/// A pipe's line is shorter; of what else is written there no more is kept.
+/// Maximum unparsed text from the pipe, longer than any line.
 constexpr std::size_t k_told_bytes_max = 4 * events::k_end_line_bytes_max;
 
 double unix_now_s() {
@@ -70,7 +71,7 @@ std::string run_folder_of(const std::string& folder) {
   return fmt::format("{}/{}.run", folder, k_output_name);
 }
 
-/// The run's sessions; none where there is no store, or it can't be read, which `log` is told.
+/// The run's sessions. None if there is no store or if it can't be read, which is logged.
 std::vector<store::Session> sessions_in(const std::string& folder, BoundedLog& log) {
   if (!base::PosixFileSystem().exists(run_folder_of(folder) + "/store.sqlite")) return {};
   try {
@@ -81,12 +82,12 @@ std::vector<store::Session> sessions_in(const std::string& folder, BoundedLog& l
   }
 }
 
-/// The pipe by which a program tells how its session ended. The keeper has both ends, so that it
-/// never reads its end before the first writer comes.
+/// The pipe on which a program reports its session's end. The keeper holds both ends, so that its
+/// reads never see an end of file before the first writer.
 class EndPipe {
  public:
   explicit EndPipe(const std::string& path) {
-    // A new one, which no process of an earlier attempt has open.
+    // Create a new pipe, which no process of an earlier attempt has open.
     if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail(path);
     if (::mkfifo(path.c_str(), 0600) != 0) fail(path);
     reader_.reset(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
@@ -96,7 +97,7 @@ class EndPipe {
   }
 
   int descriptor() const { return reader_.get(); }
-  /// The first end that was told counts.
+  /// The first reported end.
   const std::optional<events::RunEnd>& told() const { return told_; }
 
   void take() {
@@ -120,7 +121,7 @@ class EndPipe {
   std::optional<events::RunEnd> told_{};
 };
 
-/// What the program prints, from its pipe into the log.
+/// Copies the program's output from its pipe to the log.
 class Output {
  public:
   explicit Output(BoundedLog& log) : log_(log) {
@@ -131,13 +132,13 @@ class Output {
     ::fcntl(reader_.get(), F_SETFL, O_NONBLOCK);
   }
 
-  /// Below 0 once all writers have gone, which poll passes over.
+  /// Negative once all writers have closed; poll ignores negative descriptors.
   int descriptor() const { return reader_.get(); }
   int writer() const { return writer_.get(); }
   void close_writer() { writer_.reset(); }
   std::vector<std::string> last_lines() const { return last_.lines(); }
 
-  /// What is there now, at most `pieces` of it: signals come between.
+  /// Reads available output, at most `pieces` pieces, so that signals are handled in between.
   void take(int pieces) {
     for (; pieces > 0; --pieces) {
       const ssize_t count = ::read(reader_.get(), piece_.data(), piece_.size());
@@ -160,11 +161,11 @@ class Output {
   std::array<char, 1U << 16U> piece_{};
 };
 
-/// The signals that the keeper takes, as a descriptor.
+/// The keeper's signals, as a descriptor.
 class Signals {
  public:
   explicit Signals(bool in_batch) : on_term_(in_batch ? Stop::in_order : Stop::now) {
-    // Inherited dispositions would hide the children's ends or end the keeper.
+    // Inherited dispositions could hide the children's ends or end the keeper.
     std::signal(SIGCHLD, SIG_DFL);
     for (const int number : {SIGHUP, SIGPIPE, SIGXFSZ})
       std::signal(number, SIG_IGN);
@@ -194,7 +195,6 @@ class Signals {
   base::Descriptor descriptor_;
 };
 
-/// The program while it runs.
 class Kept {
  public:
   Kept(const KeeperOptions& options, const base::Clock& clock, pid_t program)
@@ -209,8 +209,8 @@ class Kept {
   const std::optional<Stop>& stop_asked() const { return stop_asked_; }
 
   void stop(Stop how) {
-    // Only the first in order is passed on: a run that is told twice ends at once, and may need
-    // long for its end in order.
+    // Pass on only the first clean stop. A second signal would end the run at once, and a clean
+    // stop may take long.
     const bool was_asked = stop_asked_.has_value();
     stop_asked_ = stop_asked_ == Stop::now ? Stop::now : how;
     if (how == Stop::now) {
@@ -218,14 +218,14 @@ class Kept {
     } else if (was_asked) {
       return;
     } else if (options_.with_ranks && !has_had_ranks_) {
-      // mpirun passes a signal on to the ranks that there are.
+      // mpirun passes signals only to ranks that already exist.
       is_stop_held_ = true;
     } else {
       ::kill(program_, SIGUSR1);
     }
   }
 
-  /// Waits for all that has ended.
+  /// Waits for all children that have ended.
   void reap() {
     int status = 0;
     pid_t ended = 0;
@@ -234,7 +234,7 @@ class Kept {
     }
   }
 
-  /// Looks for hangs. `has_told`: the program has told its end.
+  /// Checks for hangs. `has_told`: the program has reported its end.
   void watch(bool has_told) {
     const double now_s = clock_.now_s();
     if (has_told) lingers_s_ = std::min(lingers_s_, now_s + options_.grace_s);
@@ -242,7 +242,7 @@ class Kept {
     if (options_.with_ranks && now_s >= next_look_s_) look_for_ranks(now_s);
   }
 
-  /// Milliseconds until watch has something to see.
+  /// Milliseconds until the next check is due.
   int patience_ms() const {
     const double now_s = clock_.now_s();
     double due_s = std::min(now_s + k_patience_s_max, lingers_s_);
@@ -275,18 +275,18 @@ class Kept {
   std::optional<int> status_{};
   KilledFor killed_for_ = KilledFor::nothing;
   std::optional<Stop> stop_asked_{};
-  bool is_stop_held_ = false;  ///< until there is a rank
+  bool is_stop_held_ = false;  ///< until the first rank exists
   bool has_had_ranks_ = false;
-  double lingers_s_ = k_never_s;  ///< when it is killed, as it has told its end
-  double is_alone_s_;             ///< likewise, as it has no ranks
+  double lingers_s_ = k_never_s;  ///< deadline to exit after reporting its end
+  double is_alone_s_;             ///< deadline to exit without ranks
   double next_look_s_ = 0;
 };
 
-/// Kills and waits for all children of this process, and theirs, which come to it when their
-/// parents end.
+/// Kills and awaits all children of this process, and their descendants, which become its children
+/// when their parents end.
 void end_all_descendants() {
   for (int wait_ms = k_kill_again_ms_min;; wait_ms = std::min(2 * wait_ms, k_kill_again_ms_max)) {
-    // None of these numbers can be another process's, as nobody has waited for them.
+    // These process ids can't have been reused, because nobody has waited for the processes.
     for (const pid_t child : children_of(::getpid()))
       ::kill(child, SIGKILL);
     pid_t ended = 0;
@@ -305,7 +305,7 @@ void set_how_it_ended(AttemptEnd& end, int status) {
   }
 }
 
-/// Waits until the program has ended, and lets nothing of it go on.
+/// Waits until the program has ended, and kills its descendants.
 AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& signals, EndPipe& pipe,
                        Output& output, Moments& moments) {
   const base::SteadyClock clock;
@@ -316,7 +316,7 @@ AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& sig
                                  {.fd = output.descriptor(), .events = POLLIN, .revents = 0}}};
     if (::poll(waits.data(), waits.size(), kept.patience_ms()) < 0 && errno != EINTR) fail("poll");
     const auto asked = signals.take();
-    // First what has ended: a signal must not go to a number that is free again.
+    // Reap first: a signal must not go to a process id that is free again.
     kept.reap();
     if (asked && !kept.has_ended()) kept.stop(*asked);
     pipe.take();
@@ -326,7 +326,7 @@ AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& sig
   moments.reached(Moment::program_ended);
   end_all_descendants();
   moments.reached(Moment::alone);
-  // Nobody writes any more: what there is, is all.
+  // All writers are gone, so the rest is complete.
   pipe.take();
   while (output.descriptor() >= 0)
     output.take(16);
@@ -335,7 +335,7 @@ AttemptEnd run_program(const KeeperOptions& options, pid_t program, Signals& sig
   return end;
 }
 
-/// Of a session that began during this attempt.
+/// The stored end of a session that began during this attempt.
 std::optional<events::RunEnd> stored_end(const KeeperOptions& options, const AttemptRecord& record,
                                          BoundedLog& log) {
   const auto sessions = sessions_in(options.folder, log);
@@ -343,7 +343,7 @@ std::optional<events::RunEnd> stored_end(const KeeperOptions& options, const Att
   return sessions.back().end;
 }
 
-/// Open MPI's files, which an mpirun that was killed leaves.
+/// Removes Open MPI's files, which a killed mpirun leaves behind.
 std::error_code clear_mpi_files(const std::string& folder) {
   std::error_code error;
   std::filesystem::remove_all(folder + "/" + k_mpi_folder_name, error);
@@ -363,7 +363,7 @@ std::string words_of(const AttemptEnd& end) {
   return words;
 }
 
-/// Steps 3 and 4.
+/// Steps 3 and 4 of keep.h.
 AttemptEnd start_and_wait(const KeeperOptions& options, Signals& signals, EndPipe& pipe,
                           BoundedLog& log, Moments& moments) {
   const base::SteadyClock clock;
@@ -392,9 +392,9 @@ AttemptEnd start_and_wait(const KeeperOptions& options, Signals& signals, EndPip
   return end;
 }
 
-/// The attempt has begun by another keeper of the same batch job, which its system has started
-/// twice. As long as that one lives, so does this, or the system would end both; signals are handed
-/// on. False: it has gone, or is on another machine.
+/// Waits for another keeper of the same batch job, which the system has started twice, and passes
+/// signals on to it. If this keeper exited first, the system would end both. False: the other
+/// keeper has exited or is on another machine.
 bool wait_for_other(const ProcessIdentity& other, Signals& signals) {
   bool was_there = false;
   while (is_living(other)) {
@@ -464,7 +464,7 @@ base::ExitCode keep(const KeeperOptions& options, Moments& moments) {
   if (!end.run_end) end.run_end = stored_end(options, record, log);
   end.ended_unix_s = unix_now_s();
   log.mark(fmt::format("attempt {}: {}", options.attempt, words_of(end)));
-  // What can't be removed now, the next attempt says: this one's end counts.
+  // Ignore failures here: the next attempt reports them, and this attempt's end counts.
   static_cast<void>(clear_mpi_files(options.folder));
   record.end = std::move(end);
   if (marks) {

@@ -1,40 +1,40 @@
-// The keeper: one process for one attempt, which starts the job's program, hears how it ended, and
-// writes it down.
+// The keeper: one process per attempt that starts the job's program, observes how it ends, and
+// records the end.
 //
-//   1. Takes the folder's lock, or ends; ends too where the folder's record is of this attempt or a
-//      later one. So an attempt that is launched twice runs once.
-//   2. Clears what an attempt that was killed has left, makes the pipe through which the program
-//   tells
-//      how its session ended (common/events/run_end.h), and writes its record.
-//   3. Starts the program (program.h) and waits. Meanwhile it puts what the program prints into the
-//      bounded log, and takes signals:
-//        SIGUSR1, SIGINT   passed on to the program as SIGUSR1, which ends a run in order
-//        SIGTERM           the program and all its descendants are killed
+//   1. Takes the folder's lock. Exits if the lock is taken, or if the folder's record is of this
+//      attempt or a later one. So an attempt that is launched twice runs once.
+//   2. Removes the remains of a killed attempt, creates the pipe on which the program reports its
+//      session's end (common/events/run_end.h), and writes the attempt's record.
+//   3. Starts the program (program.h) and waits. Meanwhile the keeper writes the program's output
+//      to the bounded log, and handles signals:
+//        SIGUSR1, SIGINT   pass SIGUSR1 on to the program, which stops a run cleanly
+//        SIGTERM           kill the program and all its descendants
 //        SIGHUP            ignored
-//      It kills a program that has told its end and lingers, and an mpirun whose ranks have all
-//      gone (Debian 12's hangs in its own end then, now and then).
-//   4. Once the program has ended, kills what is left of its descendants, which are all its own to
-//      wait for, as it is their subreaper.
-//   5. Writes the record with the end. Where the pipe told none, the run's store may: a session
-//   newer
-//      than those before.
+//      The keeper kills a program that reported its end but doesn't exit, and an mpirun whose ranks
+//      have all exited (Debian 12's mpirun sometimes hangs while exiting).
+//   4. After the program has ended, kills its remaining descendants. The keeper is their subreaper,
+//      so it can wait for all of them.
+//   5. Writes the record with the end. If the pipe reported no end, the end of a session newer
+//      than the earlier ones is taken from the run store, if it has one.
 //
-// In a batch system's job (KeeperOptions::in_batch) it differs in five things. SIGTERM, which such
-// a system sends to all processes some time before it kills them, is passed on as SIGUSR1, and kept
-// from the program, which would be told twice. The program has the whole environment, in which
-// mpirun finds the job's machines. On a network disk, whose locks outlive a lost machine, the file
-// `begun.N` takes the lock's place: so an attempt that the system starts twice runs once. A second
-// keeper on the first one's machine waits for its end, as the system would take its own end for
-// that of all. And a keeper that was thought lost writes nothing over a later attempt's record.
+// In a batch system's job (KeeperOptions::in_batch) five things differ:
+//
+//   - SIGTERM, which the system sends to all processes some time before killing them, is passed on
+//     as SIGUSR1. The program itself doesn't receive SIGTERM, so it isn't told twice.
+//   - The program gets the whole environment, from which mpirun finds the job's machines.
+//   - On a network disk, whose locks outlive a lost machine, the file `begun.N` replaces the lock.
+//     So an attempt that the system starts twice runs once.
+//   - A second keeper on the same machine waits until the first one exits, because the system would
+//     take the second keeper's exit for the end of the job.
+//   - A keeper that was presumed lost doesn't overwrite a later attempt's record.
 //
 // Invariants:
-//   1. While the keeper lives the lock is held; once it has gone, nothing of the program is left:
-//   it
-//      waits for all of it, or, killed, the kernel kills the program, which takes its own ranks
-//      along (clients/cli/end_with_mpirun.h).
-//   2. The record of the end is written when nothing of the program runs any more.
+//   1. The keeper holds the lock while it lives, and no process of the program outlives it. The
+//      keeper waits for all these processes. If the keeper is killed, the kernel kills the program,
+//      and the program's death ends its ranks (clients/cli/end_with_mpirun.h).
+//   2. The record of the end is written after all processes of the program ended.
 //
-// Thread safety: keep has the process for itself: its signals, its children, one thread.
+// Thread safety: keep needs a process of its own, with its signals and children, and one thread.
 #pragma once
 
 #include <cstdint>
@@ -50,19 +50,19 @@ struct KeeperOptions {
   std::string folder{};
   std::uint32_t attempt = 1;
   std::vector<std::string> command{};
-  bool with_ranks = false;  ///< the command is mpirun's
-  bool in_batch = false;    ///< a batch system's job holds the keeper
+  bool with_ranks = false;  ///< the command runs mpirun
+  bool in_batch = false;    ///< the keeper runs in a batch system's job
   double grace_s = 30;      ///< as in AttemptSpec
 };
 
-/// The grace of an mpirun without ranks, where that of the attempt is not shorter.
+/// Grace time of an mpirun without ranks, unless the attempt's grace time is shorter.
 inline constexpr double k_without_ranks_s = 10;
-/// By then an mpirun has started one, or hangs.
+/// An mpirun without a rank after this time hangs.
 inline constexpr double k_first_rank_s = 60;
 
-/// Returns when the attempt has ended and is recorded: `ok`, whatever its end. `conflict`: there is
-/// nothing to do, since another keeper has the folder, or the attempt has begun before; said on
-/// stderr. Throws base::Error where the folder can't be written.
+/// Returns `ok` after the attempt's end is recorded, however the program ended. Returns `conflict`,
+/// with a message on stderr, if another keeper has the folder or the attempt has begun before.
+/// Throws base::Error if the folder can't be written.
 base::ExitCode keep(const KeeperOptions& options, Moments& moments);
 
 }  // namespace sleight::keeper

@@ -1,10 +1,10 @@
-// The lock of a job's folder, which its keeper holds for life.
+// The lock of a job's folder, which the folder's keeper holds for life.
 //
 // Invariants:
-//   1. At most one holds it, and it goes with the process, however that ends.
-//   2. Looking takes nothing: a look never makes a keeper that just begins fail.
+//   1. At most one process holds the lock, and the lock is released when that process ends.
+//   2. Testing the lock doesn't take it, so a look never makes a starting keeper fail.
 //
-// A process that was forked from the holder holds it too until it execs.
+// A process forked from the holder also holds the lock until it calls exec.
 //
 // Thread safety: a KeeperLock belongs to one thread; is_held any.
 #pragma once
@@ -17,8 +17,8 @@ namespace sleight::keeper {
 
 class KeeperLock {
  public:
-  /// None: another has it. Throws base::Error where the folder can't be written, or its file system
-  /// has no locks.
+  /// None: another process has the lock. Throws base::Error if the folder can't be written or its
+  /// file system has no locks.
   static std::optional<KeeperLock> take(const std::string& folder);
   ~KeeperLock();
   KeeperLock(KeeperLock&& other) noexcept;
@@ -26,14 +26,14 @@ class KeeperLock {
   KeeperLock(const KeeperLock&) = delete;
   KeeperLock& operator=(const KeeperLock&) = delete;
 
-  /// For disks whose locks outlive a lost machine, or that have none: marks the attempt as begun,
-  /// for ever and on all machines (`begun.N`; older marks go). False: it had begun. Throws
-  /// base::Error.
+  /// Marks the attempt as begun, forever and for all machines (`begun.N`), and removes older marks.
+  /// For disks without locks, or whose locks outlive a lost machine. False: the attempt was marked
+  /// before. Throws base::Error.
   static bool mark_begun(const std::string& folder, std::uint32_t attempt);
-  /// Whether it was so marked.
+  /// Whether mark_begun has marked the attempt.
   static bool has_begun(const std::string& folder, std::uint32_t attempt);
 
-  /// Whether a keeper holds it. False where there is no folder.
+  /// Whether a keeper holds the lock. False if the folder doesn't exist.
   static bool is_held(const std::string& folder);
 
  private:

@@ -1,4 +1,4 @@
-// `sleight-keeper`: main_keeper.h with a keeper that nothing kills.
+// `sleight-keeper` without moments at which it dies (main_keeper.h).
 #include "service/keeper/main_keeper.h"
 
 int main(int argc, char** argv) {

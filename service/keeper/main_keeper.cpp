@@ -18,7 +18,7 @@
 namespace sleight::programs {
 namespace {
 
-/// Those that the caller closed: no file of the keeper's takes their place.
+/// Opens standard streams that the caller closed, so that no file of the keeper gets their numbers.
 void occupy_streams() {
   while (true) {
     const int descriptor = ::open("/dev/null", O_RDWR);
@@ -74,7 +74,7 @@ int keeper_main(int argc, char** argv, keeper::Moments& moments) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
   }
   try {
-    // The working folder changes.
+    // keep() changes the working folder.
     options.folder = std::filesystem::absolute(options.folder).string();
     return static_cast<int>(keeper::keep(options, moments));
   } catch (const base::Error& error) {

@@ -1,11 +1,10 @@
-// The main of `sleight-keeper`, to which tests give moments at which it dies.
+// The main function of `sleight-keeper`. Tests pass moments at which the keeper dies.
 #pragma once
 
 #include "service/keeper/moments.h"
 
 namespace sleight::programs {
 
-/// Returns the exit code.
 int keeper_main(int argc, char** argv, keeper::Moments& moments);
 
 }  // namespace sleight::programs

@@ -1,4 +1,4 @@
-// The moments of a keeper's life at which tests kill it.
+// Moments of a keeper's life at which tests kill it.
 #pragma once
 
 #include <array>
@@ -7,17 +7,17 @@
 
 namespace sleight::keeper {
 
-/// In this order. Each lies between two effects that others see.
+/// Moments in order. Each is between two effects that other processes see.
 enum class Moment : std::uint8_t {
-  begun,          ///< nothing is done
-  locked,         ///< it has the folder's lock
-  prepared,       ///< pipe and log are there, what an earlier attempt left is gone
+  begun,          ///< nothing done yet
+  locked,         ///< the keeper has the folder's lock
+  prepared,       ///< pipe and log exist; remains of earlier attempts are removed
   recorded,       ///< the beginning is durable
-  in_child,       ///< forked; reached in the child, which has not called exec
-  forked,         ///< the same, in the keeper
+  in_child,       ///< forked; reached in the child before exec
+  forked,         ///< forked; reached in the keeper
   started,        ///< the program runs
-  program_ended,  ///< its descendants may run
-  alone,          ///< none runs
+  program_ended,  ///< its descendants may still run
+  alone,          ///< no descendant runs
   end_recorded    ///< the end is durable
 };
 
@@ -25,7 +25,7 @@ inline constexpr std::array<std::string_view, 10> k_moment_names{
     "begun",  "locked",  "prepared",      "recorded", "in_child",
     "forked", "started", "program_ended", "alone",    "end_recorded"};
 
-/// A real keeper does nothing at them.
+/// Called at each moment. A real keeper does nothing there.
 class Moments {
  public:
   virtual ~Moments() = default;

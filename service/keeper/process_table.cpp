@@ -22,16 +22,16 @@ struct Stat {
   std::uint64_t start_ticks = 0;
 };
 
-/// Empty where there is no such file, or its process has gone meanwhile.
+/// Empty if the file doesn't exist or its process has ended.
 std::string content_of(const std::string& path) {
-  // A file of /proc whose process ends meanwhile fails in the middle, and `<<` takes that for its
-  // end.
+  // If the process ends during the read, the read fails, and `<<` treats the failure as the end of
+  // the file.
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return std::move(text).str();
 }
 
-/// proc(5), /proc/PID/stat: the name stands in brackets and may hold any character.
+/// Parses /proc/PID/stat (proc(5)). The name is in brackets and may contain any character.
 std::optional<Stat> stat_of(pid_t pid) {
   const std::string text = content_of(fmt::format("/proc/{}/stat", pid));
   const std::size_t bracket = text.rfind(')');
@@ -39,7 +39,7 @@ std::optional<Stat> stat_of(pid_t pid) {
   std::istringstream fields(text.substr(bracket + 1));
   Stat stat;
   fields >> stat.state >> stat.parent;
-  // Field 22; the parent was the fourth.
+  // Skip to field 22; the parent is field 4.
   std::string skipped;
   for (int field = 5; field < 22; ++field)
     fields >> skipped;
@@ -55,7 +55,7 @@ std::optional<pid_t> number_in(std::string_view name) {
   return number;
 }
 
-/// The numbers that name entries of a folder of /proc.
+/// The numeric entries of a folder in /proc.
 std::vector<pid_t> numbers_in(const std::string& folder) {
   std::vector<pid_t> numbers;
   std::error_code error;
@@ -84,7 +84,7 @@ std::optional<ProcessIdentity> identity_of(pid_t pid) {
 
 std::vector<pid_t> children_of(pid_t pid) {
   std::vector<pid_t> children;
-  // Each thread has its own.
+  // Each thread has its own list.
   for (const pid_t thread : numbers_in(fmt::format("/proc/{}/task", pid))) {
     std::ifstream list(fmt::format("/proc/{}/task/{}/children", pid, thread));
     if (!list) {

@@ -1,7 +1,7 @@
-// Processes of this machine, as the kernel's /proc tells.
+// Processes of this machine, read from the kernel's /proc.
 //
-// What is read of another process may be of the past when it returns, but for children of the
-// caller: their numbers are not used again before the caller has waited for them.
+// Information on another process may be outdated on return. Only children of the caller are safe:
+// their process ids aren't reused before the caller waits for them.
 //
 // Thread safety: any thread.
 #pragma once
@@ -15,18 +15,19 @@
 
 namespace sleight::keeper {
 
-/// None where there is no such process. One that has ended and was not waited for is still there.
+/// None if the process doesn't exist. A zombie (ended, but nobody waited for it) still exists.
 std::optional<ProcessIdentity> identity_of(pid_t pid);
-/// Whether it runs: one that has ended and is not waited for yet does not.
+/// Whether the process runs. A zombie doesn't.
 bool is_living(const ProcessIdentity& identity);
 
-/// Processes whose parent `pid` is, ascending, also those that were not waited for.
+/// The process's children in ascending order, zombies included.
 std::vector<pid_t> children_of(pid_t pid);
 
-/// The same, by looking at every process: for kernels that don't list children, and for tests.
+/// Like children_of, by searching all processes: for kernels without lists of children, and for
+/// tests.
 std::vector<pid_t> children_by_search(pid_t pid);
 
-/// Whether `pid` has a child that has not ended.
+/// Whether the process has a child that is not a zombie.
 bool has_living_child(pid_t pid);
 
 }  // namespace sleight::keeper

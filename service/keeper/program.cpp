@@ -11,7 +11,7 @@
 #include <csignal>
 #include <cstring>
 
-// After signal.h and unistd.h, which it builds on.
+// This header requires signal.h and unistd.h before it.
 #include <linux/close_range.h>
 
 #include "common/base/check.h"
@@ -22,7 +22,7 @@ namespace {
 
 constexpr int k_low_priority = 10;
 
-/// What a process has by default: nothing is ignored, and nothing else is blocked.
+/// Restores the default dispositions and signal mask.
 void reset_signals(bool blocks_sigterm) {
   for (int number = 1; number < NSIG; ++number)
     std::signal(number, SIG_DFL);
@@ -44,10 +44,10 @@ bool dump_no_core() {
   return ::setrlimit(RLIMIT_CORE, &none) == 0;
 }
 
-/// In the child: becomes the program, or tells `report` the error and ends.
+/// In the child: becomes the program, or reports the error to `report` and exits.
 [[noreturn]] void become(const ProgramStart& start, char* const* arguments,
                          char* const* environment, pid_t starter, int report, Moments& moments) {
-  // First of all, so that nothing of this outlives the starter, which may have gone before.
+  // Do this first, so that the child doesn't outlive a starter that has just died.
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != starter) ::_exit(127);
   moments.reached(Moment::in_child);
   if (start.yields) ::setpriority(PRIO_PROCESS, 0, k_low_priority);
@@ -81,7 +81,7 @@ base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moment
   std::vector<std::string> variables = start.environment;
   const std::vector<char*> arguments = pointers_to(command);
   const std::vector<char*> environment = pointers_to(variables);
-  // The end that the child has is closed by exec: no word means success.
+  // exec closes the child's end, so an empty pipe means success.
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return failed(errno);
   const base::Descriptor heard(ends[0]);

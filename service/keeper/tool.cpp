@@ -22,9 +22,9 @@
 namespace sleight::keeper {
 namespace {
 
-/// A program whose output has ended is looked at so often.
+/// Interval of checks for the exit of a program whose output has ended.
 constexpr int k_wait_ms = 2;
-/// Whether it is to be stopped is looked at so often.
+/// Interval of checks of ToolOptions::stop.
 constexpr int k_look_at_stop_ms = 100;
 
 struct Pipe {
@@ -39,7 +39,7 @@ Pipe make_pipe() {
   return {.reader = base::Descriptor(ends[0]), .writer = base::Descriptor(ends[1])};
 }
 
-/// Takes what there is; closes at the end.
+/// Reads available output; closes at its end.
 void take(base::Descriptor& from, std::string& into, std::size_t bytes_max, bool& is_cut) {
   std::array<char, 16384> piece;
   const ssize_t count = ::read(from.get(), piece.data(), piece.size());
@@ -53,7 +53,7 @@ void take(base::Descriptor& from, std::string& into, std::size_t bytes_max, bool
   into.append(piece.data(), std::min(room, static_cast<std::size_t>(count)));
 }
 
-/// Gives it what it reads; closes at the end, or where it reads no more.
+/// Writes input to the program; closes at its end, or when the program stops reading.
 void give(base::Descriptor& to, std::string_view& rest) {
   const ssize_t count = rest.empty() ? 0 : ::write(to.get(), rest.data(), rest.size());
   if (count < 0 && (errno == EINTR || errno == EAGAIN)) return;
@@ -61,7 +61,7 @@ void give(base::Descriptor& to, std::string_view& rest) {
   if (count < 0 || rest.empty()) to.reset();
 }
 
-/// Writing to a program that reads nothing must not end this one.
+/// Blocks SIGPIPE, because writing to a program that doesn't read must not end this process.
 class NoPipeSignal {
  public:
   NoPipeSignal() {
@@ -71,7 +71,7 @@ class NoPipeSignal {
     ::pthread_sigmask(SIG_BLOCK, &pipe, &before_);
   }
   ~NoPipeSignal() {
-    // One that came is taken, so that it does not come when it is let through again.
+    // Consume a pending SIGPIPE before unblocking it.
     sigset_t pipe;
     sigemptyset(&pipe);
     sigaddset(&pipe, SIGPIPE);
@@ -88,7 +88,7 @@ class NoPipeSignal {
   sigset_t before_{};
 };
 
-/// Nothing in them steers a terminal, and no space is at their end.
+/// Removes control characters and trailing space.
 void tidy_words(std::string& words) {
   for (char& c : words) {
     const auto byte = static_cast<unsigned char>(c);
@@ -156,7 +156,7 @@ ToolEnd run_tool(const std::vector<std::string>& command, const ToolOptions& opt
       take(words.reader, end.words, options.words_bytes_max, are_words_cut);
     if (waits[2].revents != 0) give(input.writer, rest);
   }
-  // One that has closed both may run on.
+  // A program that has closed both streams may still run.
   int status = 0;
   pid_t waited = 0;
   while (!end.was_too_slow && (waited = ::waitpid(child, &status, WNOHANG)) == 0) {
