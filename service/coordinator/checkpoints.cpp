@@ -57,7 +57,7 @@ bool Checkpoints::is_due(const Standing& now) const {
   return since_s >= every_s_;
 }
 
-/// Once, and not again.
+/// Logs the first failure only.
 void Checkpoints::complain(const std::string& reason) {
   if (std::exchange(has_complained_, true)) return;
   logging::warn(fmt::format("can't write an archive of the run so far: {}", reason));
@@ -83,7 +83,7 @@ void Checkpoints::work() {
     changed_.wait(lock, [&] { return stop_ || wanted_; });
     if (stop_) return;
     const request::Cut reached = *std::exchange(wanted_, std::nullopt);
-    // The first with all finds is short, and waited for: it is made whatever ends meanwhile.
+    // The first archive with all finds is small and awaited, so a stop doesn't cancel it.
     const std::atomic<bool> never = false;
     const std::atomic<bool>& stop = is_first_of_finds_ ? never : stop_;
     is_making_ = true;

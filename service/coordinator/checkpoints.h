@@ -1,16 +1,16 @@
-// Archives of a run so far, for people who watch, made beside the computing.
+// Checkpoints: archives of a run so far, for people who watch the run.
 //
-// A thread of its own derives them, so that nobody waits. The first comes as soon as a search has
-// its finds, or with the first solution;
-// the next ones every so often, and so seldom that they take at most k_checkpoint_share_max of the
-// workers' time. Motions of kept animations are not counted: each is simulated once for all
-// archives, the last one too, and so costs nothing more.
+// A separate thread derives them, so that nothing waits. The first checkpoint is made as soon as a
+// search has its finds, or with the first solution. Later ones are made every every_s, or less
+// often, so that they take at most k_checkpoint_share_max of the workers' time. Simulating the
+// motions of kept animations isn't counted: each motion is simulated once for all archives, so it
+// costs nothing extra.
 //
-// At a low priority it would cost less, but a thread that reads the store slowly keeps SQLite from
-// cutting its log short: at SCHED_IDLE a run's log grew by 1.2 GB in a minute and a half.
+// The thread runs at normal priority, because a slow reader of the store prevents SQLite from
+// shortening its log. At SCHED_IDLE, a run's log grew by 1.2 GB in 90 s.
 //
-// A checkpoint that can't be written is said once and tried again later: the run goes on, and its
-// end derives an archive anyhow.
+// If a checkpoint can't be written, a warning is logged once and the checkpoint is tried again
+// later. The run continues, and derives an archive at its end in any case.
 //
 // Thread safety: one thread calls it.
 #pragma once
@@ -29,11 +29,12 @@
 
 namespace sleight::coordinator {
 
-/// Of the workers' time between two checkpoints, one takes no larger share.
+/// Maximum share of the workers' time between two checkpoints that one checkpoint takes.
 inline constexpr double k_checkpoint_share_max = 0.01;
-/// Before so much of a session nothing is made: a run that is over by then has its archive anyhow.
+/// No checkpoint in the first seconds of a session: a run that ends by then writes its archive
+/// anyway.
 inline constexpr double k_checkpoint_after_s = 0.5;
-/// A first one that could not be made, or shows nothing yet, is tried again after so long.
+/// Delay before another try if the first checkpoint failed or shows no solution.
 inline constexpr double k_checkpoint_retry_s = 1;
 
 class Checkpoints {
@@ -42,22 +43,23 @@ class Checkpoints {
     bool archive = false;  ///< false: there are no draws and no finds yet
     double motions_s = 0;  ///< processor time that new motions took
   };
-  /// Derives the archive of what was reached, in the thread; throws DeriveStopped (derive.h) soon
-  /// after `stop` has become true, and any other exception where it fails.
+  /// Derives the archive of the given cut, in the thread. Throws DeriveStopped (derive.h) soon
+  /// after `stop` becomes true, or any other exception on failure.
   using Derive = std::function<Made(const request::Cut& reached, const std::atomic<bool>& stop)>;
 
-  /// Borrows the clock, which must be thread-safe. `every_s` 0: none are made. `has_archive`: an
-  /// earlier session left one, so that none is made at once.
+  /// Borrows the clock, which must be thread-safe. `every_s` 0: no checkpoints. `has_archive`: an
+  /// earlier session left an archive, so none is needed at once.
   Checkpoints(Derive derive, const base::Clock& clock, double every_s, bool has_archive = false);
   /// As stop().
   ~Checkpoints();
   Checkpoints(const Checkpoints&) = delete;
   Checkpoints& operator=(const Checkpoints&) = delete;
 
-  /// How the run stands, told as often as one likes: begins a checkpoint when it is time for one.
+  /// Begins a checkpoint if one is due. May be called at any rate.
   void offer(const Standing& now);
 
-  /// Gives up the one that is being made and waits for that; none is begun afterwards.
+  /// Cancels the checkpoint in progress and waits until its thread has ended. No checkpoint begins
+  /// afterwards.
   void stop();
 
   std::uint64_t made() const;
@@ -72,15 +74,15 @@ class Checkpoints {
   double every_s_;
   double begin_s_;
   std::atomic<bool> stop_ = false;
-  mutable std::mutex mutex_;  ///< of all below
+  mutable std::mutex mutex_;  ///< guards all members below
   std::condition_variable changed_;
-  std::optional<request::Cut> wanted_;  ///< to be made now
+  std::optional<request::Cut> wanted_;  ///< to be made next
   bool is_making_ = false;
-  bool has_archive_ = false;        ///< one that shows a solution
-  bool shows_solution_ = false;     ///< the one that is being made does
-  bool is_first_of_finds_ = false;  ///< so is all that a search was to find, and no archive was
+  bool has_archive_ = false;        ///< an archive shows a solution
+  bool shows_solution_ = false;     ///< the archive in progress shows a solution
+  bool is_first_of_finds_ = false;  ///< the first archive with all finds is in progress
   bool has_complained_ = false;
-  double last_end_s_;  ///< of the last try, or the session's beginning
+  double last_end_s_;  ///< end of the last try, or begin of the session
   double last_cost_s_ = 0;
   std::uint64_t made_ = 0;
   std::thread thread_;

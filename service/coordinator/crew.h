@@ -1,7 +1,7 @@
-// Who computes blocks for a run: threads of this process, or these and the ranks of an MPI job.
+// A crew computes a run's blocks: threads of this process, or these and the ranks of an MPI job.
 //
-// A crew carries messages and knows nothing of plans, stores or who should run what. It is driven
-// by one thread (drive.h).
+// A crew only carries messages: plans, stores and scheduling are elsewhere. One thread drives it
+// (drive.h).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace sleight::coordinator {
 
-/// What went between this process and others; nothing where there are no others.
+/// Messages between this process and others; zero without other processes.
 struct Traffic {
   std::uint64_t messages = 0;  ///< in both directions
   std::uint64_t bytes = 0;
@@ -23,12 +23,12 @@ class Crew {
  public:
   virtual ~Crew() = default;
 
-  /// Who is there from the beginning.
+  /// The members that exist from the beginning.
   virtual std::vector<core::Joined> members() const = 0;
   virtual void send(core::WorkerId worker, schema::Assignment assignment) = 0;
   virtual void send(core::WorkerId worker, const schema::Ping& ping) = 0;
-  /// What has come in from workers; waits up to `timeout_s` for the first. A worker's failure is
-  /// thrown here.
+  /// Returns input from the workers; waits up to `timeout_s` for the first. Rethrows a worker's
+  /// exception.
   virtual std::vector<core::Input> receive(double timeout_s) = 0;
   virtual Traffic traffic() const { return {}; }
 };

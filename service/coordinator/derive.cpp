@@ -20,7 +20,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Hands on until it is stopped: between two batches, so that nobody waits long.
+/// Passes data on, and checks for a stop between batches.
 class StoppableSink final : public archive::Sink {
  public:
   StoppableSink(archive::Sink& sink, std::function<void()> ask)
@@ -50,7 +50,7 @@ class StoppableSink final : public archive::Sink {
 
 static_assert(request::k_prior_draws <= archive::k_prior_draws_max);
 
-/// Does it, and adds the processor time that it took; to null nothing.
+/// Runs `work` and adds its processor time to `*total_s`, unless that is null.
 template <class Work>
 auto timed(double* total_s, const Work& work) {
   const double begin_s = base::thread_processor_s();
@@ -59,7 +59,7 @@ auto timed(double* total_s, const Work& work) {
   return result;
 }
 
-/// Adds up what is simulated once a run.
+/// Measures the simulations that run once per run.
 class TimedReader final : public archive::ForwardingReader {
  public:
   TimedReader(const archive::StateReader& reader, double* motions_s)
@@ -73,17 +73,17 @@ class TimedReader final : public archive::ForwardingReader {
   double* motions_s_;
 };
 
-/// On what remembered motions hang besides their states.
+/// What saved motions depend on besides their states.
 std::string owner_of_motions(const request::DirectionRequest& request) {
   return fmt::format("{}\n{}", base::version(), request::identity_text(request));
 }
 
-/// The same for every archive of a run, whatever its cut and whoever derives it.
+/// An id that is equal for all archives of a run, whichever process derives them.
 std::string run_id(const request::DirectionRequest& request, const std::string& results_version) {
   return hash::sha256_hex(fmt::format("{}\n{}", run_identity(request), results_version));
 }
 
-/// Feeds a plan with what the method can learn from a cut, and from no other scan.
+/// Feeds the plan the scans of the cut, from which the method learns again.
 void teach(plan::Plan& learner, const store::StoredRun& view, const std::function<void()>& ask,
            const archive::HearWriting& hear) {
   archive::WritingProgress now{.part = archive::WritingProgress::Part::learning};
@@ -111,7 +111,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
     if (inputs.fence) inputs.fence();
   };
 
-  // Which scans of the cut are draws, and what was learnt on the way.
+  // Determine which scans of the cut are draws, and what the method learned from them.
   const auto run_store = inputs.store ? inputs.store : store::open_to_read(folder);
   const auto view_of = [&](std::uint32_t chains) {
     const bool has_takes = cut.relaxed > 0;
@@ -138,7 +138,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
     view.emplace(view_of(0));
   }
 
-  // Write them, with motions that are known or simulated now.
+  // Write the draws, with motions that are saved or simulated now.
   const request::OutputParameters& keep = inputs.request.output;
   const archive::ArchiveOptions options{
       .request_text = request::normalised_text_of(inputs.request, cut),

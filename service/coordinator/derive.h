@@ -1,11 +1,11 @@
-// Archives out of a run's store: at the end of a session, now and then while it runs, and by
-// `sleight archive derive` beside it or long after.
+// Derives archives from a run's store: at the end of a session, periodically while it runs, and for
+// `sleight archive derive`, which may run concurrently or later.
 //
-// Nothing of the running session is needed: rows of a cut never change, and what a method learns
-// from them a fresh plan learns again. So an archive of one cut is the same whenever and by
-// whomever it is derived.
+// Deriving depends only on the store. Rows of a cut never change, and a fresh plan learns again
+// what a method learned from them. So the archive of a cut is the same whenever and by whichever
+// process it is derived.
 //
-// Thread safety: one archive at a time in the process (hdf5/writer.h), in any thread.
+// Thread safety: one archive at a time per process (hdf5/writer.h), in any thread.
 #pragma once
 
 #include <functional>
@@ -21,12 +21,12 @@
 
 namespace sleight::coordinator {
 
-/// What decides the stored results of a run: two requests with one identity can share a run store,
-/// so that one goes on where the other stopped. [stop] and what is kept in the archive may differ;
-/// `thin` may not, since only every thin-th scan's state is stored.
+/// Identifies what determines a run's stored results. Requests with the same identity can share a
+/// run store, so that one resumes the other's run. [stop] and the kept animations may differ.
+/// `thin` may not, because only every thin-th scan's state is stored.
 std::string run_identity(const request::DirectionRequest& request);
 
-/// Borrowed for the call.
+/// Inputs that are borrowed for the call.
 struct DeriveInputs {
   const request::DirectionRequest& request;
   const archive::StateReader& reader;
@@ -35,34 +35,33 @@ struct DeriveInputs {
   base::FileSystem& files;
   /// Of the program, which made the run's results.
   const std::string& results_version;
-  /// Where the processor time in seconds is added that motions took which were not remembered; may
-  /// be null.
+  /// The processor time in seconds for simulating new motions is added here. May be null.
   double* motions_s = nullptr;
-  /// Through which the store is read, which on a network disk is the writer's own
-  /// (RunStore::to_read); null: a connection of its own.
+  /// The connection for reading the store; on a network disk, the writer's own (RunStore::to_read).
+  /// Null: opens its own connection.
   std::shared_ptr<store::SharedDatabase> store{};
-  /// Asked between batches and before the archive gets its name; throws where the run may be
-  /// another process's by now. May be empty.
+  /// Called between batches and before the archive gets its name. Throws if another process may
+  /// have taken the run. May be empty.
   std::function<void()> fence{};
-  /// Told often how far the archive is; may be empty.
+  /// Receives the progress of writing. May be empty.
   archive::HearWriting hear{};
 };
 
-/// Thrown out of derive_archive when it was stopped; nothing was written.
+/// Thrown by derive_archive if it was stopped; nothing was written.
 struct DeriveStopped {};
 
-/// Writes the archive of a cut of the run in `folder` to `output`, beside its place and renamed.
-/// Returns its digest; empty, and no archive, while the run is in its burn-in and has found
-/// nothing. `cut` is then what the archive holds: no scans where these are no draws yet. Motions
-/// are remembered in the folder (store/stored_motions.h). Throws base::Error where the store can't
-/// be read or the archive can't be written, and DeriveStopped soon after `stop` has become true:
-/// after one simulation, or a batch. It is asked in this thread and may be empty. REQUIRES: the cut
-/// is committed.
+/// Writes the archive of a cut of the run in `folder` to a temporary file and renames it to
+/// `output`. Returns the archive's digest. While the run is in its burn-in and has found nothing,
+/// returns an empty digest and writes nothing. Sets `cut` to what the archive contains: no scans if
+/// none are draws yet. Motions are saved in the folder (store/stored_motions.h). Throws base::Error
+/// if the store can't be read or the archive can't be written. Throws DeriveStopped soon after
+/// `stop` returns true, at most one simulation or one batch later. `stop` is called in this thread
+/// and may be empty. REQUIRES: the cut is committed.
 std::string derive_archive(const DeriveInputs& inputs, const std::string& folder,
                            const std::string& output, request::Cut& cut,
                            const std::function<bool()>& stop = {});
 
-/// What is committed in `folder` of a run of this request.
+/// What `folder` contains in committed results of a run of this request.
 request::Cut committed_cut(const std::string& folder, plan::Plan& fresh_plan);
 
 }  // namespace sleight::coordinator

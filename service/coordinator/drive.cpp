@@ -27,7 +27,7 @@ class Driver {
     catch_up();
     DriveEnd end = DriveEnd::finished;
     carry_out(tick());
-    stop_if_asked(end);  // before anything is handed out
+    stop_if_asked(end);  // before any assignment
     for (const core::Joined& member : crew_.members())
       carry_out(member);
     while (!scheduler_.ended() && !is_grace_over()) {
@@ -44,10 +44,10 @@ class Driver {
   }
 
  private:
-  /// Brings plan and scheduler to where earlier sessions left the run.
+  /// Brings plan and scheduler to the state that earlier sessions reached.
   void catch_up() {
     std::map<plan::ReplicaKey, std::uint64_t> next_scans;
-    // It refuses a damaged store.
+    // replay_all throws if the store is damaged.
     store_.replay_all([&](const plan::ReplicaKey& replica, base::ScanIndex first,
                           std::span<const plan::ScanRecord> records) {
       plan_.consume(replica, first, records);
@@ -63,10 +63,10 @@ class Driver {
     earlier_scans_ = plan_.scans_consumed();
   }
 
-  /// Tells the scheduler, and does what it says.
+  /// Passes the input to the scheduler and carries out its effects.
   void carry_out(core::Input input) {
     if (const auto* delivered = std::get_if<core::Delivered>(&input)) {
-      // Threads of one worker may deliver in another order than they looked.
+      // Threads of one worker may deliver out of order, so only a higher count is new.
       plan::CacheUse& known = caches_[delivered->worker];
       const plan::CacheUse& said = delivered->delivery.cache;
       if (said.hits + said.misses >= known.hits + known.misses) known = said;
@@ -85,13 +85,13 @@ class Driver {
     const plan::Finds finds = plan_.finds();
     if (finds.found > counted_.finds.found) counted_.found_s = clock_.now_s() - begin_s_;
     counted_.finds = finds;
-    // People who watch see at once what a search has found.
+    // Report at once that a search has its finds.
     if (!std::exchange(had_finds_, has_finds()) && had_finds_) tell_standing();
   }
 
   core::Tick tick() const { return {.now_s = clock_.now_s()}; }
 
-  /// Once: what is running then ends, so that nothing computed is thrown away.
+  /// Stops once. Blocks in progress may finish, so that their results aren't lost.
   void stop_if_asked(DriveEnd& end) {
     if (end != DriveEnd::finished) return;
     const std::optional<DriveEnd> early = asked_to_stop();
@@ -199,9 +199,9 @@ class Driver {
   events::Progress counted_;
   std::uint64_t earlier_scans_ = 0;
   double begin_s_;
-  std::optional<double> stop_s_;  ///< when it was asked to stop
+  std::optional<double> stop_s_;  ///< time of the stop request
   double report_s_ = 0;
-  bool had_finds_ = false;  ///< a search had all that it was to find
+  bool had_finds_ = false;  ///< a search has all requested finds
 };
 
 }  // namespace

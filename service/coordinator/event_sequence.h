@@ -1,27 +1,27 @@
-// The numbered events of a run, in order: what was found, what failed, which rounds ended.
+// The numbered events of a run, in order: solutions, failures and ended rounds.
 //
-// They follow from results in logical order, never in the order in which results come:
+// Events follow from results in logical order, not in the order of arrival:
 //
-//   starts of the search 0, 1, 2, ...    of each its failures, then what it found
-//   then scans of all chains 1, 2, ...   of each, once all chains have made it:
+//   starts of the search 0, 1, 2, ...    per start: its failures, then its find
+//   then scans of all chains 1, 2, ...   per scan, once all chains have made it:
 //                                          failures, by (chain, replica, kind)
-//                                          solutions that it decides, by (chain, scan)
-//                                          rounds that end with it, by chain
+//                                          solutions that the scan decides, by (chain, scan)
+//                                          rounds that end with the scan, by chain
 //
-// So chains' events wait until the search is over; both are computed side by side, but a search
-// goes first and takes little of a run.
+// So the chains' events wait until the search is over. Search and chains are computed concurrently,
+// but the search goes first and takes little of a run.
 //
 // Invariants
-//   1. What is told up to a frontier is a function of the results up to it: neither of how many
-//      steps the frontier took, nor of threads, ranks, deaths or earlier sessions.
-//   2. What was told stays: a frontier moves forward only. A longer [stop] tells more. A shorter
-//      one tells nothing before its run is past what was told; nor does a search that was asked for
-//      less. One that is asked for more goes on where its frontier is, so that what it finds then
-//      comes after the chains' events that were told before.
-//   3. Failures are told of each scan and kind once, the first k_failures_told_max of a run: the
-//      others are counted, in progress and summaries.
+//   1. The events up to a frontier are a function of the results up to it. They don't depend on the
+//      frontier's steps, nor on threads, ranks, deaths or earlier sessions.
+//   2. Reported events are final: a frontier only advances. A longer [stop] adds events. With a
+//      shorter [stop] or fewer requested finds, there are no events until the run passes the
+//      frontier. With more requested finds, the search resumes at its frontier, so its new finds
+//      follow the chains' events that were reported before.
+//   3. A failure is reported once per scan and kind, for the first k_failures_told_max of a run.
+//      Further failures are counted in progress and summaries.
 //
-// A failure's file is no result: of many failures those that came first have one
+// A failure's file isn't a result: of many failures, the first to arrive get a file
 // (failure_files.h). Pure, and not thread-safe.
 #pragma once
 
@@ -41,41 +41,42 @@
 
 namespace sleight::coordinator {
 
-/// Of a run; a simulator that fails at every other state must not fill the store with that.
+/// Maximum failures reported per run: a simulator that fails at every other state must not fill the
+/// store.
 inline constexpr std::uint64_t k_failures_told_max = 1000;
 
 class EventSequence {
  public:
-  /// The file of the first failure of a kind in a scan; empty if none is kept.
+  /// The file of the first failure of a kind in a scan. Empty: no file is stored.
   using FileOf = std::function<std::string(const plan::ReplicaKey& replica, base::ScanIndex scan,
                                            plan::FailureKind kind)>;
 
-  /// Goes on from a frontier.
+  /// Resumes at a frontier.
   explicit EventSequence(const store::ToldFrontier& told, FileOf file_of = {});
 
-  /// Takes in results, those of earlier sessions too; before the plan's frontier passes them.
+  /// Accepts results, including those of earlier sessions, before the plan's frontier passes them.
   void consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
                 std::span<const plan::ScanRecord> records);
 
-  /// What follows from the plan's having come so far, without numbers; frontier() has moved.
+  /// Returns the new events up to the plan's frontier, without numbers, and advances frontier().
   std::vector<events::RunEvent> advance(const plan::Plan& plan);
 
-  /// Up to which results all is told.
+  /// All events that follow from results up to here are reported.
   const store::ToldFrontier& frontier() const { return told_; }
 
  private:
   struct FailurePlace {
-    std::uint64_t at = 0;  ///< the scan, or the start's number
+    std::uint64_t at = 0;  ///< scan, or number of the start
     plan::ReplicaKey replica;
     base::ScanIndex scan;
     plan::FailureKind kind{};
     friend auto operator<=>(const FailurePlace&, const FailurePlace&) = default;
   };
-  /// Those that no frontier has passed; no more of them than may still be told.
+  /// Failures that no frontier has passed; at most as many as can still be reported.
   using Waiting = std::set<FailurePlace>;
 
   void remember(Waiting& waiting, const FailurePlace& place) const;
-  /// The next one to be told of those before `end`.
+  /// The next failure to report, among those before `end`.
   std::optional<events::Failure> next_failure(Waiting& waiting, std::uint64_t end);
   void advance_search(const plan::Plan& plan, std::vector<events::RunEvent>& events);
   void advance_chains(const plan::Plan& plan, std::vector<events::RunEvent>& events);

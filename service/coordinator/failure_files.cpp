@@ -35,7 +35,7 @@ FailureFiles::FailureFiles(const std::string& run_folder, std::string request_te
   }
 }
 
-/// A file that a person has changed, or nobody can read, counts all the same, and is of no failure.
+/// A changed or unreadable file still counts, but belongs to no failure.
 void FailureFiles::describe(Kept& kept) {
   kept.replica.chain = base::ChainId{UINT32_MAX};
   try {
@@ -69,7 +69,7 @@ std::optional<std::string> FailureFiles::keep(const plan::ReplicaKey& replica,
   if (files_.exists(path)) return path;
   if (kept_.size() >= k_failure_files_max) return std::nullopt;
   files_.make_folder(folder_);
-  // Whole or not at all: a process that is killed here leaves no torn file under that name.
+  // Write a temporary file first: a killed process leaves no incomplete file under the final name.
   const std::string unfinished = path + ".tmp";
   base::write_text_file(files_, unfinished,
                         failure_file::to_text({.program_version = std::string(base::version()),

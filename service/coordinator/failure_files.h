@@ -1,7 +1,7 @@
-// Keeps simulations that failed as files beside the run, so that `sleight replay` repeats them.
+// Writes failed simulations as files in `<output>.run/failures`, for `sleight replay`.
 //
-// They lie in `<output>.run/failures`. A file is named by where in the run its simulation was, so a
-// result that is lost and computed again is written once. Not thread-safe.
+// A file's name gives the simulation's place in the run, so a result that is lost and computed
+// again is written once. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -14,25 +14,26 @@
 
 namespace sleight::coordinator {
 
-/// Files of a run; later failures are counted alone.
+/// Maximum files of a run; later failures are only counted.
 inline constexpr std::size_t k_failure_files_max = 10;
 
 class FailureFiles {
  public:
-  /// Borrows the file system. `run_folder` exists; nothing is written before the first failure.
+  /// Borrows the file system. REQUIRES: `run_folder` exists. The first failure creates the folder
+  /// of failures.
   FailureFiles(const std::string& run_folder, std::string request_text, base::FileSystem& files);
 
-  /// The file that repeats a failure; none if there are k_failure_files_max already. Throws
-  /// base::Error when the disk fails.
+  /// Returns the file that repeats a failure. None: there are k_failure_files_max files already.
+  /// Throws base::Error if the disk fails.
   std::optional<std::string> keep(const plan::ReplicaKey& replica,
                                   const plan::FailedSimulation& failed);
 
-  /// The file of the first failure of a kind in a scan, by this session or an earlier one; empty if
-  /// there is none.
+  /// The file of the first failure of a kind in a scan, from this session or an earlier one. Empty:
+  /// there is no file.
   std::string path_of(const plan::ReplicaKey& replica, base::ScanIndex scan,
                       plan::FailureKind kind) const;
 
-  /// Removes those of an earlier run that is given up.
+  /// Deletes the files of an earlier run that --fresh deletes.
   static void remove_all(const std::string& run_folder, base::FileSystem& files);
 
  private:
@@ -48,7 +49,7 @@ class FailureFiles {
   static void describe(Kept& kept);
 
   std::vector<Kept> kept_;
-  // The failure that came last, to number those of one scan.
+  // The last failure, to number the failures of one scan.
   plan::ReplicaKey last_replica_;
   base::ScanIndex last_scan_;
   std::size_t nth_ = 0;

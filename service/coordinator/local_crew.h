@@ -18,13 +18,13 @@ namespace sleight::coordinator {
 inline constexpr core::WorkerId k_local_worker{0};
 
 /// Each thread takes the oldest assignment. send and receive are for one driving thread. The
-/// threads start with the first assignment: until then the process may fork safely, which reading a
-/// file that may be anything does.
+/// threads start with the first assignment. Until then the process may fork safely, which reading
+/// an untrusted file requires.
 class LocalCrew final : public Crew {
  public:
   /// Borrows the worker. REQUIRES: threads >= 1.
   LocalCrew(const plan::BlockWorker& worker, std::uint32_t threads);
-  /// Lets running blocks end and drops waiting ones.
+  /// Waits for running blocks and drops waiting ones.
   ~LocalCrew() override;
   LocalCrew(const LocalCrew&) = delete;
   LocalCrew& operator=(const LocalCrew&) = delete;
@@ -33,8 +33,8 @@ class LocalCrew final : public Crew {
   void send(core::WorkerId worker, schema::Assignment assignment) override;
   void send(core::WorkerId worker, const schema::Ping& ping) override;
   std::vector<core::Input> receive(double timeout_s) override;
-  /// Whether a block is being run. After a run that did not wait for it the process ends by itself,
-  /// without destroying the crew and its worker, or waits for as long as the block takes.
+  /// Whether a thread is running a block. If a run ends without waiting for the block, the program
+  /// should exit without destroying the crew, because the destructor waits for the block.
   bool is_busy();
 
  private:
@@ -46,7 +46,7 @@ class LocalCrew final : public Crew {
   std::condition_variable work_waits_;
   std::condition_variable input_waits_;
   std::deque<schema::Assignment> waiting_;
-  std::set<std::uint64_t> before_it_;  ///< assignments that are not done
+  std::set<std::uint64_t> before_it_;  ///< assignments that aren't done
   std::size_t running_ = 0;            ///< threads with an assignment
   std::vector<core::Input> inputs_;
   std::exception_ptr failure_;

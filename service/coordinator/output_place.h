@@ -1,6 +1,6 @@
-// The place where an archive is to be written: whether it can be, and whose file lies there.
+// Checks the output path of an archive: whether it is writable, and which file is already there.
 //
-// Thread safety: as the file system's; what lies there is read by a process of its own.
+// Thread safety: that of the file system. A separate process reads the existing file.
 #pragma once
 
 #include <string>
@@ -11,16 +11,17 @@
 
 namespace sleight::coordinator {
 
-/// Finds out now, not after an hour of computing, that no archive can be written there: throws
-/// base::Error, usage where `output` names no file.
+/// Throws base::Error now, rather than after an hour of computing, if no archive can be written
+/// there. ExitCode::usage: `output` names no file.
 void refuse_unusable_place(const std::string& output, base::FileSystem& files);
 
-/// With which the request of an archive of this run begins: of one that has finds alone, too.
+/// The possible first lines of requests in archives of this run, including an archive with only
+/// finds.
 std::vector<std::string> beginnings_of(const request::DirectionRequest& request);
 
-/// Refuses, by base::Error(conflict), to replace a file that is no archive, or one whose request
-/// begins with none of these: somebody has put it there. By base::Error(environment) where that
-/// can't be told. REQUIRES: the file is there.
+/// Throws base::Error(conflict) if the file is not an archive, or if its request begins with none
+/// of `beginnings`, because somebody else put the file there. Throws base::Error(environment) if
+/// the file can't be read. REQUIRES: the file exists.
 void refuse_foreign_file(const std::string& output, const std::vector<std::string>& beginnings);
 
 }  // namespace sleight::coordinator

@@ -29,7 +29,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Refuses an output that no run of ours explains, and gives up an earlier run when asked to.
+/// Refuses an output that doesn't belong to this run. With `fresh`, deletes an earlier run.
 /// REQUIRES: the folder's lock is held.
 void claim_output(const std::string& output, const std::string& folder, bool fresh,
                   base::FileSystem& files) {
@@ -44,10 +44,10 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   if (!fresh || !has_run) return;
   if (files.exists(output)) refuse_foreign_file(output, {""});
   logging::info(fmt::format("--fresh: deleting the earlier run of {}", output));
-  // The archive goes first: an archive without its store would be refused above.
+  // Delete the archive first: an archive without its store would be refused above.
   files.remove(output);
-  // Then the database, then its log: a log alone is ignored, a database without its log may be
-  // torn.
+  // Then delete the database before its log. A log alone is ignored, but a database without its log
+  // may be inconsistent.
   for (const char* suffix : {"", "-wal", "-shm"}) {
     files.remove(database + suffix);
     files.remove(store::StoredMotions::path(folder) + suffix);
@@ -57,8 +57,8 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   files.remove(events::old_event_log_path(folder));
 }
 
-/// Archives half written by processes that were killed; nobody else writes while the lock is held.
-/// One that can't be found or removed is in nobody's way: that is said, and the run goes on.
+/// Deletes unfinished archives of killed processes. No other process writes while the lock is held.
+/// If a file can't be deleted, logs a warning and continues.
 void remove_leftovers(const std::string& output, base::FileSystem& files) {
   const std::string folder = base::directory_of(output);
   const std::string beginning = output.substr(output.find_last_of('/') + 1) + ".tmp.";
@@ -88,7 +88,7 @@ void say_failure(const plan::ReplicaKey& replica, const plan::FailedSimulation& 
            : "the maximum number of failure files is reached"));
 }
 
-/// Units that have begun may take a while.
+/// Explains the wait for blocks in progress.
 void say_stopping() {
   logging::info(
       fmt::format("stopping: waiting up to {:g} s for results, then writing the archive; the next "
@@ -96,7 +96,8 @@ void say_stopping() {
                   k_stop_grace_s));
 }
 
-/// An earlier session asked for more, and its archive has just been replaced by a shorter one.
+/// Reports that the new archive contains fewer scans than the store, because an earlier session
+/// requested more.
 void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
                           std::uint64_t scans) {
   std::optional<std::uint64_t> stored;
@@ -110,7 +111,8 @@ void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
                   output, scans, *stored));
 }
 
-/// Keeps failures as files, and says the first one at once; progress and summary count the others.
+/// Stores failures as files and reports the first one at once. Progress and summary count the
+/// others.
 class FailureNotes {
  public:
   FailureNotes(const std::string& folder, const std::string& request_text, base::FileSystem& files)
@@ -125,7 +127,7 @@ class FailureNotes {
                       plan::FailureKind kind) const {
     return files_.path_of(replica, scan, kind);
   }
-  /// Empty if there was none, or it isn't kept.
+  /// Empty: there was no failure, or it has no file.
   const std::string& first_path() const { return first_path_; }
 
  private:
@@ -142,15 +144,15 @@ std::string run_folder(const std::string& output) {
 
 namespace {
 
-/// Drives the plan from where the store stands, and derives the archive.
+/// Drives the plan from the store's state, and derives the archive.
 RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
                             const std::string& folder, store::RunLock& lock,
                             store::RunStore& run_store, FailureNotes& failures,
                             RunEvents& run_events) {
   base::FileSystem& files = inputs.files;
-  lock.keep();  // nothing forks any more
+  lock.keep();  // there are no forks after this point
   if (run_store.epoch() > 1) run_events.say("reading results of earlier sessions");
-  double motions_s = 0;  // of the thread of checkpoints while that runs
+  double motions_s = 0;  // used by the checkpoints' thread while that runs
   const auto archive_of = [&](request::Cut cut, const std::function<bool()>& stop,
                               const archive::HearWriting& hear) {
     const DeriveInputs derive{.request = inputs.request,
@@ -169,7 +171,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
   };
   Checkpoints checkpoints(
       [&](const request::Cut& reached, const std::atomic<bool>& stop) {
-        run_store.flush();  // what was reached may be on its way
+        run_store.flush();  // the cut may not be committed yet
         motions_s = 0;
         const std::string digest = archive_of(reached, [&stop] { return stop.load(); }, {}).first;
         return Checkpoints::Made{.archive = !digest.empty(), .motions_s = motions_s};
@@ -208,8 +210,8 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
   if (summary.scans > 0 || summary.found > 0) {
     run_events.say(k_writing);
     WritingWords words([&](const std::string& phase) { run_events.say(phase); }, inputs.clock);
-    // Told to stop before, it was to end with an archive; the same signal again then ends it at
-    // once.
+    // After a stop request the run still writes its archive. The same signal again ends the
+    // process.
     const bool is_stopping = summary.end == DriveEnd::stop_requested;
     try {
       std::tie(summary.digest, summary.scans) = archive_of(
@@ -241,7 +243,7 @@ events::End end_of(const RunSummary& summary) {
   return events::End::simulation_failed;
 }
 
-/// For people; of most ends there is nothing to say.
+/// A sentence for people. Empty for ends that need no explanation.
 std::string words_of(const RunSummary& summary) {
   if (summary.is_archive_given_up)
     return "stopped while writing the archive; any previous archive is unchanged";
@@ -279,8 +281,8 @@ events::RunEnd record_of(const RunSummary& summary) {
           .words = words_of(summary)};
 }
 
-/// Where the store can't take the record, the caller's supervisor has it all the same, and the
-/// session ends as it would have.
+/// Saves the session's end. If the store fails, the end is still passed to `options.ended`, and the
+/// session ends as planned.
 void leave_record(store::RunStore& run_store, RunEvents& run_events, const events::RunEnd& end,
                   const RunOptions& options) {
   try {
@@ -315,7 +317,8 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
   // Take the output for this process and this request.
   refuse_unusable_place(options.output, files);
   if (files.exists(options.output) && !files.exists(folder)) {
-    claim_output(options.output, folder, options.fresh, files);  // refuses, and makes no folder
+    claim_output(options.output, folder, options.fresh,
+                 files);  // refuses without creating a folder
   }
   store::RunLock lock(folder, {.stop_requested = options.stop_requested});
   claim_output(options.output, folder, options.fresh, files);
@@ -327,7 +330,7 @@ RunSummary run_request(const RunInputs& inputs, const RunOptions& options) {
                                     .chains = inputs.request.sampler.chains};
   store::RunStore run_store(folder, identity, &lock);
 
-  // Whatever becomes of the session, its store has how it ended.
+  // The store must record the session's end in every case.
   std::optional<FailureNotes> failures;
   const auto file_of = [&](const auto& replica, base::ScanIndex scan, plan::FailureKind kind) {
     return failures->file_of(replica, scan, kind);

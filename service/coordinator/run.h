@@ -1,10 +1,10 @@
-// One run from request to archive on this machine: take the output, go on where an earlier session
-// stopped, drive the plan, derive the archive.
+// One run from request to archive on this machine: takes the output, resumes an earlier session's
+// run, drives the plan and derives the archive.
 //
-// Files of a run with output `ball.h5`: the archive `ball.h5` (derived, replaced whole) and the
-// folder `ball.h5.run` with the run store (the truth) and what simulations failed
-// (failure_files.h). The archive can be deleted and made again; deleting the folder gives up what
-// isn't in the archive and the means to go on.
+// A run with output `ball.h5` has two parts: the archive `ball.h5`, which is derived and replaced
+// atomically, and the folder `ball.h5.run` with the run store and the failed simulations
+// (failure_files.h). A deleted archive can be derived again. If the folder is deleted, the run
+// can't be resumed, and only the archive's contents remain.
 #pragma once
 
 #include <cstdint>
@@ -25,59 +25,58 @@
 
 namespace sleight::coordinator {
 
-/// What a program's main brings together. Everything is borrowed for the call.
+/// The objects that a program's main provides, borrowed for the call.
 struct RunInputs {
   const request::DirectionRequest& request;
   const archive::StateReader& reader;
   plan::Plan& plan;  ///< fresh
-  /// A fresh plan of the same run that ends at a cut: what a method learns from the scans of an
-  /// archive is learnt again from these.
+  /// Returns a fresh plan of the same run that ends at a cut. Deriving an archive uses this plan to
+  /// learn again from the archive's scans.
   std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)> plan_of;
   Crew& crew;
   const base::Clock& clock;
-  /// Through which the output is taken and the archive written; the run store has SQLite's own.
+  /// For the output and the archive. SQLite has its own file access for the run store.
   base::FileSystem& files;
-  /// Of the program; a run goes on only under the one that it began with.
+  /// The program's version. A run can be resumed only by the version that began it.
   std::string results_version;
 };
 
 struct RunOptions {
   std::string output;       ///< path of the archive
-  bool fresh = false;       ///< give up an earlier run of this output
-  double time_limit_s = 0;  ///< 0 for none
+  bool fresh = false;       ///< delete an earlier run of this output
+  double time_limit_s = 0;  ///< 0: no limit
   std::function<bool()> stop_requested{};
-  /// Hears of all that happens (run_events.h), in the calling thread; may be empty. The same is in
-  /// the run's folder, for others (common/store/told_events.h).
+  /// Receives all events (run_events.h) in the calling thread. May be empty. Other processes read
+  /// the same events in the run's folder (common/store/told_events.h).
   std::function<void(const events::RunEvent&)> hear{};
-  /// An archive of the run so far, for people who watch (checkpoints.h); 0: none.
+  /// Interval of run checkpoints (checkpoints.h). 0: none.
   double checkpoint_every_s = 60;
-  bool strict = false;  ///< a simulation that fails ends the run
-  /// Hears how the session ended, once, when the store has it or can't take it; may be empty. Not
-  /// called where the session is refused before it has the store.
+  bool strict = false;  ///< a failed simulation ends the run
+  /// Receives the session's end once, after the store has saved it or failed to. May be empty. Not
+  /// called if the session is refused before it opens the store.
   std::function<void(const events::RunEnd&)> ended{};
 };
 
 struct RunSummary {
   DriveEnd end = DriveEnd::finished;
-  std::uint64_t scans = 0;           ///< of every chain
+  std::uint64_t scans = 0;           ///< per chain
   std::uint64_t found = 0;           ///< by a search
-  std::uint64_t relaxed = 0;         ///< of these, takes
-  std::string digest{};              ///< of the archive's content; empty: none could be written
-  bool is_archive_given_up = false;  ///< it was told to stop while it wrote it
+  std::uint64_t relaxed = 0;         ///< takes among the finds
+  std::string digest{};              ///< of the archive's content; empty: no archive was written
+  bool is_archive_given_up = false;  ///< a stop was requested while the archive was written
   std::uint64_t epoch = 0;           ///< 1 for a run's first session
-  std::string first_failure{};       ///< of this session: its file, if it was kept
+  std::string first_failure{};       ///< file of this session's first failure, if one was stored
   events::Progress progress{};
   Handling handling{};
 };
 
-/// Throws base::Error: conflict where the output belongs to another request, to another results
-/// version, to a running process or to nobody known; environment where the disk fails.
+/// Throws base::Error: conflict if the output belongs to another request, another results version,
+/// a running process or an unknown owner; environment if the disk fails.
 RunSummary run_request(const RunInputs& inputs, const RunOptions& options);
 
-/// With which a program ends that ends so.
+/// The exit code of a program whose run ended in this way.
 base::ExitCode exit_code_of(DriveEnd end);
 
-/// The folder of an output's run store.
 std::string run_folder(const std::string& output);
 
 }  // namespace sleight::coordinator

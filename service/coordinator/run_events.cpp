@@ -71,13 +71,13 @@ void RunEvents::ended(std::uint64_t number, const events::RunEnd& end) {
   tell({.number = number, .what = end});
 }
 
-/// First to the listener: until it has heard, the process may be of one thread.
+/// The listener comes first, because the log's thread starts afterwards.
 void RunEvents::tell(events::RunEvent event) {
   if (hear_) hear_(event);
   log(std::move(event));
 }
 
-/// In the store's thread.
+/// Called in the store's thread.
 void RunEvents::committed(std::span<const events::RunEvent> events) {
   if (hear_) {
     const std::scoped_lock lock(mutex_);

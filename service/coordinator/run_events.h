@@ -1,17 +1,17 @@
-// What happens in a run, told to whoever watches: to a listener in this process, and in the run's
-// folder to all others, by its log (common/events/event_log.h) and its store.
+// Reports what happens in a run to its watchers: to a listener in this process, and to other
+// processes by a log (common/events/event_log.h) and the store in the run's folder.
 //
-//   drive ──results, plan──▶ EventSequence ──▶ RunStore: numbered, committed behind the results
+//   drive ──results, plan──▶ EventSequence ──▶ RunStore: numbered, committed after the results
 //     │                                            │ committed
 //     │ progress, phases                           ▼
 //     └───────────────────────────────────▶ a thread ──▶ events.log
 //
 // Invariants
-//   1. A numbered event is told when it and the results from which it follows are committed.
-//   2. The drive's thread never waits for the log; lines that a slow disk does not take in time are
-//      left out, and numbered ones made again from the store by readers (store/told_events.h).
-//   3. The listener is called in the thread that calls this, never in another.
-//   4. The log's thread starts with the first event, after the listener has heard it.
+//   1. A numbered event is reported after it and its results are committed.
+//   2. The driving thread never waits for the log. Lines that a slow disk does not accept in time
+//      are left out; readers restore numbered ones from the store (store/told_events.h).
+//   3. The listener is called only in the thread that calls this class.
+//   4. The log's thread starts with the first event, after the listener has received it.
 //
 // Thread safety: archive_written may be called from any thread, the rest from one.
 #pragma once
@@ -36,19 +36,20 @@
 
 namespace sleight::coordinator {
 
-/// Progress goes into the log so often; the listener gets all.
+/// Interval of progress in the log; the listener receives all progress.
 inline constexpr double k_progress_logged_every_s = 1;
-/// Lines that may wait for the log.
+/// Maximum lines that wait for the log.
 inline constexpr std::size_t k_lines_waiting_max = 10'000;
 
 class RunEvents {
  public:
   using Hear = std::function<void(const events::RunEvent&)>;
 
-  /// Borrows store and clock. `hear` may be empty. REQUIRES: nothing was put into the store yet.
+  /// Borrows store and clock. `hear` may be empty. REQUIRES: nothing has been put into the store
+  /// yet.
   RunEvents(std::string folder, store::RunStore& store, const base::Clock& clock, Hear hear,
             EventSequence::FileOf file_of = {});
-  /// As stop().
+  /// Calls stop().
   ~RunEvents();
   RunEvents(const RunEvents&) = delete;
   RunEvents& operator=(const RunEvents&) = delete;
@@ -57,16 +58,16 @@ class RunEvents {
   void show(const events::Progress& progress);
   void archive_written(events::ArchiveWritten archive);
 
-  /// As EventSequence's: results, in the order in which they are put into the store; then how far
-  /// the plan is with what was put.
+  /// As in EventSequence: results in the order in which they are put into the store, then the
+  /// plan's progress with these results.
   void consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
                 std::span<const plan::ScanRecord> records);
   void advance(const plan::Plan& plan);
 
-  /// The session is over, and the store is closed with `end` as this event's number.
+  /// Reports the session's end. The store is closed, with `number` as this event's number.
   void ended(std::uint64_t number, const events::RunEnd& end);
 
-  /// Waits until the log has what it is to have. Nothing may be told afterwards.
+  /// Waits until the log is complete. No event may follow.
   void stop();
 
  private:
@@ -82,12 +83,13 @@ class RunEvents {
   Hear hear_;
   EventSequence sequence_;
   std::optional<double> progress_logged_s_;
-  std::optional<events::RunEvent> progress_left_out_;  ///< of the log, since
+  std::optional<events::RunEvent> progress_left_out_;  ///< newest progress missing in the log
 
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards all members below
   std::condition_variable changed_;
-  std::deque<events::RunEvent> waiting_;   ///< for the log; without numbers one of each kind
-  std::vector<events::RunEvent> to_hear_;  ///< committed
+  std::deque<events::RunEvent>
+      waiting_;  ///< for the log; only the newest unnumbered event of each kind
+  std::vector<events::RunEvent> to_hear_;  ///< committed events for the listener
   bool stop_ = false;
   std::thread thread_;
 };

@@ -8,7 +8,7 @@
 namespace sleight::coordinator {
 namespace {
 
-// A signal handler has no other way to reach the loop.
+// Global, because a signal handler has no other access to the loop.
 std::atomic<bool> requested{false};
 std::atomic<std::int64_t> requested_ns{0};
 static_assert(std::atomic<bool>::is_always_lock_free);

@@ -1,24 +1,24 @@
-// Ctrl-C, SIGTERM and SIGUSR1 as a question that a loop asks. The first one asks the run to end in
-// order; a later one ends the process at once, which loses nothing that was reported as done. One
-// that comes right after another is the same one: batch systems signal mpirun, which passes it on,
-// and the ranks as well.
+// Ctrl-C, SIGTERM and SIGUSR1 as a flag that a loop polls. The first signal requests a clean end of
+// the run. A later one ends the process at once, without losing anything that was reported as done.
+// A signal soon after the first is an echo: batch systems signal mpirun, which passes the signal
+// on, and also the ranks.
 //
-// SIGUSR1 is for batch systems: unlike SIGTERM, of which it makes an end of its own, mpirun only
-// passes it on, so that the run has the time that it needs (`sbatch --signal=B:USR1@60`).
+// SIGUSR1 is for batch systems. mpirun ends the job on SIGTERM, but only passes SIGUSR1 on, so the
+// run has enough time (`sbatch --signal=B:USR1@60`).
 #pragma once
 
 namespace sleight::coordinator {
 
-/// What comes so soon after a first one is an echo of it.
+/// A signal this soon after the first is its echo.
 inline constexpr double k_echo_s = 0.5;
 
 /// Installs the handlers. Call once, from the main thread.
 void catch_stop_signals();
 
-/// For ranks that another one tells when to end.
+/// For ranks whose rank 0 tells them when to exit.
 void ignore_stop_signals();
 
-/// Whether one has come. Async-signal-safe underneath, thread-safe.
+/// Whether a stop signal has arrived. Thread-safe.
 bool stop_requested();
 
 }  // namespace sleight::coordinator

@@ -1,7 +1,7 @@
-// How far the writing of an archive is, in words for people: "writing the archive: 1,200 of 5,000
+// Describes the progress of writing an archive for people: "writing the archive: 1,200 of 5,000
 // draws (24%)  0:12 left  310 draws/s".
 //
-// Says nothing of what is over at once, and seldom enough for a line that renews itself. Not
+// Parts that finish at once are left out, and the rate suits a line that is rewritten. Not
 // thread-safe.
 #pragma once
 
@@ -14,20 +14,19 @@
 namespace sleight::coordinator {
 
 inline constexpr const char* k_writing = "writing the archive";
-/// So often it is said.
+/// Minimum interval between two messages.
 inline constexpr double k_writing_said_every_s = 0.5;
 
 class WritingWords {
  public:
   using Say = std::function<void(const std::string&)>;
-  /// Borrows the clock.
   WritingWords(Say say, const base::Clock& clock);
   void hear(const archive::WritingProgress& now);
 
  private:
   Say say_;
   const base::Clock& clock_;
-  archive::WritingProgress begun_;  ///< the part that goes on, as it was first heard of
+  archive::WritingProgress begun_;  ///< the current part, as first reported
   double begun_s_;
   double said_s_;
 };

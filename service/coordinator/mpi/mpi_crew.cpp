@@ -18,14 +18,15 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Ranks start within a second or so of one another; this is for a machine under heavy load.
+/// Ranks usually start within about a second of each other. The timeout is for a heavily loaded
+/// machine.
 constexpr double k_hello_timeout_s = 120;
-/// A rank leaves when it has run the block that it is at. One that is stopped, or on a host that
-/// hangs, would keep the job for ever.
+/// A rank leaves after its current block. The timeout keeps a stopped rank, or one on a host that
+/// hangs, from blocking the job forever.
 constexpr double k_leave_timeout_s = 20;
-/// A delivery may lie this long: most ranks have another block before them, but one that has run a
-/// whole ladder waits for an answer; and each look takes processor time from the threads that
-/// compute. Results of these threads wake at once.
+/// Maximum time until a delivery is noticed. Most ranks have another block queued, but a rank that
+/// ran a whole ladder waits for the answer. Each poll takes processor time from the computing
+/// threads. Results of the local threads wake the loop at once.
 constexpr double k_coordinator_poll_s = 0.3e-3;
 
 std::size_t count_ranks() {
@@ -83,9 +84,9 @@ MpiCrew::MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock,
 }
 
 MpiCrew::~MpiCrew() {
-  // After a failure the job is aborted: nobody waits for ranks that may have failed, too.
+  // After a failure the job is aborted, without waiting for ranks that may also have failed.
   if (std::uncaught_exceptions() == 0 && dismiss()) return;
-  // What is on its way to ranks that haven't left must outlive this.
+  // Messages to ranks that haven't left must outlive this object.
   for (Send& pending : sends_)
     static_cast<void>(pending.bytes.release());
 }
@@ -95,7 +96,7 @@ bool MpiCrew::dismiss() {
   if (!std::exchange(is_dismissed_, true)) {
     for (std::size_t rank = 1; rank <= others; ++rank)
       send_to_rank(rank, schema::Stop{});
-    // Deliveries on their way are received and dropped, so that no rank is stuck in a send.
+    // Receive and drop late deliveries, so that no rank blocks in a send.
     const double begin_s = clock_.now_s();
     std::vector<core::Input> dropped;
     try {
