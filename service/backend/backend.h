@@ -1,26 +1,28 @@
 // Batch systems that run attempts of jobs: Slurm, or any other through a program
-// (program_backend.h). The interface is small, so that an engine is soon written; the conformance
-// suite (tests/programs/backend_conformance.py) says whether one is right. The daemon needs none
-// for this machine (daemon/local_attempts.h).
+// (program_backend.h). The interface is small, so a new engine takes little work. The conformance
+// suite (tests/programs/backend_conformance.py) tests an engine. For attempts on this machine, the
+// daemon needs no backend (daemon/local_attempts.h).
 //
-//   launch(order)   the system has the attempt, or had it once: nothing new begins then
-//   state(name)     waiting, running, gone, or absent: the system has never had it, or forgot it
-//   list()          the same of all attempts of one daemon, by one question to the system
-//   signal(name)    in order: the keeper is told (SIGUSR1). Now, or while it waits: it is ended
-//   log(name)       what the system has to say of it, such as why it never began
+//   launch(order)   submits the attempt, unless the system has or had it already
+//   state(name)     waiting, running, gone, or absent: the system never had it, or forgot it
+//   list()          the states of all attempts of one daemon, by one query
+//   signal(name)    in_order: sends SIGUSR1 to the keeper. now, or while waiting: ends the attempt
+//   log(name)       the system's messages about the attempt, such as why it never began
 //
-// A backend says whether the system still has an attempt. How the attempt ended is judged
-// elsewhere, by its keeper's record in the job's folder (service/keeper/attempt_record.h).
+// A backend reports whether the system still has an attempt. How the attempt ended follows from its
+// keeper's record in the job's folder (service/keeper/attempt_record.h).
 //
 // Invariants
-//   1. An attempt is named by (daemon, job, epoch). However often it is launched, by this process
-//      or a later one, its command is carried out once: a look for the name sees to it mostly, and
-//      the command itself where an answer was lost (a keeper does: keep.h).
-//   2. `gone` is final: nothing of the attempt runs any more. `absent` says nothing of the past.
-//   3. A system that doesn't answer is `Away`, never an end.
+//   1. (daemon, job, epoch) names an attempt. However often the attempt is launched, by this
+//   process
+//      or a later one, its command is carried out once. launch() searches for the name first; if an
+//      answer was lost, the command itself must detect the repetition, as a keeper does (keep.h).
+//   2. `gone` is final: no process of the attempt runs any more. `absent` has no information on the
+//      past.
+//   3. A system that doesn't answer is `Away`, which is never an end.
 //   4. Daemons that use the same system don't see each other's attempts.
 //
-// Calls block, each for a bounded time. Thread safety: one thread at a time.
+// Calls block for a bounded time. Thread safety: one thread at a time.
 #pragma once
 
 #include <compare>
@@ -37,9 +39,9 @@
 
 namespace sleight::backend {
 
-/// "sleight:DAEMON:JOB:EPOCH" as text, by which a system is asked for it.
+/// The text form "sleight:DAEMON:JOB:EPOCH" identifies the attempt in the system.
 struct AttemptName {
-  std::string daemon{};     ///< a state folder's random name: 8 to 32 of a to z and 0 to 9
+  std::string daemon{};     ///< a state folder's random name: 8 to 32 characters, a to z and 0 to 9
   std::uint64_t job = 0;    ///< from 1
   std::uint64_t epoch = 0;  ///< the attempt, from 1
 
@@ -47,22 +49,21 @@ struct AttemptName {
 };
 
 bool is_daemon_name(std::string_view text);
-/// REQUIRES: is_daemon_name(name.daemon), job and epoch from 1.
 std::string to_text(const AttemptName& name);
-/// None for anything that to_text does not write.
+/// None unless to_text writes this text.
 std::optional<AttemptName> attempt_name_of(std::string_view text);
 
-/// Further wishes, by their keys; each system has its own ("account", "partition", ...).
+/// Further options by key; each system has its own ("account", "partition", ...).
 using Options = std::map<std::string, std::string>;
 
 struct Order {
   AttemptName name{};
-  std::string folder{};  ///< absolute, on a disk that the system's machines see; the working folder
-  std::vector<std::string> command{};  ///< the keeper's, an absolute path first
-  std::string label{};                 ///< for people who look at the system's queue
-  std::uint32_t cores = 1;             ///< of one process; of no meaning with ranks
-  std::uint32_t ranks = 0;             ///< of a core each; 0: no MPI
-  std::uint64_t memory_bytes = 0;      ///< of all processes together; 0: not said
+  std::string folder{};  ///< working folder: absolute, on a disk that the system's machines share
+  std::vector<std::string> command{};  ///< the keeper's command; the program is an absolute path
+  std::string label{};                 ///< shown in the system's queue
+  std::uint32_t cores = 1;             ///< of one process; ignored with ranks
+  std::uint32_t ranks = 0;             ///< one core each; 0: without MPI
+  std::uint64_t memory_bytes = 0;      ///< of all processes together; 0: unspecified
   Options options{};
 
   bool operator==(const Order&) const = default;
@@ -73,33 +74,33 @@ enum class State : std::uint8_t {
   waiting,  ///< in the system's queue
   running,
   gone,
-  unknown  ///< the system has it, and its state is none of these
+  unknown  ///< the system has the attempt in another state
 };
 std::string_view name_of(State state);
 std::optional<State> state_of(std::string_view name);
 
-/// Why an attempt is gone, as far as the system knows.
+/// Why an attempt is gone, as far as the system reports it.
 enum class Cause : std::uint8_t {
-  itself,     ///< it ended, was too long or too large, or couldn't begin
-  taken,      ///< the system took it away: pre-emption, a lost node
-  cancelled,  ///< somebody cancelled it in the system, not through this backend
+  itself,     ///< ended, exceeded a limit, or couldn't begin
+  taken,      ///< taken away by the system: pre-emption, a lost node
+  cancelled,  ///< cancelled in the system, not through this backend
 };
 std::string_view name_of(Cause cause);
 std::optional<Cause> cause_of(std::string_view name);
 
 struct Seen {
   State state = State::absent;
-  std::string id{};             ///< the system's own; empty: it has none
-  std::string words{};          ///< why it waits, or how it went: "Priority", "TIMEOUT"
-  Cause cause = Cause::itself;  ///< of gone
+  std::string id{};             ///< the system's own id; empty: none
+  std::string words{};          ///< why the attempt waits, or how it ended: "Priority", "TIMEOUT"
+  Cause cause = Cause::itself;  ///< for gone
 
   bool operator==(const Seen&) const = default;
 };
 
-/// The system doesn't answer: nothing is known, and nothing is wrong with the attempt.
+/// Thrown if the system doesn't answer. Nothing is known about the attempt.
 class Away : public base::Error {
  public:
-  /// `may_have_begun`: of a launch that may have reached the system all the same.
+  /// `may_have_begun`: the launch may have reached the system.
   explicit Away(const std::string& message, bool may_have_begun = false)
       : base::Error(message), may_have_begun_(may_have_begun) {}
   bool may_have_begun() const { return may_have_begun_; }
@@ -108,34 +109,34 @@ class Away : public base::Error {
   bool may_have_begun_;
 };
 
-/// Functions throw Away, and base::Error where the system refuses.
+/// Functions throw Away, or base::Error if the system refuses.
 class Backend {
  public:
   virtual ~Backend() = default;
 
-  /// Returns the attempt as it is then: one that was launched before is left alone.
+  /// Submits the attempt unless it was launched before. Returns its state.
   virtual Seen launch(const Order& order) = 0;
   virtual Seen state(const AttemptName& name) = 0;
-  /// False: there is nothing to signal. REQUIRES of a signal in order that it can be sent again.
+  /// Returns false if there is nothing to signal. REQUIRES: a repeated in_order signal is harmless.
   virtual bool signal(const AttemptName& name, keeper::Stop how) = 0;
-  /// All of one daemon that the system has or remembers.
+  /// All attempts of the daemon that the system has or remembers.
   virtual std::map<AttemptName, Seen> list(const std::string& daemon) = 0;
-  /// Whether list asks the system now and then only, and else answers from what it has.
+  /// Whether list() answers from a cache and queries the system only at intervals.
   virtual bool are_lists_cheap() const { return false; }
-  /// The end of it; empty where there is nothing. `folder` is its order's.
+  /// The end of the attempt's log; empty: no log. `folder`: the folder of its order.
   virtual std::string log(const AttemptName& name, const std::string& folder,
                           std::size_t bytes_max) = 0;
-  /// From any thread: what waits for the system ends soon, with Away. For a daemon that ends.
+  /// Makes a pending query end soon with Away, for a daemon that stops. Callable from any thread.
   virtual void end_soon() {}
-  /// For people: "Slurm".
+  /// The system's name for people, such as "Slurm".
   virtual std::string title() const = 0;
 };
 
-/// Throws base::Error(usage) where no backend could carry the order out: a name that is none, a
-/// folder that isn't absolute, an empty command, control characters.
+/// Throws base::Error(usage) for an order that no backend can carry out: an invalid name, a
+/// relative folder, an empty command, control characters.
 void check_order(const Order& order);
 
-/// The last bytes of a file, from a line's beginning where there is one; empty: no such file.
+/// The last bytes of a file, from the beginning of a line if possible. Empty: no such file.
 std::string end_of_file(const std::string& path, std::size_t bytes_max);
 
 }  // namespace sleight::backend

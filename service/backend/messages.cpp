@@ -22,7 +22,7 @@ Json parsed(std::string_view text) {
   return json;
 }
 
-/// The value of a key, or what it is where it is left out. Throws where it is of another type.
+/// The key's value, or `otherwise` if the key is missing. Throws if the type is wrong.
 template <class T>
 T value_of(const Json& json, const char* key, T otherwise) {
   const auto* found = json.find(key);
@@ -57,7 +57,7 @@ Seen seen_in(const Json& json) {
   return {.state = *state,
           .id = value_of<std::string>(json, "id", ""),
           .words = value_of<std::string>(json, "words", ""),
-          // One that later versions add says nothing here.
+          // A cause added by a later version is ignored.
           .cause = cause.value_or(Cause::itself)};
 }
 
@@ -86,7 +86,7 @@ std::string text_of_question(std::string_view verb, const Question& question) {
     json["folder"] = order.folder;
     json["bytes_max"] = question.bytes_max;
   }
-  // Bytes that are no UTF-8 become U+FFFD.
+  // Invalid UTF-8 becomes U+FFFD.
   return json.dump() + "\n";
 }
 

@@ -1,10 +1,10 @@
-// The interface of backend.h as JSON, as the service asks engines that are programs and reads their
-// answers: docs/BACKENDS.md states it.
+// The interface of backend.h as JSON, for engines that are programs. docs/BACKENDS.md specifies it.
 //
-//   PROGRAM VERB    reads one object, {"version": 1, ...}, prints one, and ends with
-//                   0 done, 75 the system doesn't answer, anything else: refused; stderr says why
+//   PROGRAM VERB    reads one object, {"version": 1, ...}, and prints one. Its exit code is 0:
+//   done,
+//                   75: the system doesn't answer, other: refused, with the reason on stderr
 //
-// Whoever reads passes over keys that it does not know, and takes absent ones for their defaults.
+// Readers ignore unknown keys and use defaults for missing ones.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -21,20 +21,20 @@ namespace sleight::backend {
 inline constexpr int k_message_version = 1;
 /// EX_TEMPFAIL of sysexits.h.
 inline constexpr int k_exit_away = 75;
-/// No message is longer.
+/// Maximum size of a message.
 inline constexpr std::size_t k_message_bytes_max = std::size_t{64} << 20U;
 inline constexpr std::size_t k_log_bytes_most = 64U << 10U;
 
-/// One question, of whichever verb: what a verb does not need is not written.
+/// A question for any verb; only the fields that the verb needs are written.
 struct Question {
-  Order order{};  ///< of launch; of state, signal and log its name; of list its name's daemon
-  keeper::Stop how = keeper::Stop::in_order;  ///< of signal
-  std::size_t bytes_max = k_log_bytes_most;   ///< of log
+  Order order{};  ///< launch: all; state, signal, log: the name; list: the name's daemon
+  keeper::Stop how = keeper::Stop::in_order;  ///< for signal
+  std::size_t bytes_max = k_log_bytes_most;   ///< for log
 };
 
 std::string text_of_question(std::string_view verb, const Question& question);
 
-// Answers. Each throws base::Error(usage) naming the key that is wrong.
+// Answers. Each function throws base::Error(usage) that names the wrong key.
 Seen seen_of(std::string_view text);  ///< of launch and state
 bool signalled_of(std::string_view text);
 std::map<AttemptName, Seen> list_of(const std::string& daemon, std::string_view text);

@@ -11,7 +11,7 @@
 namespace sleight::backend {
 namespace {
 
-/// An answer that is none says as little as no answer: the program's next version may give one.
+/// Treats an invalid answer as no answer, because the program's next version may give a valid one.
 template <class Read>
 auto read_or_away(std::string_view verb, const Read& read) {
   try {

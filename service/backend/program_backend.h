@@ -1,5 +1,5 @@
-// Any other system as a backend: by a program that somebody writes for it, in any language.
-// docs/BACKENDS.md states what the program is asked and has to answer; messages.h has the JSON.
+// A backend for any other system, by a program in any language. docs/BACKENDS.md specifies the
+// program's questions and answers; messages.h has the JSON.
 //
 // Not thread-safe.
 #pragma once
@@ -14,8 +14,8 @@
 namespace sleight::backend {
 
 struct ProgramSettings {
-  std::string program{};     ///< an absolute path, or found on PATH
-  double answer_s_max = 60;  ///< then it is killed, and counts as away
+  std::string program{};     ///< absolute path, or a name on PATH
+  double answer_s_max = 60;  ///< then the program is killed, and the system counts as away
 };
 
 class ProgramBackend final : public Backend {

@@ -11,14 +11,13 @@
 namespace sleight::backend {
 namespace {
 
-/// Slurm's own numbers of what it knows no more, or has ended.
+/// Slurm's messages about jobs that it has forgotten or that have ended.
 bool says_gone(const std::string& words) {
   return words.find("Invalid job id") != words.npos ||
          words.find("already completing or completed") != words.npos;
 }
 
-/// Slurm takes %j and its like in names of files for patterns, and a backslash for a sign of its
-/// own.
+/// Slurm expands %j and similar patterns in file names, and interprets backslashes.
 std::string without_patterns(const std::string& folder) {
   if (folder.find('\\') != folder.npos)
     throw base::Error(
@@ -34,7 +33,7 @@ std::string without_patterns(const std::string& folder) {
 SlurmBackend::SlurmBackend(SlurmSettings settings, const base::Clock& clock)
     : settings_(std::move(settings)),
       clock_(clock),
-      // A daemon may run in a job itself, and its people may have wishes for squeue of their own.
+      // The daemon may run in a Slurm job, and its user may have set squeue's variables.
       environment_(keeper::environment_without({"SBATCH_", "SQUEUE_", "SCANCEL_", "SLURM_"},
                                                {"SLURM_CONF"})) {
   slurm_wishes_of(settings_.defaults, {});
@@ -50,11 +49,11 @@ keeper::ToolEnd SlurmBackend::run(const std::vector<std::string>& command) {
   }
 }
 
-/// `afresh`: as it is now; else as it was within list_every_s.
+/// `afresh`: queries now; otherwise the queue may be up to list_every_s old.
 const SlurmQueue& SlurmBackend::queue(bool afresh) {
   const double now_s = clock_.now_s();
   if (!afresh && asked_s_ && now_s - *asked_s_ < settings_.list_every_s) return queue_;
-  // One that doesn't answer isn't asked by each job in turn.
+  // After an unanswered query, don't repeat it for each job.
   if (away_s_ && now_s - *away_s_ < settings_.list_every_s) throw Away(away_words_);
   try {
     ask(now_s);
@@ -70,7 +69,7 @@ const SlurmQueue& SlurmBackend::queue(bool afresh) {
 void SlurmBackend::ask(double now_s) {
   const keeper::ToolEnd end = run({settings_.squeue, fmt::format("--user={}", ::getuid()),
                                    "--states=all", "--noheader", "-o", k_squeue_format});
-  // Part of a queue would make the rest absent.
+  // A truncated queue would make the missing jobs absent.
   if (end.exit_code != 0 || end.is_cut)
     throw Away(fmt::format("squeue: {}", end.is_cut ? "the output is too long" : end.why()));
   queue_ = slurm_queue_of(end.output);
@@ -101,7 +100,7 @@ std::map<AttemptName, Seen> SlurmBackend::list(const std::string& daemon) {
 
 Seen SlurmBackend::launch(const Order& order) {
   check_order(order);
-  // The look first: what was submitted before is there.
+  // Search first: an earlier submission may exist.
   Seen before = seen_in(queue(unsure_.contains(order.name)), order.name);
   if (before.state == State::absent) {
     submit(order);
@@ -164,7 +163,8 @@ bool SlurmBackend::signal(const AttemptName& name, keeper::Stop how) {
     const bool is_told = how == keeper::Stop::in_order && job.seen.state != State::waiting;
     std::vector<std::string> command{settings_.scancel};
     if (is_told) command.insert(command.end(), {"--signal=USR1", "--batch"});
-    // One that has begun since would be killed: it is asked anew, as what runs.
+    // If the job has begun since, --state=PENDING prevents its death, and a later signal reaches
+    // the keeper.
     if (how == keeper::Stop::in_order && !is_told) command.emplace_back("--state=PENDING");
     command.push_back(job.id);
     const keeper::ToolEnd end = run(command);

@@ -1,19 +1,18 @@
-// Slurm as a backend: by its programs sbatch, squeue and scancel alone, as a user has them.
+// Slurm as a backend, by a user's commands sbatch, squeue and scancel.
 //
-//   launch   sbatch --parsable --no-requeue --comment=NAME ... direct.sbatch --attempt COMMAND
-//            once the queue has been looked through for that comment
+//   launch   sbatch --parsable --no-requeue --comment=NAME ... direct.sbatch --attempt COMMAND,
+//            after searching the queue for that comment
 //   list     squeue of this user's jobs, at most every list_every_s, for all attempts together
-//   signal   scancel, or scancel --signal=USR1 --batch of one that runs, which reaches its keeper
-//   log      what Slurm and the keeper said, in the job's folder
+//   signal   scancel, or scancel --signal=USR1 --batch for a running job, which reaches its keeper
+//   log      output of Slurm and the keeper, in the job's folder
 //
-// A number is never kept: an attempt is found by its name, which is its Slurm job's comment. So a
-// daemon that was killed finds its attempts again, and so does one whose sbatch was killed before
-// it answered. Two Slurm jobs of one attempt, which a lost answer can make, start one program: the
+// No Slurm job number is stored: an attempt is found by its name, which is its Slurm job's comment.
+// So a restarted daemon finds its attempts again, even if sbatch was killed before it answered. A
+// lost answer can lead to two Slurm jobs for one attempt. Only one starts the program, because the
 // second keeper finds that the attempt has begun (keep.h).
 //
-// Jobs that ended are in Slurm's queue for its MinJobAge (300 s if a site sets none); then they are
-// absent, and the keeper's record says what became of them. sacct is not asked: many sites have
-// none.
+// Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). After that they are absent,
+// and the keeper's record has their end. sacct isn't used, because many sites don't have it.
 //
 // Not thread-safe.
 #pragma once
@@ -33,22 +32,22 @@
 namespace sleight::backend {
 
 struct SlurmSettings {
-  std::string script{};  ///< deploy/slurm/direct.sbatch, an absolute path
-  Options defaults{};    ///< of jobs' options (slurm_options.h)
+  std::string script{};  ///< path of deploy/slurm/direct.sbatch, absolute
+  Options defaults{};    ///< defaults for jobs' options (slurm_options.h)
   double list_every_s = 10;
-  double tool_s_max = 60;  ///< then a program of Slurm's is killed
-  // As found on PATH, or absolute.
+  double tool_s_max = 60;  ///< maximum for a Slurm command, which is then killed
+  // Names on PATH, or absolute paths.
   std::string sbatch = "sbatch";
   std::string squeue = "squeue";
   std::string scancel = "scancel";
 };
 
-/// In the job's folder: what Slurm and the keeper print.
+/// Output of Slurm and the keeper, in the job's folder.
 inline constexpr const char* k_slurm_log_name = "keeper.err";
 
 class SlurmBackend final : public Backend {
  public:
-  /// Borrows the clock. Throws base::Error(usage) where the defaults are wrong.
+  /// Borrows the clock. Throws base::Error(usage) if the defaults are invalid.
   SlurmBackend(SlurmSettings settings, const base::Clock& clock);
 
   Seen launch(const Order& order) override;
@@ -73,11 +72,12 @@ class SlurmBackend final : public Backend {
   const base::Clock& clock_;
   std::vector<std::string> environment_;
   SlurmQueue queue_{};
-  std::optional<double> asked_s_{};  ///< when the queue was asked for that is here
-  std::optional<double> away_s_{};   ///< when it did not answer; none: it answered last
+  std::optional<double> asked_s_{};  ///< time of the query that filled queue_
+  std::optional<double>
+      away_s_{};  ///< time of the last unanswered query; none: the last was answered
   std::string away_words_{};
   std::set<AttemptName> unsure_{};     ///< launches whose answer was lost
-  std::set<std::string> cancelled_{};  ///< numbers that this object cancelled
+  std::set<std::string> cancelled_{};  ///< Slurm job numbers that this object cancelled
   std::atomic<bool> is_ending_ = false;
 };
 

@@ -13,7 +13,7 @@ constexpr std::size_t k_value_bytes_max = 1024;
 constexpr std::array<std::string_view, 4> k_plain_keys{"account", "partition", "qos", "time"};
 constexpr std::string_view k_more_key = "more";
 
-/// sbatch's, without their dashes.
+/// Options of sbatch, without dashes.
 constexpr std::array<std::string_view, 27> k_refused{
     "array",     "batch",   "chdir",    "clusters", "comment",  "cpus-per-task",  "error",
     "gid",       "help",    "hold",     "input",    "job-name", "ntasks",         "no-requeue",
@@ -34,7 +34,7 @@ void check_value(std::string_view key, std::string_view value) {
         fmt::format("the Slurm option '{}' is longer than {} bytes", key, k_value_bytes_max));
 }
 
-/// The words between spaces.
+/// The words, separated by spaces.
 std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words;
   while (!text.empty()) {
@@ -45,7 +45,7 @@ std::vector<std::string> words_of(std::string_view text) {
   return words;
 }
 
-/// sbatch takes "--comm=x" for --comment.
+/// Refuses abbreviations too: sbatch accepts "--comm=x" for --comment.
 void check_word(const std::string& word) {
   if (!word.starts_with("--") || word.size() < 3)
     refuse_wish(

@@ -18,7 +18,7 @@ struct KnownState {
   Cause cause = Cause::itself;
 };
 
-/// squeue(1), "JOB STATE CODES".
+/// From squeue(1), "JOB STATE CODES".
 constexpr std::array<KnownState, 24> k_slurm_states{{
     {"PENDING", State::waiting},
     {"REQUEUED", State::waiting},
@@ -53,7 +53,7 @@ bool is_number(std::string_view text) {
   return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Takes the text up to `mark` off the front of `rest`.
+/// Removes the text up to `mark` from the front of `rest` and returns it.
 std::optional<std::string_view> take_to(std::string_view& rest, char mark) {
   const std::size_t end = rest.find(mark);
   if (end == rest.npos) return std::nullopt;
@@ -82,7 +82,7 @@ Seen seen_of_slurm(std::string_view state, std::string_view reason) {
   seen.state = known->state;
   seen.cause = known->cause;
   const bool has_reason = !reason.empty() && reason != "None";
-  // Slurm says FAILED too where it lost what it had started.
+  // Slurm also reports FAILED for jobs that it lost.
   if (seen.state == State::gone &&
       std::ranges::find(k_taken_reasons, reason) != std::end(k_taken_reasons))
     seen.cause = Cause::taken;
@@ -124,7 +124,7 @@ const SlurmJob& telling_one(const std::vector<SlurmJob>& jobs) {
 }
 
 std::string slurm_number_in(std::string_view text) {
-  // A site's own words may come before it.
+  // A site's own messages may come first.
   std::string number;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());

@@ -1,7 +1,7 @@
-// What squeue says, as attempts.
+// Parses squeue's output into attempts.
 //
-// One row a job: number, state, reason and comment, with '|' between. The comment stands last, as
-// it may hold anything; jobs whose comment names no attempt are other people's business.
+// Each row is a job: number, state, reason and comment, separated by '|'. The comment is last,
+// because it may contain anything. Jobs whose comment names no attempt are ignored.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -23,23 +23,23 @@ struct SlurmJob {
   bool operator==(const SlurmJob&) const = default;
 };
 
-/// Of an attempt there may be several, where an answer was lost: by number, ascending.
+/// Slurm jobs by attempt, in ascending number. A lost answer can lead to several jobs per attempt.
 using SlurmQueue = std::map<AttemptName, std::vector<SlurmJob>>;
 
-/// Rows that can't be read are passed over.
+/// Ignores unreadable rows.
 SlurmQueue slurm_queue_of(std::string_view text);
 
-/// The one that says most of the attempt: one that runs, else that waits, else the newest.
+/// The job that represents the attempt: a running one, else a waiting one, else the newest.
 /// REQUIRES: not empty.
 const SlurmJob& telling_one(const std::vector<SlurmJob>& jobs);
 
-/// What a state of Slurm's means for an attempt.
+/// Translates a Slurm state into an attempt's state.
 Seen seen_of_slurm(std::string_view state, std::string_view reason);
 
-/// The number in an answer of `sbatch --parsable`; empty: there is none.
+/// The job number in the output of `sbatch --parsable`. Empty: none.
 std::string slurm_number_in(std::string_view text);
 
-/// Whether words of one of Slurm's programs say that its controller doesn't answer.
+/// Whether a Slurm command's error means that its controller doesn't answer.
 bool says_away(std::string_view words);
 
 }  // namespace sleight::backend
