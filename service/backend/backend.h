@@ -13,10 +13,10 @@
 // keeper's record in the job's folder (service/keeper/attempt_record.h).
 //
 // Invariants
-//   1. (daemon, job, epoch) names an attempt. However often the attempt is launched, by this
-//   process
-//      or a later one, its command is carried out once. launch() searches for the name first; if an
-//      answer was lost, the command itself must detect the repetition, as a keeper does (keep.h).
+//   1. (daemon, job, epoch) names an attempt. However often this process or a later
+//      one launches the attempt, its command is carried out once. launch() searches for the name
+//      first. If an answer was lost, the command itself must detect the repetition, as a keeper
+//      does (keep.h).
 //   2. `gone` is final: no process of the attempt runs any more. `absent` has no information on the
 //      past.
 //   3. A system that doesn't answer is `Away`, which is never an end.
