@@ -1,4 +1,4 @@
-// Whatever happens to daemon, keepers, messages, clocks and disk: each job ends once.
+// Each job ends once, whatever happens to daemon, keepers, messages, clocks and disk.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,10 +15,10 @@ std::uint64_t seeds() {
   return property::long_run() ? 10'000 : property::of_tier(20, 150);
 }
 
-/// Tests of a name, each with its share of the seeds: so several processes may run them.
+/// Tests of one name, each with a share of the seeds, so that several processes can run them.
 constexpr std::uint64_t k_shares = 4;
 
-/// What the services of a test came to, for people.
+/// Totals of a test's services, for people.
 struct Summary {
   std::uint64_t runs = 0;
   std::uint64_t jobs = 0;
@@ -72,16 +72,15 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(Seeds, EachJobEndsOnce) {
-  // Goal: the invariants of jobs.h. Method: services of 1 to 1,000 jobs of up to 20 users by seed,
-  // whose daemon, keepers, news, clock and disk fail in every way; a ledger that is told of all
-  // that is saved, started and so, and its rules; a bound on the time from the last fault to the
-  // end.
+  // Goal: the invariants of jobs.h hold. Method: services of 1 to 1,000 jobs of up to 20 users by
+  // seed, whose daemon, keepers, messages, clock and disk fail in every way. A ledger checks its
+  // rules, and the time from the last fault to the end is bounded.
   check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewJobsToo) {
-  // Goal: the same where each step of each job meets each fault. Method: likewise with at most ten,
-  // which is cheap: ten times as many seeds.
+  // Goal: the same invariants, with each fault at each step of each job. Method: the same with at
+  // most ten jobs, which is cheap, so ten times as many seeds.
   check_share({.jobs_max = 10}, 10 * seeds());
 }
 

@@ -8,11 +8,11 @@
 namespace sleight::jobs::simulated {
 namespace {
 
-/// Deaths in a row that a job has at most where each is told once: those that it has when it fails.
-/// Two more where one was our own doing, after a stop that took too long.
+/// Maximum reported deaths in a row after which a job may continue. A job fails at the fifth death.
+/// Two more are tolerated, because one may be the daemon's own kill after a slow stop.
 constexpr std::uint32_t k_deaths_most = 6;
 
-/// By the rules of ends.h, told again in other words.
+/// The rules of ends.h, implemented independently.
 bool is_death(const Ended& ended) {
   if (ended.kind == EndKind::bug) return true;
   if (ended.kind == EndKind::none)
@@ -53,7 +53,7 @@ void Ledger::decides(const std::vector<Effect>& effects, const Jobs& machine) {
   }
 }
 
-/// Rules 5 and 6, when an attempt is decided.
+/// Checks rules 5 and 6 when an attempt is added.
 void Ledger::check_room(const Job& added, const Jobs& machine) {
   if (!room_) return wrong("an attempt before the machine is known");
   std::uint64_t cores = 0;
@@ -149,10 +149,10 @@ void Ledger::check_change(const Change& change, const Job* before) {
   }
 }
 
-/// Rules 9 and 10, by what was told of the attempt.
+/// Checks rules 9 and 10 against the reports on the attempt.
 void Ledger::count_end(const Change& change, Told& told) {
   const auto found = ends_.find({change.id, change.attempt});
-  // Without news of an end: its launches never began.
+  // Without a reported end, the attempt's launches never began.
   const ToldEnd end =
       found != ends_.end() ? found->second : ToldEnd{.is_death = true, .scans = told.scans_told};
   told.is_bug_again = end.is_bug && told.has_bug && end.scans <= told.scans_at_bug;
@@ -171,7 +171,7 @@ void Ledger::count_end(const Change& change, Told& told) {
   told.scans_at_death = end.scans;
   if (change.to == State::queued) {
     const auto doublings = static_cast<int>(told.deaths) - 1;
-    // An attempt that lived long begins anew, so only the first second is sure then.
+    // A long-lived attempt resets the back-off, so only the first second is certain.
     const double waits_s =
         end.lived_s >= scenario_.options.steady_s ? 1 : std::ldexp(1.0, doublings);
     told.not_before_s = clock_s_ + waits_s;
@@ -269,7 +269,7 @@ void Ledger::program_begins(JobId job, Attempt attempt, std::uint32_t cores,
     wrong(fmt::format("job {}: attempt {} begins after {}", job, attempt, newest->second));
   newest_begun_[job] = attempt;
   live_[job] = {.attempt = attempt, .cores = cores, .memory_bytes = memory_bytes};
-  // What follows holds where the daemon was told nothing but what is so.
+  // The following holds only if all reports to the daemon are true.
   if (scenario_.has(Fault::Kind::messages_wrong)) return;
   const Job* stored = store.find(job);
   if (stored == nullptr || is_over(stored->state))
@@ -308,7 +308,7 @@ void Ledger::tells(const Input& input, const Jobs& machine) {
   ToldEnd end{.lived_s = machine.clock_s() - job->attempt_begin_s};
   if (const auto* running = std::get_if<Running>(&sight->seen)) {
     told.scans_told = std::max(told.scans_told, running->counts.scans);
-    // A launch that was said to have failed and hadn't: then it has not come to that end.
+    // A launch was wrongly reported as failed, so the attempt has not ended in that way.
     return;
   }
   if (const auto* ended = std::get_if<Ended>(&sight->seen)) {

@@ -1,26 +1,27 @@
-// What must hold, whatever happens: told of everything that is saved, answered, launched and really
-// runs, it says what is wrong first.
+// Checks the rules of the service. The ledger receives everything that is saved, answered, launched
+// and running, and reports the first violation.
 //
 // Numbered rules
-//   1. Each save's histories go on from the states before, and end in those that it saves.
-//   2. A job is over once, unless its user extended or resumed it; no program of one that is over
+//   1. Each save's histories continue from the earlier states and end in the saved ones.
+//   2. A job is over once, unless its user extended or resumed it. No program of a job that is over
 //      begins.
-//   3. A launch is of the attempt that the store has as open; a stop of one that is to stop or that
-//      isn't the newest; a removal of a job that is leaving; an answer says what is stored.
+//   3. A launch is of the attempt that is open in the store. A stop is of an attempt that should
+//      stop or isn't the newest. A removal is of a job that is leaving. An answer matches the
+//      store.
 //   4. At most one program of a job runs, and each has a newer attempt than all before.
-//   5. Cores and memory of open attempts, as stored, are within the machine's and the user's limit
-//      whenever one is added; where all news are true, those of programs that run are too.
-//   6. No attempt is added while the disk is known to be low, the server drained or the backend
-//   away.
-//   7. A user's jobs that aren't over are within its limit when one is submitted.
-//   8. A key is one job's, and an id is never given again.
-//   9. A job is done when its program finished, and fails as its program does; five deaths that
-//   were
-//      told without a commit between, and no fewer, or a bug twice, make it fail.
-//  10. After the n-th start in a row that failed the next comes 2^(n-1) s later at the soonest.
-//  11. A job that nobody deletes is told of announce_s before it is, and is not pinned.
-//  12. A running job that is to stop is told so in the same step.
-//  13. One whose attempt somebody cancelled in the batch system, and that nobody had asked to stop,
+//   5. When an attempt is added, cores and memory of the stored open attempts are within the
+//      machine's and the user's limits. If all reports are true, so are those of running programs.
+//   6. No attempt is added while the disk is known to be low, the server is draining, or the
+//      backend is away.
+//   7. A user's unfinished jobs are within the limit at each submit.
+//   8. A key belongs to one job, and an id is never reused.
+//   9. A job is done when its program finished, and fails as its program does. Exactly five
+//      reported deaths without a commit in between, or the same bug twice, make it fail.
+//  10. After the n-th consecutive failed start, the next start comes at least 2^(n-1) s later.
+//  11. Unless a user deletes a job, its deletion is announced announce_s earlier. Pinned jobs
+//      aren't deleted.
+//  12. A running job that should stop is asked to in the same step.
+//  13. If somebody cancels a job's attempt in the batch system and no stop was requested, the job
 //      is held, or done if it had finished.
 // Not thread-safe.
 #pragma once
@@ -42,18 +43,18 @@ class Ledger {
  public:
   explicit Ledger(const Scenario& scenario) : scenario_(scenario) {}
 
-  // What the daemon is told, and what it does
-  /// Before the machine takes it.
+  // The daemon's inputs and actions.
+  /// Called before the machine receives the input.
   void tells(const Input& input, const Jobs& machine);
-  /// What comes of a step, before any of it is carried out.
+  /// Called with a step's effects, before any is carried out.
   void decides(const std::vector<Effect>& effects, const Jobs& machine);
-  /// Becomes durable now.
+  /// Called when the save becomes durable.
   void saves(const Save& save, const SimStore& before);
   void carries_out(const Effect& effect, const SimStore& store);
-  /// Another daemon begins, with what is stored.
+  /// Called when another daemon begins with the stored jobs.
   void restarts(const SimStore& store);
 
-  // What is so
+  // The actual events.
   void is_planned(JobId job, const JobPlan& plan);
   void user_asks(JobId job, AskKind kind);
   void program_begins(JobId job, Attempt attempt, std::uint32_t cores, std::uint64_t memory_bytes,
@@ -61,7 +62,7 @@ class Ledger {
   void program_ends(JobId job, Attempt attempt);
   void is_finished(JobId job, std::uint64_t revision) { finished_[job] = revision; }
 
-  /// What is wrong first; empty: nothing.
+  /// The first violation. Empty: none.
   const std::string& violation() const { return violation_; }
   std::uint64_t launches() const { return launches_; }
   std::uint64_t announcements() const { return announcements_; }
@@ -72,15 +73,15 @@ class Ledger {
     std::uint32_t cores = 0;
     std::uint64_t memory_bytes = 0;
   };
-  /// What was told of a job, as far as it is stored what came of it.
+  /// Reports about a job whose consequences are stored.
   struct Told {
     std::uint64_t scans_told = 0;
-    std::uint32_t deaths = 0;  ///< in a row without a commit
+    std::uint32_t deaths = 0;  ///< consecutive, without a commit
     std::uint64_t scans_at_death = 0;
     bool has_bug = false;
     std::uint64_t scans_at_bug = 0;
     bool is_bug_again = false;
-    double not_before_s = 0;  ///< service time of its next start
+    double not_before_s = 0;  ///< service time before which the job must not start
   };
   struct ToldEnd {
     bool is_death = false;
@@ -102,14 +103,14 @@ class Ledger {
   std::optional<Room> room_{};
   bool is_draining_ = false;
   bool is_backend_there_ = true;
-  double clock_s_ = 0;  ///< service time of the save that is looked at
+  double clock_s_ = 0;  ///< service time of the current save
   std::map<JobId, Live> live_;
   std::map<JobId, Attempt> newest_begun_;
   std::map<JobId, std::uint64_t> finished_;  ///< revision
   std::map<JobId, const JobPlan*> plans_;
   std::map<JobId, Told> told_;
-  std::map<std::pair<JobId, Attempt>, ToldEnd> ends_;  ///< by the daemon that is up
-  std::map<JobId, std::uint64_t> revivals_;            ///< asked for and not made use of
+  std::map<std::pair<JobId, Attempt>, ToldEnd> ends_;  ///< reported to the current daemon
+  std::map<JobId, std::uint64_t> revivals_;            ///< requested and not used
   std::map<JobId, double> announced_;                  ///< service time of the announcement
   std::set<JobId> deleted_by_user_;
   std::set<JobId> ids_;

@@ -1,5 +1,5 @@
-// Known mistakes for tests: each makes one part wrong around the machine of jobs, or one of its
-// settings. `none` everywhere else.
+// Known mistakes for tests. Each makes one part around the machine of jobs wrong, or one setting;
+// `none` changes nothing.
 #pragma once
 
 #include <array>
@@ -11,29 +11,29 @@ namespace sleight::jobs::simulated {
 
 enum class Mistake : std::uint8_t {
   none,
-  effects_before_save,      ///< carried out while the save is still under way
-  save_lost,                ///< acknowledged, and not on disk, now and then
+  effects_before_save,      ///< carried out during the save
+  save_lost,                ///< sometimes acknowledged but not on disk
   half_a_save,              ///< a job's record without its history
-  ids_come_again,           ///< the next id is taken from the jobs that are left
+  ids_come_again,           ///< the next id follows the remaining jobs
   done_runs_again,          ///< after a restart
-  open_attempts_forgotten,  ///< a restart takes them for queued, and doesn't look
-  any_attempt_counts,       ///< news of an older attempt are taken for the newest's
-  same_attempt_again,       ///< a restart after a death launches under the old number
-  stops_forgotten,          ///< none is sent
-  looks_forgotten,          ///< likewise
-  keys_ignored,             ///< a submit that comes twice makes two jobs
-  one_core_too_many,        ///< of the machine's
+  open_attempts_forgotten,  ///< a restart queues them without a look
+  any_attempt_counts,       ///< reports of an older attempt count for the newest
+  same_attempt_again,       ///< a restart after a death reuses the number
+  stops_forgotten,          ///< no stop is sent
+  looks_forgotten,          ///< no look is sent
+  keys_ignored,             ///< a repeated submit creates a second job
+  one_core_too_many,        ///< of the machine
   memory_not_counted,
-  reserve_ignored,      ///< of the disk
+  reserve_ignored,      ///< of disk space
   user_limit_ignored,   ///< of cores
-  exit_code_decides,    ///< in place of the record
+  exit_code_decides,    ///< instead of the record
   commits_not_counted,  ///< between deaths
-  deaths_for_ever,      ///< it starts again, however often it dies
+  deaths_for_ever,      ///< a job restarts however often it dies
   no_back_off,
-  bug_is_a_death,  ///< twice at one place is as good as five times anywhere
+  bug_is_a_death,  ///< a bug fails a job only after five deaths
   wall_clock_decides,
   deleted_unannounced,
-  cancelled_goes_on,  ///< what somebody cancelled in the batch system starts again
+  cancelled_goes_on,  ///< a job cancelled in the batch system starts again
 };
 
 inline constexpr std::array k_mistakes{

@@ -1,5 +1,5 @@
-// The other way round: services with one known mistake each, which the ledger and the bound on time
-// must catch.
+// Control test: services with one known mistake each, which the ledger or the time limit must
+// catch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -15,10 +15,10 @@
 namespace sleight::jobs::simulated {
 namespace {
 
-/// How a run was found wrong; a process's exit status.
+/// How a run was found wrong, as a process's exit status.
 enum Verdict : int { k_right = 0, k_violation = 11, k_unfinished = 12 };
 
-/// Runs of a mistake until one is found wrong.
+/// Maximum runs per mistake.
 constexpr std::uint64_t k_seeds = 30;
 
 Scenario mutant(std::uint64_t seed, Mistake mistake, Mistake looks_like) {
@@ -33,7 +33,7 @@ Verdict judged(const Scenario& scenario) {
   return outcome.is_finished ? k_right : k_unfinished;
 }
 
-/// A wrong service may well end in a CHECK: it runs in a process of its own.
+/// A wrong service may fail a CHECK, so it runs in its own process.
 int status_of(const Scenario& scenario) {
   std::fflush(nullptr);
   const pid_t child = fork();
@@ -55,8 +55,8 @@ std::string words_for(int status) {
 class Mutant : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Mutant, IsCaught) {
-  // Goal: the ledger can fail, and does where a service is wrong. Method: services of the same
-  // seeds with a mistake, until one is caught, and without, which all pass.
+  // Goal: the ledger does fail if a service is wrong. Method: run services of the same seeds with a
+  // mistake, until one is caught, and without it, which all pass.
   const auto& [mistake, name] = k_mistakes[GetParam()];
   int status = k_right;
   std::uint64_t seed = 0;

@@ -27,7 +27,7 @@ std::vector<UserAct> acts_of(Dice& dice, double span_s) {
   if (dice.chance(0.05)) acts.push_back({.kind = AskKind::pin, .at_s = at_s});
   if (dice.chance(0.05)) acts.push_back({.kind = AskKind::set_priority, .at_s = at_s});
   if (dice.chance(0.05)) acts.push_back({.kind = AskKind::remove, .at_s = at_s * 1.3});
-  // Whoever holds a job lets it go on at last, and some go on with what they cancelled.
+  // Users release every held job in the end, and resume some that they cancelled.
   if (!acts.empty() && (acts.front().kind == AskKind::hold || dice.chance(0.3)))
     acts.push_back({.kind = AskKind::resume, .at_s = at_s + dice.log_uniform(1, span_s)});
   return acts;
@@ -67,7 +67,7 @@ std::vector<Fault> faults_of(std::uint64_t seed, double span_s,
   Dice dice(seed, Dice::Part::faults);
   std::vector<Fault> faults(dice.whole(0, k_faults_max));
   if (!wants.empty() && faults.size() < 20) faults.resize(20);
-  // Where every answer is so, what really runs is within the bounds too.
+  // If every answer is true, running programs are within the limits too.
   const bool is_truthful = !wants.empty() || dice.chance(0.6);
   for (Fault& fault : faults) {
     fault.kind = static_cast<Fault::Kind>(
@@ -129,7 +129,7 @@ Scenario scenario_of(std::uint64_t seed, const ScenarioChoice& choice) {
   double last_s = span_s;
   for (std::uint64_t i = 0; i < jobs; ++i) {
     JobPlan& job = scenario.jobs.emplace_back(job_of(dice, users, room, span_s));
-    // More would be refused at once.
+    // More cores would be refused at once.
     if (options.limits.cores > 0)
       job.wishes.ranks = std::min(job.wishes.ranks, options.limits.cores);
     if (choice.are_deleted) {
@@ -156,7 +156,7 @@ Scenario scenario_of(std::uint64_t seed, const ScenarioChoice& choice) {
 
 double liveness_bound_s(const Scenario& scenario) {
   const Options& options = scenario.options;
-  double bound_s = 5000;  // back-offs, stops and looks that were under way
+  double bound_s = 5000;  // back-offs, stops and looks in progress
   double core_s = 0;
   for (const JobPlan& job : scenario.jobs) {
     // On one core, extended, with every restart that its slices allow and every death.

@@ -14,7 +14,7 @@ using Kind = Fault::Kind;
 
 constexpr double k_commit_s_min = 1e-3, k_commit_s_max = 0.02;
 constexpr double k_restart_s_max = 5;
-/// After which a user who heard nothing asks again.
+/// A user without an answer asks again after this time.
 constexpr double k_ask_again_s = 4;
 constexpr double k_submit_again_s = 20;
 constexpr double k_look_around_s = 5;
@@ -92,7 +92,7 @@ void Service::step(const Input& input) {
   std::vector<Effect> effects = machine_->step(input_with(scenario_.mistake, input, *machine_));
   effects = effects_with(scenario_.mistake, std::move(effects), dice_);
   ledger_.decides(effects, *machine_);
-  // What stands before a save isn't held back by it.
+  // Effects before a save don't wait for it.
   Batch batch;
   for (Effect& effect : effects) {
     if (auto* save = std::get_if<Save>(&effect)) {
@@ -122,11 +122,11 @@ void Service::plan_tick() {
 
 void Service::tick() {
   tick_at_s_.reset();
-  // A clock has its grain: a tick comes a moment after it is due.
+  // A clock has a resolution, so a tick comes slightly late.
   step(Tick{.now_s = events_.now_s() - ticks_begin_s_ + 1e-6, .wall = wall()});
 }
 
-/// What can be carried out is; a save takes its time.
+/// Carries out what is possible; a save takes time.
 void Service::pump() {
   while (machine_ && !is_committing_ && !batches_.empty()) {
     if (batches_.front().save) {
@@ -152,7 +152,7 @@ void Service::commit() {
   ledger_.saves(*batch.save, store_);
   store_.apply(*batch.save);
   if (dies) {
-    // So many of its effects are carried out, and no more.
+    // Only this many of its effects are carried out.
     batch.rest.resize(std::min<std::size_t>(batch.rest.size(), *dies - 1));
     carry_out(batch.rest);
     return kill_daemon();
@@ -160,7 +160,7 @@ void Service::commit() {
   if (carry_out(batch.rest)) pump();
 }
 
-/// A job's program is known by what was submitted.
+/// Tells the backend the program of each submitted job.
 void Service::know_new_jobs(const Save& save) {
   for (const Job& job : save.jobs) {
     if (store_.find(job.id) != nullptr) continue;
@@ -171,7 +171,7 @@ void Service::know_new_jobs(const Save& save) {
   }
 }
 
-/// False: the daemon died of it.
+/// Returns false if the daemon died.
 bool Service::carry_out(const std::vector<Effect>& effects) {
   const std::uint64_t begun = incarnation_;
   for (const Effect& effect : effects) {
@@ -275,7 +275,7 @@ void Service::change(const Fault& fault, bool begins) {
   tell_surroundings();
 }
 
-/// Of a full disk, and of a backend that is away, the daemon isn't always told.
+/// The daemon isn't always told of a full disk or an unreachable backend.
 void Service::tell_surroundings() {
   Room room = scenario_.room;
   BackendNote note{.results_version = "ours"};
@@ -295,7 +295,7 @@ void Service::tell_surroundings() {
   if (begun == incarnation_) hear(room);
 }
 
-/// Everybody lets go on what they hold, until all is over.
+/// Users release held jobs until all jobs are over.
 void Service::look_around() {
   if (machine_ && unfinished().empty()) {
     outcome_.is_finished = true;

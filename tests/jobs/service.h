@@ -1,12 +1,13 @@
-// A simulated service: users, a daemon that runs the real machine of jobs and may die anywhere, its
-// store, and a backend, on one simulated clock.
+// A simulated service: users, a daemon that runs the real machine of jobs and may die at any
+// moment, its store, and a backend, on one simulated clock.
 //
 //   users ──▶ daemon (1, 2, ...) ──▶ store
 //                 │  ▲
 //   faults ──▶ backend: keepers and programs
 //
-// A step's effects wait until its save is on disk; a daemon that dies before, between or after them
-// leaves what was done until then. Invariant: a run is a function of its scenario. Not thread-safe.
+// A step's effects wait until its save is on disk. A daemon that dies before, between or after the
+// effects leaves those that are done. Invariant: a run is a function of its scenario. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -33,10 +34,10 @@ namespace sleight::jobs::simulated {
 struct Outcome {
   bool is_finished = false;
   std::string violation;
-  std::string unfinished;  ///< the first job that isn't over, if one isn't
+  std::string unfinished;  ///< the first job that isn't over; empty: all are
   double end_s = 0;
-  double core_s = 0;         ///< that programs had cores
-  double useful_core_s = 0;  ///< of these, in scans that were kept
+  double core_s = 0;         ///< of all programs
+  double useful_core_s = 0;  ///< of these, in committed scans
   std::uint64_t daemons = 0;
   std::uint64_t inputs = 0;
   std::uint64_t launches = 0;
@@ -48,14 +49,14 @@ class Service {
  public:
   explicit Service(const Scenario& scenario);
 
-  /// To the end of all jobs, or until `limit_s` after the last fault.
+  /// Runs until all jobs are over, or until `limit_s` after the last fault.
   Outcome run(double limit_s);
 
-  /// Before a run: something to look at the service with, at a time.
+  /// Schedules an action during the run. REQUIRES: the run hasn't begun.
   void at(double time_s, std::function<void()> action) { events_.at(time_s, std::move(action)); }
   double now_s() const { return events_.now_s(); }
   const SimBackend& backend() const { return backend_; }
-  /// The job of a number as stored; none: it isn't there.
+  /// The job with this number as stored; null: not stored.
   const Job* job(std::size_t nth) const {
     const auto id = ids_.find(nth);
     return id == ids_.end() ? nullptr : store_.find(id->second);
@@ -94,8 +95,8 @@ class Service {
   Ledger ledger_;
   SimBackend backend_;
   std::unique_ptr<Jobs> machine_;
-  std::uint64_t incarnation_ = 0;  ///< of the daemon; moves on when it dies
-  double ticks_begin_s_ = 0;       ///< of this daemon's clock
+  std::uint64_t incarnation_ = 0;  ///< of the daemon; incremented when it dies
+  double ticks_begin_s_ = 0;       ///< service time 0 on this daemon's clock
   double wall_offset_s_ = 0;
   std::optional<double> tick_at_s_{};
   std::deque<Batch> batches_;
@@ -104,7 +105,7 @@ class Service {
       dies_at_save_{};  ///< 0: before it; 1: after it; n: after n-1 effects
   std::vector<const Fault*> lasting_;
   std::map<std::size_t, JobId> ids_;  ///< by the job's number
-  std::set<std::size_t> accepted_;    ///< whose users know
+  std::set<std::size_t> accepted_;    ///< jobs whose users have their answer
   std::set<Token> asks_open_;
   Token next_ask_ = 1'000'000;
   Outcome outcome_;

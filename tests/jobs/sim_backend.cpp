@@ -12,7 +12,7 @@ namespace sleight::jobs::simulated {
 namespace {
 
 constexpr double k_latency_s_min = 1e-3, k_latency_s_max = 0.05;
-/// Shorter than the launches of an attempt take until it is given up (Options::unbegun_max).
+/// Less time than an attempt's launches take until it fails (Options::unbegun_max).
 constexpr double k_late_s_max = 8;
 
 }  // namespace
@@ -36,7 +36,7 @@ void SimBackend::tell(Input input) {
   events_.after(latency_s(), [this, input = std::move(input)] { news_(input); });
 }
 
-/// Answers that aren't so.
+/// Replaces an input with a wrong one.
 Input SimBackend::made_wrong(Input input) {
   if (const auto* launched = std::get_if<Launched>(&input))
     return LaunchFailed{.job = launched->job, .attempt = launched->attempt, .words = "wrongly"};
@@ -59,7 +59,7 @@ Input SimBackend::made_wrong(Input input) {
 }
 
 void SimBackend::launch(const Launch& launch) {
-  if (dice_.chance(weather_.lost)) return;  // its keeper is gone before it had the folder
+  if (dice_.chance(weather_.lost)) return;  // its keeper dies before it has the folder
   if (is_away_) {
     tell(LaunchFailed{.job = launch.job, .attempt = launch.attempt, .is_backend_away = true});
     return;
@@ -67,7 +67,7 @@ void SimBackend::launch(const Launch& launch) {
   events_.after(latency_s(), [this, launch] { enqueue(launch); });
 }
 
-/// The queue has an attempt once, also where it is launched again.
+/// Queues an attempt once, even if it is launched again.
 void SimBackend::enqueue(const Launch& launch) {
   const auto found = folders_.find(launch.job);
   if (found == folders_.end()) return;
@@ -82,7 +82,7 @@ void SimBackend::enqueue(const Launch& launch) {
   });
 }
 
-/// Cancelled there, it leaves no record.
+/// Cancels a queued attempt, which leaves no record.
 void SimBackend::leave_queue(JobId job, Attempt attempt) {
   Folder& folder = folders_.at(job);
   folder.pending.erase(attempt);
@@ -128,7 +128,7 @@ void SimBackend::go_on(JobId job) {
   after(job, folder.plan->scan_core_s / folder.cores, &SimBackend::scan);
 }
 
-/// A scan is there: it is committed, or what is to happen at it happens.
+/// Commits a scan, or lets the program's fate happen there.
 void SimBackend::scan(JobId job) {
   Folder& folder = folders_.at(job);
   const std::uint64_t wanted = folder.plan->scans * folder.revision;
@@ -152,7 +152,7 @@ void SimBackend::scan(JobId job) {
     return;
   }
   ledger_.is_finished(job, folder.revision);
-  // mpirun's exit code says nothing: some runs that finished end with a crash of its own.
+  // mpirun's exit code is unreliable: some finished runs end with a crash of mpirun.
   end(job, {.kind = EndKind::finished, .exit_code = dice_.chance(0.2) ? 1 : 0, .digest = "all"});
 }
 

@@ -1,6 +1,6 @@
 // The simulated backend: folders with their records, keepers that obey K1 to K3 of jobs.h, and
-// programs that compute, die, fail and stop as their plans say. It outlives the daemon, whose
-// commands and whose news of it may be lost, doubled, late or wrong. Not thread-safe.
+// programs that compute, die, fail and stop as planned. The backend outlives the daemon. Messages
+// in both directions may be lost, repeated, late or wrong. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct Weather {
 class SimBackend {
  public:
   using News = std::function<void(Input)>;
-  /// `news` hands the daemon that is up, if one is, what it hears.
+  /// `news` passes reports to the current daemon, if there is one.
   SimBackend(std::uint64_t seed, cluster::EventQueue& events, Ledger& ledger, const SimStore& store,
              News news)
       : dice_(seed, cluster::Dice::Part::network),
@@ -46,17 +46,17 @@ class SimBackend {
   void fill_disk(bool full) { is_disk_full_ = full; }
   void leave(bool away) { is_away_ = away; }
   void change_programs(bool other) { has_other_programs_ = other; }
-  /// The n-th program that runs loses its place: it stops in order, or is killed.
+  /// The n-th running program loses its cores: it stops cleanly or is killed.
   void take_place(std::uint64_t nth);
-  /// Somebody cancels the n-th job that runs or waits.
+  /// Somebody cancels the n-th running or waiting job.
   void cancel_by_hand(std::uint64_t nth);
-  /// A keeper that holds a folder, with all below it: the n-th, or all.
+  /// Kills the n-th keeper that holds a folder, or all, with their programs.
   void kill(std::uint64_t nth, bool all);
 
   bool anything_runs() const;
-  /// The same of one user, up to now.
+  /// core_s() of one user, up to now.
   double core_s_of(UserId user) const;
-  /// Seconds that programs had cores, and those of them that went into scans that were kept.
+  /// Seconds of cores that programs had, and the part in committed scans.
   double core_s() const { return core_s_; }
   double useful_core_s() const { return useful_core_s_; }
 
@@ -65,11 +65,11 @@ class SimBackend {
     const JobPlan* plan = nullptr;
     Attempt attempt{};                   ///< of the record
     std::optional<Ended> end{};          ///< of the record
-    Outside outside = Outside::nothing;  ///< of how it went without an end
+    Outside outside = Outside::nothing;  ///< why it ended without a recorded end
     bool is_locked = false;
     std::map<Attempt, Launch> pending{};  ///< in the queue
-    Attempt cancelled{};                  ///< the newest that was cancelled while it waited
-    std::uint64_t life = 0;               ///< moves on when what was under way is over
+    Attempt cancelled{};                  ///< newest attempt that was cancelled while waiting
+    std::uint64_t life = 0;               ///< changes when actions in progress become void
     std::uint64_t revision = 1;
     std::uint32_t cores = 1;
     bool is_stopping = false;

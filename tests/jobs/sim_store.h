@@ -1,5 +1,5 @@
-// The job store of a simulated daemon: saves are durable as a whole or not at all. It outlives the
-// daemon. Not thread-safe.
+// The job store of a simulated daemon. Saves are durable completely or not at all, and the store
+// outlives the daemon. Not thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// Whose turn it is, on the simulated clock: shares, short jobs, large ones, patience, and what all
-// that costs.
+// Turns on the simulated clock: shares, short jobs, large jobs, patience, and the cost of turns.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +16,8 @@ namespace {
 constexpr UserId k_ann{1};
 constexpr UserId k_bob{2};
 
-/// Its restart costs under 0.5 s: 0.2 to the first scan, 0.1 for that, 0.1 to stop.
+/// A job whose restart costs under 0.5 s: 0.2 s until the first scan begins, 0.1 s for this scan,
+/// 0.1 s to stop.
 JobPlan job_of(UserId user, double at_s, double core_s) {
   return {.user = user,
           .submitted_s = at_s,
@@ -66,9 +66,9 @@ double difference_of_shares(const Split& split) {
 }
 
 TEST(Turns, TwoUsersHaveEqualShares) {
-  // Goal: over ten minutes two users' shares of the machine differ by under 5%, whether cores can
-  // be halved or not, and however many jobs each has. Method: endless jobs; core-seconds as their
-  // programs had them.
+  // Goal: over ten minutes, two users' shares of the machine differ by under 5%, for even and odd
+  // numbers of cores and any numbers of jobs. Method: endless jobs; compare their programs'
+  // core-seconds.
   for (const Split& split :
        {Split{.cores = 1}, Split{.cores = 2}, Split{.cores = 3}, Split{.cores = 10},
         Split{.cores = 1, .anns_jobs = 9}, Split{.cores = 10, .anns_jobs = 9},
@@ -82,8 +82,8 @@ TEST(Turns, TwoUsersHaveEqualShares) {
 }
 
 TEST(Turns, AShortJobEndsSoon) {
-  // Goal: on a full machine another user's job of 2 s ends within 15 s. Method: Ann's jobs have all
-  // cores, and more of hers wait; Bob comes at sixty moments.
+  // Goal: on a full machine, another user's job of 2 s ends within 15 s. Method: Ann's jobs use all
+  // cores, and more of them wait; Bob submits at sixty moments.
   double longest_s = 0;
   for (const std::uint32_t cores : {1U, 2U, 8U}) {
     for (const std::size_t anns_jobs : {1UL, 20UL}) {
@@ -113,7 +113,7 @@ TEST(Turns, AShortJobEndsSoon) {
   EXPECT_LT(longest_s, 15);
 }
 
-/// The longest that the job of a number waited at a time, from its submit or its last attempt.
+/// The longest wait of the nth job, from its submit or its last attempt.
 double longest_wait_s(Service& service, std::size_t nth, double until_s) {
   struct Watch {
     double since_s = -1;
@@ -136,10 +136,9 @@ double longest_wait_s(Service& service, std::size_t nth, double until_s) {
 }
 
 TEST(Turns, ALargeJobGetsItsRoom) {
-  // Goal: ranks that need the whole machine are not starved by a stream of small jobs, not even
-  // where their user has had more than all others together. Method: 19 users who always have jobs
-  // of one core waiting; Ann's eight ranks, fresh, and after an hour of the machine; a patience of
-  // ten minutes.
+  // Goal: a stream of small jobs doesn't starve ranks that need the whole machine, even if their
+  // user has used more than all others. Method: 19 users always have jobs of one core waiting. Ann
+  // submits eight ranks at first, and after using the machine for an hour; patience is ten minutes.
   for (const double head_start_s : {0.0, 3600.0}) {
     Scenario scenario = quiet_machine(8, 0);
     scenario.options.patience_s = 600;
@@ -159,7 +158,7 @@ TEST(Turns, ALargeJobGetsItsRoom) {
     const double wait_s = longest_wait_s(service, 0, end_s);
     fmt::print("eight ranks wait {:.0f} s, where their user had {:.0f} s of the machine\n", wait_s,
                head_start_s);
-    // Patience, and a slice and a stop of those that run.
+    // The patience, plus a slice and a stop of the running jobs.
     EXPECT_LT(wait_s, scenario.options.patience_s + 40);
     ASSERT_NE(service.job(0), nullptr);
     EXPECT_GT(service.job(0)->attempt.value, 0U);
@@ -167,9 +166,9 @@ TEST(Turns, ALargeJobGetsItsRoom) {
 }
 
 TEST(Turns, NobodyStarves) {
-  // Goal: the bound of jobs.h. Method: twenty users with endless jobs on one core, among them one
-  // who had the core for hours, one whose scans take longer than a slice, and one with a job of low
-  // priority beside others; a patience of ten minutes.
+  // Goal: the bound in jobs.h holds. Method: twenty users with endless jobs on one core. One had
+  // the core for hours, one has scans longer than a slice, and one has a low-priority job beside
+  // others; patience is ten minutes.
   Scenario scenario = quiet_machine(1, 0);
   scenario.options.patience_s = 600;
   constexpr double k_begin_s = 8000, k_end_s = 20'000;
@@ -192,8 +191,8 @@ TEST(Turns, NobodyStarves) {
 }
 
 TEST(Turns, RestartsCostLittle) {
-  // Goal: turns cost a twentieth at most. Method: eight users on two cores for an hour;
-  // core-seconds of kept scans among those that programs had.
+  // Goal: turns cost at most a twentieth. Method: eight users on two cores for an hour; compare
+  // core-seconds in committed scans with all core-seconds of programs.
   Scenario scenario = quiet_machine(2, 3600);
   for (std::uint32_t user = 1; user <= 8; ++user)
     scenario.jobs.push_back(job_of(UserId{user}, 0, k_endless_core_s));
@@ -207,9 +206,9 @@ TEST(Turns, RestartsCostLittle) {
 }
 
 TEST(Turns, CoresThatNobodyWantsAreUsedWhereItIsWorthIt) {
-  // Goal: a job that was started on few cores goes on with all once others are gone, but not for
-  // nothing. Method: two users on four cores; Bob's job ends early, or so late that Ann's has
-  // little behind it: then it isn't stopped.
+  // Goal: a job with few cores is restarted on all cores once the others are gone, if that is worth
+  // it. Method: two users on four cores. Bob's job ends early; or so late that Ann's job has done
+  // little, and then isn't stopped.
   Scenario scenario = quiet_machine(4, 0);
   scenario.jobs = {job_of(k_ann, 0, 2000), job_of(k_bob, 0, 100)};
   Service service(scenario);
@@ -220,7 +219,7 @@ TEST(Turns, CoresThatNobodyWantsAreUsedWhereItIsWorthIt) {
   EXPECT_EQ(service.run(2000).violation, "");
   EXPECT_EQ(cores, 2U);
   EXPECT_EQ(cores_later, 4U);
-  // On all cores alone, on half of them beside Bob's, and on all again.
+  // First on all cores alone, then on half of them beside Bob's job, then on all again.
   EXPECT_EQ(service.job(0)->attempt.value, 3U);
 
   Scenario brief = quiet_machine(4, 0);
@@ -241,11 +240,11 @@ double used_s() {
 }
 
 TEST(Turns, TenThousandJobsCostLittle) {
-  // Goal: with 10,000 jobs waiting a machine that idles along, its running jobs told of once a
-  // second, takes under 0.5% of a core; and a submit or a look at a job's place little. Method: the
-  // machine alone, for ten minutes of its clock, by this process's processor time.
+  // Goal: with 10,000 waiting jobs, and one report per second of its running jobs, the machine uses
+  // under 0.5% of a core. Submits and queries of a job's place are cheap. Method: run the machine
+  // alone for ten minutes of its clock; measure this process's processor time.
   Options options;
-  options.slice_s_min = 1e6;  // nobody makes room: jobs only wait
+  options.slice_s_min = 1e6;  // no job makes room, so others only wait
   Jobs machine(options);
   machine.step(Tick{.now_s = 0, .wall = 1e9});
   machine.step(Began{});

@@ -1,5 +1,4 @@
-// What a wrong service does in the place of the right one (mistakes.h). With Mistake::none all of
-// this changes nothing.
+// The wrong behaviour of each mistake (mistakes.h). With Mistake::none, nothing changes.
 #pragma once
 
 #include <vector>
@@ -11,14 +10,14 @@
 namespace sleight::jobs::simulated {
 
 Options options_with(Mistake mistake, Options options);
-/// What a daemon that begins takes from the store.
+/// What a restarted daemon reads from the store.
 Restored restored_with(Mistake mistake, Restored restored);
-/// What the machine takes an input for.
+/// The input that the machine receives.
 Input input_with(Mistake mistake, Input input, const Jobs& machine);
-/// What is made of a step's effects.
+/// The effects that are carried out.
 std::vector<Effect> effects_with(Mistake mistake, std::vector<Effect> effects, cluster::Dice& dice);
 
-/// What goes wrong where the mistake shows.
+/// A choice of scenarios in which the mistake shows.
 ScenarioChoice where_it_shows(Mistake mistake);
 
 }  // namespace sleight::jobs::simulated
