@@ -1,5 +1,5 @@
-// Goal: questions are written and answers read as docs/BACKENDS.md states them; what is missing or
-// new has its default, and what is wrong is refused by name.
+// Goal: questions and answers follow docs/BACKENDS.md. Missing keys have defaults, unknown keys are
+// ignored, and errors name the wrong key.
 #include "service/backend/messages.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Goal: attempts' names and orders are read as they are written, and nothing else is taken for one.
+// Goal: names and orders of attempts read back as written; other text is rejected.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -29,7 +29,7 @@ TEST(AttemptNames, AreNothingElse) {
 }
 
 TEST(AttemptNames, OrdersAreChecked) {
-  // Method: a right order, then each with one thing wrong.
+  // Method: a valid order, then one error at a time.
   const Order right{.name = k_name, .folder = "/jobs/it's 17", .command = {"/bin/true", "a\nb"}};
   EXPECT_NO_THROW(check_order(right));
   const auto is_wrong = [&right](auto&& change) {

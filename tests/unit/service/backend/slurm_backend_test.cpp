@@ -1,6 +1,6 @@
-// Goal: what is asked of Slurm, and what comes of its answers, the lost and odd ones included.
-// Method: scripts stand for sbatch, squeue and scancel; they note what they are asked and answer
-// from files. A real Slurm is test_slurm_backend.py's.
+// Goal: the Slurm backend runs the right commands and interprets their output, also lost and
+// unusual output. Method: scripts replace sbatch, squeue and scancel; they log their arguments and
+// answer from files. test_slurm_backend.py uses a real Slurm.
 #include "service/backend/slurm_backend.h"
 
 #include <fmt/format.h>
@@ -47,7 +47,7 @@ class SlurmBackendTest : public ::testing::Test {
     text << std::ifstream(path(name)).rdbuf();
     return text.str();
   }
-  /// Notes its arguments, a line each, then does as it is told.
+  /// Creates a program that logs its arguments, one per line, then runs the script.
   void program(const std::string& name, const std::string& script) {
     write(name, fmt::format("#!/bin/sh\ncd {0}\nprintf '%s\\n' \"$@\" >> {1}.asked\necho >> "
                             "{1}.calls\n{2}\n",
@@ -78,7 +78,8 @@ class SlurmBackendTest : public ::testing::Test {
 };
 
 TEST_F(SlurmBackendTest, SubmitsAnAttemptOnce) {
-  // Method: the whole command; then again by the same object, and by another that sees the queue.
+  // Method: compare the whole command. Then submit again with the same object, and with another
+  // that sees the queue.
   auto slurm = backend({{"partition", "long"}});
   Order wanted = order();
   wanted.memory_bytes = 3'000'000'001;
@@ -143,8 +144,8 @@ TEST_F(SlurmBackendTest, AsksSqueueOnceForAllAndNotSoonAgain) {
 }
 
 TEST_F(SlurmBackendTest, ALostAnswerIsFoundAgainByItsComment) {
-  // Method: sbatch submits and its answer is lost, in each way; the next launch looks before it
-  // submits, also right after the last list.
+  // Method: sbatch submits, but its answer is lost in one of several ways. The next launch searches
+  // the queue before it submits, even right after the last list.
   for (const char* loss : {"kill -9 $$",
                            "echo 'sbatch: error: Batch job submission failed: Socket timed out on "
                            "send/recv operation' >&2; exit 1",
@@ -188,8 +189,8 @@ TEST_F(SlurmBackendTest, ARefusalIsNoSilence) {
 }
 
 TEST_F(SlurmBackendTest, AControllerThatIsAwayIsAskedOnce) {
-  // Method: the queue can't be had; nothing is submitted, nothing is an end, and twenty questions
-  // make one call.
+  // Method: the queue is unreachable. Nothing is submitted, no attempt counts as ended, and twenty
+  // questions cause one call.
   program("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1");
   auto slurm = backend();
   for (std::uint64_t job = 1; job <= 10; ++job) {

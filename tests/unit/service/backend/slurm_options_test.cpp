@@ -1,5 +1,5 @@
-// Goal: what jobs wish of Slurm becomes arguments of sbatch, and what would break the service is
-// refused, however it is written.
+// Goal: jobs' options for Slurm become arguments of sbatch. Options that would break the service
+// are refused in any spelling.
 #include "service/backend/slurm_options.h"
 
 #include <gmock/gmock.h>

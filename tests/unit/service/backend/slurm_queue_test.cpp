@@ -1,4 +1,4 @@
-// Goal: squeue's rows become attempts, whatever else is in the queue.
+// Goal: squeue's rows become attempts, whatever else the queue contains.
 #include "service/backend/slurm_queue.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,8 @@ TEST(SlurmQueue, HasTheAttemptsOfComments) {
 }
 
 TEST(SlurmQueue, PassesOddRowsOver) {
-  // Method: other people's comments, cut rows, arrays, bars in a comment, no end of line.
+  // Method: rows with other people's comments, cut rows, arrays, bars in a comment, a missing last
+  // newline.
   const SlurmQueue queue = slurm_queue_of(
       "\n|||\nslurm_load_jobs error\n"
       "1|RUNNING|None|my own|words\n"

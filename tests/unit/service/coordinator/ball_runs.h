@@ -1,4 +1,4 @@
-// Whole runs of the real 2D ball in a scratch folder, each session as a program's main joins it.
+// Whole runs of the 2D ball in a scratch folder; each session is joined like a program's main.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,10 @@ namespace sleight::coordinator::testing {
 
 class BallRuns : public archive::testing::Scratch {
  protected:
-  /// For request_text: scans that take long enough for a session to be stopped between two units.
+  /// For request_text: scans slow enough that a session can be stopped between two units.
   static constexpr const char* k_slow = "iterations_per_scan = 200\n";
 
-  /// A request of three chains, or ladders. `stop` is the content of [stop]; `more` is put before
-  /// it.
+  /// A request of three chains or ladders. `stop` is the content of [stop]; `more` precedes it.
   static std::string request_text(const std::string& stop, const std::string& more = {},
                                   const std::string& method = "metropolis_hastings") {
     return "[world]\nname = \"ball_2d\"\n[sampler]\nmethod = \"" + method +
@@ -61,13 +60,13 @@ class BallRuns : public archive::testing::Scratch {
         options);
   }
 
-  /// Asks to stop at the n-th question.
+  /// Requests a stop at the n-th call.
   static std::function<bool()> stop_at(std::uint64_t question) {
     return [question, asked = std::uint64_t{0}]() mutable { return ++asked >= question; };
   }
 
-  /// The same, unless the session before was stopped while it wrote its archive: writing asks more
-  /// often than that, so that it would never end.
+  /// Like stop_at, unless the previous session was stopped while it wrote its archive. Writing
+  /// calls the function more often, so the run would never end.
   static std::function<bool()> stop_before_writing(std::uint64_t question,
                                                    const RunSummary& before) {
     return before.is_archive_given_up ? std::function<bool()>() : stop_at(question);

@@ -1,4 +1,4 @@
-// Archives of a run so far: when they are made, and that nobody waits for them.
+// When run checkpoints are made, and that nothing waits for them.
 #include "service/coordinator/checkpoints.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ class SetClock final : public base::Clock {
 
 class CheckpointsTest : public ::testing::Test {
  protected:
-  /// Waits for what the thread does; fails after 20 s.
+  /// Waits for the thread to fulfil a condition; fails after 20 s.
   static void await(const std::function<bool()>& holds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (!holds()) {
@@ -40,8 +40,8 @@ class CheckpointsTest : public ::testing::Test {
 };
 
 TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
-  // Goal: one as soon as there is a solution, then one each minute, of what is reached by then.
-  // Method: a clock set by hand, an offer each second for five minutes, a solution after ten.
+  // Goal: a checkpoint follows the first solution, then one per minute, of the newest cut. Method:
+  // a manual clock, one offer per second for five minutes, a solution after ten.
   std::vector<std::uint64_t> cuts;
   Checkpoints checkpoints(
       [&](const request::Cut& reached, const std::atomic<bool>&) {
@@ -60,8 +60,8 @@ TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
 }
 
 TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
-  // Goal: no checkpoint where nothing is reached, in the first half second, or where none are
-  // asked for. Method: offers of each kind.
+  // Goal: no checkpoint without results, in the first half second, or if checkpoints are off.
+  // Method: offers of each kind.
   std::atomic<int> made = 0;
   const auto derive = [&](const request::Cut&, const std::atomic<bool>&) {
     ++made;
@@ -82,9 +82,9 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
 }
 
 TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
-  // Goal: as soon as a search has all that it was to find there is an archive, also where the run
-  // ends meanwhile. Method: an offer at time 0; stop() while it is being made, which is then given
-  // every chance to be told, and is not.
+  // Goal: as soon as a search has all its finds, an archive follows, even if the run ends
+  // meanwhile. Method: an offer at time 0. stop() is called during the derivation, which polls for
+  // a stop repeatedly but never sees one.
   std::atomic<int> begun = 0;
   std::atomic<bool> stops = false;
   Checkpoints checkpoints(
@@ -109,8 +109,8 @@ TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
 }
 
 TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
-  // Goal: offers return while one is being made, and begin no second one; stop() gives it up.
-  // Method: a checkpoint that goes on until it is told to stop.
+  // Goal: during a derivation, offers return at once and don't begin a second one; stop() cancels
+  // it. Method: a derivation that lasts until it is stopped.
   std::atomic<int> begun = 0;
   std::atomic<bool> was_told = false;
   Checkpoints checkpoints(
@@ -137,10 +137,10 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
 }
 
 TEST_F(CheckpointsTest, CostlyOnesAreRare) {
-  // Goal: deriving takes at most a hundredth of the workers' time, new motions left out. Method:
-  // checkpoints that compute for 0.2 s, all of it or 0.15 s of it by motions; of two workers the
-  // next one comes after 50 times the rest (10 s or 2.5 s, and more where it was interrupted),
-  // though one is wanted each second.
+  // Goal: deriving takes at most a hundredth of the workers' time, excluding new motions. Method:
+  // checkpoints that compute for 0.2 s, of which motions take none or 0.15 s. With two workers, the
+  // next checkpoint follows after 50 times the rest (10 s or 2.5 s, or more if interrupted),
+  // although one is requested each second.
   for (const double motions_s : {0.0, 0.15}) {
     std::atomic<double> cost_s = 0;
     Checkpoints checkpoints(
@@ -170,9 +170,9 @@ TEST_F(CheckpointsTest, CostlyOnesAreRare) {
 }
 
 TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
-  // Goal: a failure of whatever kind ends nothing, and neither does a cut without draws: the first
-  // archive is tried again after a second until there is one; the next comes a minute later.
-  // Method: failures of two kinds, then nothing to show, then an archive.
+  // Goal: neither a failure of any kind nor a cut without draws ends checkpoints. The first archive
+  // is tried each second until it succeeds; the next follows a minute later. Method: failures of
+  // two kinds, then a cut without draws, then an archive.
   std::atomic<int> tries = 0;
   Checkpoints checkpoints(
       [&](const request::Cut&, const std::atomic<bool>&) {
@@ -189,7 +189,7 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
   offer(1);
   await([&] { return tries == 1; });
   for (int nth = 2; nth <= 4; ++nth) {
-    // A try has ended when the next one can be asked for.
+    // A try has ended when the next one can begin.
     await([&] {
       offer(1.5);
       return tries >= nth;
@@ -201,8 +201,8 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
 }
 
 TEST_F(CheckpointsTest, WhatGoesOnHasAnArchive) {
-  // Goal: a session that goes on from one that left an archive makes none at once. Method: the same
-  // offers with an archive and without.
+  // Goal: a session that resumes a run with an archive makes no checkpoint at once. Method: the
+  // same offers with and without an archive.
   for (const bool has_archive : {true, false}) {
     std::atomic<int> made = 0;
     Checkpoints checkpoints(

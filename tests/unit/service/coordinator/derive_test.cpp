@@ -1,4 +1,4 @@
-// Archives out of stores: whoever derives one, and whenever, it is the run's own.
+// Deriving an archive from a store reproduces the run's own archive.
 #include "service/coordinator/derive.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Counts the motions that are simulated, by state.
+/// Counts the simulated motions, by state.
 class CountingReader final : public archive::ForwardingReader {
  public:
   using ForwardingReader::ForwardingReader;
@@ -41,7 +41,7 @@ class CountingReader final : public archive::ForwardingReader {
 
 class DeriveArchive : public testing::BallRuns {
  protected:
-  /// Derives the archive of a run so far, as a program does that knows its folder alone.
+  /// Derives the archive of a run so far, knowing only the run's folder.
   static std::string derived(const std::string& text, const std::string& output,
                              const std::string& place, const std::function<bool()>& stop = {}) {
     const run::Catalogue catalogue;
@@ -64,9 +64,9 @@ class DeriveArchive : public testing::BallRuns {
 };
 
 TEST_F(DeriveArchive, IsTheRunsOwn) {
-  // Goal: an archive derived from a folder alone equals the run's byte for byte, of each kind of
-  // method, finished or stopped at any place, and asked for fewer scans than the store has. Method:
-  // runs of the ball and of a word of two bins; stopped runs with two threads.
+  // Goal: an archive derived from a folder alone equals the run's archive byte for byte. This holds
+  // for each kind of method, for finished and stopped runs, and for fewer scans than the store has.
+  // Method: runs of the ball and of a word of two bins; stopped runs with two threads.
   const auto word = [](const std::string& sampler, const std::string& stop) {
     return "[world]\nname = \"spelling\"\nbitmap = \"#.#\"\n[sampler]\nseed = 5\n" + sampler +
            "[stop]\n" + stop;
@@ -103,9 +103,9 @@ TEST_F(DeriveArchive, IsTheRunsOwn) {
 }
 
 TEST_F(DeriveArchive, HangsOnItsCutAlone) {
-  // Goal: what a store has beyond the cut changes nothing, new levels of a ladder included. Method:
-  // ladders that choose their levels; a long run asked again for fewer scans, beside one that has
-  // no more; the long run has more levels than the short one.
+  // Goal: scans beyond the cut, including new levels of a ladder, don't change its archive. Method:
+  // ladders that choose their levels. Request fewer scans of a long run and compare with a run of
+  // just these scans. The long run has more levels than the short one.
   const auto text = [](int scans) {
     return request_text("scans = " + std::to_string(scans), "", "parallel_tempering");
   };
@@ -122,9 +122,9 @@ TEST_F(DeriveArchive, HangsOnItsCutAlone) {
 }
 
 TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
-  // Goal: checkpoints, the archive at the end and one derived later simulate each kept animation
-  // once between them. Method: count motions of a run with checkpoints as often as possible, of a
-  // longer one that goes on from it, and of an archive derived afterwards.
+  // Goal: checkpoints, the final archive and an archive derived later simulate each kept animation
+  // once in total. Method: count the motions of a run with checkpoints as often as possible, of a
+  // longer run that resumes it, and of an archive derived afterwards.
   const run::Catalogue catalogue;
   const auto read = [&](const std::string& stop) {
     return request::read_request(
@@ -170,7 +170,7 @@ TEST_F(DeriveArchive, EachMotionIsSimulatedOnce) {
 }
 
 TEST_F(DeriveArchive, CanBeStopped) {
-  // Goal: an archive that is given up leaves what was there, and no file. Method: stopped at once.
+  // Goal: a stopped derivation leaves the old archive and no new file. Method: stop at once.
   const std::string text = request_text("scans = 200");
   (void)session(text, {.output = path("run.h5")});
   const auto stop = [] { return true; };
@@ -181,9 +181,10 @@ TEST_F(DeriveArchive, CanBeStopped) {
 }
 
 TEST_F(DeriveArchive, ARunThatIsToldToStopWhileItWritesKeepsTheOldOne) {
-  // Goal: the old archive stays, the store has all, the session ends as one that was interrupted,
-  // and the same request then has the archive that it would have had. Method: stopped by the phase
-  // that says that the archive is written, the run in its first session and gone on with.
+  // Goal: if a session is stopped while it writes its archive, the old archive stays, the store is
+  // complete, and the session ends as interrupted. The same request then produces its normal
+  // archive. Method: stop at the phase that announces the writing, in a first session and in a
+  // resumed one.
   const std::string text = request_text("scans = 200");
   const std::string longer = request_text("scans = 300");
   for (const bool has_archive : {false, true}) {

@@ -30,7 +30,7 @@ class Drive : public store::testing::RunFolder {
             .stop = {.scans = count, .rounds = {}, .independent_solutions = {}}};
   }
 
-  /// One session of the run. The crew is kept for questions.
+  /// Runs one session. The crew stays available for checks.
   DriveOutcome session(const sampling::IndependentChainsOptions& plan_options,
                        const FakeCrewOptions& crew_options, const DriveOptions& options = {}) {
     IndependentChains plan(plan_options);
@@ -40,7 +40,7 @@ class Drive : public store::testing::RunFolder {
     return drive(plan, *store_, *crew_, clock_, options);
   }
 
-  /// Scans of all chains that a reader beside the session finds committed.
+  /// Scans of all chains that a concurrent reader finds committed.
   std::uint64_t committed_scans() const {
     store::Database reader(store::RunStore::database_path(folder()), store::Access::read_only);
     store::Statement count = reader.prepare("SELECT count(*) FROM scan");
@@ -54,8 +54,8 @@ class Drive : public store::testing::RunFolder {
 };
 
 TEST_F(Drive, RunsAPlanToItsEnd) {
-  // Goal: every scan that the plan wants is computed once, stored, and counted. Method: 500 scans
-  // of three chains; counts against the records themselves.
+  // Goal: every scan of the plan is computed once, stored and counted. Method: 500 scans of three
+  // chains; compare the counts with the records.
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001});
   EXPECT_EQ(outcome.end, DriveEnd::finished);
   EXPECT_EQ(outcome.reached.scans, 500U);
@@ -84,15 +84,15 @@ TEST_F(Drive, RunsAPlanToItsEnd) {
   for (const plan::Unit& unit : crew_->submitted())
     computed += unit.scans;
   EXPECT_EQ(computed, 1500U);
-  // The example crew says 2 n + 1 for a unit of n scans.
+  // The example crew reports 2 n + 1 simulations for a unit of n scans.
   EXPECT_EQ(progress.session_simulations, 2 * 1500U + crew_->submitted().size());
   EXPECT_FALSE(progress.round_trips.has_value());
 }
 
 TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
-  // Goal: after a stop request nothing more is handed out, what runs ends and is stored; the next
-  // session goes on from there. Method: ask after the tenth question; compare what was submitted
-  // with what is stored.
+  // Goal: a stop request ends assignments; running blocks finish and are stored; the next session
+  // resumes. Method: stop after the tenth call of stop_requested; compare submitted and stored
+  // units.
   int questions = 0;
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001},
                                        {.stop_requested = [&] { return ++questions > 10; }});
@@ -115,29 +115,29 @@ TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
 }
 
 TEST_F(Drive, AFinishedRunIsFinishedWhateverIsAsked) {
-  // Goal: a stop request that comes after the last unit changes nothing. Method: ask always, on a
-  // run that is complete.
+  // Goal: a stop request after the last unit has no effect. Method: a permanent stop request, on a
+  // complete run.
   (void)session(scans(5), {});
   EXPECT_EQ(session(scans(5), {}, {.stop_requested = [] { return true; }}).end, DriveEnd::finished);
 }
 
 TEST_F(Drive, TimeLimitEndsInOrder) {
-  // Goal: the limit is kept to within the units that run, and the cut is a whole number of scans
-  // of all chains. Method: a scan takes 10 ms, the limit is 2 s.
-  clock_.advance(1000);  // clocks begin anywhere
+  // Goal: the time limit is exceeded by at most the running units, and the cut is the same number
+  // of scans for all chains. Method: a scan takes 10 ms, the limit is 2 s.
+  clock_.advance(1000);  // clocks have any origin
   const DriveOutcome outcome =
       session(scans(100'000), {.seconds_per_scan = 0.010}, {.time_limit_s = 2});
   EXPECT_EQ(outcome.end, DriveEnd::time_limit);
   EXPECT_GE(outcome.progress.elapsed_s, 2);
-  // At most six units were given out.
+  // At most six units had been assigned.
   EXPECT_LT(outcome.progress.elapsed_s, 2.005 + 6 * core::BlockSizeOptions{}.target_s);
   EXPECT_NEAR(static_cast<double>(outcome.reached.scans), 200.0 / k_chains, 10);
 }
 
 TEST_F(Drive, UnitsFollowWhatScansCost) {
-  // Goal: what results say about cost reaches the cutting of units (block_size_test has the rest):
-  // units come to the target's length and stay, and cheap ones to the most that a block may have.
-  // Method: a scan of 0.5 ms, and one that costs next to nothing.
+  // Goal: measured costs determine the sizes of units (see block_size_test). Units reach the
+  // target's duration and keep it; cheap ones reach the maximum size of a block. Method: scans of
+  // 0.5 ms, and scans that cost almost nothing.
   const core::BlockSizeOptions size{};
   (void)session(scans(5000), {.seconds_per_scan = 0.0005});
   EXPECT_EQ(crew_->submitted().front().scans, 1U);
@@ -153,8 +153,8 @@ TEST_F(Drive, UnitsFollowWhatScansCost) {
 }
 
 TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
-  // Goal: scans_done never runs ahead of the disk and never goes back; the last report is the
-  // outcome's. Method: at each report a reader beside counts the stored scans.
+  // Goal: scans_done never exceeds the committed scans and never decreases; the last report equals
+  // the outcome's. Method: at each report a concurrent reader counts the stored scans.
   std::vector<events::Progress> reports;
   const auto report = [&](const events::Progress& progress) {
     EXPECT_LE(progress.scans_done, committed_scans());
@@ -172,9 +172,9 @@ TEST_F(Drive, ReportsOnlyWhatIsCommitted) {
 }
 
 TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
-  // Goal: who is told to stop ends soon after, whatever is being computed, with all that came
-  // before; the next session computes the rest. Method: a crew that hangs after 3 s, told to stop
-  // after 5 s; without the limit this would never end.
+  // Goal: a stop request ends the session soon, even if blocks are still running, and keeps all
+  // results so far. The next session computes the rest. Method: a crew that hangs after 3 s, and a
+  // stop after 5 s; without the grace limit the test would never end.
   const double begin_s = clock_.now_s();
   const DriveOutcome cut =
       session(scans(2000), {.seconds_per_scan = 0.001, .hangs_from_s = begin_s + 3},
@@ -191,9 +191,9 @@ TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
 }
 
 TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
-  // Goal: what an archive could hold is told all along, ever more of it, and what is told is
-  // committed after a flush; a solution is told from when there is one. Method: read the run at
-  // each call, as an archive would; 60 s of work.
+  // Goal: `standing` receives ever larger cuts, which are committed after a flush, and reports a
+  // solution from the first one on. Method: read the run at each call, as an archive would; 60 s of
+  // work.
   std::vector<std::uint64_t> cuts;
   bool had_solution = false;
   const auto standing = [&](const Standing& now) {
@@ -215,8 +215,9 @@ TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
 }
 
 TEST_F(Drive, WorkersFailureComesOut) {
-  // Goal: a failure ends the session as it is, what came before it is stored, and the next session
-  // goes on. Method: the 40th unit fails; the scans of those before it, and no others, are stored.
+  // Goal: a worker's exception ends the session unchanged, earlier results are stored, and the next
+  // session resumes. Method: the 40th unit fails; exactly the scans of the units before it are
+  // stored.
   int units = 0;
   std::uint64_t scans_before = 0;
   FakeCrewOptions failing{.seconds_per_scan = 0.001};
@@ -234,8 +235,8 @@ TEST_F(Drive, WorkersFailureComesOut) {
 }
 
 TEST_F(Drive, SupersededSessionEnds) {
-  // Goal: a session that another has taken over from ends with conflict. Method: open the store
-  // anew in the middle.
+  // Goal: a session ends with conflict if another has taken over. Method: open the store again
+  // during the session.
   FakeCrewOptions options{.seconds_per_scan = 0.001};
   std::optional<store::RunStore> successor;
   int units = 0;
@@ -251,9 +252,9 @@ TEST_F(Drive, SupersededSessionEnds) {
 }
 
 TEST_F(Drive, SaysWhatHandlingTook) {
-  // Goal: an outcome's Handling is that of its session: what the scheduler counted, what the crew
-  // sent, and the caches of all workers together, each as it said last. Method: three workers whose
-  // n-th delivery speaks of n times a number of their own, against the crew's own counts.
+  // Goal: an outcome's Handling counts its own session: the scheduler's counts, the crew's
+  // messages, and the last reported caches of all workers. Method: three workers, whose n-th
+  // delivery reports n times a number of their own; compare with the crew's counts.
   const DriveOutcome outcome =
       session(scans(400), {.workers = 3, .threads = 2, .seconds_per_scan = 0.001});
   EXPECT_EQ(outcome.progress.workers, 6U);
@@ -283,8 +284,8 @@ TEST_F(Drive, SaysWhatHandlingTook) {
 }
 
 TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
-  // Goal: no worker is taken for silent, and no block given out again, because the clock began long
-  // ago. Method: a clock that is a million seconds old.
+  // Goal: an old clock doesn't make workers count as silent or blocks be assigned again. Method: a
+  // clock at a million seconds.
   clock_.advance(1e6);
   const DriveOutcome outcome =
       session(scans(1000), {.workers = 2, .threads = 2, .seconds_per_scan = 1}, {});
@@ -294,8 +295,8 @@ TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
 }
 
 TEST_F(Drive, ReportsRoundTripsOfItsPlan) {
-  // Goal: progress has the plan's round trips, earlier sessions included, where it counts such.
-  // Method: a plan that says how many of its scans are consumed, in two sessions.
+  // Goal: progress has the plan's round trips, including those of earlier sessions, if the plan
+  // counts them. Method: a plan that reports its consumed scans as round trips, in two sessions.
   class Travelling final : public plan::Plan {
    public:
     explicit Travelling(const sampling::IndependentChainsOptions& options) : chains_(options) {}

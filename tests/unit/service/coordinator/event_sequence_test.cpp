@@ -36,10 +36,10 @@ class Dice {
   random::Stream stream_;
 };
 
-/// A run's results, each a function of its place alone.
+/// A run's results, each determined only by its place.
 struct World {
   std::uint64_t seed = 1;
-  std::uint64_t failing = 12;  ///< one in so many scans fails, some twice
+  std::uint64_t failing = 12;  ///< one in this many scans fails, some twice
 
   plan::ScanRecord record(std::uint32_t chain, std::uint64_t scan) const {
     random::Stream stream(
@@ -58,7 +58,7 @@ struct World {
   }
 };
 
-/// What is asked of a run.
+/// The request of a run.
 struct Asked {
   std::uint64_t scans = 60;
   std::uint64_t finds = 4;
@@ -74,7 +74,7 @@ std::unique_ptr<plan::Plan> plan_of(const Asked& asked) {
           .stop = {.scans = asked.scans, .rounds = {}, .independent_solutions = {}}}));
 }
 
-/// Numbers events as results come: the mistake that the checks below must catch.
+/// Numbers events in the order of arrival, the mistake that the checks below must catch.
 class CompletionOrder {
  public:
   explicit CompletionOrder(const store::ToldFrontier& told) : told_(told) {}
@@ -96,13 +96,13 @@ class CompletionOrder {
   std::vector<events::RunEvent> found_;
 };
 
-/// A run in sessions, on any number of workers whose results come in any order. What a session that
-/// dies has committed stays: its results and events up to some moment.
+/// A run in sessions, with any number of workers whose results arrive in any order. A session that
+/// dies leaves its results and events up to some moment.
 class PlayedRun {
  public:
   explicit PlayedRun(const World& world) : world_(world) {}
 
-  /// Until it is done, or so many results have come.
+  /// Runs until the run is done or results_max results have arrived.
   template <class Sequence = EventSequence>
   void session(const Asked& asked, Dice& dice, std::size_t workers,
                std::uint64_t results_max = UINT64_MAX) {
@@ -132,7 +132,7 @@ class PlayedRun {
       std::ranges::copy(records, std::back_inserter(stored_[unit.replica]));
       if (dice.once_in(1 + workers)) tell(sequence, *plan);
     }
-    // One that dies has stored results of which nothing was told.
+    // A dying session may have stored results without events.
     if (results_max == UINT64_MAX) tell(sequence, *plan);
   }
 
@@ -157,7 +157,7 @@ class PlayedRun {
   store::ToldFrontier told_;
 };
 
-/// One worker, whose results are told one by one.
+/// A run by one worker, which reports results one by one.
 PlayedRun quiet_run(const World& world, const Asked& asked) {
   Dice dice(0);
   PlayedRun run(world);
@@ -166,9 +166,9 @@ PlayedRun quiet_run(const World& world, const Asked& asked) {
 }
 
 TEST(EventSequence, IsTheSameHoweverResultsCome) {
-  // Goal: invariant 1: no number of workers, order of results, sessions that die, nor how often it
-  // is asked changes the events or their order. Method: random runs of chains behind a search, some
-  // in sessions that die anywhere, against a quiet one.
+  // Goal: invariant 1: neither the number of workers, the order of results, dying sessions, nor the
+  // number of calls changes the events or their order. Method: compare random runs of chains after
+  // a search, some in sessions that die anywhere, with an undisturbed run.
   std::uint64_t failures = 0;
   for (const std::uint64_t index : property::cases(150)) {
     Dice dice(index);
@@ -192,8 +192,8 @@ TEST(EventSequence, IsTheSameHoweverResultsCome) {
 }
 
 TEST(EventSequence, NumberedInCompletionOrderItWouldBeCaught) {
-  // Goal: the check above catches a sequence that numbers events as results come. Method: the same
-  // runs by such a one.
+  // Goal: the check above catches a sequence that numbers events in the order of arrival. Method:
+  // the same runs with CompletionOrder.
   std::uint64_t caught = 0;
   for (std::uint64_t index = 0; index < 40; ++index) {
     Dice dice(index);
@@ -208,9 +208,9 @@ TEST(EventSequence, NumberedInCompletionOrderItWouldBeCaught) {
 }
 
 TEST(EventSequence, OfALongerStopGoesOn) {
-  // Goal: invariant 2: a run that is asked for more scans tells what one asked for them at once
-  // tells; one that is asked for fewer meanwhile tells nothing new; a search that is asked for more
-  // finds tells these when they are found, and all else as it was. Method: random runs in steps.
+  // Goal: invariant 2: a run extended to more scans reports the same events as one long run.
+  // Requesting fewer scans meanwhile reports nothing new. Requesting more finds reports these when
+  // they are found, and all other events unchanged. Method: random runs in steps.
   for (const std::uint64_t index : property::cases(60)) {
     Dice dice(index);
     const World world{.seed = index};
@@ -235,9 +235,9 @@ TEST(EventSequence, OfALongerStopGoesOn) {
 }
 
 TEST(EventSequence, TellsInTheOrderOfItsHeader) {
-  // Goal: the order that the header promises, with places, numbers and files as they are. Method:
-  // two chains by hand, the second one first: failures of a scan, then its solution, then its
-  // round; nothing of a scan that a chain lacks.
+  // Goal: events have the header's order, with their places, numbers and files. Method: results of
+  // two chains by hand, the second chain first. Events of a scan are failures, then its solution,
+  // then its round; a scan that a chain lacks has none.
   sampling::IndependentChains plan(
       {.seed = 1,
        .chains = 2,
@@ -291,8 +291,8 @@ TEST(EventSequence, TellsInTheOrderOfItsHeader) {
 }
 
 TEST(EventSequence, TellsSoManyFailuresAndNoMore) {
-  // Goal: of a simulator that fails everywhere the first failures in order are told, as many as the
-  // limit says over all sessions, however results come. Method: runs that fail at each scan.
+  // Goal: if a simulator fails everywhere, only the first failures in order are reported, up to the
+  // limit over all sessions, in any order of results. Method: runs that fail at each scan.
   const World world{.seed = 5, .failing = 1};
   const Asked asked{.scans = 500, .finds = 0};
   const PlayedRun quiet = quiet_run(world, asked);

@@ -35,7 +35,7 @@ class FailureFilesOf : public archive::testing::Scratch {
 };
 
 TEST_F(FailureFilesOf, KeepAFewThatCanBeReadBack) {
-  // Goal: the first failures are files that read back, later ones are not kept. Method: twenty.
+  // Goal: the first failures become readable files; later failures don't. Method: twenty failures.
   FailureFiles keeper = new_files();
   EXPECT_EQ(count(), 0U);
   std::set<std::string> paths;
@@ -53,8 +53,8 @@ TEST_F(FailureFilesOf, KeepAFewThatCanBeReadBack) {
 }
 
 TEST_F(FailureFilesOf, AreWrittenOnceOverSessions) {
-  // Goal: a result that was lost and is computed again has its files already; a later session keeps
-  // what is missing to ten. Method: two keepers on one folder, several failures of one scan.
+  // Goal: if a lost result is computed again, its files exist already. A later session adds files
+  // up to the limit of ten. Method: two objects on one folder, several failures of one scan.
   {
     FailureFiles first = new_files();
     for (const std::byte state : {std::byte{1}, std::byte{2}, std::byte{3}})

@@ -1,5 +1,4 @@
-// A crew that computes nothing: results are those of the store's examples, and time is what a test
-// says.
+// A crew that computes nothing: its results are the store's examples, and tests set the time.
 #pragma once
 
 #include <cstdint>
@@ -21,21 +20,21 @@ struct FakeCrewOptions {
   std::uint32_t workers = 1;
   std::uint32_t threads = 3;    ///< of each worker
   double seconds_per_scan = 0;  ///< passes on the clock when an assignment completes
-  /// What a unit is said to have cost; the seconds above when empty.
+  /// The reported cost of a unit. Empty: the seconds above.
   std::function<double(const plan::Unit&)> cost_s{};
-  /// Which of the waiting assignments completes next, of so many; the oldest when empty.
+  /// Index of the waiting assignment that completes next, given their number. Empty: the oldest.
   std::function<std::size_t(std::size_t)> choose{};
-  /// Called before each unit completes; may throw, as a worker's failure would.
+  /// Called before each unit completes. May throw, as a failing worker would.
   std::function<void(const plan::Unit&)> before{};
-  /// Whether the worker has lost the state that it is thought to hold; never when empty.
+  /// Whether the worker has lost the state that the scheduler expects it to hold. Empty: never.
   std::function<bool(const plan::Unit&)> forgets{};
-  /// From this time on nothing completes, however long it is waited for.
+  /// From this time on, no assignment completes.
   double hangs_from_s = std::numeric_limits<double>::infinity();
 };
 
-/// Completes one assignment a receive. Checks that each unit comes with the state before it: as
-/// bytes, or as nothing exactly where its worker made that state last and hasn't said that it lost
-/// it; and that no worker has more before it than a scheduler may give.
+/// Completes one assignment per receive. Checks that each unit comes with the state before it: as
+/// bytes, or held by its worker if that made the state last and hasn't reported its loss. Checks
+/// that no worker has more assignments than the scheduler may give.
 class FakeCrew final : public Crew {
  public:
   FakeCrew(base::ManualClock& clock, FakeCrewOptions options)
@@ -87,11 +86,11 @@ class FakeCrew final : public Crew {
     return {.messages = submitted_.size(), .bytes = 100 * submitted_.size()};
   }
 
-  /// Assignments that are not completed.
+  /// Assignments that aren't completed.
   std::size_t outstanding() const { return waiting_.size(); }
-  /// Every unit in the order of submission.
+  /// All units in the order of submission.
   const std::vector<plan::Unit>& submitted() const { return submitted_; }
-  /// How often nothing was given for a unit that doesn't start.
+  /// Units that don't start and came without state bytes.
   std::uint64_t states_held() const { return states_held_; }
   std::uint64_t states_given() const { return states_given_; }
   std::uint64_t deliveries(core::WorkerId worker) const { return deliveries_.at(worker); }
@@ -104,7 +103,7 @@ class FakeCrew final : public Crew {
   };
   struct Made {
     core::WorkerId worker;
-    std::uint64_t version = 0;  ///< the scan before which the state stands
+    std::uint64_t version = 0;  ///< the state is the one before this scan
   };
 
   void check_state(core::WorkerId worker, const plan::Unit& unit, const plan::GivenState& state) {
@@ -145,7 +144,8 @@ class FakeCrew final : public Crew {
     return delivery;
   }
 
-  /// Each worker's n-th delivery says n of everything, more of it the higher the worker's number.
+  /// In each worker's n-th delivery, all numbers are n times a factor that grows with the worker's
+  /// id.
   plan::CacheUse cache_after(core::WorkerId worker) {
     const std::uint64_t n = ++deliveries_[worker];
     const std::uint64_t factor = worker.value + 1;
@@ -161,7 +161,7 @@ class FakeCrew final : public Crew {
   std::deque<Waiting> waiting_;
   std::vector<core::Input> answers_;
   std::vector<plan::Unit> submitted_;
-  std::map<core::WorkerId, std::uint32_t> before_;  ///< so many assignments
+  std::map<core::WorkerId, std::uint32_t> before_;  ///< number of assignments
   std::map<core::WorkerId, std::uint64_t> deliveries_;
   std::map<plan::ReplicaKey, Made> made_;
   std::uint64_t states_held_ = 0;

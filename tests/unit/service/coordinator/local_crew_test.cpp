@@ -18,13 +18,13 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// A worker that does what a test says.
+/// A worker that runs a test's function.
 class FakeWorker final : public plan::BlockWorker {
  public:
   using Act = std::function<void(const plan::Unit&)>;
   explicit FakeWorker(Act act = {}) : act_(std::move(act)) {}
 
-  /// Each member's state comes back; nothing at all where one isn't given.
+  /// Returns each member's state. Returns nothing if a state is missing.
   std::vector<plan::UnitResult> run(const plan::Block& block,
                                     std::span<const plan::GivenState> states) const override {
     ++started_;
@@ -58,7 +58,7 @@ schema::Assignment assignment(std::uint64_t number, base::Bytes state = {}) {
           .states = {std::move(state)}};
 }
 
-/// Waits until a number of deliveries has come.
+/// Waits for a number of deliveries.
 std::vector<schema::Delivery> collect(LocalCrew& crew, std::size_t count) {
   std::vector<schema::Delivery> all;
   while (all.size() < count) {
@@ -71,7 +71,7 @@ std::vector<schema::Delivery> collect(LocalCrew& crew, std::size_t count) {
   return all;
 }
 
-/// What is before the crew by its own account.
+/// The assignments that the crew reports as not done.
 std::vector<std::uint64_t> before(LocalCrew& crew) {
   crew.send(k_local_worker, schema::Ping{.epoch = 9});
   const std::vector<core::Input> inputs = crew.receive(10);
@@ -82,7 +82,7 @@ std::vector<std::uint64_t> before(LocalCrew& crew) {
   return answered.pong.assignments;
 }
 
-/// A gate that holds workers up.
+/// A gate that blocks workers.
 class Gate {
  public:
   void pass() {
@@ -108,8 +108,8 @@ class Gate {
 };
 
 TEST(LocalCrew, IsOneWorkerOfAllThreads) {
-  // Goal: the scheduler sees one worker with as many threads as were asked for, that sends nothing
-  // over any network. Method: ask.
+  // Goal: the scheduler sees one worker with the requested number of threads and no network
+  // traffic.
   const FakeWorker worker;
   const LocalCrew crew(worker, 3);
   ASSERT_EQ(crew.members().size(), 1U);
@@ -120,8 +120,8 @@ TEST(LocalCrew, IsOneWorkerOfAllThreads) {
 }
 
 TEST(LocalCrew, ComputesEveryAssignmentOnce) {
-  // Goal: each assignment comes back once, under its number and epoch, with its own state and the
-  // worker's cache. Method: 500 assignments through 3 threads.
+  // Goal: each assignment returns once, with its number, its epoch, its own state and the worker's
+  // cache. Method: 500 assignments through 3 threads.
   const FakeWorker worker;
   LocalCrew crew(worker, 3);
   for (std::uint32_t i = 0; i < 500; ++i)
@@ -140,8 +140,8 @@ TEST(LocalCrew, ComputesEveryAssignmentOnce) {
 }
 
 TEST(LocalCrew, BlocksComeBackWhole) {
-  // Goal: a block's members and what is given of their states reach the worker as they are, and its
-  // results the driver; also when it has none. Method: a block of three; one that lacks a state.
+  // Goal: a block's members and states reach the worker unchanged, and its results reach the
+  // driver, even if there are none. Method: a block of three; one that lacks a state.
   const FakeWorker worker;
   LocalCrew crew(worker, 1);
   schema::Assignment block = assignment(1);
@@ -163,8 +163,8 @@ TEST(LocalCrew, BlocksComeBackWhole) {
 }
 
 TEST(LocalCrew, AnswersPingsWithWhatIsBeforeIt) {
-  // Goal: a pong names the assignments that run and that wait, and no others, at once. Method: two
-  // threads held up in six assignments; then all are let go.
+  // Goal: a pong lists exactly the running and waiting assignments, without delay. Method: block
+  // two threads with six assignments, then release them.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 2);
@@ -180,8 +180,7 @@ TEST(LocalCrew, AnswersPingsWithWhatIsBeforeIt) {
 }
 
 TEST(LocalCrew, TakesTheOldestFirst) {
-  // Goal: assignments begin in the order in which they were sent. Method: one thread; the order of
-  // its deliveries.
+  // Goal: assignments begin in the order of sending. Method: the order of one thread's deliveries.
   const FakeWorker worker;
   LocalCrew crew(worker, 1);
   for (const std::uint64_t number : {7U, 3U, 9U, 1U})
@@ -193,8 +192,8 @@ TEST(LocalCrew, TakesTheOldestFirst) {
 }
 
 TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
-  // Goal: as many assignments run at once as there are threads. Method: units that wait for each
-  // other; fewer threads would wait for ever.
+  // Goal: the number of assignments that run at once equals the number of threads. Method: units
+  // that wait for each other; fewer threads would wait forever.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 4);
@@ -206,8 +205,8 @@ TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
 }
 
 TEST(LocalCrew, ReceiveEndsWithoutResults) {
-  // Goal: a time-out returns nothing and loses nothing. Method: receive while the worker is held
-  // up, then after it is released.
+  // Goal: a timeout returns nothing and loses nothing. Method: receive while the worker is blocked,
+  // then after it is released.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 1);
@@ -219,8 +218,8 @@ TEST(LocalCrew, ReceiveEndsWithoutResults) {
 }
 
 TEST(LocalCrew, WorkersExceptionComesOutOfReceive) {
-  // Goal: a failure in a thread reaches the driver as what it was, again if need be, and doesn't
-  // end the process. Method: the third of five units throws.
+  // Goal: an exception in a thread reaches the driver with its type, repeatedly if necessary, and
+  // doesn't end the process. Method: the third of five units throws.
   const FakeWorker worker([](const plan::Unit& failing) {
     if (failing.replica.chain.value == 2) {
       throw base::Error(base::ExitCode::environment, "no memory");
@@ -242,8 +241,8 @@ TEST(LocalCrew, WorkersExceptionComesOutOfReceive) {
 }
 
 TEST(LocalCrew, DestructorDropsWhatWaits) {
-  // Goal: leaving lets running blocks end and starts no other. Method: one thread held up in the
-  // first of a hundred assignments while another thread destroys the crew.
+  // Goal: the destructor waits for running blocks and starts no other. Method: block one thread in
+  // the first of a hundred assignments while another thread destroys the crew.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   auto crew = std::make_unique<LocalCrew>(worker, 1);
@@ -263,7 +262,7 @@ TEST(LocalCrew, DestructorDropsWhatWaits) {
   EXPECT_LE(worker.started(), 2);
 }
 
-/// A worker of single units.
+/// A worker that runs single units.
 class TimedWorker final : public plan::UnitWorker {
  public:
   explicit TimedWorker(base::ManualClock& clock) : clock_(clock) {}
@@ -277,8 +276,8 @@ class TimedWorker final : public plan::UnitWorker {
 };
 
 TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
-  // Goal: the cost_s that reaches the driver is the time between begin and end of a unit. Method: a
-  // clock that the worker moves.
+  // Goal: the cost_s that reaches the driver is the time between begin and end of a unit. Method:
+  // the worker advances a manual clock.
   base::ManualClock clock;
   const TimedWorker worker(clock);
   const sampling::BlockRunner runner(worker, clock);
@@ -288,7 +287,7 @@ TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
 }
 
 TEST(LocalCrewDeathTest, ForeignWorkerIsABug) {
-  // Goal: what is meant for another worker isn't computed here. Method: worker 1.
+  // Goal: an assignment for another worker is refused. Method: worker 1.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const FakeWorker worker;
   LocalCrew crew(worker, 1);

@@ -1,4 +1,4 @@
-// Whole runs on a disk that machines share: no shared memory, no flock.
+// Whole runs on a network disk, which has no shared memory and no flock.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -26,7 +26,7 @@ class NetworkRuns : public testing::BallRuns {
     return {.output = output, .checkpoint_every_s = 0.02};
   }
 
-  /// As if the process that holds the folder's lease, or held it, were another machine's.
+  /// Rewrites the folder's lease as if its holder were on another machine.
   static void move_holder_to_another_node(const std::string& folder) {
     store::PosixLeaseFiles files(folder, store::this_process());
     const std::uint64_t newest = files.list().back();
@@ -38,9 +38,9 @@ class NetworkRuns : public testing::BallRuns {
 };
 
 TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
-  // Goal: a run on such a disk, stopped at any place, with checkpoints that read over the writer's
-  // connection, and gone on with, has the archive that a local disk gives. Method: plain chains and
-  // ladders; sessions of two threads; each kind of run on a local disk before.
+  // Goal: a run on a network disk that is stopped at any place and resumed has the archive of a run
+  // on a local disk. Its checkpoints read over the writer's connection. Method: plain chains and
+  // ladders, sessions of two threads; compare with the same runs on a local disk.
   const std::vector<std::string> texts{
       request_text("scans = 300", k_slow),
       request_text("rounds = 3", std::string(k_slow) + "replicas = 4\n", "parallel_tempering")};
@@ -67,8 +67,8 @@ TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
 }
 
 TEST_F(NetworkRuns, MakeCheckpointsOverTheWritersConnection) {
-  // Goal: archives of the run so far appear while it commits; other readers are refused, with the
-  // latest archive's name. Method: a run without end that is stopped once an archive is there.
+  // Goal: run checkpoints appear while the run commits; other readers are refused, with the latest
+  // archive's name. Method: stop an endless run once an archive exists.
   const store::testing::UnsharedDisk disk;
   const std::string output = path("a.h5");
   std::string refusal;
@@ -88,9 +88,9 @@ TEST_F(NetworkRuns, MakeCheckpointsOverTheWritersConnection) {
 }
 
 TEST_F(NetworkRuns, ARunIsTakenOverFromADeadNode) {
-  // Goal: where the node of a run has died, a start on another node goes on with it, and ends with
-  // the digest of a quiet run. Method: a child is killed when it has committed something, its lease
-  // is made another node's, of a second.
+  // Goal: if a run's node dies, a start on another node resumes the run and ends with the digest of
+  // an undisturbed run. Method: kill a child process after its first commit. Rewrite its lease as
+  // another node's, with a length of one second.
   const std::string text = request_text("scans = 200", k_slow);
   const std::string expected = session(text, {.output = path("quiet.h5")}).digest;
   const store::testing::UnsharedDisk disk;

@@ -1,5 +1,5 @@
-// Goal: whatever file call fails in a session, the error says which file and why, the archive that
-// was there is whole or replaced by a whole one, and the next session ends with the straight run's
+// Goal: whichever file call fails in a session, the error names the file and the reason, the old
+// archive stays or is replaced by a complete one, and the next session ends with the straight run's
 // digest. Method: sessions on a file system with a fault at each call in turn.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -30,11 +30,11 @@ class RunRequestFaults : public testing::BallRuns {
  protected:
   std::string output() const { return path("ball.h5"); }
 
-  /// What the session says whose calls fail so; empty: it got through.
+  /// The error of a session whose calls fail like this; empty: the session succeeded.
   std::string failure_of(const Fault& fault, const std::string& request) {
     files_.fail(fault);
     try {
-      // No checkpoints: their calls come in between as the machine likes.
+      // No checkpoints, because the order of their calls varies.
       (void)session_on(files_, request, {.output = output(), .checkpoint_every_s = 0});
     } catch (const base::Error& error) {
       EXPECT_EQ(error.exit_code(), base::ExitCode::environment) << error.what();
@@ -47,9 +47,9 @@ class RunRequestFaults : public testing::BallRuns {
 };
 
 TEST_F(RunRequestFaults, AnyCallMayFail) {
-  // The disk fills up for good at each call in turn; at every third one it fails once. In
-  // deploy/test at every 25th and every 40th; with sanitizers, where a session takes ten times as
-  // long, at every 15th and every 22nd.
+  // The disk stays full from each call in turn; at every third call it fails once. deploy/test
+  // takes every 25th and every 40th call; with sanitizers, where a session takes ten times as long,
+  // every 15th and every 22nd.
 #ifdef SLEIGHT_SANITIZED
   const std::uint64_t for_good_every = 15, once_every = 22;
 #else
@@ -64,7 +64,7 @@ TEST_F(RunRequestFaults, AnyCallMayFail) {
     std::uint64_t call = 0;
     for (; !got_through; call += step) {
       SCOPED_TRACE(fmt::format("call {}, step {}", call, step));
-      // An earlier, shorter run is there.
+      // An earlier, shorter run exists.
       std::filesystem::copy(path("t.h5"), output());
       std::filesystem::copy(run_folder(path("t.h5")), run_folder(output()));
       const std::string said = failure_of({.after = call,
@@ -87,8 +87,8 @@ TEST_F(RunRequestFaults, AnyCallMayFail) {
 }
 
 TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
-  // Goal: an output that can't be written is refused at once, and nothing is left. Method: the
-  // first file that is created is refused.
+  // Goal: an unwritable output is refused at once, without leaving files. Method: refuse the first
+  // file that is created.
   EXPECT_EQ(failure_of({.call = FileCall::create, .reason = std::errc::permission_denied},
                        request_text("scans = 30")),
             output() + ": can't write the file: Permission denied");
@@ -96,9 +96,9 @@ TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
 }
 
 TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
-  // Goal: what was computed is kept when the archive can't be written, whichever step fails; the
-  // next session computes nothing. Method: a full disk after the trial file, a rename and syncs
-  // that fail.
+  // Goal: if the archive can't be written, computed results are kept, whichever step fails; the
+  // next session computes nothing. Method: a full disk after the trial file; a failing rename;
+  // failing syncs.
   const std::string request = request_text("scans = 30");
   const std::string expected = session(request, {.output = path("s.h5")}).digest;
   for (const Fault& fault :
@@ -128,8 +128,9 @@ TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
 }
 
 TEST_F(RunRequestFaults, LeftoversThatStayStopNobody) {
-  // Goal: half an archive of a killed process is removed, and a run goes on where that can't be
-  // done. Method: two such files; the first removal after the trial file's fails, or the list.
+  // Goal: a killed process's unfinished archive is deleted, or the run continues if that fails.
+  // Method: two such files; the first removal after the trial file's fails, or listing the folder
+  // fails.
   const std::string request = request_text("scans = 30");
   const auto put_leftovers = [&] {
     put_bytes(path("ball.h5.tmp.11"), "half");

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t k_seed = 141421;
 #ifdef SLEIGHT_SANITIZED
 const std::uint64_t k_runs = 2;
-constexpr std::uint64_t k_questions = 48;  ///< a session at most, before it is stopped
+constexpr std::uint64_t k_questions = 48;  ///< maximum per session
 #else
 const std::uint64_t k_runs = property::of_tier(2, 20);
 constexpr std::uint64_t k_questions = 12;
@@ -26,10 +26,10 @@ constexpr std::uint64_t k_questions = 12;
 class RunRequestProperty : public testing::BallRuns {};
 
 TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
-  // Goal: the archive's bytes are a function of the request alone (C1): not of threads, nor of
-  // where sessions stop. Method: k_runs runs of random sessions with 1, 2 or 5 threads each,
-  // stopped at random questions, against a straight run; by scans, by rounds and by independent
-  // solutions; ladders, whose blocks hold several replicas; from a printed seed.
+  // Goal: the archive's bytes depend only on the request (C1), not on threads or on where sessions
+  // stop. Method: compare k_runs runs of random sessions (1, 2 or 5 threads, stopped at random)
+  // with a straight run. The runs stop by scans, by rounds and by independent solutions, and
+  // include ladders, whose blocks contain several replicas. The seed is printed.
   std::uint64_t sessions = 0;
   struct Case {
     std::string stop;
@@ -68,7 +68,7 @@ TEST_F(RunRequestProperty, ThreadsAndStopsChangeNothing) {
     }
   }
   if (!property::all_cases()) return;
-  // Negative control: sessions were indeed cut.
+  // Negative control: sessions were stopped before their end.
   EXPECT_GT(sessions, 2 * k_runs);
 }
 

@@ -39,8 +39,8 @@ class RunRequest : public testing::BallRuns {
 };
 
 TEST_F(RunRequest, FromRequestToArchive) {
-  // Goal: one session makes an archive that is right and whole. Method: run, verify, compare the
-  // digest with the file's; only the archive and the run's folder are left behind.
+  // Goal: one session makes a correct and complete archive. Method: run, verify, and compare the
+  // digest with the file's. Only the archive and the run's folder remain.
   const RunSummary summary = session(request_text("scans = 200"), {.output = output()}, 2);
   EXPECT_EQ(summary.end, DriveEnd::finished);
   EXPECT_EQ(summary.scans, 200U);
@@ -54,8 +54,8 @@ TEST_F(RunRequest, FromRequestToArchive) {
 }
 
 TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
-  // Goal: a finished run that is run again gives the same bytes. Method: twice; the second session
-  // computes nothing; the archive comes back when it was deleted.
+  // Goal: repeating a finished run gives the same bytes. Method: run twice; the second session
+  // computes nothing and restores a deleted archive.
   const RunSummary first = session(request_text("scans = 150"), {.output = output()});
   const std::string bytes = bytes_of(output());
   std::filesystem::remove(output());
@@ -67,8 +67,8 @@ TEST_F(RunRequest, SameCommandAgainDoesNothingNew) {
 }
 
 TEST_F(RunRequest, GoesOnWhereItStopped) {
-  // Goal: a stopped run continues, and a longer request continues a shorter one, to the bits of a
-  // straight run. Method: stop early, finish, ask for more.
+  // Goal: a resumed run, and one extended by a longer request, equal a straight run bit for bit.
+  // Method: stop early, finish, request more.
   const std::string shorter = request_text("scans = 300", k_slow);
   const std::string longer = request_text("scans = 500", k_slow);
   const RunSummary stopped = session(shorter, {.output = output(), .stop_requested = stop_at(6)});
@@ -84,9 +84,9 @@ TEST_F(RunRequest, GoesOnWhereItStopped) {
 }
 
 TEST_F(RunRequest, LeavesHowEachSessionEnded) {
-  // Goal: each session's record is in the store and was heard once, with the archive's digest, and
-  // a refusal that has the store is recorded too. Method: a session that is stopped, one whose time
-  // is over, one that finds another file in its place, one that finishes.
+  // Goal: the store and the listener receive each session's end once, with the archive's digest. A
+  // refusal after the store is open is recorded too. Method: a stopped session, one at its time
+  // limit, one with a foreign file in its place, one that finishes.
   const std::string request = request_text("scans = 300", k_slow);
   std::vector<events::RunEnd> heard;
   RunOptions options{.output = output(),
@@ -129,8 +129,8 @@ TEST_F(RunRequest, LeavesHowEachSessionEnded) {
 }
 
 TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
-  // Goal: a run cut by a stop equals the run asked for so many scans (C1), also when the store
-  // holds more. Method: stop, then ask for exactly that many elsewhere, and for fewer here.
+  // Goal: a run cut by a stop equals a run that requests this number of scans (C1), even if the
+  // store has more. Method: stop, then request exactly this number elsewhere, and fewer here.
   const RunSummary stopped = session(request_text("independent_solutions = 3\nscans = 100000"),
                                      {.output = output(), .stop_requested = stop_at(3)}, 2);
   ASSERT_GT(stopped.scans, 0U);
@@ -147,7 +147,7 @@ TEST_F(RunRequest, StoppedArchiveIsThatOfFewerScans) {
 }
 
 TEST_F(RunRequest, StoppedBeforeAnythingWritesNoArchive) {
-  // Goal: no archive of nothing. Method: stop at once; then go on.
+  // Goal: a run without results writes no archive. Method: stop at once; then resume.
   const RunSummary summary =
       session(request_text("scans = 50"), {.output = output(), .stop_requested = stop_at(1)});
   EXPECT_EQ(summary.scans, 0U);
@@ -157,8 +157,8 @@ TEST_F(RunRequest, StoppedBeforeAnythingWritesNoArchive) {
 }
 
 TEST_F(RunRequest, AnotherRequestIsRefused) {
-  // Goal: an output is never overwritten by another request's. Method: another seed, world value,
-  // thin; the archive stays as it was, and so does the run.
+  // Goal: another request never overwrites an output. Method: change the seed, a world value, or
+  // thin; the archive and the run stay unchanged.
   const RunSummary first = session(request_text("scans = 60"), {.output = output()});
   const std::string bytes = bytes_of(output());
   for (const std::string& other :
@@ -172,8 +172,8 @@ TEST_F(RunRequest, AnotherRequestIsRefused) {
 }
 
 TEST_F(RunRequest, FreshStartsOver) {
-  // Goal: --fresh gives an earlier run up, of any request, and is harmless on a new output. Method:
-  // fresh on nothing, on another request's run, and on the same.
+  // Goal: --fresh deletes an earlier run of any request, and is harmless for a new output. Method:
+  // fresh on nothing, on another request's run, and on the same request's.
   const std::string other = request_text("scans = 40", "change_probability = 0.25\n");
   EXPECT_EQ(session(other, {.output = output(), .fresh = true}).epoch, 1U);
   const RunSummary fresh = session(request_text("scans = 60"), {.output = output(), .fresh = true});
@@ -186,8 +186,8 @@ TEST_F(RunRequest, FreshStartsOver) {
 }
 
 TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
-  // Goal: no page of a store that was given up comes back, even if the process ends between two
-  // removals. Method: a log and its index from another run lie beside no database.
+  // Goal: no page of a deleted store reappears, even if the process ends between two removals.
+  // Method: put another run's log and index where there is no database.
   (void)session(request_text("scans = 200"), {.output = path("other.h5")});
   std::filesystem::create_directory(path("ball.h5.run"));
   const std::string target = store::RunStore::database_path(path("ball.h5.run"));
@@ -208,8 +208,8 @@ TEST_F(RunRequest, FreshGivesUpAStoreOfAKilledProcess) {
 }
 
 TEST_F(RunRequest, ForeignFileIsNotTouched) {
-  // Goal: a file that no run of ours explains stays, with --fresh too, and nothing is made beside
-  // it. Method: a text file as the output; then the same with an empty folder in the run's place.
+  // Goal: a foreign file stays, even with --fresh, and nothing is created beside it. Method: a text
+  // file as the output; then also an empty folder in the run's place.
   put_bytes(output(), "my thesis");
   for (const bool fresh : {false, true}) {
     EXPECT_THAT(conflict_of(request_text("scans = 5"), fresh),
@@ -222,8 +222,8 @@ TEST_F(RunRequest, ForeignFileIsNotTouched) {
 }
 
 TEST_F(RunRequest, RunningRunIsNotDisturbed) {
-  // Goal: one process writes a run; another is refused, with --fresh too, before it removes
-  // anything. Method: hold the lock.
+  // Goal: only one process writes a run. Another is refused before it removes anything, even with
+  // --fresh. Method: hold the lock.
   (void)session(request_text("scans = 30"), {.output = output()});
   const std::string bytes = bytes_of(output());
   const store::RunLock lock(run_folder(output()));
@@ -235,10 +235,10 @@ TEST_F(RunRequest, RunningRunIsNotDisturbed) {
 }
 
 TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
-  // Goal: while a run goes on there are archives, each whole and that of so many scans. Method:
-  // checkpoints as often as possible; copy each one that appears, two of them (with sanitizers,
-  // where they cost so much that they are rare, one); afterwards compare each with the run asked
-  // for so many scans.
+  // Goal: a running run has archives, each complete and equal to that of a run with its number of
+  // scans. Method: make checkpoints as often as possible, and copy two of them (one with
+  // sanitizers, where checkpoints are rare). Compare each copy with a run that requests its number
+  // of scans.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::size_t k_copies = 1;
 #else
@@ -276,7 +276,7 @@ TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
 }
 
 TEST_F(RunRequest, IdentityIsWhatDecidesTheStoredResults) {
-  // Goal: requests share a run exactly when their stored results agree. Method: change one key at a
+  // Goal: requests share a run exactly if their stored results agree. Method: change one key at a
   // time.
   const auto identity = [](const std::string& text) {
     const run::Catalogue catalogue;

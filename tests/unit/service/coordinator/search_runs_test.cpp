@@ -1,6 +1,5 @@
-// Goal: runs that search, alone or before chains, give the same archive whoever computes them and
-// however often they are stopped, and keep what they have found. Method: whole runs of a word of
-// two bins.
+// Goal: runs that search, alone or before chains, keep their finds and give the same archive for
+// any threads and stops. Method: whole runs of a word of two bins.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// With sanitizers a session takes ten times as long, so runs are stopped as rarely.
+// With sanitizers a session takes ten times as long, so runs are stopped less often by this factor.
 #ifdef SLEIGHT_SANITIZED
 constexpr std::uint64_t k_rarer = 8;
 #else
@@ -72,8 +71,8 @@ TEST_F(SearchRuns, FindTheSameWithAnyNumberOfThreads) {
 }
 
 TEST_F(SearchRuns, GoOnAndAreCutShort) {
-  // More finds extend a run, fewer cut its archive, a stop keeps what was found; each is the
-  // straight run of so many.
+  // More finds extend a run, fewer cut its archive, and a stop keeps the finds. Each result equals
+  // the straight run of the same number of finds.
   const std::string straight = session(search(12), {.output = path("s.h5")}).digest;
   const std::string shorter = session(search(3), {.output = path("t.h5")}).digest;
   EXPECT_EQ(session(search(3), {.output = path("a.h5")}).digest, shorter);
@@ -93,9 +92,9 @@ TEST_F(SearchRuns, GoOnAndAreCutShort) {
 }
 
 TEST_F(SearchRuns, TakesAreTheSame) {
-  // Goal: takes lie where finds do, with what says that they were relaxed; their archive is the
-  // same by threads, after stops, cut at fewer, and for the request in it; one that is stopped
-  // before its first take has the bare finds. Method: each.
+  // Goal: takes are stored like finds and marked as relaxed. Their archive is the same for any
+  // threads, after stops, for fewer takes, and for the request stored in it. A run stopped before
+  // its first take has the plain finds. Method: each case.
   const auto takes = [](int count) {
     return words("method = \"search\"\nrelax_scans = 6\niterations_per_scan = 4\n",
                  "takes = " + std::to_string(count) + "\n");
@@ -113,7 +112,7 @@ TEST_F(SearchRuns, TakesAreTheSame) {
   EXPECT_EQ(session(takes(8), {.output = path("t.h5")}, 3).digest, straight.digest);
   EXPECT_EQ(session(summary.request_text, {.output = path("again.h5")}).digest, straight.digest);
 
-  // Stopped often, and each time the archive is that of the request in it.
+  // Stopped often; each archive equals that of the request stored in it.
   RunSummary last{.end = DriveEnd::stop_requested};
   int sessions = 0;
   for (; last.end != DriveEnd::finished && sessions < 1000; ++sessions) {
@@ -129,7 +128,7 @@ TEST_F(SearchRuns, TakesAreTheSame) {
   EXPECT_EQ(session(takes(3), {.output = path("p.h5")}).digest,
             session(takes(3), {.output = path("few.h5")}).digest);
 
-  // Before its first take.
+  // Stop before the first take.
   std::uint64_t found = 0;
   RunOptions options{.output = path("finds.h5")};
   options.hear = [&](const events::RunEvent& event) {
@@ -147,7 +146,7 @@ TEST_F(SearchRuns, TakesAreTheSame) {
 }
 
 TEST_F(SearchRuns, StandBeforeChains) {
-  // What was found lies beside the draws and changes none of them.
+  // Finds are stored beside the draws and change none of them.
   const RunSummary both =
       session(islands("scans = 12\nfound = 4\n"), {.output = path("both.h5")}, 2);
   EXPECT_EQ(both.found, 4U);
@@ -172,9 +171,9 @@ TEST_F(SearchRuns, StandBeforeChains) {
 }
 
 TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
-  // Goal: the batch of islands that the odds size, and from which island on it counts, are the same
-  // by threads, after stops, and for the request in the archive. Method: odds that are soon known;
-  // straight, stopped, repeated.
+  // Goal: the batch of islands that determines the odds, and its first island, are the same for any
+  // threads, after stops, and for the request in the archive. Method: odds that converge soon, in a
+  // straight, a stopped and a repeated run.
   const std::string request = words("", "odds = 1.0\n");
   const RunSummary straight = session(request, {.output = path("s.h5")});
   ASSERT_EQ(straight.end, DriveEnd::finished);
@@ -189,14 +188,14 @@ TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
   const std::string again = checked(path("s.h5")).request_text;
   EXPECT_EQ(session(again, {.output = path("again.h5")}).digest, straight.digest);
 
-  // The pilot's don't count.
+  // The pilot's islands don't count.
   const auto source = archive::hdf5::open_file(path("s.h5"));
   const archive::Values from = source->read(archive::k_tempering, "odds_from_island", 0, 1);
   EXPECT_EQ(std::get<std::vector<double>>(from).at(0), 32);
 }
 
 TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
-  // Goal: Ctrl-C in the burn-in keeps what was found. Method: a burn-in that is never over.
+  // Goal: Ctrl-C during the burn-in keeps the finds. Method: an endless burn-in.
   const std::string endless = words(
       "method = \"sequential\"\nchains = 2\nparticles = 8\nround_scans = 1000\n"
       "iterations_per_scan = 100\n",
@@ -217,9 +216,9 @@ TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
 }
 
 TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
-  // Goal: as above of chains that start from a search; their draws are the rounds that passed, and
-  // each counted scan is a kept animation. Method: a run by threads, by sessions, and cut at where
-  // it ended; more solutions extend it.
+  // Goal: chains that start from a search give the same bits too. Their draws are the rounds that
+  // passed, and each counted scan is a kept animation. Method: a run with threads, one in sessions,
+  // and one cut where the first ended; more solutions extend the run.
   const auto judged = [](const std::string& stop) {
     return words(
         "method = \"metropolis_hastings\"\nstart = \"search\"\nchains = 4\nround_scans = 8\n"
@@ -255,7 +254,7 @@ TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
       source->read(archive::k_animations, "chain", 0, summary.animations));
   for (std::size_t chain = 0; chain < 4; ++chain) {
     if (std::isnan(counted[chain])) continue;
-    // The counted scan is the first that is kept of its chain.
+    // The counted scan is its chain's first kept animation.
     std::int64_t first = -1;
     for (std::size_t i = 0; i < drawn.size() && first < 0; ++i)
       if (of_chain[i] == static_cast<std::int64_t>(chain)) first = drawn[i];

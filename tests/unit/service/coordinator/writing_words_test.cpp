@@ -1,5 +1,5 @@
-// Goal: the writing of an archive is told in words, with a rate and the time that is left, once it
-// takes its time. Method: a clock that is moved.
+// Goal: slow writing of an archive is reported with a rate and the remaining time. Method: a manual
+// clock.
 #include "service/coordinator/writing_words.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ TEST(WritingWords, TellsWhatTakesItsTime) {
   clock.advance(0.6);
   words.hear({.part = Part::draws, .done = 1250, .total = 5000});
   words.hear({.part = Part::draws, .done = 1251, .total = 5000});
-  // A part has a rate of its own.
+  // Each part has its own rate.
   words.hear({.part = Part::animations, .done = 0, .total = 3000});
   clock.advance(10);
   words.hear({.part = Part::animations, .done = 1000, .total = 3000});

@@ -13,9 +13,9 @@
 namespace sleight::core::block_size_test {
 
 constexpr std::uint64_t k_seed = 662607;
-constexpr std::uint64_t k_any = 1'000'000;  ///< more scans than any block has
+constexpr std::uint64_t k_any = 1'000'000;  ///< larger than any block
 
-/// Options of round numbers: 20 ms a block, or what 1 ms a thread at half the time comes to.
+/// Round numbers: blocks of 20 ms; handling of 1 ms per thread at half the time.
 constexpr BlockSizeOptions k_round{.target_s = 0.020,
                                    .handling_s = 0.001,
                                    .handling_share = 0.5,
@@ -23,7 +23,7 @@ constexpr BlockSizeOptions k_round{.target_s = 0.020,
                                    .least_s = 0.004,
                                    .scans_max = 8192};
 
-/// Runs blocks as large as they may be, until they stay as large.
+/// Runs blocks of maximum size until their size is stable.
 void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
   for (int i = 0; i < 60; ++i) {
     const std::uint32_t scans =
@@ -33,7 +33,7 @@ void settle(BlockSize& size, double scan_s, std::uint64_t threads = 1) {
 }
 
 TEST(BlockSize, BeginsWithOneScan) {
-  // Goal: before anything is measured a block is one scan, however many threads wait. Method: ask.
+  // Goal: before any measurement a block is one scan, whatever the number of waiting threads.
   const BlockSize size(k_round);
   EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).unit_scans_max, 1U);
   EXPECT_EQ(size.limits({.all = 5000, .at_work = 5000}, k_any).block_scans_max, 1U);
@@ -41,8 +41,8 @@ TEST(BlockSize, BeginsWithOneScan) {
 }
 
 TEST(BlockSize, BlocksTakeAboutTheirTarget) {
-  // Goal: blocks come to target_s, growing at most eightfold a step; the growth itself is used.
-  // Method: a scan of 1 ms, block by block from the first.
+  // Goal: blocks reach target_s, growing at most eightfold per step, and do grow that fast. Method:
+  // scans of 1 ms, block by block from the first.
   BlockSize size(k_round);
   std::uint32_t before = 1;
   bool grew_eightfold = false;
@@ -59,7 +59,7 @@ TEST(BlockSize, BlocksTakeAboutTheirTarget) {
 }
 
 TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
-  // Goal: scans_max bounds a block, and is reached. Method: a scan that costs a nanosecond, or
+  // Goal: blocks reach scans_max and don't exceed it. Method: a scan that costs a nanosecond, or
   // nothing at all by the clock.
   for (const double scan_s : {1e-9, 0.0}) {
     BlockSize size(k_round);
@@ -70,8 +70,8 @@ TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
 }
 
 TEST(BlockSize, DearScansComeOneByOne) {
-  // Goal: a scan longer than the target is a block of its own. Method: a scan of a minute, also
-  // when scans were cheap before.
+  // Goal: a scan longer than the target is a block of its own. Method: scans of a minute, also
+  // after cheap scans.
   BlockSize size(k_round);
   settle(size, 1e-6);
   EXPECT_GT(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 1000U);
@@ -81,8 +81,8 @@ TEST(BlockSize, DearScansComeOneByOne) {
 }
 
 TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
-  // Goal: scans_max of one replica bounds a unit, not a block of several, down to what the
-  // coordinator keeps up with. Method: a block of 20 scans, of which 4 take least_s.
+  // Goal: scans_max of a replica bounds its unit, but not a block of several units, down to the
+  // rate that the coordinator can handle. Method: a block of 20 scans, of which 4 take least_s.
   BlockSize size(k_round);
   settle(size, 0.001);
   for (const auto& [may, expected] : {std::pair{0U, 4U}, {1U, 4U}, {7U, 7U}, {500U, 20U}}) {
@@ -94,9 +94,9 @@ TEST(BlockSize, UnitsAreNoLongerThanTheirReplicaMayGo) {
 }
 
 TEST(BlockSize, StartsCountUntilMoreIsKnown) {
-  // Goal: what starts take, which make no proposal, is taken for what scans do until these are
-  // measured, and never after. Method: blocks of nothing but starts; then one start among ten
-  // scans, which is left out of the cost, not of the growth; then starts that would look dear.
+  // Goal: starts, which make no proposals, count as scans until scans are measured, and never
+  // afterwards. Method: blocks of only starts. Then one start among ten scans, which affects the
+  // growth but not the cost. Then starts that look expensive.
   BlockSize size(k_round);
   size.measured(8, 0, 0.016);
   EXPECT_EQ(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 10U);
@@ -110,8 +110,8 @@ TEST(BlockSize, StartsCountUntilMoreIsKnown) {
 }
 
 TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
-  // Goal: blocks are so long that handling one for each thread takes handling_share of the time,
-  // from target_s up to target_s_max. Method: 1 ms of handling at one half.
+  // Goal: blocks are long enough that handling one per thread takes handling_share of the time,
+  // between target_s and target_s_max. Method: 1 ms of handling at one half.
   const std::vector<std::pair<std::uint64_t, double>> expected{
       {0, 0.020}, {1, 0.020}, {10, 0.020}, {11, 0.022}, {100, 0.2}, {500, 1}, {100'000, 1}};
   for (const auto& [threads, block_s] : expected) {
@@ -125,9 +125,9 @@ TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
 }
 
 TEST(BlockSize, HungerMakesBlocksShorter) {
-  // Goal: blocks shrink where threads find no work, to least_s and to what the coordinator can
-  // handle at least, and come back when they find some. Method: starve and feed at 1 and at 8
-  // threads; scans of 0.1 ms.
+  // Goal: blocks shrink while threads find no work, to least_s and to the minimum that the
+  // coordinator can handle, and grow again later. Method: starve and feed 1 and 8 threads; scans of
+  // 0.1 ms.
   for (const auto& [threads, shortest_s] : {std::pair{1U, 0.004}, {8U, 0.016}}) {
     BlockSize size(k_round);
     settle(size, 0.0001, threads);
@@ -153,7 +153,8 @@ TEST(BlockSize, HungerMakesBlocksShorter) {
 }
 
 TEST(BlockSize, AWellFedRunHasNoCredit) {
-  // Goal: hunger shows at once, however long all were fed. Method: starve once after many meals.
+  // Goal: starvation counts at once, however long threads had work. Method: starve once after many
+  // blocks.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
@@ -164,8 +165,8 @@ TEST(BlockSize, AWellFedRunHasNoCredit) {
 }
 
 TEST(BlockSize, LongHungerIsForgottenSoon) {
-  // Goal: however long threads starved, blocks are back at their target after as many meals as it
-  // takes from the shortest. Method: starve 10,000 times; feed 170, since 1.01^170 > 0.020 / 0.004.
+  // Goal: after any starvation, blocks are back at their target within the steps that the shortest
+  // block needs. Method: starve 10,000 times; feed 170, since 1.01^170 > 0.020 / 0.004.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)
@@ -177,9 +178,9 @@ TEST(BlockSize, LongHungerIsForgottenSoon) {
 }
 
 TEST(BlockSize, StrangeCostsDoNoHarm) {
-  // Goal: what a clock or another rank says about cost never leads out of bounds, and is forgotten.
-  // Method: random measurements with costs that are no time among them, from a printed seed; then
-  // honest ones. What is no time at all must leave everything as it was.
+  // Goal: costs reported by a clock or another rank never exceed the bounds, and are forgotten.
+  // Method: random measurements, some with invalid costs, from a printed seed; then honest ones. An
+  // invalid cost must leave everything unchanged.
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<double> costs{std::numeric_limits<double>::quiet_NaN(),
                                   -1,

@@ -1,4 +1,4 @@
-// The scheduler among workers and messages that fail, at random.
+// The scheduler with randomly failing workers and messages.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -59,20 +59,20 @@ Case random_case(Dice& dice) {
   return made;
 }
 
-/// What happened in a test, to see that it was all there.
+/// Counts what happened in a test, to check that every case occurred.
 struct Happened {
   Counts counts;
   std::uint64_t lost = 0;  ///< messages
   std::uint64_t doubled = 0;
   std::uint64_t joined_anew = 0;
-  std::uint64_t came_back = 0;  ///< joined as they were
+  std::uint64_t came_back = 0;  ///< joined with the same incarnation
   std::uint64_t left = 0;
   std::uint64_t asked = 0;
   std::uint64_t several = 0;  ///< blocks of more than one member
 };
 
-/// A scheduler, its workers and what is under way between them. Every input is checked against the
-/// scheduler's invariants as they are seen from outside.
+/// A scheduler, its workers and the messages in transit. Every input is checked against the
+/// scheduler's invariants, as seen from outside.
 class Scene {
  public:
   Scene(const Case& given, const plan::UnitWorker& numbers, Dice& dice, Happened& happened)
@@ -109,8 +109,8 @@ class Scene {
     }
   }
 
-  /// All workers answer, nothing is lost, and time passes when nothing else happens: until the
-  /// scheduler has ended and nothing is thought to be before any worker.
+  /// From now on all workers answer and no message is lost. Time advances when nothing else
+  /// happens, until the scheduler has ended and expects nothing from any worker.
   void all_goes_well() {
     all_well_ = true;
     for (std::uint32_t id = 0; id < k_workers; ++id) {
@@ -141,8 +141,8 @@ class Scene {
     std::uint32_t threads = 1;
     std::unique_ptr<sampling::RecordingWorker> memory;
     std::vector<schema::Assignment> before_it;
-    std::set<sampling::Place> made;  ///< states, by the scan that they stand before
-    // What the scheduler must think of it.
+    std::set<sampling::Place> made;  ///< states made, by the scan that follows
+    // The scheduler's expected view of the worker.
     bool joined = false;
     bool silent = false;
     std::set<std::uint64_t> given;
@@ -183,7 +183,7 @@ class Scene {
   void take(const Keep& keep) {
     for (const plan::UnitResult& result : keep.results) {
       std::uint64_t& next = next_scan_[result.unit.replica];
-      // A replica that a ladder took in later begins later.
+      // A replica that a ladder adds later begins later.
       if (result.unit.starts) next = result.unit.first_scan.value;
       EXPECT_EQ(result.unit.first_scan.value, next);
       for (const plan::ScanRecord& record : result.scans)
@@ -225,7 +225,7 @@ class Scene {
     if (worker.is_there && !lost()) worker.before_it.push_back(assignment);
   }
 
-  /// A delivery of an assignment takes it back.
+  /// A delivery ends its assignment.
   void forget(const schema::Delivery& delivery) {
     if (delivery.epoch != given_.scheduler.epoch) return;
     for (Worker& worker : workers_)
@@ -273,14 +273,14 @@ class Scene {
     step(Tick{now_s_});
   }
 
-  /// A worker runs one of its assignments, in any order.
+  /// A worker runs any one of its assignments.
   bool run_one(std::uint64_t id) {
     Worker& worker = workers_[id];
     if (!worker.is_there || worker.before_it.empty()) return false;
     const std::size_t which = dice_.below(worker.before_it.size());
     const schema::Assignment assignment = std::move(worker.before_it[which]);
     worker.before_it.erase(worker.before_it.begin() + static_cast<std::ptrdiff_t>(which));
-    // Now and then it has forgotten all it held.
+    // Sometimes the worker loses all its states.
     if (dice_.once_in(10)) worker.memory = std::make_unique<sampling::RecordingWorker>(numbers_);
     const sampling::BlockRunner runner(*worker.memory, clock_);
     Delivered made{.worker = WorkerId{static_cast<std::uint32_t>(id)},
@@ -315,7 +315,7 @@ class Scene {
     }
   }
 
-  /// Something that is under way arrives, in any order.
+  /// Delivers any one of the messages in transit.
   void arrive() {
     if (under_way_.empty()) return;
     const std::size_t which = dice_.below(under_way_.size());
@@ -370,10 +370,10 @@ void add(Happened& happened, const Counts& counts) {
 }
 
 TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
-  // Goal: whatever is lost, doubled, late or spoilt, each scan is kept once and in order, no worker
-  // has more before it than it has room for, and when all goes well at last the run finishes with
-  // what a serial run has. Method: chains and ladders, workers that come and go at random; what the
-  // scheduler must think of each is followed from outside; what happened is counted.
+  // Goal: whatever is lost, repeated, late or corrupt, each scan is kept once and in order, and no
+  // worker gets more assignments than it has room for. When faults end, the run finishes with a
+  // serial run's results. Method: chains and ladders; workers that come and go at random. The test
+  // tracks the scheduler's expected view of each worker, and counts what happened.
   Happened happened;
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_seed, index);
@@ -404,8 +404,8 @@ TEST(SchedulerProperty, FinishesWithTheSerialRunsResults) {
 }
 
 TEST(SchedulerProperty, EndsAfterAStop) {
-  // Goal: after a stop at any moment no more is handed out, and the end comes when workers have
-  // delivered or leases have ended. Method: as before, stopped in the middle.
+  // Goal: after a stop at any moment nothing more is assigned, and the end follows when workers
+  // have delivered or their leases have ended. Method: as above, with a stop in the middle.
   Happened happened;
   std::uint64_t kept_after = 0;
   for (const std::uint64_t index : property::cases(k_cases)) {

@@ -1,4 +1,4 @@
-// The scheduler, in scripts (script.h).
+// Tests of the scheduler by scripts (script.h).
 #include "service/core/scheduler.h"
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 namespace sleight::core {
 namespace {
 
-/// Leases of 30 s, silent workers asked every 5 s.
+/// Leases of 30 s; silent workers are asked every 5 s.
 SchedulerOptions blocks_ahead(std::uint32_t count) {
   SchedulerOptions options;
   options.blocks_ahead = count;
@@ -19,8 +19,8 @@ SchedulerOptions blocks_ahead(std::uint32_t count) {
 }
 
 TEST(Scheduler, GivesToTheLeastLoaded) {
-  // Goal: the worker with the least before it per thread gets the next block, the lowest id among
-  // equals, until every thread has one; the one that is heard gets up to two for each thread.
+  // Goal: the worker with the fewest assignments per thread gets the next block, and the lowest id
+  // among equals, until every thread has one. A worker that delivers gets up to two per thread.
   // Method: ten blocks become free at once, then three workers deliver.
   expect_goes("a b<a c<a d<a e<a f<a g<a h<a i<a j<a k<a", blocks_ahead(1), R"(join 3
   assign 3 #0 a@0+1 starts
@@ -46,8 +46,8 @@ done 1 #1
 }
 
 TEST(Scheduler, SendsNothingAheadOfLongScans) {
-  // Goal: where a scan takes longer than ahead_s_max, a worker has one block for each thread, and
-  // two again when scans are short again. Method: costs that go up and down.
+  // Goal: while scans take longer than ahead_s_max, a worker has one block per thread, and two
+  // again when scans become shorter. Method: costs that rise and fall.
   SchedulerOptions options = blocks_ahead(1);
   options.ahead_s_max = 0.1;
   expect_goes("a2 b2 c2 d2 e2 f9 g9 h9 i9 j9 k9", options, R"(join 1 threads=2
@@ -81,8 +81,8 @@ done 1 #7 cost=0
 }
 
 TEST(Scheduler, SendsAStateOnceToWhoMadeIt) {
-  // Goal: a state goes as its version to the worker that made it, as bytes to another one, and as
-  // bytes to one that says it doesn't hold it. Method: one replica, two workers.
+  // Goal: a state is sent as a version to the worker that made it, and as bytes to another worker
+  // or to one that reports its loss. Method: one replica, two workers.
   expect_goes("a3 a2 a a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+3 starts
 join 2
@@ -106,7 +106,8 @@ done 2 #5
 }
 
 TEST(Scheduler, GoesOnFromStoredStates) {
-  // Goal: replicas that a run store knows go on with bytes at first. Method: two of three known.
+  // Goal: replicas known from a run store resume with bytes at first. Method: two of three are
+  // known.
   expect_goes("a b c a", blocks_ahead(0), R"(resume a 5
 resume c 2
 join 1 threads=3
@@ -120,8 +121,8 @@ done 1 #0
 }
 
 TEST(Scheduler, GivesPartsOfLaddersToWhoHoldsMost) {
-  // Goal: each member's state goes by itself; the worker that holds most gets the block, and how
-  // far members come is theirs. Method: a ladder of three, of which two workers hold parts.
+  // Goal: each member's state is sent separately; the worker that holds most states gets the block,
+  // and members advance separately. Method: a ladder of three; two workers hold parts of it.
   expect_goes("a b c [abc] [abc]", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 join 2 threads=2
@@ -144,8 +145,8 @@ done 1 #4 scans=1
 }
 
 TEST(Scheduler, PrefersBlocksWhoseStatesAreHeld) {
-  // Goal: among the blocks that wait a worker gets one whose states it holds. Method: what the
-  // first worker holds comes second.
+  // Goal: among waiting blocks, a worker gets one whose states it holds. Method: the block whose
+  // state the first worker holds is second in the queue.
   expect_goes("a b c b<c a<c", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 join 2
@@ -164,9 +165,9 @@ done 3 #2
 }
 
 TEST(Scheduler, PassesABlockOverABoundedNumberOfTimes) {
-  // Goal: a block that no worker holds states of is passed over k_passed_over_max times and then
-  // runs, also when one came back before it that was never passed over. Method: a worker that
-  // always has the next block of its own replica, two that are at work for ever.
+  // Goal: a block whose states no worker holds is passed over k_passed_over_max times and then
+  // runs, even if a returned block that was never passed over precedes it. Method: one worker
+  // always has the next block of its own replica; two are busy forever.
   std::string plan = "a x y z";
   std::string script = R"(join 1
   assign 1 #0 a@0+1 starts
@@ -196,8 +197,8 @@ done 1 #{}
 }
 
 TEST(Scheduler, TakesTheFirstResultOfABlock) {
-  // Goal: when a lease ends another worker gets the block too; whichever result comes first counts,
-  // the other one, or the same again, changes nothing. Method: both orders.
+  // Goal: when a lease ends, another worker gets the block too. The first result counts; the other
+  // one, or a repetition, has no effect. Method: both orders.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -230,7 +231,7 @@ done 2 #1
 done 1 #0
   (refused)
 )");
-  // Late, and nobody else was there to run it.
+  // A late result without any copy.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -243,8 +244,8 @@ done 1 #0
 }
 
 TEST(Scheduler, RefusesWhatDoesNotFit) {
-  // Goal: a delivery of another epoch changes nothing; one of another replica, scan, number of
-  // members or of scans is refused, and the block waits again, once. Method: one after the other,
+  // Goal: a delivery of another epoch has no effect. A delivery with a wrong replica, scan, number
+  // of members or number of scans is refused, and the block waits again, once. Method: each case,
   // with room for two copies.
   expect_goes("a2", blocks_ahead(1), R"(join 1
   assign 1 #0 a@0+2 starts
@@ -272,7 +273,7 @@ done 1 #6
   keep a@0+2
   (ended)
 )");
-  // Members of a ladder's part go as far as the part does, together as far as its limit.
+  // Members of a ladder's part advance up to the part's limit, alone and together.
   expect_goes("[ab] [ab] [ab]", blocks_ahead(1), R"(join 1
   assign 1 #0 [a@0 starts, b@0 starts]
 done 1 #0 scans=4
@@ -299,8 +300,8 @@ done 1 #1 scans=2
 }
 
 TEST(Scheduler, LeasesRunFromTheClocksBeginning) {
-  // Goal: a clock that begins anywhere ends no lease of what was given out before it began. Method:
-  // a first tick far from 0, and one below it.
+  // Goal: a late first tick ends no lease of earlier assignments. Method: a first tick far from 0,
+  // and one below it.
   expect_goes("a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 tick 17000
@@ -320,9 +321,9 @@ tick -370
 }
 
 TEST(Scheduler, AsksTheSilentUntilTheyAnswer) {
-  // Goal: a worker whose lease ended gets nothing, and is asked again and again; what it says it
-  // lacks is given again, what it has keeps its lease and isn't given to others. Method: both
-  // answers; one of another epoch is none.
+  // Goal: a worker whose lease ended gets nothing and is asked repeatedly. Assignments missing in
+  // its answer are given again; the others keep their leases and aren't given to other workers.
+  // Method: both answers; an answer of another epoch is ignored.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -346,7 +347,7 @@ tick 100
 }
 
 TEST(Scheduler, TakesAnAnswerForWhatWasBeforeTheQuestion) {
-  // Goal: what was assigned after a worker was asked isn't lost because the answer lacks it.
+  // Goal: an assignment made after a question isn't lost because the answer doesn't list it.
   // Method: a result, and with it a new block, comes between question and answer.
   expect_goes("a b<a", blocks_ahead(0), R"(tick 0
 join 1
@@ -364,9 +365,9 @@ done 1 #1
 }
 
 TEST(Scheduler, AsksAgainForWhatItHeardNothingOf) {
-  // Goal: a worker that is heard again without saying what it has is asked again about what it may
-  // have lost. Method: assignments and the question are lost, the worker comes back under its name,
-  // or with a result of something else: its room would be full for ever.
+  // Goal: a worker that is heard from without listing its assignments is asked again, because its
+  // room could stay full forever. Method: assignments and the question are lost; the worker then
+  // rejoins with the same incarnation, or delivers something else.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -398,8 +399,9 @@ pong 1 #2
 }
 
 TEST(Scheduler, KeepsLeasesOfCopiesApart) {
-  // Goal: a block that two have waits for neither; when one of them is gone the other's lease still
-  // holds. Method: the first answers while the second has a copy, which then leaves.
+  // Goal: if two workers have a block, neither is awaited alone; when one is gone, the other's
+  // lease still holds. Method: the first answers while the second has a copy; then the second
+  // leaves.
   expect_goes("a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -425,8 +427,8 @@ done 3 #2
 }
 
 TEST(Scheduler, GivesOnAllOfASilentWorkerInOrder) {
-  // Goal: of a worker with many blocks whose leases end, or that leaves, others get all, the oldest
-  // first; it is asked once. Method: three blocks each time.
+  // Goal: if a worker with many blocks leaves or its leases end, other workers get all blocks, the
+  // oldest first; the worker is asked once. Method: three blocks each time.
   expect_goes("a b c", blocks_ahead(0), R"(tick 0
 join 1 threads=3
   assign 1 #0 a@0+1 starts
@@ -447,8 +449,9 @@ leave 2
 }
 
 TEST(Scheduler, ForgetsAnEarlierIncarnation) {
-  // Goal: of a worker that joins anew everything waits again, its states go as bytes, and results
-  // of before are refused; one that joins as it was loses nothing. Method: both.
+  // Goal: if a worker joins with a new incarnation, its blocks wait again, its states are sent as
+  // bytes, and older results are refused. A worker that rejoins with the same incarnation loses
+  // nothing. Method: both.
   expect_goes("a b a b", blocks_ahead(1), R"(join 1 incarnation=7
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -470,8 +473,8 @@ done 1 #3
 }
 
 TEST(Scheduler, StopsWhenAllCameBack) {
-  // Goal: after a stop nothing is handed out, what comes back in time is kept, and the end is when
-  // all came back or its lease ended. Method: a result; a lease; deliveries without use; nothing.
+  // Goal: after a stop nothing is assigned and timely results are kept. The end follows when all
+  // blocks returned or their leases ended. Method: a result; a lease; useless deliveries; nothing.
   expect_goes("a b c a", blocks_ahead(0), R"(join 1 threads=2
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -510,9 +513,9 @@ leave 1
 }
 
 TEST(Scheduler, ListensToNobodyItDoesNotKnow) {
-  // Goal: answers and departures of workers that never joined change nothing; a result counts
-  // whoever it is from, but states go as bytes to one that joins after it. Method: before and after
-  // one has joined.
+  // Goal: answers and departures of unknown workers have no effect. Their results count, but a
+  // worker that joins afterwards gets states as bytes. Method: before and after a worker has
+  // joined.
   expect_goes("a a", blocks_ahead(0), R"(leave 4
 pong 4 #0
 join 1
@@ -531,7 +534,7 @@ join 4
 }
 
 TEST(Scheduler, CountsWhatHappened) {
-  // Goal: counts are of what was kept, copied, refused and sent. Method: a script with each.
+  // Goal: counts cover what was kept, copied, refused and sent. Method: a script with each.
   Script script("a2 a3 a", blocks_ahead(0));
   script.play(R"(join 1
 done 1 #0

@@ -96,7 +96,7 @@ bool ListedPlan::finished() const {
   return std::ranges::all_of(jobs_, &Job::done);
 }
 
-/// A line's words, those of the kind name=value aside.
+/// A line's words, without those of the form name=value.
 struct Script::Line {
   std::vector<std::string> words;
   std::map<std::string, std::string, std::less<>> settings;
@@ -114,7 +114,7 @@ struct Script::Line {
     return found == settings.end() ? otherwise : std::stoull(found->second);
   }
   WorkerId worker() const { return WorkerId{static_cast<std::uint32_t>(std::stoul(words.at(1)))}; }
-  /// Assignments that are named.
+  /// Assignments named in the line.
   std::vector<std::uint64_t> assignments() const {
     std::vector<std::uint64_t> ids;
     for (const std::string& word : words) {
@@ -207,7 +207,7 @@ void Script::take(const Line& line) {
   }();
   bool gave = false;
   for (const Effect& effect : scheduler_.step(input)) {
-    // What is to be stored comes before anything that hangs on it.
+    // A Keep precedes any effect that depends on it.
     EXPECT_FALSE(gave && std::holds_alternative<Keep>(effect));
     gave = gave || std::holds_alternative<Assign>(effect);
     played_ += "  " + printed(effect) + "\n";

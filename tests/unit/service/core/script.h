@@ -1,16 +1,16 @@
-// Scripts for the scheduler: a line is an input; the lines below it, indented, are what comes of
-// it. Playing a script gives it back with what really came.
+// Scripts for the scheduler. A line is an input; the indented lines below it are the resulting
+// effects. Playing a script returns it with the actual effects.
 //
 //   join 1 threads=2
 //     assign 1 #0 a@0+2 starts         worker 1 gets assignment 0: two scans of replica a from 0 on
-//     assign 1 #1 [b@3 held, c@3 bytes]       a ladder's part; which states go along, and how
-//   done 1 #0                          it delivers what it was asked for
+//     assign 1 #1 [b@3 held, c@3 bytes]       a ladder's part, with how each state is sent
+//   done 1 #0                          worker 1 delivers the assignment
 //     keep a@0+2
 //
 // Inputs:   join W [threads=N] [incarnation=N]      leave W        tick T        stop
 //           done W #N [lacking] [epoch=N] [cost=S] [scans=N] [wrong=replica|first|scans|members]
 //           pong W [#N ...] [epoch=N]               resume a N     (before anything else)
-// Effects:  assign, keep, ask; and in brackets what changed without one: refused, ended.
+// Effects:  assign, keep, ask; in brackets changes without an effect: refused, ended.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@
 
 namespace sleight::core {
 
-/// Blocks in the order of a list, each as soon as the earlier ones of its replicas are done, and
-/// those that it names: "a2 a [bc] d<a" is two scans of a, then one, a part of a ladder with b and
-/// c, and d when a's are done.
+/// A plan of listed blocks, each of which waits for the earlier blocks of its replicas and for
+/// those that it names. "a2 a [bc] d<a" is two scans of a, one scan of a, a ladder's part with b
+/// and c, and d after a's blocks.
 class ListedPlan final : public plan::Plan {
  public:
   explicit ListedPlan(std::string_view list);
@@ -47,13 +47,13 @@ class ListedPlan final : public plan::Plan {
   std::uint64_t scans_consumed() const override { return 0; }
   std::optional<std::uint64_t> scans_total() const override { return std::nullopt; }
 
-  /// From a run store.
+  /// Sets the first scan of a replica from a run store.
   void begins_at(char replica, std::uint64_t scan) { next_scan_[replica] = scan; }
 
  private:
   struct Job {
     std::string replicas;
-    std::string after;  ///< replicas too
+    std::string after;  ///< names of replicas
     bool is_part = false;
     std::uint32_t scans = 1;
     bool handed_out = false;
@@ -69,7 +69,7 @@ class Script {
   Script(std::string_view plan, const SchedulerOptions& options)
       : plan_(plan), options_(options), scheduler_(plan_, options) {}
 
-  /// The script as it really goes.
+  /// Returns the script with its actual effects.
   std::string play(std::string_view script);
   const Counts& counts() const { return scheduler_.counts(); }
 
@@ -88,7 +88,7 @@ class Script {
   std::string played_;
 };
 
-/// Expects that a script goes as it says.
+/// Expects that the actual effects equal the script's.
 void expect_goes(std::string_view plan, const SchedulerOptions& options, std::string_view script);
 
 }  // namespace sleight::core

@@ -1,6 +1,6 @@
-// Goal: an attempt is said to have begun once its keeper has a record of it, and one whose keeper
-// ends before is known at once not to have begun. Method: real keepers, among them one that kills
-// itself at a stated moment, under a real loop; a script stands for `sleight`.
+// Goal: an attempt is reported as begun once its keeper has a record. If its keeper exits before
+// that, the failure is known at once. Method: real keepers, some of which kill themselves at a
+// given moment, under a real loop; a script replaces `sleight`.
 #include "service/daemon/local_attempts.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ namespace sleight::daemon::attempts_test {
 using ::testing::HasSubstr;
 
 constexpr jobs::JobId k_job{1};
-/// Of a test that has failed; a look of the machine's own would come after 5 s.
+/// Timeout of a failing test. The machine's own look would come after 5 s.
 constexpr double k_patience_s = 20;
 
 class AttemptsTest : public keeper::testing::JobTest {
@@ -33,7 +33,7 @@ class AttemptsTest : public keeper::testing::JobTest {
     program_is("[ \"$1\" = --version ] && { echo results 1; exit 0; }; exec sleep 1000");
   }
 
-  /// What is heard of a launch first, by keepers that die at that moment, or that live.
+  /// The first input after a launch whose keeper dies at this moment; none: the keeper lives.
   jobs::Input first_heard(std::optional<keeper::Moment> dies_at) {
     const keeper::LocalBackend backend = this->backend(dies_at.has_value());
     rpc::Loop loop;
@@ -69,7 +69,7 @@ class AttemptsTest : public keeper::testing::JobTest {
   base::PosixFileSystem files_;
   JobFolders folders_;
   Feeds feeds_;
-  keeper::Look seen_{};  ///< what a look said when it was heard
+  keeper::Look seen_{};  ///< result of a look at that time
 };
 
 TEST_F(AttemptsTest, HaveBegunOnceThereIsARecord) {
@@ -94,15 +94,16 @@ TEST_F(AttemptsTest, WhoseKeeperEndsBeforeTheRecordHaveNotBegun) {
 }
 
 TEST_F(AttemptsTest, WhoseKeeperEndsRightAfterTheRecordHaveDied) {
-  // Method: whether the record is seen before the death is chance; that it died is heard either
-  // way, first or after Launched, and never that it could not be started.
+  // Method: the record may or may not be seen before the death. Either way the death is reported,
+  // first or after Launched, and never as a failed launch.
   const jobs::Input heard = first_heard(keeper::Moment::recorded);
   const auto* sight = std::get_if<jobs::Sight>(&heard);
   EXPECT_TRUE(std::holds_alternative<jobs::Launched>(heard) ||
               (sight && std::holds_alternative<jobs::Died>(sight->seen)));
 }
 
-// A program that is told to stop before it listens is ended by that signal: no death of its own.
+// If a stop's signal kills a program that doesn't handle it yet, the attempt counts as stopped, not
+// dead.
 TEST_F(AttemptsTest, ToldToStopBeforeItListensItStoppedInOrder) {
   AttemptSights sights({.clock = clock_, .folders = folders_, .feeds = feeds_});
   keeper::AttemptRecord record{.attempt = 1, .end = keeper::AttemptEnd{.signal = SIGUSR1}};

@@ -1,5 +1,5 @@
-// Goal: the audit log says who did what, whole, bounded, and whatever strangers try. Method: lines
-// that are noted and read back.
+// Goal: the audit log records who did what, completely and in bounded size, whatever strangers try.
+// Method: log lines and read them back.
 #include "service/daemon/audit_log.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ class AuditLogTest : public ::testing::Test {
       read.push_back(json::Value::parse(line));
     return read;
   }
-  /// By a token, from another machine.
+  /// A user with a token, on another machine.
   const rpc::Caller far_{.user = 4001, .address = "192.0.2.7:5", .token_id = "0123456789"};
   std::filesystem::path folder_;
   base::ManualClock clock_;
@@ -62,7 +62,7 @@ TEST_F(AuditLogTest, ALineSaysWhoDidWhat) {
   EXPECT_EQ(read[1]["outcome"], "not_allowed: No.");
 }
 
-// Strangers are as many lines as there are seconds, and each is counted.
+// Wrong tokens cause at most one line per second, and each is counted.
 TEST_F(AuditLogTest, StrangersCantFillTheLog) {
   for (int i = 0; i < 1000; ++i) {
     audit_.note_stranger("203.0.113.9:1");
@@ -86,7 +86,7 @@ TEST_F(AuditLogTest, TheLogIsBounded) {
   EXPECT_FALSE(lines("audit.old.log").empty());
 }
 
-// What one of them repeats has no lines any more, and is counted: what others did stays.
+// Repeated calls of a user are counted without lines, so other users' lines stay.
 TEST_F(AuditLogTest, NobodyPushesOutWhatHappenedBefore) {
   AuditLog audit(folder_, clock_);
   audit.note({.user = 4002, .pid = 1}, {.call = "create_token", .outcome = "done"});
@@ -108,13 +108,13 @@ TEST_F(AuditLogTest, NobodyPushesOutWhatHappenedBefore) {
   EXPECT_EQ(others, 2U);
   EXPECT_LE(lines().size(), 1020U);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "audit.old.log"));
-  // After some time it has lines again.
+  // After some time the user has lines again.
   clock_.advance(100);
   audit.note(far_, {.call = "pin", .of = "16", .outcome = "done"});
   EXPECT_EQ(lines().back()["of"], "16");
 }
 
-// Names are other people's: nothing in them breaks a line or a reader.
+// Names come from users: no name breaks a line or a reader.
 TEST_F(AuditLogTest, OddTextsStayInTheirLine) {
   audit_.note({.user = 1, .pid = 1},
               {.call = "submit", .of = "a\n{\"call\":\"stop\"}\x1b[2J\xff\xc3", .outcome = "done"});
@@ -122,7 +122,7 @@ TEST_F(AuditLogTest, OddTextsStayInTheirLine) {
   EXPECT_EQ(lines()[0]["call"], "submit");
 }
 
-// What stands in its place stops nobody, and is told once.
+// An obstacle in the log's place stops no call, and is reported once.
 TEST_F(AuditLogTest, AFolderAPipeOrALinkInItsPlace) {
   const auto place = folder_ / "audit.log";
   for (const int kind : {0, 1, 2}) {

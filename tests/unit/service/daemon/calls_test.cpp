@@ -1,6 +1,6 @@
-// Goal: what callers may see and do, and that a submission is taken whole or not at all, once.
-// Method: the handler on a real loop, store and machine; its programs are not there, so jobs stay
-// queued. Callers are users that a socket could not have yet.
+// Goal: callers see and do only what they may, and a submission is accepted once, completely or not
+// at all. Method: the handler on a real loop, store and machine. Its programs don't exist, so jobs
+// stay queued. The callers' users need no accounts.
 #include "service/daemon/calls.h"
 
 #include <gmock/gmock.h>
@@ -66,7 +66,7 @@ class CallsTest : public ::testing::Test {
       answered = std::move(answer);
       loop_->stop();
     }));
-    while (!answered)  // an answer that came at once has stopped the next run
+    while (!answered)  // an immediate answer stops the next run
       loop_->run();
     return *std::move(answered);
   }
@@ -88,7 +88,7 @@ class CallsTest : public ::testing::Test {
                [&](rpc::Reply<rpc::JobPage> reply) { calls_->list(caller, ask, std::move(reply)); })
         .value();
   }
-  /// `scans` are of extend.
+  /// `scans` is for extend.
   base::Result<std::vector<rpc::Touched>, rpc::Refusal> change(const rpc::Caller& caller,
                                                                rpc::JobId job, rpc::ChangeKind kind,
                                                                double scans = 0) {
@@ -115,7 +115,7 @@ TEST_F(CallsTest, ASubmissionIsTakenOnce) {
   ASSERT_TRUE(again.ok());
   EXPECT_EQ(again.value().jobs, first.value().jobs);
   EXPECT_TRUE(again.value().was_known);
-  // The key is its user's own; with other content it is refused.
+  // A key belongs to its user; the same key with other content is refused.
   EXPECT_NE(submit(k_bob, submission("key", 1)).value().jobs, first.value().jobs);
   const auto other =
       submit(k_ada, submission("key", 1, "[world]\nname = 'toy'\n[stop]\nscans = 11\n"));
@@ -138,7 +138,7 @@ TEST_F(CallsTest, ASubmissionIsKnownAfterARestart) {
 
 TEST_F(CallsTest, AGroupIsTakenWholeOrNotAtAll) {
   ASSERT_TRUE(submit(k_ada, submission("a", 3)).ok());
-  const auto too_many = submit(k_ada, submission("b", 3));  // of five that a user may have
+  const auto too_many = submit(k_ada, submission("b", 3));  // the limit is five per user
   ASSERT_FALSE(too_many.ok());
   EXPECT_EQ(too_many.error().kind, rpc::RefusalKind::limit);
   EXPECT_EQ(list(k_ada).total, 3U);
@@ -156,7 +156,7 @@ TEST_F(CallsTest, BadRequestsNameTheirPlaces) {
   EXPECT_EQ(list(k_ada).total, 0U);
 }
 
-// Another user's jobs look like jobs that are not there.
+// Another user's jobs look like missing jobs.
 TEST_F(CallsTest, UsersSeeTheirOwn) {
   const rpc::JobId job = submit(k_ada, submission("key", 1)).value().jobs.front();
   EXPECT_EQ(list(k_bob).total, 0U);
@@ -217,7 +217,7 @@ TEST_F(CallsTest, CancelExtendAndDelete) {
   EXPECT_EQ(gone.error().kind, rpc::RefusalKind::gone);
 }
 
-// A token's limits hold beside its user's: over its own jobs, and the cores of each.
+// A token's limits apply besides its user's: on the token's own jobs, and on the cores of each.
 TEST_F(CallsTest, ATokensLimits) {
   rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 2};
   ASSERT_TRUE(submit(k_ada, submission("own", 2)).ok());
@@ -229,15 +229,14 @@ TEST_F(CallsTest, ATokensLimits) {
               HasSubstr("at most 2 unfinished jobs; the current number is 1, and 2 more"));
   EXPECT_TRUE(submit(caller, submission("c", 1)).ok());
   EXPECT_FALSE(submit(caller, submission("d", 1)).ok());
-  // Also after a restart.
+  // The limits hold after a restart too.
   end();
   begin();
   EXPECT_FALSE(submit(caller, submission("e", 1)).ok());
   EXPECT_TRUE(submit(k_ada, submission("f", 1)).ok());
 }
 
-// What has ended is brought back only by what may have it: a token's limits hold there as at a
-// submit.
+// A token's limits apply to resuming finished jobs as they do to submits.
 TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   const rpc::Caller caller{.user = 4001, .token_id = "0123456789", .token_jobs_max = 1};
   const auto own = submit(k_ada, submission("own", 1));
@@ -258,14 +257,14 @@ TEST_F(CallsTest, ATokenBringsBackItsOwnWithinItsLimits) {
   ASSERT_TRUE(second.ok());
   EXPECT_EQ(resume(caller, one).error().kind, rpc::RefusalKind::limit);
   EXPECT_EQ(extend(caller, one).error().kind, rpc::RefusalKind::limit);
-  // One that has not ended is counted already.
+  // A job that hasn't ended is counted already.
   EXPECT_TRUE(extend(caller, second.value().jobs.front()).ok());
-  // Another's wishes are not this token's.
+  // A limited token can't resume jobs submitted without it.
   const rpc::JobId others = own.value().jobs.front();
   EXPECT_THAT(extend(caller, others).error().sentence, HasSubstr("was not submitted with it"));
   cancel(others);
   EXPECT_EQ(resume(caller, others).error().kind, rpc::RefusalKind::limit);
-  // Its user may, and so may a token without limits; then there is room for its own again.
+  // The user and an unlimited token can resume the job; then the token has room for its own again.
   EXPECT_TRUE(resume({.user = 4001, .token_id = "1123456789"}, others).ok());
   cancel(second.value().jobs.front());
   EXPECT_TRUE(resume(caller, one).ok());
@@ -299,7 +298,7 @@ TEST_F(CallsTest, ATokensCores) {
   EXPECT_EQ(list(caller).jobs.at(0).cores_wanted, 2U);
 }
 
-// Of a token of the service's own user: without `operate` it is a user as any other.
+// A token of the daemon's own user without `operate` has an ordinary user's rights.
 TEST_F(CallsTest, AnOperatorsTokenSeesLessWithoutOperate) {
   ASSERT_TRUE(submit(k_ada, submission("a", 1)).ok());
   rpc::Caller own{.user = ::geteuid(), .token_id = "0123456789"};
@@ -324,8 +323,8 @@ TEST_F(CallsTest, OptionsComeBackWithTheJob) {
   EXPECT_EQ(stored->options.at("partition"), "long");
 }
 
-// Goal: what waits to be made is bounded, whoever leaves meanwhile, and one user's keeps out none
-// of another's. Method: a maker that has no time, and more fetches than are allowed.
+// Goal: a user's waiting fetches are bounded, even if clients leave, and don't block other users'
+// fetches. Method: a busy maker, and more fetches than allowed.
 TEST_F(CallsTest, AUsersFetchesThatWaitAreBounded) {
   const auto of_ada = submit(k_ada, submission("key", 1)).value().jobs.front();
   const auto of_bob = submit(k_bob, submission("key", 1)).value().jobs.front();
@@ -354,7 +353,7 @@ TEST_F(CallsTest, AUsersFetchesThatWaitAreBounded) {
       loop_->run();
     }
   };
-  // When they are done there is room again.
+  // Finished fetches make room.
   go_on.set_value();
   await(k_fetches_of_user_max + 2);
   fetch(k_ada, of_ada);

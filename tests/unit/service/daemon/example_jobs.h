@@ -1,4 +1,3 @@
-// Jobs for these tests.
 #pragma once
 
 #include <string>
@@ -7,7 +6,7 @@
 
 namespace sleight::daemon::testing {
 
-/// One in which no field has its default, so that a record that forgets one is found.
+/// A job in which no field has its default value, so that a record that lacks a field is noticed.
 inline jobs::Job full_job(std::uint64_t id) {
   jobs::Job job;
   job.id = jobs::JobId{id};

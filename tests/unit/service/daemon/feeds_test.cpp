@@ -1,5 +1,5 @@
-// Goal: whoever reads a job's log, watchers hear of what is new, once. Method: a log that grows
-// between reads of the two kinds.
+// Goal: watchers are notified once of new events, whoever reads the job's log. Method: a log that
+// grows between reads of both kinds.
 #include "service/daemon/feeds.h"
 
 #include <gtest/gtest.h>
@@ -31,10 +31,10 @@ TEST(Feeds, TellOfNewsWhoeverReadsThem) {
     log.append({.number = numbered(feeds.of(k_watched_job)) + 1,
                 .what = events::Solution{.nth = 1, .in_proportion = true}});
     const std::size_t before = news.size();
-    // As a look at how the run stands does it.
+    // This reads like a look at the run's progress.
     EXPECT_EQ(numbered(feeds.read(k_watched_job, thoroughly)), thoroughly ? 2U : 1U);
     EXPECT_EQ(news.size(), before + 1);
-    // What watchers' own look finds is nothing new.
+    // The watchers' own look then finds nothing new.
     feeds.read(k_watched_job, false);
     EXPECT_EQ(news.size(), before + 1);
   }

@@ -1,6 +1,6 @@
-// Goal: what the job store keeps of a job is the job. Method: records of jobs with values of all
-// kinds are read back; the number of fields that are written is compared with a job's, so that a
-// new field can't be forgotten; texts that are no records are refused.
+// Goal: the job store's records contain the whole job. Method: read back jobs with values of all
+// kinds. Compare the number of written fields with a job's, so that a new field can't be forgotten.
+// Invalid texts are refused.
 #include "service/daemon/job_records.h"
 #include "common/json/value.h"
 
@@ -28,8 +28,8 @@ TEST(JobRecords, ReadBackWhatWasWritten) {
   EXPECT_EQ(usage_of(to_line(usage)), usage);
 }
 
-// A job has as many fields as are written, but for the one that is optional: a structured binding
-// of another number does not compile.
+// A structured binding with the wrong number of fields doesn't compile. One field of the record is
+// optional.
 TEST(JobRecords, HaveEveryField) {
   const jobs::Job job = testing::full_job(1);
   const auto written = json::Value::parse(to_line(job)).size();

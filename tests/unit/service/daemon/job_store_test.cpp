@@ -1,6 +1,6 @@
-// Goal: what was saved is found again, whole or not at all, and what was changed on the disk is
-// refused and left alone. Method: random saves against a plain model of the tables; rows, formats
-// and files that are changed behind the store's back.
+// Goal: a save is found again completely or not at all; contents changed on the disk are refused
+// and left unchanged. Method: compare random saves with a simple model of the tables; change rows,
+// formats and files behind the store's back.
 #include "service/daemon/job_store.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Goal: a log that is followed is the log, and what is lost is left out, not told twice. Method:
-// random pieces are printed through the keeper's bounded log, and read from where the last reading
-// ended; the bytes are compared with those that were printed.
+// Goal: following a log returns its bytes; lost bytes are left out, and none is repeated. Method:
+// random pieces are printed through the keeper's bounded log and read from the last position;
+// compare with the printed bytes.
 #include "service/daemon/logs.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Goal: nobody hears of a save before it is durable, and all in the order in which they were put.
-// Method: many saves from one thread while another reads the store; each `then` looks whether the
-// store has its job.
+// Goal: a save's `then` is called only after the save is durable, in the order of put. Method: many
+// saves from one thread while another reads the store; each `then` checks that the store has its
+// job.
 #include "service/daemon/save_queue.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ TEST(SaveQueue, ThenComesAfterTheDisk) {
       save.jobs.jobs.push_back(testing::full_job(id));
       save.requests.push_back({.job = jobs::JobId{id}, .text = "text"});
       save.jobs.next_id = id + 1;
-      // Every tenth has nothing to save, and keeps its place.
+      // Every tenth entry has nothing to save but keeps its place.
       const bool is_empty = id % 10 == 0;
       queue.put(is_empty ? std::nullopt : std::optional(save), [&, id, is_empty] {
         heard.push_back(id);

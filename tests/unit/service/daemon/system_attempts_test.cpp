@@ -1,6 +1,6 @@
-// Goal: what a batch system and a job's folder say together becomes what the machine of jobs hears,
-// and silence never becomes an end. Method: a backend by hand, records as keepers write them, a
-// real loop.
+// Goal: a batch system's answers and a job's folder together become the machine's inputs, and
+// silence is never an end. Method: a hand-written backend, records as keepers write them, a real
+// loop.
 #include "service/daemon/system_attempts.h"
 
 #include <fmt/format.h>
@@ -30,12 +30,12 @@ using ::testing::HasSubstr;
 
 constexpr jobs::JobId k_job{17};
 constexpr jobs::Attempt k_attempt{3};
-/// Of a test that has failed.
+/// Timeout of a failing test.
 constexpr double k_patience_s = 20;
-/// After so many lists what is not to be would have been heard.
+/// After this many lists, an unwanted input would have arrived.
 constexpr std::uint64_t k_lists = 20;
 
-/// Says what it is told to say.
+/// A backend that returns the test's answers.
 class HandBackend final : public backend::Backend {
  public:
   using Answer = std::function<backend::Seen()>;
@@ -154,15 +154,15 @@ class SystemAttemptsTest : public ::testing::Test {
     const std::uint64_t before = backend_->lists();
     until([&] { return backend_->lists() >= before + k_lists; });
   }
-  /// The newest sight of a kind, waited for.
+  /// Waits for the newest sight of a kind.
   template <class Kind>
   Kind sight() {
     until([&] { return newest<Kind>() != nullptr; });
     const Kind* kind = newest<Kind>();
     return kind == nullptr ? Kind{} : *kind;
   }
-  /// As sight(), with looks again and again, as the machine of jobs does: an answer that is under
-  /// way at a look still tells how it was before.
+  /// Like sight(), with repeated looks, as the machine does: an answer in progress at a look still
+  /// has the old state.
   template <class Kind>
   Kind sight_of_looks() {
     until([&] {
@@ -213,7 +213,7 @@ class SystemAttemptsTest : public ::testing::Test {
   void is_gone(const std::string& words, Cause cause) {
     backend_->says({.state = State::gone, .id = "812", .words = words, .cause = cause});
   }
-  /// As far as a run that goes on.
+  /// Launches and continues until the run is active.
   void launch_and_begin() {
     waits();
     launch();
@@ -305,7 +305,7 @@ class SystemAttemptsOnASlowDisk : public SystemAttemptsTest {
 };
 
 TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
-  // Goal: a shared disk shows files late. Method: the end comes within the time that is allowed.
+  // Goal: a shared disk shows files late. Method: the end appears within the allowed time.
   launch_and_begin();
   is_gone("COMPLETED", Cause::itself);
   await_lists();
@@ -315,7 +315,7 @@ TEST_F(SystemAttemptsOnASlowDisk, WhoseEndIsSeenLateHaveNotDied) {
 }
 
 TEST_F(SystemAttemptsTest, WhoseRunMayLiveOnALostNodeAreWaitedFor) {
-  // Method: a lease of 1.5 s of another machine, renewed as long as its holder lives.
+  // Method: a lease of 1.5 s by another machine, renewed while its holder lives.
   launch_and_begin();
   const std::string run = folders_.run(k_job);
   files_.make_folder(run);
@@ -343,7 +343,8 @@ TEST_F(SystemAttemptsTest, ThatNeverHadARecordSayWhatTheSystemSays) {
 }
 
 TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
-  // Method: another daemon looks at what an earlier one launched; its end, none, and no record.
+  // Method: another daemon looks at an earlier daemon's attempts: one with an end, one without, and
+  // one without a record.
   look();
   begins();
   ends(events::End::stop_requested);

@@ -1,7 +1,6 @@
-// Goal: a token lets its user in until it is revoked or expires, whatever happens to the daemon
-// between, and the file of tokens helps nobody who reads it.
-// Method: a clock that the test moves, files of its own, and a daemon's end and next start as
-// another object on the same file.
+// Goal: a token authorizes its user until it is revoked or expires, also across restarts of the
+// daemon. The file of tokens is useless to its readers. Method: a manual clock and temporary files;
+// another object on the same file acts as the restarted daemon.
 #include "service/daemon/tokens.h"
 
 #include <gmock/gmock.h>
@@ -102,7 +101,7 @@ TEST_F(TokensTest, AClockThatIsSetBackRevivesNone) {
   ASSERT_TRUE(tokens_->create(4001, ask(unused)).ok());
   now_s_ += 101;
   EXPECT_FALSE(is_let_in(used));
-  tokens_->save_uses();  // as each minute: it looks at all of them
+  tokens_->save_uses();  // checks all tokens, as each minute
   now_s_ -= 100'000;
   EXPECT_FALSE(is_let_in(used));
   EXPECT_FALSE(is_let_in(unused));
@@ -129,15 +128,15 @@ TEST_F(TokensTest, SurvivesADaemonAndIsRevokedForGood) {
   EXPECT_TRUE(is_let_in(kept));
 }
 
-// A disk that takes nothing keeps nobody in who was thrown out.
+// A revocation holds even if the disk can't be written.
 TEST_F(TokensTest, IsRevokedAlsoWhereThatCantBeWritten) {
   const std::string text = draw();
   const auto made = tokens_->create(4001, ask(text));
-  std::filesystem::create_directory(path() + ".new");  // what is written first can't be made
+  std::filesystem::create_directory(path() + ".new");  // blocks the temporary file
   EXPECT_THROW(static_cast<void>(tokens_->revoke(4001, made.value().id)), base::Error);
   EXPECT_FALSE(is_let_in(text));
   std::filesystem::remove(path() + ".new");
-  // Asked again, it is written.
+  // A repeated revocation is written.
   EXPECT_TRUE(tokens_->revoke(4001, made.value().id).ok());
   begin();
   EXPECT_FALSE(is_let_in(text));
@@ -153,7 +152,7 @@ TEST_F(TokensTest, OthersTokensAreLikeNone) {
   EXPECT_EQ(tokens_->of(std::nullopt).size(), 1U);
 }
 
-// Unknown, wrong, revoked and expired ones are refused in the same words.
+// Unknown, wrong, revoked and expired tokens are refused with the same words.
 TEST_F(TokensTest, TellsNobodyWhatIsWrong) {
   const std::string revoked = draw();
   const auto made = tokens_->create(4001, ask(revoked));
@@ -172,7 +171,7 @@ TEST_F(TokensTest, ARepeatedCreateMakesNoSecondOne) {
   ASSERT_TRUE(again.ok());
   EXPECT_EQ(first.value(), again.value());
   EXPECT_EQ(tokens_->of(4001).size(), 1U);
-  // Somebody else's of the same id, or another secret under it, is none of it.
+  // Another user's token with the same id, or another secret, is refused.
   access::Token other = *access::token_of(text);
   other.secret[0] ^= std::byte{1};
   EXPECT_EQ(tokens_->create(4001, ask(access::text_of(other))).error().kind,

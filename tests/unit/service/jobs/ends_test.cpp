@@ -1,5 +1,5 @@
-// Goal: what each end means for a job (ends.h), and the back-off after it. Method: tables of ends
-// by job, and counts over deaths in a row.
+// Goal: each end has its outcome (ends.h) and back-off. Method: tables of ends by job, and counts
+// over consecutive deaths.
 #include "service/jobs/ends.h"
 
 #include <gmock/gmock.h>
@@ -86,7 +86,7 @@ TEST(Ends, MeanWhatTheRecordSays) {
 }
 
 TEST(Ends, MeanWhatTheSurroundingsExplain) {
-  // A program that can't write says what the system told it; why, the daemon may know better.
+  // A program that can't write reports the system's error; the daemon may know the cause better.
   EXPECT_EQ(judged(running_job(), error(ExitCode::environment), {.is_disk_low = true}).reason,
             Reason::disk_full);
   EXPECT_EQ(judged(running_job(), error(ExitCode::conflict), {.has_other_results = true}).reason,
@@ -133,7 +133,7 @@ TEST(Ends, AnExtendedJobGoesOn) {
   EXPECT_EQ(judged(job, {.kind = EndKind::finished}).reason, Reason::extended);
 }
 
-/// Dies so often; `commits` scans between. Returns the waits.
+/// The delays after a number of deaths with `commits` scans between them.
 std::vector<double> waits_of_deaths(Job& job, int deaths, std::uint64_t commits) {
   std::vector<double> waits;
   for (int i = 0; i < deaths; ++i) {
@@ -164,7 +164,7 @@ TEST(Ends, DeathsWithCommitsBetweenWaitLongerAndLonger) {
   EXPECT_THAT(waits_of_deaths(job, 11, 1),
               testing::ElementsAre(1, 2, 4, 8, 16, 32, 64, 128, 256, 300, 300));
   EXPECT_EQ(job.deaths, 1U);
-  // One that lived long begins anew.
+  // A long-lived attempt resets the back-off.
   const Verdict verdict = judge(job, Died{}, Options{});
   EXPECT_EQ(count_end(job, verdict, {}, 1e4, Options{}), 1);
 }

@@ -1,5 +1,5 @@
-// Goal: the machine's answers, step by step. Method: a machine of four cores, inputs by hand, the
-// effects and the jobs as they come out.
+// Goal: the machine's effects, step by step. Method: a machine of four cores and inputs by hand;
+// check the effects and jobs.
 #include "service/jobs/jobs.h"
 
 #include <gmock/gmock.h>
@@ -44,7 +44,7 @@ class Bench {
     now_s_ += seconds;
     return step(Tick{.now_s = now_s_, .wall = 1e9 + now_s_});
   }
-  /// The daemon is killed, and another one begins.
+  /// Kills the daemon and begins another.
   std::vector<Effect> begin() {
     Restored restored{.clock_s = clock_s_, .next_id = next_id_};
     for (const auto& [id, job] : stored_)
@@ -151,7 +151,7 @@ TEST(Jobs, ThatNeverBeganAreLaunchedAgainAsTheSameAttempt) {
 TEST(Jobs, OfTwoLaunchesOneMayFailAndTheOtherBegin) {
   Bench bench;
   const JobId id = bench.job();
-  bench.wait(5);  // nothing is heard, so it is looked for
+  bench.wait(5);  // without a report, the machine looks
   ASSERT_EQ(all_of<Launch>(bench.see(id, NeverBegan{})).size(), 1U);
   bench.step(LaunchFailed{.job = id, .attempt = Attempt{1}, .is_backend_away = true});
   EXPECT_EQ(bench.at(id).state, State::starting) << "the first launch may be under way";
@@ -189,7 +189,7 @@ TEST(Jobs, OfWhichAnOlderAttemptHoldsTheFolderWaitForIt) {
 }
 
 TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
-  // Method: a job of four cores that computes for 100 s and waits for 1,000 s before.
+  // Method: a job of four cores that waits for 1,000 s and then computes for 100 s.
   Bench bench;
   const JobId id = bench.job();
   bench.see(id, Pending{.words = "Slurm job 812 waits: Priority"});
@@ -214,7 +214,8 @@ TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
 }
 
 TEST(Jobs, ThatWaitInABatchSystemUseNothingOfTheirUsersLimit) {
-  // Method: 360 core-seconds a day; a job of four cores waits for 1,000 s, then runs for 100 s.
+  // Method: a limit of 360 core-seconds per day; a job of four cores waits for 1,000 s, then runs
+  // for 100 s.
   Bench bench({.limits = {.core_hours_per_day = 0.1}});
   const JobId id = bench.job();
   bench.see(id, Pending{});
@@ -252,7 +253,7 @@ TEST(Jobs, AskedToStopBeforeTheBatchSystemIsHeardOfAreStoppedThen) {
 }
 
 TEST(Jobs, CancelledInTheBatchSystemAreHeld) {
-  // Method: stopped in order by it, killed by it, and taken from its queue.
+  // Method: the batch system stops an attempt cleanly, kills it, or removes it from its queue.
   const auto ends = std::vector<decltype(Sight::seen)>{
       Ended{.kind = EndKind::stop_requested,
             .outside = Outside::cancelled,
@@ -492,7 +493,7 @@ TEST(Jobs, AreDeletedForRoomTheOldestFirst) {
 }
 
 TEST(Jobs, ArePinnedAgainstEverybody) {
-  // Goal: a pinned job is deleted by no call, whatever a client forgot to look at.
+  // Goal: no call deletes a pinned job, whatever the client checked before.
   Bench bench;
   const JobId id = bench.job();
   bench.see(id, Ended{.kind = EndKind::finished});

@@ -1,4 +1,4 @@
-// Goal: a record is read as it was written, is never torn, and its end finds room.
+// Goal: a record reads back as written, is never incomplete, and its end fits.
 #include "service/keeper/attempt_record.h"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,8 @@ TEST(AttemptRecord, IsReadAsItWasWritten) {
 }
 
 TEST(AttemptRecord, AnythingElseIsNone) {
-  // Method: a record cut at each byte, and with each of its fields gone, of another type or value.
+  // Method: a record cut at each byte, and with each field missing, of another type or of another
+  // value.
   const std::string text = to_text(ended());
   for (std::size_t size = 0; size + 1 < text.size(); ++size)
     ASSERT_EQ(record_of(text.substr(0, size)), std::nullopt) << size;
@@ -77,8 +78,8 @@ TEST(AttemptRecord, AnythingElseIsNone) {
 }
 
 TEST(AttemptRecord, StaysUnderItsBound) {
-  // Goal: whatever a program printed or was called, the record fits into the room that was kept for
-  // it. Method: the longest tail of bytes that take six each in JSON, and long commands.
+  // Goal: whatever a program prints or is called, the record fits into its reserved room. Method:
+  // the longest tail, of bytes that take six bytes each in JSON, and long commands.
   AttemptRecord record = ended();
   record.end->log_tail.assign(k_tail_lines_max, std::string(400, '\x01'));
   std::string text = to_text(record);
@@ -96,8 +97,8 @@ TEST(AttemptRecord, StaysUnderItsBound) {
 class RecordFileTest : public testing::JobTest {};
 
 TEST_F(RecordFileTest, NothingIsThereUntilItIsWhole) {
-  // Goal: after a failure of any call, the folder has the record before or the new one, whole.
-  // Method: fails each call in turn, of both writings.
+  // Goal: if any call fails, the folder has the old or the new record, complete. Method: fail each
+  // call of both writes in turn.
   EXPECT_EQ(read_record(folder()), std::nullopt);
   AttemptRecord before = begun();
   before.attempt = 2;

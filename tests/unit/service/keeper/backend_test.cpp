@@ -1,4 +1,4 @@
-// Goal: a daemon, and the one after it, see, adopt and stop what runs, and start nothing twice.
+// Goal: a daemon and its successor see, adopt and stop attempts, and start none twice.
 #include "service/keeper/backend.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ using ::testing::HasSubstr;
 class BackendTest : public testing::JobTest {};
 
 TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
-  // Method: what a daemon sees at each step; its descriptor tells the end, without asking.
+  // Method: check a daemon's view at each step; the descriptor shows the end without polling.
   program_is("echo $$ > ready; read -r x < gate");
   ASSERT_EQ(::mkfifo(path("gate").c_str(), 0600), 0);
   EXPECT_EQ(backend().look(folder(), 1).state, Look::State::never_began);
@@ -63,8 +63,8 @@ TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
 }
 
 TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
-  // Method: threads launch the same attempt at once, then one more after its end, and one of an
-  // attempt before it.
+  // Method: threads launch the same attempt at once. Then launch the attempt after its end, and an
+  // earlier attempt.
   program_is("echo run >> runs; sleep 0.2");
   std::vector<std::optional<RunningKeeper>> keepers(8);
   std::vector<std::thread> threads;
@@ -84,9 +84,8 @@ TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
 }
 
 TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
-  // Method: a process of its own launches and is killed with its process group; its terminal's
-  // hangup reaches nobody. This process adopts. The program goes on until all that has happened, or
-  // its folder has gone.
+  // Method: a separate process launches, and is killed with its process group and terminal. This
+  // process adopts the attempt. The program continues until then, or until its folder is gone.
   program_is(
       "echo $$ > ready; while [ ! -e go ] && [ -e ready ]; do sleep 0.01; done; echo $$ > "
       "survived");
@@ -110,7 +109,8 @@ TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
 }
 
 TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
-  // Goal: no zombie, no descriptor. Method: counts both before and after; waits for the ends.
+  // Goal: a launch leaves no zombie and no descriptor. Method: count both before and after all
+  // ends.
   program_is("exit 0");
   const auto descriptors = [] {
     return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
@@ -123,7 +123,7 @@ TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
 }
 
 TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
-  // Method: no keeper, no folder, too many ranks; a folder that the keeper can't use.
+  // Method: no keeper, no folder, too many ranks, and a folder that the keeper can't use.
   Programs none = backend().programs();
   none.keeper = path("none");
   EXPECT_THROW(LocalBackend(none).launch(spec()), base::Error);
@@ -144,9 +144,9 @@ TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
 }
 
 TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
-  // Goal: a record whose keeper has gone leads to no signal, though another process has its number
-  // by now, and the folder looks as if it ran. Method: the number of a process of ours in a record
-  // of an earlier one, under a held lock; then of another start of the machine.
+  // Goal: no signal reaches a process that has reused a dead keeper's process id, even if the
+  // folder looks active. Method: a record of an earlier process with a bystander's id, under a held
+  // lock; then a record of an earlier boot.
   const pid_t bystander = ::fork();
   if (bystander == 0) {
     while (true)
@@ -174,7 +174,7 @@ TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
     EXPECT_FALSE(backend().adopt(folder(), 1));
     EXPECT_FALSE(backend().stop(folder(), 1, Stop::now));
   }
-  // The right one is hit, so that the above could have failed.
+  // Negative control: the right process does receive the signal.
   base::PosixFileSystem files;
   RecordFile(files, folder()).begin({.attempt = 1, .keeper = *real, .command = {"x"}});
   EXPECT_TRUE(backend().stop(folder(), 1, Stop::now));
@@ -187,7 +187,7 @@ TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
 }
 
 TEST_F(BackendTest, AFolderThatCantBeTrustedIsAnError) {
-  // Method: a damaged record, and one of a later attempt than the daemon knows.
+  // Method: a damaged record, and a record of an attempt later than the daemon's.
   program_is("exit 0");
   run(spec(5));
   EXPECT_THROW(backend().look(folder(), 4), base::Error);

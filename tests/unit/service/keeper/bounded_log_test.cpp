@@ -1,4 +1,4 @@
-// Goal: output is kept, in order, under a bound, and lost output is said.
+// Goal: output is stored in order and within the bound, and lost output is reported.
 #include "service/keeper/bounded_log.h"
 
 #include <gmock/gmock.h>
@@ -15,8 +15,8 @@ namespace {
 class BoundedLogTest : public testing::JobTest {};
 
 TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
-  // Method: pieces of many sizes, one of them larger than all that is kept; both files together
-  // are the end of what was written.
+  // Method: pieces of many sizes, one larger than the bound. Both files together are the end of the
+  // output.
   std::string all;
   BoundedLog log(folder(), 2000);
   for (const std::size_t size : {1UL, 300UL, 699UL, 1UL, 5000UL, 10UL, 990UL}) {
@@ -34,7 +34,7 @@ TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
 }
 
 TEST_F(BoundedLogTest, GoesOnWithMarkedLines) {
-  // Method: a log that a killed keeper left in the middle of a line.
+  // Method: a log that a killed keeper left within a line.
   {
     BoundedLog log(folder());
     log.mark("attempt 1: a\nb");
@@ -48,7 +48,7 @@ TEST_F(BoundedLogTest, GoesOnWithMarkedLines) {
 }
 
 TEST_F(BoundedLogTest, SaysWhatWasLost) {
-  // Method: a folder in the log's place, as a disk that takes nothing; then it is gone.
+  // Method: a folder in the log's place, like a disk that accepts nothing; then remove it.
   std::filesystem::create_directory(path("log"));
   BoundedLog log(folder());
   log.append("lost\n");
@@ -59,7 +59,7 @@ TEST_F(BoundedLogTest, SaysWhatWasLost) {
 }
 
 TEST_F(BoundedLogTest, TheBoundHoldsWhereItCantTurnOver) {
-  // Method: a folder with something in it in the old log's place, so that no file can replace it.
+  // Method: a non-empty folder in the old log's place, so that no file can replace it.
   std::filesystem::create_directories(path("log.old/x"));
   BoundedLog log(folder(), 200);
   for (int i = 0; i < 100; ++i)
@@ -69,7 +69,7 @@ TEST_F(BoundedLogTest, TheBoundHoldsWhereItCantTurnOver) {
 }
 
 TEST(LastLines, AreTheLastOnes) {
-  // Method: lines in pieces, one too long, one without its end.
+  // Method: lines in pieces, one too long, one incomplete.
   LastLines last(3);
   EXPECT_TRUE(last.lines().empty());
   last.append("one\ntw");

@@ -1,4 +1,4 @@
-// Goal: what is started, and with which environment.
+// Goal: commands and environments of programs are right.
 #include "service/keeper/command.h"
 
 #include <fmt/ranges.h>
@@ -20,7 +20,7 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 TEST(Command, WithoutRanksNoMpiIsStarted) {
-  // Method: the whole line.
+  // Method: compare the whole command line.
   const AttemptSpec spec{
       .folder = "/jobs/17", .attempt = 3, .cores = 2, .cache_mb = 64, .strict = true};
   EXPECT_EQ(
@@ -33,7 +33,7 @@ TEST(Command, WithoutRanksNoMpiIsStarted) {
 }
 
 TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
-  // Method: the whole line; no more ranks than cores.
+  // Method: compare the whole command line; more ranks than cores are refused.
   AttemptSpec spec{.folder = "/jobs/1 7", .ranks = 3, .grace_s = 0.5};
   EXPECT_EQ(
       joined(command_of(spec, k_programs)),
@@ -58,7 +58,7 @@ TEST(Command, WithRanksOpenMpiKeepsToTheFolder) {
 }
 
 TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
-  // Method: the whole lines; neither this machine's cores nor its mpirun count.
+  // Method: compare the whole command lines; this machine's cores and mpirun don't matter.
   AttemptSpec spec{.folder = "/jobs/17", .ranks = 100'000, .in_batch = true};
   EXPECT_EQ(obstacle_of(spec, k_programs), "");
   EXPECT_EQ(joined(command_of(spec, k_programs)),
@@ -74,7 +74,7 @@ TEST(Command, InABatchSystemsJobMpirunHasThatJobsMachines) {
 }
 
 TEST(Command, TheEnvironmentIsCleaned) {
-  // Method: one variable of each kind that goes, and those that look alike and stay.
+  // Method: one variable of each removed kind, and similar ones that stay.
   const std::vector<std::string> all{
       "PATH=/bin",        "OMPI_MCA_btl=tcp", "OMPI_ALLOW_RUN_AS_ROOT=1",
       "PMIX_RANK=3",      "LD_PRELOAD=x.so",  "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",

@@ -1,7 +1,7 @@
-// Goal: whenever a keeper is killed, a look says how far the attempt came, nothing of it runs on,
-// and the daemon's rule (never began: the same again; died: the next one) gets each attempt's
-// program started at most once. Method: keepers that kill themselves at each moment of theirs, and
-// real kills at random times.
+// Goal: after a keeper's death at any moment, a look shows the attempt's progress and no process is
+// left. With the daemon's rule (never began: the same attempt again; died: the next one), each
+// attempt's program starts at most once. Method: keepers that kill themselves at each moment, and
+// kills at random times.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -25,8 +25,8 @@ constexpr std::uint64_t k_seed = 2025;
 
 class DeathsTest : public testing::JobTest {
  protected:
-  /// What a daemon finds once the keeper has gone. A child that has not called exec yet holds the
-  /// lock for the moment that the kernel takes to kill it.
+  /// The state after the keeper's death. A child that has not called exec yet still holds the lock
+  /// until the kernel has killed it.
   Look look_after(const RunningKeeper& keeper, std::uint32_t attempt) const {
     EXPECT_TRUE(testing::comes_true([&] { return keeper.has_gone(); }));
     Look look;
@@ -45,8 +45,8 @@ Look::State state_after(Moment moment) {
 }
 
 TEST_F(DeathsTest, AtEachMoment) {
-  // Method: as the file says. The program writes a line for each run; before the keeper has forked
-  // there is none, and where it was killed between fork and exec neither.
+  // Method: see above. The program writes a line per run. There is no line if the keeper was killed
+  // before fork, or between fork and exec.
   std::uint32_t attempt = 0;
   std::size_t runs = 0;
   for (std::size_t i = 0; i < k_moment_names.size(); ++i) {
@@ -63,7 +63,7 @@ TEST_F(DeathsTest, AtEachMoment) {
     EXPECT_GE(runs_now, moment > Moment::started ? runs + 1 : runs) << k_moment_names[i];
     EXPECT_LE(runs_now, moment > Moment::in_child ? runs + 1 : runs) << k_moment_names[i];
     runs = runs_now;
-    // The same attempt again runs only if it never began.
+    // Repeating the attempt runs it only if it never began.
     program_is("echo run >> runs");
     const Look second = look_after(backend().launch(spec(attempt)), attempt);
     runs += look.state == Look::State::never_began ? 1 : 0;
@@ -77,8 +77,8 @@ TEST_F(DeathsTest, AtEachMoment) {
 }
 
 TEST_F(DeathsTest, AtRandomTimes) {
-  // Method: kill -9 up to 30 ms after the launch, of a program that ends after 10 ms; then the
-  // daemon's rule until one has ended. Each attempt wrote its number at most once.
+  // Method: kill -9 up to 30 ms after the launch of a program that ends after 10 ms. Then apply the
+  // daemon's rule until an attempt has ended. Each attempt wrote its number at most once.
   program_is("cat attempt.json | tr ',' '\\n' | grep -m1 '\"attempt\"' >> runs; sleep 0.01");
   std::uint32_t attempt = 0;
   for (const std::uint64_t n : property::in_turn(property::long_run() ? 300 : 15)) {

@@ -19,8 +19,8 @@ namespace sleight::keeper::testing {
 namespace {
 
 std::string content_of(const std::string& path) {
-  // A file of /proc whose process ends meanwhile fails in the middle, and `<<` takes that for its
-  // end.
+  // If a process ends while its /proc file is read, the read fails, and `<<` takes the failure for
+  // the end of the file.
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return std::move(text).str();
@@ -46,7 +46,7 @@ std::vector<pid_t> processes_with(const std::string& words) {
     pid_t pid = 0;
     const auto [stop, bad] = std::from_chars(name.data(), name.data() + name.size(), pid);
     if (bad != std::errc() || pid == ::getpid()) continue;
-    // Empty of one that has ended and waits to be waited for.
+    // Empty for a zombie.
     if (content_of(i->path() / "cmdline").find(words) != std::string::npos) found.push_back(pid);
   }
   return found;
@@ -58,7 +58,7 @@ JobTest::JobTest() {
 }
 
 JobTest::~JobTest() {
-  // The folder's name is in the command of each keeper and each script.
+  // Each keeper's and each script's command contains the folder's name.
   for (const pid_t left : processes_with(folder_))
     ::kill(left, SIGKILL);
   std::error_code error;

@@ -1,5 +1,5 @@
-// Goal: an attempt's end is recorded as it was, and nothing of its program is left. Method: real
-// keepers of shell scripts that end, hang, fork and print in every way.
+// Goal: an attempt's end is recorded correctly, and no process of its program is left. Method: real
+// keepers of shell scripts that end, hang, fork and print in many ways.
 #include "service/keeper/keep.h"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ class KeepTest : public testing::JobTest {
         {.epoch = 1, .end = end, .exit_code = static_cast<base::ExitCode>(code), .scans = 7});
     return "echo '" + line.substr(0, line.size() - 1) + "' > end.pipe";
   }
-  /// Whether the process that wrote its number into the file has gone.
+  /// Whether the process that wrote its id into the file has ended.
   bool has_gone(const std::string& name) const {
     const pid_t pid = std::stoi(text_in(name));
     return ::kill(pid, 0) != 0 && errno == ESRCH;
@@ -39,7 +39,7 @@ class KeepTest : public testing::JobTest {
 };
 
 TEST_F(KeepTest, HowItEnded) {
-  // Method: an exit code, a signal, and a program that isn't there.
+  // Method: an exit code, a signal, and a missing program.
   program_is("echo out; echo err >&2; printf 'no end'; exit 7");
   AttemptEnd end = run(spec(1));
   EXPECT_EQ(end.exit_code, 7);
@@ -67,7 +67,7 @@ TEST_F(KeepTest, HowItEnded) {
 }
 
 TEST_F(KeepTest, WhatTheProgramTold) {
-  // Method: the first of two ends counts, after garbage, from a writer that opens the pipe late.
+  // Method: two ends after garbage, from a writer that opens the pipe late. The first end counts.
   program_is("sleep 0.1; echo garbage > end.pipe; " + told(events::End::no_draws, 0) + "; " +
              told(events::End::finished, 0));
   const AttemptEnd end = run();
@@ -78,8 +78,8 @@ TEST_F(KeepTest, WhatTheProgramTold) {
 }
 
 TEST_F(KeepTest, NothingOfItIsLeft) {
-  // Method: a child that ignores signals, a daemon that forked twice into a session of its own, and
-  // one that forks all the time; the program ends by itself.
+  // Method: a child that ignores signals, a daemon that forked twice into its own session, and a
+  // child that forks constantly; the program ends by itself.
   program_is(
       "(trap '' TERM HUP INT; echo $$ > /dev/null; while :; do sleep 1; done) & echo $! > child\n"
       "setsid sh -c '(sh -c \"echo \\$\\$ > daemon; sleep 1000\" &)'\n"
@@ -91,7 +91,7 @@ TEST_F(KeepTest, NothingOfItIsLeft) {
 }
 
 TEST_F(KeepTest, StoppedInOrder) {
-  // Method: SIGUSR1 reaches a program that takes it, which then tells its end.
+  // Method: a program handles SIGUSR1 and then reports its end.
   program_is(
       "trap 'touch told; exit 130' USR1\n"
       "echo $$ > ready; while :; do sleep 0.01; done");
@@ -107,7 +107,7 @@ TEST_F(KeepTest, StoppedInOrder) {
 }
 
 TEST_F(KeepTest, StoppedNow) {
-  // Method: a program and a child that ignore SIGTERM and SIGUSR1; asked in order first.
+  // Method: a program and its child ignore SIGTERM and SIGUSR1; a clean stop precedes.
   program_is(
       "trap '' TERM USR1; sh -c 'echo $$ > child; while :; do sleep 1; done' &\n"
       "while [ ! -s child ]; do sleep 0.01; done; echo $$ > ready; wait; sleep 1000");
@@ -125,8 +125,8 @@ TEST_F(KeepTest, StoppedNow) {
 }
 
 TEST_F(KeepTest, ASignalThatComesAtOnceIsNotLost) {
-  // Goal: a stop right after launch ends the attempt, whether the keeper listens yet or not.
-  // Method: at once, many times.
+  // Goal: a stop right after launch ends the attempt, whether or not the keeper handles signals
+  // yet. Method: stop at once, many times.
   program_is("sleep 1000");
   for (std::uint32_t attempt = 1; attempt <= 10; ++attempt) {
     const auto keeper = backend().launch(spec(attempt));
@@ -139,7 +139,7 @@ TEST_F(KeepTest, ASignalThatComesAtOnceIsNotLost) {
 }
 
 TEST_F(KeepTest, AProgramThatLingersIsKilled) {
-  // Method: it tells its end and goes on, well and in vain.
+  // Method: the program reports its end, successful or not, and doesn't exit.
   program_is(told(events::End::finished, 0) + "; sleep 1000");
   AttemptSpec graced = spec();
   graced.grace_s = 0.2;
@@ -152,8 +152,8 @@ TEST_F(KeepTest, AProgramThatLingersIsKilled) {
 }
 
 TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
-  // Method: a script in mpirun's place whose rank ends; it hangs, as Debian 12's does now and then.
-  // While it has none at first, it is left alone.
+  // Method: a script replaces mpirun; its rank ends, and the script hangs, as Debian 12's mpirun
+  // sometimes does. Before its first rank, the script isn't killed.
   program_is("sleep 0.5 & wait; while :; do read x < /dev/zero; done");
   AttemptSpec ranks = spec();
   ranks.ranks = 1;
@@ -165,9 +165,8 @@ TEST_F(KeepTest, AnMpirunWithoutRanksIsKilled) {
 }
 
 TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
-  // Goal: mpirun passes a signal on to the ranks that there are: one that comes before them must
-  // not be lost. Method: a script that starts its rank late, and would not survive the signal
-  // before.
+  // Goal: mpirun passes a signal only to existing ranks, so a signal before the first rank must not
+  // be lost. Method: a script that starts its rank late, and that the signal would kill before.
   program_is(
       "echo $$ > ready; read -r x < gate\n"
       "trap 'touch taken; kill $!; exit 130' USR1; sleep 1000 & while :; do wait; done");
@@ -187,8 +186,8 @@ TEST_F(KeepTest, AStopInOrderWaitsForTheFirstRank) {
 }
 
 TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
-  // Goal: no descriptor, terminal, blocked or ignored signal, limit or variable of the keeper's or
-  // the daemon's reaches the program. Method: a daemon with open files, ignored signals and
+  // Goal: no descriptor, terminal, blocked or ignored signal, limit or variable of the keeper or
+  // the daemon reaches the program. Method: a daemon with open files, ignored signals and
   // variables; the script writes down what it has.
   program_is(
       "ls /proc/self/fd > fds; readlink /proc/self/fd/0 > stdin; env > env; pwd > pwd\n"
@@ -202,7 +201,7 @@ TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
   std::signal(SIGUSR1, ignored);
   ::unsetenv("LD_LIBRARY_PATH");
   ::unsetenv("OMPI_MCA_btl");
-  // The last is of `ls` itself, which lists the folder.
+  // The last descriptor belongs to `ls`, which lists the folder.
   EXPECT_THAT(lines_in("fds"), ElementsAre("0", "1", "2", "3"));
   EXPECT_EQ(text_in("stdin"), "/dev/null\n");
   EXPECT_EQ(text_in("pwd"), folder() + "\n");
@@ -215,7 +214,7 @@ TEST_F(KeepTest, TheProgramGetsNothingThatIsNotItsOwn) {
 }
 
 TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
-  // Method: Open MPI's files, and a pipe of another attempt that still holds a line.
+  // Method: leave Open MPI's files and an old pipe that still contains a line.
   std::filesystem::create_directories(path("mpi/ompi.vm.0/pid.1"));
   std::ofstream(path("mpi/vader_segment.vm.0")) << "x";
   std::ofstream(path("end.pipe")) << "no pipe";
@@ -226,9 +225,9 @@ TEST_F(KeepTest, WhatADeadAttemptLeftIsCleared) {
 }
 
 TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
-  // Goal: a system that sends SIGTERM to all processes some time before it kills them leaves that
-  // time to the run. Method: the program and the keeper get it, as from scancel; the program hears
-  // of it once, as SIGUSR1, and sees the job's variables.
+  // Goal: if a batch system sends SIGTERM some time before it kills all processes, the run gets
+  // this time. Method: program and keeper receive SIGTERM, as from scancel. The program is told
+  // once, by SIGUSR1, and has the job's variables.
   program_is(
       "trap 'echo term >> told' TERM; trap 'echo usr1 >> told; exit 130' USR1; echo $SLURM_JOB_ID "
       "> "
@@ -236,7 +235,7 @@ TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
   AttemptSpec in_batch = spec();
   in_batch.in_batch = true;
   ::setenv("SLURM_JOB_ID", "812", 1);
-  // As a batch system starts it: with the environment as it is.
+  // A batch system starts it with the unchanged environment.
   const RunningKeeper keeper = backend().launch_command(
       folder(), {"/usr/bin/env", "SLURM_JOB_ID=812", "sh", "-c", fmt::format("exec {}", [&] {
                    std::string words;
@@ -258,8 +257,8 @@ TEST_F(KeepTest, InABatchSystemsJobSigtermEndsInOrder) {
 }
 
 TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
-  // Goal: where locks say nothing and a record is seen late, the mark decides. Method: the record
-  // is taken away, as if it weren't seen yet, and the same attempt is launched again.
+  // Goal: if locks don't work and records appear late, the mark decides. Method: delete the record,
+  // as if it weren't visible yet, and launch the same attempt again.
   ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
   program_is("echo started >> starts");
   AttemptSpec in_batch = spec();
@@ -280,8 +279,8 @@ TEST_F(KeepTest, InABatchSystemsJobOnANetworkDiskAnAttemptBeginsOnce) {
 }
 
 TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
-  // Goal: the system sees no end before there is one. Method: with a lock and with a mark; the
-  // second is told to stop, and hands it on.
+  // Goal: the batch system sees no end while the first keeper lives. Method: with a lock and with a
+  // mark; stop the second keeper, which passes the stop on.
   for (const char* network : {"0", "1"}) {
     ::setenv("SLEIGHT_NETWORK_DISK", network, 1);
     program_is("echo started >> starts; trap 'exit 130' USR1; while true; do sleep 0.02; done");
@@ -305,7 +304,7 @@ TEST_F(KeepTest, StartedTwiceByABatchSystemTheSecondKeeperWaitsForTheFirst) {
 }
 
 TEST_F(KeepTest, AKeeperThatWasGivenUpWritesNothingOverALaterRecord) {
-  // Method: a later attempt's record comes while it runs.
+  // Method: a later attempt's record appears while the keeper runs.
   ::setenv("SLEIGHT_NETWORK_DISK", "1", 1);
   program_is("touch begun; while [ ! -e go ]; do sleep 0.02; done");
   AttemptSpec in_batch = spec();

@@ -1,4 +1,4 @@
-// Goal: one holder at a time, until it has gone, and looking takes nothing.
+// Goal: one process at a time holds the lock until it ends, and testing doesn't take the lock.
 #include "service/keeper/keeper_lock.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 class KeeperLockTest : public testing::JobTest {};
 
 TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
-  // Method: this process and a child take it by turns; the child is killed.
+  // Method: this process and a child take the lock in turn; the child is killed.
   EXPECT_FALSE(KeeperLock::is_held(folder()));
   EXPECT_FALSE(KeeperLock::is_held(path("nowhere")));
   EXPECT_THROW(KeeperLock::take(path("nowhere")), base::Error);
@@ -47,8 +47,8 @@ TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
 }
 
 TEST_F(KeeperLockTest, AnAttemptIsMarkedAsBegunOnce) {
-  // Method: the same attempt by several threads at once; then a later one, whose mark takes the
-  // place of the earlier one's.
+  // Method: several threads mark the same attempt at once; then a later attempt's mark replaces the
+  // earlier one.
   EXPECT_FALSE(KeeperLock::has_begun(folder(), 1));
   std::atomic<int> marked = 0;
   std::vector<std::thread> several;
@@ -65,8 +65,8 @@ TEST_F(KeeperLockTest, AnAttemptIsMarkedAsBegunOnce) {
 }
 
 TEST_F(KeeperLockTest, ALookIsNeverInTheWay) {
-  // Goal: a keeper that begins while a daemon looks gets the lock. Method: looks without pause in
-  // another process, takes meanwhile.
+  // Goal: a keeper that starts during a daemon's look gets the lock. Method: another process looks
+  // constantly while this one takes the lock.
   ASSERT_TRUE(KeeperLock::take(folder()));
   const pid_t looker = ::fork();
   if (looker == 0) {

@@ -1,4 +1,4 @@
-// Goal: children and identities of processes are what the kernel says.
+// Goal: children and identities of processes equal the kernel's.
 #include "service/keeper/process_table.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace sleight::keeper {
 namespace {
 
 TEST(ProcessTable, ChildrenAreFoundInBothWays) {
-  // Method: children forked by two threads, against a search through all processes; then they end.
+  // Method: compare children of two threads with a search through all processes; then they end.
   const auto wait_for_ever = [] {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -35,7 +35,7 @@ TEST(ProcessTable, ChildrenAreFoundInBothWays) {
     siginfo_t info{};
     ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOWAIT);
   }
-  // They have ended, and nobody has waited for them.
+  // The children are zombies now.
   EXPECT_EQ(children_of(::getpid()), made);
   EXPECT_FALSE(has_living_child(::getpid()));
   for (const pid_t child : made)
@@ -45,7 +45,8 @@ TEST(ProcessTable, ChildrenAreFoundInBothWays) {
 }
 
 TEST(ProcessTable, AnIdentityIsAProcessOfItsOwn) {
-  // Method: this process, children until one is younger by a tick of the kernel's clock, and none.
+  // Method: this process, new children until one is younger by a tick of the kernel's clock, and no
+  // process.
   const auto self = identity_of(::getpid());
   ASSERT_TRUE(self);
   EXPECT_EQ(self, identity_of(::getpid()));

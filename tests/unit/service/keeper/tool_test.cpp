@@ -1,4 +1,4 @@
-// Goal: programs are run with a bound on their time and their words, and nothing of them is left.
+// Goal: programs run with limited time and output, and leave no processes.
 #include "service/keeper/tool.h"
 
 #include <gmock/gmock.h>
@@ -53,8 +53,8 @@ TEST(Tools, AreBounded) {
 }
 
 TEST(Tools, ThatTakeTooLongAreKilled) {
-  // Method: one that waits, one whose child keeps its output open, one that closes it and waits.
-  // None is waited for: it would be longer than this test may take.
+  // Method: a program that waits, one whose child keeps its output open, and one that closes its
+  // output and waits. Each would outlast the test.
   for (const char* script : {"sleep 1000", "sleep 1000 & exit 0", "exec >&- 2>&-; sleep 1000"})
     EXPECT_TRUE(run_shell(script, {.seconds_max = 0.2}).was_too_slow) << script;
   const std::atomic<bool> stop = true;
