@@ -6,9 +6,9 @@
 namespace sleight::cluster {
 namespace {
 
-/// Shares of the scans between which utilisation counts as that amid the run.
+/// Shares of the scans between which the middle utilisation is measured.
 constexpr double k_marks[] = {0.2, 0.8};
-/// Assignments between two looks at how far the run is.
+/// Assignments between two checks of the run's progress.
 constexpr std::uint64_t k_note_every = 32;
 
 void add(core::Counts& sum, const core::Counts& counts) {
@@ -47,7 +47,7 @@ Cluster::Cluster(const Case& of)
 }
 
 Outcome Cluster::run(double limit_s) {
-  // Those who join later aren't there.
+  // Workers that join later don't exist at first.
   std::vector<bool> is_late(workers_.size());
   for (const Fault& fault : scenario_.faults) {
     if (fault.kind == Fault::Kind::workers_join)
@@ -112,7 +112,7 @@ void Cluster::begin_session() {
   session->begin();
 }
 
-/// The coordinator is gone; whoever watches over it starts another one.
+/// The coordinator has ended; another one starts.
 void Cluster::end_session() {
   if (coordinator_) {
     coordinator_->die();
@@ -170,7 +170,7 @@ void Cluster::strike(const Fault& fault) {
   }
 }
 
-/// Bursts that overlap are as bad as the worst of them.
+/// Overlapping bursts are as bad as the worst of them.
 void Cluster::change_weather(const Fault& fault, bool begins) {
   if (begins) {
     bad_weather_.push_back(fault);
@@ -191,7 +191,7 @@ void Cluster::change_weather(const Fault& fault, bool begins) {
   network_.set(weather);
 }
 
-/// No more faults: somebody is there to do the rest.
+/// Ends all faults, and starts a worker if none is alive.
 void Cluster::calm_down() {
   store_.crash_at_next_commit(SimStore::Crash::none);
   const bool is_anyone =

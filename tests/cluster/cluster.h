@@ -1,6 +1,6 @@
-// A simulated cluster: workers, a coordinator that may die and begin again, a store and a network,
-// on one simulated clock, with the faults of a schedule. What it runs is real: plans, scheduler,
-// block runner, sample cache.
+// A simulated cluster on one simulated clock: workers, a coordinator that may die and start again,
+// a store, a network, and a schedule of faults. Plans, scheduler, block runner and sample cache are
+// the real ones.
 //
 //   faults ──▶ workers ◀── network ──▶ coordinator (session 1, 2, ...) ──▶ store
 //
@@ -25,16 +25,16 @@ namespace sleight::cluster {
 struct Outcome {
   bool is_finished = false;
   double end_s = 0;
-  double quiet_s = 0;  ///< when faults had stopped
+  double quiet_s = 0;  ///< end of all faults
   std::uint64_t digest = 0;
   std::string violation;   ///< of the store's invariants
   std::string difference;  ///< from the serial run
   std::uint64_t sessions = 0;
   std::uint64_t events = 0;
   core::Counts counts{};  ///< of all sessions
-  /// Shares of all threads' time, of those too that were dead or not there yet: what the kept scans
-  /// cost, from the beginning to the end; and what was worked between the times at which a
-  /// fifth and four fifths of the scans were there.
+  /// Shares of all threads' time, including dead and absent threads. The first is the cost of the
+  /// kept scans over the whole run. The second is the work between the times at which a fifth and
+  /// four fifths of the scans were made.
   double utilisation = 0;
   double utilisation_amid = 0;
 };
@@ -43,7 +43,7 @@ class Cluster {
  public:
   explicit Cluster(const Case& of);
 
-  /// To the run's end, or until `limit_s` of simulated time after faults have stopped.
+  /// Runs until the run ends, or until `limit_s` of simulated time after the last fault.
   Outcome run(double limit_s);
 
  private:
@@ -57,7 +57,7 @@ class Cluster {
 
   const Case& case_;
   const Scenario& scenario_;
-  double scans_;  ///< that there will be
+  double scans_;  ///< expected total
   EventQueue events_;
   Network network_;
   Dice dice_;
@@ -66,7 +66,7 @@ class Cluster {
   SimStore store_;
   std::vector<std::unique_ptr<SimWorker>> workers_;
   std::shared_ptr<SimCoordinator> coordinator_;
-  std::vector<Fault> bad_weather_;  ///< that blows now
+  std::vector<Fault> bad_weather_;  ///< currently active
   Outcome outcome_;
   struct Mark {
     double at_s = 0;
@@ -76,10 +76,10 @@ class Cluster {
   std::uint64_t assigned_ = 0;
 };
 
-/// How long after the last fault a run may take at most. Everything that is out when faults stop
-/// comes back or is given out again within the longest lease; then the work left, at most all of
-/// it, is done by the threads that are there, no faster than one replica's scans one by one; twice,
-/// since blocks are given out twice when leases are short.
+/// Maximum time of a run after the last fault. Every outstanding assignment returns or is assigned
+/// again within the longest lease. Then the available threads do the remaining work, at most all of
+/// it, no faster than one replica's scans in sequence. The factor of two covers copies, because
+/// short leases cause blocks to be assigned twice.
 double liveness_bound_s(const Case& of);
 
 }  // namespace sleight::cluster

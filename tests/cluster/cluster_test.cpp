@@ -11,15 +11,15 @@
 namespace sleight::cluster {
 namespace {
 
-/// Of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
+/// Seeds of the ordinary run, or of the long one (SLEIGHT_SOAK=1).
 std::uint64_t seeds() {
   return property::long_run() ? 10'000 : property::of_tier(20, 150);
 }
 
-/// Tests of a name, each with its share of the seeds: so several processes may run them.
+/// Tests of one name, each with a share of the seeds, so that several processes can run them.
 constexpr std::uint64_t k_shares = 4;
 
-/// What the clusters of a test came to, for people.
+/// Totals of a test's clusters, for people.
 struct Summary {
   std::uint64_t runs = 0;
   std::uint64_t large = 0;
@@ -27,7 +27,7 @@ struct Summary {
   std::uint64_t sessions = 0;
   core::Counts counts{};
   double utilisation = 0;
-  double last_s = 0;  ///< the longest from the last fault to the end
+  double last_s = 0;  ///< longest time from the last fault to the end
 
   void add(const Case& of, const Outcome& outcome) {
     ++runs;
@@ -52,7 +52,7 @@ struct Summary {
   }
 };
 
-/// Runs a seed's cluster and says what is wrong with it.
+/// Runs a seed's cluster and reports what is wrong with it.
 void check_seed(std::uint64_t seed, const CaseChoice& choice, Summary& summary) {
   const Case of = case_of(seed, choice);
   SCOPED_TRACE(of.name());
@@ -81,15 +81,15 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 
 TEST_P(Seeds, DigestIsTheSerialRuns) {
   // Goal: whatever happens to workers, messages, coordinator and disk, a run ends once faults stop,
-  // with the bits of the serial run, and with nothing lost that was committed. Method: clusters of
-  // 1 to 4096 workers by seed, digests compared, the store's invariants checked, a bound on the
-  // time from the last fault to the end.
+  // with the serial run's bits and without losing any commit. Method: clusters of 1 to 4096 workers
+  // by seed; compare digests, check the store's invariants, and bound the time from the last fault
+  // to the end.
   check_share({}, seeds());
 }
 
 TEST_P(Seeds, FewWorkersDoIt) {
-  // Goal: the same where each worker counts: what takes one up for ever stops the run. Method:
-  // likewise with at most four, which is cheap: twenty times as many seeds.
+  // Goal: the same if each worker matters: a fault that blocks one worker forever stops the run.
+  // Method: the same with at most four workers, which is cheap, so twenty times as many seeds.
   check_share({.method = {}, .workers_max = 4}, 20 * seeds());
 }
 

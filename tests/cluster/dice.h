@@ -1,6 +1,6 @@
-// Random choices of a simulated cluster: a function of its seed and of the order of asking. Each
-// part of a cluster has dice of its own, so that a change in one doesn't move what the others draw.
-// Not thread-safe.
+// Random choices of a simulated cluster: a function of its seed and of the order of calls. Each
+// part of a cluster has its own dice, so that a change in one part doesn't change the others'
+// draws. Not thread-safe.
 #pragma once
 
 #include <cstdint>

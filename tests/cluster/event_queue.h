@@ -1,6 +1,5 @@
-// Simulated time: events in the order of (time, number), the number being that in which they were
-// asked for. So simultaneous events have one order, and a seed has one history.
-// Not thread-safe.
+// Simulated time: events are ordered by (time, number), where the number is the order of
+// scheduling. So simultaneous events have one order, and a seed has one history. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -17,14 +16,14 @@ class EventQueue {
 
   double now_s() const { return now_s_; }
 
-  /// REQUIRES: not in the past.
+  /// REQUIRES: `time_s` is not in the past.
   void at(double time_s, Action action) {
     events_.push_back({.time_s = time_s, .number = next_number_++, .action = std::move(action)});
     std::ranges::push_heap(events_, later);
   }
   void after(double delay_s, Action action) { at(now_s_ + delay_s, std::move(action)); }
 
-  /// Goes on to the next event; false when there is none.
+  /// Advances to the next event. False: there is none.
   bool run_next() {
     if (events_.empty()) return false;
     std::ranges::pop_heap(events_, later);
@@ -47,7 +46,7 @@ class EventQueue {
 
   double now_s_ = 0;
   std::uint64_t next_number_ = 0;
-  std::vector<Event> events_;  ///< a heap, the next one first
+  std::vector<Event> events_;  ///< a heap, the next event first
 };
 
 }  // namespace sleight::cluster

@@ -1,9 +1,8 @@
-// Work as a hash chain (HashedWorker), scan by scan, with costs that follow from which scan it is,
-// and with a bounded memory of states by replica and version, as a worker process has one.
+// Work as a hash chain (HashedWorker), scan by scan. Each scan has a fixed cost, and the worker
+// holds a bounded number of states by replica and version, like a real worker process.
 //
-// Costs are log-uniform over a factor of k_cost_spread. Running advances the clock that is given by
-// what the work costs: so a block runner that measures its time measures just that.
-// Not thread-safe.
+// Costs are log-uniform over a factor of k_cost_spread. Running advances the given clock by the
+// work's cost, so a block runner that measures time measures exactly this cost. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +22,7 @@ std::uint64_t mixed(std::uint64_t a, std::uint64_t b);
 
 inline constexpr double k_cost_spread = 100;
 
-/// Of one scan, wherever and whenever it runs.
+/// The cost of each scan, independent of where and when it runs.
 struct Costs {
   std::uint64_t seed = 1;
   double least_s = 1e-4;
@@ -36,13 +35,12 @@ struct HashWorkerOptions {
   sampling::HashedWorker::Options hash;
   Costs costs;
   std::size_t states_held_bytes = 0;
-  std::uint64_t id = 0;  ///< of the worker: no result hangs on it
+  std::uint64_t id = 0;  ///< of the worker; results don't depend on it
   Mistake mistake = Mistake::none;
 };
 
 class HashWorker final : public plan::UnitWorker {
  public:
-  /// Borrows the clock.
   HashWorker(const HashWorkerOptions& options, base::ManualClock& clock);
 
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override;

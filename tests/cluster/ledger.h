@@ -1,5 +1,5 @@
-// All scans of a run with their states, by replica: what a store holds, and what a serial run comes
-// to. Not thread-safe.
+// All scans of a run with their states, by replica: the contents of a store, or a serial run's
+// results. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -21,19 +21,19 @@ struct Ledger {
   };
   std::map<plan::ReplicaKey, Replica> replicas;
 
-  /// Whether the result goes on where its replica was, or begins it.
+  /// Whether the result begins the replica or continues it.
   bool continues(const plan::UnitResult& result) const;
-  /// REQUIRES: it continues.
+  /// REQUIRES: continues(result).
   void add(plan::UnitResult result);
   std::uint64_t scans() const;
 };
 
-/// One number for all bits, in logical order.
+/// A digest of all bits, in logical order.
 std::uint64_t digest_of(const Ledger& ledger);
-/// Where two differ first, for people; nothing if they don't.
+/// The first difference between two ledgers, for people. Empty: they are equal.
 std::string difference(const Ledger& expected, const Ledger& found);
 
-/// What the plan comes to when one scan is run after another. The plan is finished then.
+/// The plan's results if scans run one after another. The plan is finished afterwards.
 Ledger run_serially(plan::Plan& plan, const plan::UnitWorker& worker);
 
 }  // namespace sleight::cluster

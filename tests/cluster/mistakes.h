@@ -1,4 +1,5 @@
-// Ways to distribute work wrongly, one at a time: what the digest must notice (mutants_test.cpp).
+// Mistakes in distributing work, which the digest must reveal (mutants_test.cpp). Each occurs
+// alone.
 #pragma once
 
 #include <array>
@@ -10,17 +11,17 @@ namespace sleight::cluster {
 enum class Mistake {
   none,
   stale_state,         ///< a resumed replica gets the state of an earlier scan
-  scan_short,          ///< a resumed replica makes its last scan again, from the state after it
-  state_update_lost,   ///< the store keeps the state before the last unit
-  commit_dropped,      ///< a crash takes what was acknowledged with it
-  completion_order,    ///< results are taken for those of the oldest assignment
-  doubled_goes_on,     ///< a delivery that comes twice is the next scans too
-  stale_epoch,         ///< an assignment's number is enough, whatever the epoch
-  any_version,         ///< a worker goes on from whatever state it holds of a replica
-  own_numbers,         ///< random numbers hang on the worker
+  scan_short,          ///< a resumed replica repeats its last scan, from the state after it
+  state_update_lost,   ///< the store saves the state before the last unit
+  commit_dropped,      ///< a crash loses acknowledged results
+  completion_order,    ///< results are attributed to the oldest assignment
+  doubled_goes_on,     ///< a repeated delivery also counts as the next scans
+  stale_epoch,         ///< an assignment's number counts in any epoch
+  any_version,         ///< a worker resumes from any state that it holds of a replica
+  own_numbers,         ///< random numbers depend on the worker
   double_swap,         ///< members of a block trade states as well as temperatures
-  past_the_edge,       ///< a member goes on where its partner is outside of the block
-  swaps_in_any_order,  ///< a swap's number is that of swaps decided so far
+  past_the_edge,       ///< a member continues although its partner is outside the block
+  swaps_in_any_order,  ///< a swap's number is the number of swaps decided so far
 };
 
 inline constexpr std::array k_mistakes{

@@ -1,4 +1,4 @@
-// Contract C1, the other way round: clusters with one known mistake each.
+// Control test of contract C1: clusters with one known mistake each.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -13,13 +13,13 @@
 namespace sleight::cluster {
 namespace {
 
-/// How a run was found wrong; a process's exit status.
+/// How a run was found wrong, as a process's exit status.
 enum Verdict : int { k_right = 0, k_digest = 10, k_violation = 11, k_unfinished = 12 };
 
-/// Runs of a mistake until one is found wrong.
+/// Maximum runs per mistake.
 constexpr std::uint64_t k_seeds = 12;
 
-/// Where a mistake shows: parts of ladders, or units that nothing but their names tells apart.
+/// A method in which the mistake shows: parts of ladders, or units that differ only in their names.
 Method method_of(Mistake mistake) {
   const bool is_of_ladders = mistake == Mistake::double_swap || mistake == Mistake::past_the_edge ||
                              mistake == Mistake::swaps_in_any_order;
@@ -28,9 +28,10 @@ Method method_of(Mistake mistake) {
 
 Case mutant(std::uint64_t seed, Mistake mistake, Mistake looks_like) {
   Case of = case_of(seed, {.method = method_of(looks_like), .workers_max = 64, .mistake = mistake});
-  // One scan a block: no worker decides a swap before the plan does.
+  // One scan per block, so that no worker decides a swap before the plan does.
   if (looks_like == Mistake::swaps_in_any_order) of.scenario.scheduler.size.scans_max = 1;
-  // Sessions so short that numbers of assignments come again while old ones are under way.
+  // Sessions so short that assignment numbers are reused while old assignments are still in
+  // transit.
   if (looks_like == Mistake::stale_epoch) {
     of.scenario.restart_s_max = 1e-3;
     for (int i = 1; i <= 20; ++i)
@@ -46,7 +47,7 @@ Verdict judged(const Case& of) {
   return outcome.is_finished ? k_right : k_unfinished;
 }
 
-/// A wrong cluster may well end in a CHECK: it runs in a process of its own.
+/// A wrong cluster may fail a CHECK, so it runs in its own process.
 int status_of(const Case& of) {
   std::fflush(nullptr);
   const pid_t child = fork();
@@ -69,9 +70,8 @@ std::string words_for(int status) {
 class Mutant : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Mutant, IsCaught) {
-  // Goal: the comparison with the serial run can fail, and does where work is distributed wrongly.
-  // Method: clusters of the same seeds with a mistake, until one is caught, and without, which all
-  // pass.
+  // Goal: the comparison with the serial run does fail if work is distributed wrongly. Method: run
+  // clusters of the same seeds with a mistake, until one is caught, and without it, which all pass.
   const auto& [mistake, name] = k_mistakes[GetParam()];
   int status = k_right;
   std::uint64_t seed = 0;

@@ -1,6 +1,6 @@
-// What lies between coordinator and workers: each message takes its own time, so two may overtake
-// one another; in bad weather some are lost, come twice, or come much later.
-// Not thread-safe.
+// The network between coordinator and workers. Each message has its own delay, so messages may
+// overtake each other. In bad weather some messages are lost, repeated, or much later. Not
+// thread-safe.
 #pragma once
 
 #include "tests/cluster/dice.h"
@@ -13,12 +13,12 @@ struct Latency {
   double most_s = 200e-6;
 };
 
-/// Each a probability of a message.
+/// Probabilities per message.
 struct Weather {
   double lost = 0;
   double doubled = 0;
   double late = 0;
-  double late_s_max = 0;  ///< how much later a late one comes
+  double late_s_max = 0;  ///< maximum extra delay of a late message
 };
 
 class Network {
@@ -28,7 +28,7 @@ class Network {
 
   void set(const Weather& weather) { weather_ = weather; }
 
-  /// `arrive` happens when the message does: never, once or twice.
+  /// Calls `arrive` when the message arrives: never, once or twice.
   void send(const EventQueue::Action& arrive) {
     if (dice_.chance(weather_.lost)) return;
     const int copies = dice_.chance(weather_.doubled) ? 2 : 1;

@@ -1,6 +1,6 @@
-// How much of many workers' time is used, in the simulated cluster: scans of 1 ms on average whose
-// costs are log-uniform over a factor of 100, messages of 20 to 200 us, a coordinator that needs
-// 50 us for each, no faults, and the scheduler's own options.
+// Utilisation of many workers in the simulated cluster. Scans take 1 ms on average, log-uniform
+// over a factor of 100; messages take 20 to 200 us, and the coordinator 50 us for each. There are
+// no faults, and the scheduler has its default options.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -55,7 +55,7 @@ Outcome checked_run(const Case& of) {
   return outcome;
 }
 
-/// To the terminal, and to the end of the file that SLEIGHT_OUT names.
+/// Prints to the terminal, and appends to the file that SLEIGHT_OUT names.
 void print_line(const std::string& line) {
   fmt::print("{}\n", line);
   const char* path = std::getenv("SLEIGHT_OUT");
@@ -66,12 +66,13 @@ void print_line(const std::string& line) {
   std::fclose(file);
 }
 
-/// When all levels have made their scans if each begins as soon as its swap is decided: no worker
-/// nor message is waited for. A swap's two levels go on together, when the later one is done.
+/// The time until all levels have made their scans, if each begins as soon as its swap is decided,
+/// without waiting for workers or messages. A swap's two levels continue when the later one is
+/// done.
 double critical_path_s(const Case& of, const Size& size) {
   std::vector<double> done_s(size.levels, 0.0);
   for (std::uint64_t scan = 0; scan < size.scans; ++scan) {
-    // Costs belong to replicas; any one's are as good, since they are independent.
+    // Costs belong to replicas. The levels' own costs are as good, because costs are independent.
     for (std::uint32_t level = 0; level < size.levels; ++level)
       done_s[level] += of.scenario.work.costs.of({{}, base::ReplicaId{level}}, scan);
     for (std::uint32_t level = scan % 2; level + 1 < size.levels; level += 2)
@@ -81,9 +82,9 @@ double critical_path_s(const Case& of, const Size& size) {
 }
 
 TEST(Scale, AThousandWorkersAreBusy) {
-  // Goal: at least 95% of 1,024 workers' time is used where there are ladders enough, one for each.
-  // Method: clusters of several sizes; utilisation between the first and the last fifth of the
-  // scans, and over the whole run, with the ramps at its ends.
+  // Goal: at least 95% of 1,024 workers' time is used if there is a ladder for each worker. Method:
+  // clusters of several sizes; measure utilisation between the first and the last fifth of the
+  // scans, and over the whole run with the ramps at its ends.
   const bool is_long = property::long_run();
   print_line("| workers | ladders x levels | scans a block | amid the run | whole run | run |");
   print_line("|---|---|---|---|---|---|");
@@ -106,7 +107,7 @@ TEST(Scale, AThousandWorkersAreBusy) {
   }
 }
 
-/// Four chains of islands for each worker, whose scans take 9 ms on average.
+/// Four chains of islands per worker, with scans of 9 ms on average.
 Case case_of_islands(std::uint32_t workers, double handling_s) {
   sampling::IndependentChainsOptions options;
   options.chains = 4 * workers;
@@ -128,10 +129,9 @@ Case case_of_islands(std::uint32_t workers, double handling_s) {
 }
 
 TEST(Scale, IslandsKeepAThousandWorkersBusy) {
-  // Goal: chains of islands wait for nobody. Of 1,024 workers' time nearly all is used over a whole
-  // run of some 3.6 s, ramps at its ends included. What the first messages of all of them take the
-  // coordinator bounds it. Method: runs by how long a message takes; each comes to what the serial
-  // one does.
+  // Goal: chains of islands never wait. Nearly all of 1,024 workers' time is used over a whole run
+  // of about 3.6 s, including its ramps. The coordinator's time for all workers' first messages is
+  // the limit. Method: runs with several message times; each equals the serial run.
   constexpr std::uint32_t k_workers = 1024;
   struct Asked {
     double handling_s;
@@ -150,11 +150,11 @@ TEST(Scale, IslandsKeepAThousandWorkersBusy) {
 }
 
 TEST(Scale, OneLadderAgainstWorkers) {
-  // Goal: a curve of utilisation against workers for one ladder, with the theory beside it. Method:
-  // clusters of 1 to 64 workers. A ladder of N levels has at most N units at once, so W workers
-  // take at least sum(c) / W, and at least the critical path of the swaps. As each scan of a pair
-  // waits for the slower of two, that is longer than S E[max(c1, c2)] for S scans: for costs
-  // log-uniform over a factor r, with q = log r,
+  // Goal: a curve of one ladder's utilisation against workers, with the theory. Method: clusters of
+  // 1 to 64 workers. A ladder of N levels has at most N units at once. So W workers take at least
+  // sum(c) / W, and at least the critical path of the swaps. Each scan of a pair waits for the
+  // slower of two, so S scans take longer than S E[max(c1, c2)]. For costs log-uniform over a
+  // factor r, with q = log r:
   //   E[c] / E[max(c1, c2)] = (r - 1) / (2 (r - (r - 1) / q)).
   constexpr Size k_size{.workers = 1, .ladders = 1, .levels = 32, .scans = 600};
   constexpr double k_r = k_cost_spread;
@@ -170,7 +170,7 @@ TEST(Scale, OneLadderAgainstWorkers) {
     const double of_pairs = std::min(1.0, pairs * size.levels / workers);
     print_line(fmt::format("| {} | {:.1f}% | {:.1f}% | {:.1f}% |", workers,
                            100 * outcome.utilisation, 100 * path, 100 * of_pairs));
-    // The replicas' own costs make the path; the one that is computed is another draw of it.
+    // The replicas' own costs determine the path; the computed path is another draw of it.
     EXPECT_LE(outcome.utilisation, 1.1 * path);
     EXPECT_GE(outcome.utilisation, workers <= 4 ? 0.9 * path : 0.4 * path);
   }

@@ -185,7 +185,7 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
                    .mistake = choice.mistake};
   scenario.scheduler = scheduler_options(dice);
   scenario.handling_s = dice.log_uniform(1e-6, 50e-6);
-  // A coordinator that can't take a message of each worker within a lease would only hand out
+  // A coordinator that can't handle a message of each worker within a lease would only assign
   // copies.
   const double round_s = scenario.handling_s * scenario.workers * scenario.threads_max;
   scenario.scheduler.lease_s = std::max(scenario.scheduler.lease_s, 10 * round_s);
@@ -194,7 +194,7 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
   scenario.commit_every_s = dice.log_uniform(0.002, 0.05);
   scenario.hello_every_s = 2 * scenario.scheduler.lease_s;
 
-  // A plan whose length hangs on its results may turn out too short: then a larger one.
+  // A plan whose length depends on its results may be too short. If so, draw a larger one.
   const std::uint64_t least = std::max<std::uint64_t>(k_units_per_worker * scenario.workers, 300);
   for (std::uint64_t units = least;; units *= 2) {
     choose_plan(scenario, dice, units);

@@ -1,5 +1,4 @@
-// One simulated run: its plan, its cluster and what goes wrong, all from a seed, and what it must
-// come to.
+// A simulated run from a seed: its plan, its cluster, its faults, and the expected result.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +18,7 @@
 namespace sleight::cluster {
 
 inline constexpr std::uint32_t k_workers_max = 4096;
-/// A run has at least so many units (scans of one replica) for each worker.
+/// Minimum units (scans of one replica) per worker in a run.
 inline constexpr std::uint64_t k_units_per_worker = 20;
 
 enum class Method { independent, islands, tempering, simulated_tempering, annealed_importance };
@@ -30,15 +29,15 @@ struct Scenario {
   std::function<std::unique_ptr<plan::Plan>()> make_plan;  ///< a fresh one
   std::uint64_t swap_seed = 1;
   std::uint32_t workers = 1;
-  std::uint32_t threads_max = 1;  ///< of a worker; some have fewer
+  std::uint32_t threads_max = 1;  ///< per worker; some have fewer
   HashWorkerOptions work{};
   core::SchedulerOptions scheduler{};
   Latency latency{};
-  double handling_s = 50e-6;     ///< the coordinator's, of a message
-  double tick_s = 0.01;          ///< between two looks at the clock
-  double commit_every_s = 0.05;  ///< a group waits for company
-  double hello_every_s = 0.1;    ///< a worker without work says that it is there
-  double restart_s_max = 0.02;   ///< until another coordinator begins
+  double handling_s = 50e-6;     ///< the coordinator's time per message
+  double tick_s = 0.01;          ///< interval of clock ticks
+  double commit_every_s = 0.05;  ///< interval of commits
+  double hello_every_s = 0.1;    ///< interval of an idle worker's hello
+  double restart_s_max = 0.02;   ///< delay before another coordinator begins
   std::vector<Fault> faults{};
   Mistake mistake = Mistake::none;
 
@@ -49,20 +48,22 @@ struct Case {
   Scenario scenario;
   Ledger expected;       ///< of the serial run
   double work_s = 0;     ///< of all scans
-  double longest_s = 0;  ///< of one replica's
+  double longest_s = 0;  ///< of one replica's scans
   std::string name() const;
 };
 
 struct CaseChoice {
-  std::optional<Method> method{};  ///< else the seed's
+  std::optional<Method> method{};  ///< empty: chosen by the seed
   std::uint32_t workers_max = k_workers_max;
   Mistake mistake = Mistake::none;
 };
 
-/// Workers log-uniform in 1 to the most; a plan with enough for them; up to k_faults_max faults.
+/// Draws a case: log-uniform workers from 1 to the maximum, a plan with enough work for them, and
+/// up to k_faults_max faults.
 Case case_of(std::uint64_t seed, const CaseChoice& choice = {});
 
-/// Runs the plan serially, for what must come out. `case.scenario` is complete but for faults.
+/// Runs the plan serially for the expected result. REQUIRES: `case.scenario` is complete except for
+/// its faults.
 void expect_serial(Case& of);
 
 }  // namespace sleight::cluster

@@ -8,7 +8,7 @@
 namespace sleight::cluster {
 namespace {
 
-/// Records that are replayed at a time.
+/// Number of records replayed at a time.
 constexpr std::size_t k_batch = 64;
 
 core::SchedulerOptions options_of(const Scenario& scenario, std::uint64_t epoch) {
@@ -118,7 +118,7 @@ void SimCoordinator::end_if_over() {
   if (plan_->finished()) {
     outside_.finished();
   } else {
-    outside_.left();  // it was asked to stop
+    outside_.left();  // a stop was requested
   }
 }
 

@@ -1,8 +1,8 @@
-// One session of a simulated coordinator: what service/coordinator/drive.cpp does, with the real
-// scheduler and a fresh real plan, on the simulated clock.
+// One session of a simulated coordinator. It does what service/coordinator/drive.cpp does, with the
+// real scheduler and a fresh real plan, on the simulated clock.
 //
-// It is a serial resource: each message that comes in takes handling_s of its time, in the order of
-// arrival. It ends by dying (then nothing more comes of it) or with the run.
+// The coordinator is a serial resource: each incoming message takes handling_s of its time, in the
+// order of arrival. A session ends by dying, which cancels all its later actions, or with the run.
 // Not thread-safe.
 #pragma once
 
@@ -22,15 +22,15 @@ namespace sleight::cluster {
 
 class SimCoordinator : public std::enable_shared_from_this<SimCoordinator> {
  public:
-  /// Messages to workers, and its own end.
+  /// Receives messages to workers, and the session's end.
   struct Outside {
     std::function<void(core::WorkerId, schema::Assignment)> assign;
     std::function<void(core::WorkerId, schema::Ping)> ask;
-    std::function<void()> left;  ///< with work to be done
+    std::function<void()> left;  ///< with work left
     std::function<void()> finished;
   };
 
-  /// Borrows all. REQUIRES: the store was opened under this epoch.
+  /// Borrows all arguments. REQUIRES: the store was opened under this epoch.
   SimCoordinator(const Scenario& scenario, std::uint64_t epoch, SimStore& store, EventQueue& events,
                  Outside outside);
 
@@ -49,7 +49,7 @@ class SimCoordinator : public std::enable_shared_from_this<SimCoordinator> {
   void commit_soon();
   void commit();
   void end_if_over();
-  /// Calls something later unless this session has ended.
+  /// Calls the action later, unless this session has ended by then.
   void at(double time_s, std::function<void(SimCoordinator&)> action);
 
   const Scenario& scenario_;

@@ -1,9 +1,9 @@
-// The run store of a simulated coordinator: results are put, and become durable in groups. A crash
-// takes what was not committed; a full disk fails a commit, which ends the coordinator.
+// A simulated coordinator's run store: results are put, and become durable in groups. A crash loses
+// uncommitted results. A full disk fails a commit, which ends the coordinator.
 //
-// What it must be given, and what it must keep, is checked on the way (violation()):
-//   1. Of each replica the scans go on from one another, and none comes again.
-//   2. What a commit has acknowledged is there when the store is opened next.
+// The store checks two invariants (violation()):
+//   1. Each replica's scans are consecutive, and none is repeated.
+//   2. Acknowledged commits are present when the store is opened again.
 // Not thread-safe.
 #pragma once
 
@@ -22,17 +22,17 @@ namespace sleight::cluster {
 
 class SimStore {
  public:
-  /// Where in a commit the coordinator ends.
+  /// The point in a commit at which the coordinator ends.
   enum class Crash { none, before, within, after };
 
   SimStore(std::uint64_t seed, Mistake mistake)
       : dice_(seed, Dice::Part::store), mistake_(mistake) {}
 
-  /// A new epoch; none while the disk is full. Forgets what was put and not committed.
+  /// Opens a new epoch and drops uncommitted results. None: the disk is full.
   std::optional<std::uint64_t> open(double now_s);
   void put(plan::UnitResult result);
   bool has_pending() const { return !pending_.empty(); }
-  /// All that was put; false: whoever committed is no more.
+  /// Commits everything that was put. False: the coordinator has died.
   [[nodiscard]] bool commit(double now_s);
 
   void crash_at_next_commit(Crash crash) { crash_ = crash; }
@@ -42,7 +42,7 @@ class SimStore {
   const std::string& violation() const { return violation_; }
 
  private:
-  /// Of what was put, the first so many results.
+  /// Makes the first `results` results durable.
   void make_durable(std::size_t results, bool is_acknowledged);
   void check_acknowledged();
   void note(std::string violation);
@@ -50,8 +50,9 @@ class SimStore {
   Dice dice_;
   Mistake mistake_;
   Ledger durable_;
-  std::map<plan::ReplicaKey, std::uint64_t> acknowledged_;  ///< the scan after the last
-  std::map<plan::ReplicaKey, std::uint64_t> put_up_to_;     ///< likewise of what was put
+  std::map<plan::ReplicaKey, std::uint64_t>
+      acknowledged_;                                     ///< scan after the last acknowledged one
+  std::map<plan::ReplicaKey, std::uint64_t> put_up_to_;  ///< scan after the last one that was put
   std::vector<plan::UnitResult> pending_;
   std::uint64_t epoch_ = 0;
   Crash crash_ = Crash::none;

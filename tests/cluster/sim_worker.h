@@ -1,12 +1,12 @@
-// A simulated worker process: what it was given waits in a queue, each thread runs a block after
-// the other, and results go back when the block's cost is over.
+// A simulated worker process. Its assignments wait in a queue, each thread runs one block at a
+// time, and results are sent when the block's cost has elapsed.
 //
-// It may die (its queue, its states and what it runs are gone; a later start is a new incarnation),
-// or stall (nothing happens until the stall ends, then all that came meanwhile). It answers pings,
-// and says hello at its start and, from time to time, when it has nothing before it or has heard
-// nothing for as long: so a new coordinator learns of it.
+// A worker may die: its queue, states and running blocks are lost, and a later start is a new
+// incarnation. Or it may stall: nothing happens until the stall ends, and then everything received
+// meanwhile. A worker answers pings. It sends a hello at its start, and periodically while it has
+// no work or has received nothing, so that a new coordinator notices it.
 //
-// Not thread-safe. The cluster owns it and outlives all events.
+// Not thread-safe. The cluster owns the worker and outlives all events.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@
 
 namespace sleight::cluster {
 
-/// How many threads are at work, over time. Not thread-safe.
+/// Counts working threads over time. Not thread-safe.
 class Meter {
  public:
   void change(double now_s, int threads) {
@@ -33,7 +33,7 @@ class Meter {
     since_s_ = now_s;
     busy_ += threads;
   }
-  /// Thread time worked up to now.
+  /// Total working time of threads until now.
   double thread_s(double now_s) const { return thread_s_ + (now_s - since_s_) * busy_; }
 
  private:
@@ -44,14 +44,14 @@ class Meter {
 
 class SimWorker {
  public:
-  /// By which it speaks to the coordinator.
+  /// Sends a message to the coordinator.
   using Send = std::function<void(core::Input)>;
 
-  /// Borrows all; the clock measures costs and is nobody's but the workers'.
+  /// Borrows all arguments. Only the worker uses the clock, to measure costs.
   SimWorker(const Scenario& scenario, std::uint32_t id, EventQueue& events,
             base::ManualClock& clock, Meter& meter, Send send);
 
-  /// As a new incarnation, if it isn't there.
+  /// Starts a new incarnation, unless one exists.
   void start();
   void die();
   void stall(double until_s) { stalled_until_s_ = std::max(stalled_until_s_, until_s); }
@@ -62,7 +62,7 @@ class SimWorker {
   core::WorkerId id() const { return id_; }
 
  private:
-  /// What a death takes.
+  /// State that a death destroys.
   struct Process {
     Process(const Scenario& scenario, std::uint32_t id, base::ManualClock& clock);
     HashWorker units;

@@ -1,5 +1,5 @@
-// What a wrong coordinator and a wrong worker do in the place of the right ones (mistakes.h). The
-// right ones do nothing of this.
+// The wrong behaviour of a coordinator and a worker for each mistake (mistakes.h). The right ones
+// use none of this.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 
 namespace sleight::cluster {
 
-/// A coordinator's way with deliveries. Not thread-safe.
+/// A coordinator's wrong handling of deliveries. Not thread-safe.
 class WrongDeliveries {
  public:
   WrongDeliveries(Mistake mistake, std::uint64_t epoch) : mistake_(mistake), epoch_(epoch) {}
   void given(const schema::Assignment& assignment);
-  /// What the coordinator takes the delivery for.
+  /// Changes the delivery into what the wrong coordinator takes it for.
   void take(schema::Delivery& delivery);
 
  private:
@@ -31,7 +31,8 @@ class WrongDeliveries {
   std::map<std::uint64_t, plan::Block> delivered_;
 };
 
-/// A block worker's way with parts of ladders. Borrows both workers. Thread-safe, if they are.
+/// A block worker's wrong handling of parts of ladders. Borrows both workers. Thread-safe if they
+/// are.
 class WrongBlocks final : public plan::BlockWorker {
  public:
   WrongBlocks(Mistake mistake, const plan::BlockWorker& right, const plan::UnitWorker& units)
@@ -46,7 +47,7 @@ class WrongBlocks final : public plan::BlockWorker {
   const plan::UnitWorker& units_;
 };
 
-/// By which a plan decides.
+/// The plan's formulas for decisions.
 sampling::Formulas formulas_with(Mistake mistake);
 
 }  // namespace sleight::cluster
