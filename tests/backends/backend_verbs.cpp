@@ -1,8 +1,9 @@
-// Any backend as a program of the stated interface (service/backend/messages.h), for the
-// conformance suite:
+// Any backend as a program with the interface of service/backend/messages.h, for the conformance
+// suite:
 //   sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB
 //   sleight-backend --kind program --program PATH [--seconds S] VERB
-// It reads the question on stdin. Each call is a daemon of its own, which is gone when it returns.
+// The program reads the question on stdin. Each call acts as a new daemon that ends when the call
+// returns.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -73,7 +74,7 @@ void put(json::Value& json, const Seen& seen) {
   json["cause"] = name_of(seen.cause);
 }
 
-/// Carries a question out. Throws as the backend; json::Error where the question is none.
+/// Answers a question. Throws as the backend does, and json::Error if the question is invalid.
 std::string answer_to(std::string_view verb, std::string_view text, Backend& backend) {
   const json::Value question = json::Value::parse(text);
   if (question.at("version") != k_message_version) refuse("the question is of another version");
