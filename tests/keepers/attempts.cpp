@@ -1,9 +1,9 @@
-// The local backend as commands that print JSON: each call is a daemon of its own, which is gone
-// when it returns.
-//   sleight-attempts launch FOLDER N [options]     the keeper's number
-//   sleight-attempts look FOLDER N                 state, record, words
-//   sleight-attempts stop FOLDER N in_order|now    whether there was one to stop
-//   sleight-attempts await FOLDER N                waits for the keeper to go, then as look
+// The local backend as commands that print JSON. Each call acts as a new daemon that ends when the
+// call returns.
+//   sleight-attempts launch FOLDER N [options]     prints the keeper's process id
+//   sleight-attempts look FOLDER N                 prints state, record, words
+//   sleight-attempts stop FOLDER N in_order|now    prints whether there was an attempt to stop
+//   sleight-attempts await FOLDER N                waits for the keeper's end, then looks
 #include <fmt/format.h>
 #include <poll.h>
 
@@ -23,8 +23,8 @@ using Json = json::Value;
 
 struct Arguments {
   std::string bin;
-  std::string keeper;   ///< in place of the one in `bin`
-  std::string sleight;  ///< likewise
+  std::string keeper;   ///< replaces the one in `bin`
+  std::string sleight;  ///< replaces the one in `bin`
   std::string how;
   AttemptSpec spec;
 };
@@ -57,14 +57,14 @@ Programs programs_of(const Arguments& arguments) {
   return programs;
 }
 
-/// Until a look tells what the keeper makes of it.
+/// Waits until a look shows that the attempt has begun or ended, or the keeper has exited.
 void await_begin(const LocalBackend& backend, const RunningKeeper& keeper,
                  const std::string& folder, std::uint32_t attempt) {
   while (!keeper.has_gone() && backend.look(folder, attempt).state == Look::State::never_began)
     ::poll(nullptr, 0, 1);
 }
 
-/// What a daemon does that goes on with a job.
+/// Waits for an attempt's end, as a restarted daemon does.
 Look await_end(const LocalBackend& backend, const std::string& folder, std::uint32_t attempt) {
   while (true) {
     const Look look = backend.look(folder, attempt);
@@ -73,7 +73,7 @@ Look await_end(const LocalBackend& backend, const std::string& folder, std::uint
       pollfd wait{.fd = keeper->descriptor(), .events = POLLIN, .revents = 0};
       ::poll(&wait, 1, -1);
     } else {
-      ::poll(nullptr, 0, 5);  // it has no record yet, or goes just now
+      ::poll(nullptr, 0, 5);  // the keeper has no record yet, or is just exiting
     }
   }
 }

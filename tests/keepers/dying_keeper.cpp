@@ -1,5 +1,5 @@
-// `sleight-keeper` that is killed at the moment named by SLEIGHT_KEEPER_DIES_AT (moments.h), as
-// kill -9 would: once, unless the environment says so again.
+// A `sleight-keeper` that is killed, as by kill -9, at the moment named by SLEIGHT_KEEPER_DIES_AT
+// (moments.h).
 #include <unistd.h>
 
 #include <csignal>
@@ -19,7 +19,7 @@ class Dying final : public sleight::keeper::Moments {
     if (moment != sleight::keeper::Moment::in_child) {
       ::kill(::getpid(), SIGKILL);
     } else {
-      // The keeper, while its child has not become the program: the kernel then kills the child.
+      // Kill the keeper before its child has become the program: the kernel then kills the child.
       ::kill(::getppid(), SIGKILL);
     }
     ::sleep(60);
