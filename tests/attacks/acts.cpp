@@ -10,16 +10,17 @@
 namespace sleight::attack {
 namespace {
 
-constexpr std::size_t k_message_bytes_max = 4U << 20U;    // of a user, as ServerLimits has it
-constexpr std::size_t k_stranger_bytes_max = 16U << 10U;  // likewise
+constexpr std::size_t k_message_bytes_max = 4U << 20U;    // for a user, from ServerLimits
+constexpr std::size_t k_stranger_bytes_max = 16U << 10U;  // for a stranger
 constexpr std::uint64_t k_opening_answers = 2;
 
-/// A connection with what the server says on it.
+/// A connection, with the server's messages on it.
 class Talk {
  public:
   Talk(const Scene& scene, std::unique_ptr<Line> line) : scene_(scene), line_(std::move(line)) {}
 
-  /// What has come by now, or within the patience. False: nothing came, and the line goes on.
+  /// Reads what has arrived, waiting up to the timeout. False: nothing arrived, and the line is
+  /// still open.
   bool hear(int patience_ms = 0) {
     bool has_heard = false;
     std::string bytes;
@@ -39,7 +40,7 @@ class Talk {
     hear();
     return !has_ended_;
   }
-  /// Says that it has said all, and waits for the end of what the server says.
+  /// Ends the sending direction, and reads until the server ends the line.
   void end() {
     line_->end_sending();
     while (!has_ended_) {
@@ -54,7 +55,7 @@ class Talk {
     if (listener_.bugs() > 0) scene_.trouble_is("the server failed at a call: a refusal as bug");
     if (listener_.is_garbled()) scene_.trouble_is("the server's answers can't be read");
   }
-  /// What the server has answered beyond the opening, and whether it ended the line by itself.
+  /// Number of server reactions: answers beyond the opening, and the server's own end of the line.
   std::uint64_t reached(bool ended_by_itself) const {
     const std::uint64_t heard = listener_.messages();
     return (heard > k_opening_answers ? heard - k_opening_answers : 0) + (ended_by_itself ? 1 : 0);
@@ -76,7 +77,7 @@ Bounds bounds_of(const Scene& scene) {
   return {.is_owner = scene.door == Door::socket};
 }
 
-/// None where the server has no room.
+/// None: the server has no room for a connection.
 std::optional<Talk> begin(const Scene& scene) {
   auto line = scene.door == Door::socket
                   ? line_to_socket(scene.target.socket)
@@ -98,7 +99,7 @@ std::optional<Talk> begin_opened(const Scene& scene) {
   return talk;
 }
 
-/// Sends messages one after another, until the server ends the line; `make` makes the next.
+/// Sends messages until the server ends the line; `make` creates the next message.
 template <class Make>
 void send_messages(const Scene& scene, std::uint64_t count, const Make& make) {
   auto talk = begin_opened(scene);
@@ -120,7 +121,7 @@ void Scene::trouble_is(const std::string& words) const {
   trouble.say(fmt::format("{} (episode {}, {})", words, episode, kind));
 }
 
-// Goal: every method, with any parameters that can be read, is answered.
+// Goal: a call of any method with any valid parameters is answered.
 void calls(const Scene& scene) {
   auto talk = begin_opened(scene);
   if (!talk) return;
@@ -128,7 +129,7 @@ void calls(const Scene& scene) {
   const std::size_t bytes_max =
       scene.door == Door::stranger ? k_stranger_bytes_max : k_message_bytes_max;
   constexpr int k_windows = 8;
-  constexpr std::uint32_t k_at_once = 12;  // a connection may have 16
+  constexpr std::uint32_t k_at_once = 12;  // the limit per connection is 16
   std::uint32_t question = k_first_question;
   std::vector<Asked> asked;
   bool is_too_large = false;
@@ -139,7 +140,7 @@ void calls(const Scene& scene) {
     asked.clear();
     for (std::uint32_t i = 0; i < k_at_once && !is_too_large; ++i) {
       asked.push_back(valid_call(scene.dice, bounds, question++));
-      // Cap'n Proto counts segments' heads apart; near the limit either is right.
+      // Cap'n Proto counts segment headers separately. Near the limit, both outcomes are right.
       is_too_large = asked.back().frame.size() > bytes_max;
       bytes += asked.back().frame;
     }
@@ -171,7 +172,7 @@ void calls(const Scene& scene) {
   scene.tally.reached += talk->reached(ended_by_itself);
 }
 
-// Most of these end their connection, so few are sent on one: the server reads no more of it.
+// Most of these messages end their connection, so only a few are sent on each.
 void mutated_messages(const Scene& scene) {
   const Bounds bounds = bounds_of(scene);
   send_messages(scene, 2,
@@ -205,7 +206,7 @@ void broken_frames(const Scene& scene) {
   send_messages(scene, 1, [&](std::uint32_t) { return broken_frame(scene.dice); });
 }
 
-// Goal: a peer that leaves in the middle of a message takes nothing with it.
+// Goal: a peer that leaves within a message does no harm.
 void cut_streams(const Scene& scene) {
   auto talk = begin(scene);
   if (!talk) return;
@@ -225,7 +226,7 @@ void cut_streams(const Scene& scene) {
   if (talk->listener().messages() > 0) ++scene.tally.reached;
 }
 
-// Goal: answers that nobody reads don't pile up, and are dropped with their connection.
+// Goal: answers that nobody reads don't accumulate, and are dropped with their connection.
 void unread_answers(const Scene& scene) {
   auto talk = begin_opened(scene);
   if (!talk) return;
@@ -238,8 +239,8 @@ void unread_answers(const Scene& scene) {
     is_taken = talk->line().send_unread(asked.frame + finish(asked.question), 20);
   }
   scene.tally.attacks += sent;
-  // Of those that read what came is counted. The first does: without one nobody knows that any was
-  // answered.
+  // A connection that reads counts the answers received. The first connection reads, because
+  // otherwise nobody would know whether the server answers.
   if (never_reads && scene.tally.reached > 0) return;
   const std::uint64_t before = talk->listener().messages();
   talk->end();
@@ -253,11 +254,11 @@ void noise(const Scene& scene) {
   talk->send(random_bytes(scene.dice, 1 + scene.dice.below(3000)));
   talk->end();
   ++scene.tally.attacks;
-  ++scene.tally.reached;  // the server has ended it: it has read it
+  ++scene.tally.reached;  // the server ended the line, so it read the message
 }
 
-// Goal: nobody is let in by a token that is wrong, whatever is wrong with it. Method: one, then
-// another try, and a call as if it had been right.
+// Goal: no wrong token is accepted, whatever is wrong with it. Method: send a wrong token, then
+// another one, and a call as if logged in.
 void wrong_logins(const Scene& scene) {
   auto talk = begin(scene);
   if (!talk) return;
@@ -266,7 +267,7 @@ void wrong_logins(const Scene& scene) {
   const Asked asked = valid_call(scene.dice, {.text_bytes_max = 1000}, k_first_question);
   bytes += asked.frame;
   talk->send(bytes);
-  // The second one comes too late also where it is right.
+  // A second login is refused even with a valid token.
   if (scene.dice.one_in(4)) {
     std::string again = login(scene.target.token);
     talk->send(again);

@@ -1,9 +1,9 @@
-// The attacks on what speaks Cap'n Proto, each an episode on one connection: over the socket, and
+// Attacks on the Cap'n Proto interface, each an episode on one connection: over the socket, and
 // within TLS before and after a login.
 //
-// An episode counts its attacks, and how many of them the server's decoder has reached: by what it
-// answered, and by connections that it ended. A connection whose peer has ended it must be ended by
-// the server too; a call that can be read must be answered. Where not, that is trouble.
+// An episode counts its attacks and those that reached the server's decoder, which shows in answers
+// and in connections that the server ended. After a peer ends its connection, the server must end
+// it too. A valid call must be answered. Anything else is trouble.
 //
 // Thread safety: an episode belongs to one thread; tallies and trouble are shared.
 #pragma once
@@ -22,7 +22,7 @@
 
 namespace sleight::attack {
 
-/// The service that is attacked.
+/// The attacked service.
 struct Target {
   std::string socket{};
   access::ServerAddress address{};
@@ -34,14 +34,14 @@ struct Target {
 enum class Door : std::uint8_t {
   socket,
   stranger,  ///< within TLS, before a login
-  session    ///< after it
+  session    ///< within TLS, after a login
 };
 
-/// Of one kind of attack.
+/// Counts for one kind of attack.
 struct Tally {
   std::atomic<std::uint64_t> attacks = 0;
   std::atomic<std::uint64_t> reached = 0;
-  std::atomic<std::uint64_t> turned_away = 0;  ///< no room for the connection: no attack
+  std::atomic<std::uint64_t> turned_away = 0;  ///< no room for the connection, so no attack
 };
 
 /// The first thing that went wrong.
@@ -64,7 +64,7 @@ class Trouble {
   std::atomic<bool> is_there_ = false;
 };
 
-/// What an episode is given.
+/// The inputs of an episode.
 struct Scene {
   const Target& target;
   Door door;
@@ -87,10 +87,10 @@ void broken_frames(const Scene& scene);
 void cut_streams(const Scene& scene);
 void unread_answers(const Scene& scene);
 void noise(const Scene& scene);
-/// Of strangers alone.
+/// Only for strangers.
 void wrong_logins(const Scene& scene);
 
-/// Reads until the server has ended the line, and counts that; trouble where it does not.
+/// Reads until the server ends the line, and counts this. Reports trouble if the server doesn't.
 void await_end(const Scene& scene, Line& line);
 
 }  // namespace sleight::attack

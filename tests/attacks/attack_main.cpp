@@ -1,8 +1,8 @@
-// `sleight-attack`: attacks a running service on its socket and over TLS, and says whether it
-// stood. Not installed: for tests/programs/test_attacks.py and deploy/soak.
+// `sleight-attack` attacks a running service on its socket and over TLS, and reports whether the
+// service withstood. Not installed; used by tests/programs/test_attacks.py and deploy/soak.
 //
-// Exits with 0 when all kinds of attack occurred and reached the server, honest clients were
-// answered throughout, and nothing else went wrong; with 1 otherwise.
+// Exits with 0 if all kinds of attack occurred and reached the server, honest clients were always
+// answered, and nothing else went wrong. Otherwise exits with 1.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -37,7 +37,7 @@ void tell(const Options& options, const Progress& progress) {
   std::fflush(stdout);
 }
 
-/// Whether all kinds occurred and reached the server. What did not is printed.
+/// Whether all kinds of attack occurred and reached the server. Prints those that didn't.
 bool judge(const Outcome& outcome) {
   bool is_good = true;
   for (const Count& count : outcome.counts) {

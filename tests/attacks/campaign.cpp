@@ -21,11 +21,11 @@ struct Kind {
   std::string_view name;
   Door door;
   void (*act)(const Scene&);
-  double share;  ///< of all attacks
-  double size;   ///< attacks of an episode, about
+  double share;  ///< among all attacks
+  double size;   ///< approximate attacks per episode
 };
 
-// Handshakes cost the most, so most attacks share a connection.
+// Handshakes cost most, so most attacks share a connection.
 constexpr std::array k_kinds = std::to_array<Kind>({
     {"socket: calls", Door::socket, calls, 14, 90},
     {"socket: mutated messages", Door::socket, mutated_messages, 14, 2},
@@ -65,7 +65,7 @@ constexpr std::array k_kinds = std::to_array<Kind>({
     {"TLS: after the handshake", Door::stranger, tls_after_handshakes, 0.4, 1},
 });
 
-/// The first episodes are one of each kind; then they come as often as their shares say.
+/// The first episodes are one of each kind; later kinds are drawn by their shares.
 std::size_t kind_of(std::uint64_t episode, Dice& dice) {
   if (episode < k_kinds.size()) return static_cast<std::size_t>(episode);
   double sum = 0;
@@ -92,7 +92,7 @@ struct Shared {
   std::atomic<std::uint64_t> honest_calls = 0;
   std::atomic<double> longest_honest_s = 0;
   std::mutex mutex{};
-  std::map<int, std::uint64_t> under_way{};  ///< episodes by thread
+  std::map<int, std::uint64_t> under_way{};  ///< episode by thread
 
   std::uint64_t attacks() const {
     std::uint64_t sum = 0;
@@ -129,7 +129,7 @@ void attack(Shared& shared, int thread) {
   }
 }
 
-/// A client of its own, as anybody's: it connects, and asks.
+/// Connects and asks as an honest client.
 void ask_honestly(Shared& shared, const rpc::ServicePlace& place, const char* way) {
   const base::SteadyClock clock;
   const double began_s = clock.now_s();

@@ -1,9 +1,9 @@
-// An attack as a whole: episodes of all kinds by several threads, peers that stay meanwhile, and
-// honest clients who must be answered throughout.
+// A whole attack: several threads run episodes of all kinds, held peers stay connected, and honest
+// clients must always be answered.
 //
-// Episode n is a function of (seed, n): its kind, and all that it sends. Only the server's answers,
-// and which episodes run at once, are not. So a failure names its episode, and that alone runs
-// again by --episode.
+// Episode n's kind and everything it sends are a function of (seed, n). Only the server's answers
+// and the concurrent episodes vary. So a failure names its episode, and --episode repeats that
+// episode alone.
 //
 // Thread safety: run_campaign starts its own threads and ends them.
 #pragma once
@@ -18,14 +18,14 @@
 
 namespace sleight::attack {
 
-/// An honest client is answered within this.
+/// Maximum time for answering an honest client.
 inline constexpr double k_honest_s_max = 5;
 
 struct Campaign {
-  std::uint64_t count = 0;  ///< of attacks
+  std::uint64_t count = 0;  ///< number of attacks
   std::uint64_t seed = 1;
   int threads = 3;
-  std::optional<std::uint64_t> episode{};  ///< this one alone
+  std::optional<std::uint64_t> episode{};  ///< run only this episode
   std::string certificate{};               ///< PEM
 };
 
@@ -47,11 +47,11 @@ struct Outcome {
   double seconds = 0;
   std::uint64_t honest_calls = 0;
   double longest_honest_s = 0;
-  /// What went wrong, with the episodes that were under way; none: nothing.
+  /// What went wrong, with the episodes in progress. None: nothing.
   std::optional<std::string> trouble{};
 };
 
-/// `tell` is called once a second at first, then every ten seconds.
+/// `tell` is called each second at first, then every ten seconds.
 Outcome run_campaign(const Target& target, const Campaign& campaign,
                      const std::function<void(const Progress&)>& tell);
 

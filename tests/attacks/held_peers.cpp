@@ -13,7 +13,8 @@ namespace {
 
 constexpr int k_peers_of_kind = 8;
 constexpr auto k_step = std::chrono::milliseconds(3);
-/// After so many steps a silent peer leaves, and another comes: far beyond the time for a login.
+/// Steps after which a silent peer leaves and another connects; far beyond the time limit for a
+/// login.
 constexpr int k_silent_steps = 8000;
 
 struct Peer {
@@ -21,7 +22,7 @@ struct Peer {
   bool is_over_tls;
   bool is_slow;
   std::unique_ptr<Line> line{};
-  std::string to_send{};  ///< a byte a step where it is slow
+  std::string to_send{};  ///< one byte per step if slow
   bool was_answered = false;
   int steps = 0;
 };

@@ -1,5 +1,5 @@
-// Peers that stay: some send a byte now and then, some nothing at all, over the socket and over
-// TLS. What they hold must hinder nobody.
+// Peers that stay connected, over the socket and over TLS: slow ones, which send single bytes, and
+// silent ones. They must not hinder other clients.
 //
 // Thread safety: run() is one thread's; tallies and trouble are shared.
 #pragma once
@@ -17,8 +17,9 @@ struct HeldTallies {
   Tally silent_over_tls{};
 };
 
-/// Until `is_over`. A slow peer is reached when the server has answered it, a silent one when it
-/// has answered what the peer said before it fell silent.
+/// Holds peers until `is_over`. A slow peer counts as reached when the server has answered it. A
+/// silent peer counts as reached when the server has answered what the peer sent before its
+/// silence.
 void hold_peers(const Target& target, const std::atomic<bool>& is_over, HeldTallies& tallies);
 
 }  // namespace sleight::attack

@@ -86,7 +86,7 @@ class SecuredLine final : public Line {
   Got receive(std::string& into, int patience_ms) override {
     const std::size_t before = into.size();
     std::string encrypted;
-    // What came with the handshake is read first.
+    // First read what arrived with the handshake.
     bool is_open = tls_->decrypt(into);
     while (is_open && into.size() == before) {
       const Got got = line_->receive(encrypted, patience_ms);
@@ -134,7 +134,7 @@ std::unique_ptr<Line> line_to_port(const access::ServerAddress& address, std::ui
 
 TlsSettings::TlsSettings(int version_max) : context_(SSL_CTX_new(TLS_client_method())) {
   CHECK(context_ != nullptr);
-  // Whether the server is the right one is not an attacker's question.
+  // An attacker doesn't verify the server.
   SSL_CTX_set_verify(context_.get(), SSL_VERIFY_NONE, nullptr);
   CHECK(SSL_CTX_set_max_proto_version(context_.get(), version_max) == 1);
 }

@@ -1,7 +1,7 @@
-// Connections to a server on which anything can be sent: its Unix socket, plain TCP, and TLS of
-// which the encrypted bytes are at hand.
+// Connections that can send any bytes to a server: its Unix socket, plain TCP, and TLS with access
+// to the encrypted bytes.
 //
-// A line never waits without an end: each wait has its patience, after which it says so.
+// Each wait of a line has a timeout, which its result reports.
 //
 // Thread safety: a line belongs to one thread.
 #pragma once
@@ -17,13 +17,13 @@
 
 namespace sleight::attack {
 
-/// The server has `patience` for what is its duty: an answer, the end of a connection that its
-/// peer has ended.
+/// The server's time for its duties: answering, and ending a connection after the peer has ended
+/// it.
 inline constexpr int k_patience_ms = 10'000;
 
 enum class Got : std::uint8_t {
   bytes,
-  nothing,  ///< in the time that was given
+  nothing,  ///< timeout
   ended,    ///< by the server
 };
 
@@ -34,24 +34,24 @@ class Line {
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
 
-  /// All of it; what comes meanwhile is kept for `receive`. False where the server has ended the
-  /// line, or takes nothing for k_patience_ms.
+  /// Sends all bytes; stores what arrives meanwhile for `receive`. False: the server has ended the
+  /// line, or accepts nothing for k_patience_ms.
   virtual bool send(std::string_view bytes) = 0;
-  /// As a peer that reads nothing; false also where the server takes no more for `patience_ms`.
+  /// Like send(), without reading. False also if the server accepts no more for `patience_ms`.
   virtual bool send_unread(std::string_view bytes, int patience_ms) = 0;
-  /// Appends to `into`.
+  /// Appends received bytes to `into`.
   virtual Got receive(std::string& into, int patience_ms) = 0;
-  /// Nothing more will be sent.
+  /// Ends the sending direction.
   virtual void end_sending() = 0;
 };
 
-/// Null where the server takes no connection.
+/// Null: the server refuses the connection.
 std::unique_ptr<Line> line_to_socket(const std::string& path);
-/// From an address of 127.0.0.0/8 that `number` chooses: one address has ports for some hundred
-/// connections a second alone. `address.host` must be 127.0.0.1.
+/// Connects from an address of 127.0.0.0/8 chosen by `number`, because a single address has ports
+/// for only some hundred connections per second. REQUIRES: `address.host` is 127.0.0.1.
 std::unique_ptr<Line> line_to_port(const access::ServerAddress& address, std::uint64_t number);
 
-/// What ends of TLS have in common. May be used by several threads at once.
+/// Settings for all TLS connections. May be used by several threads at once.
 class TlsSettings {
  public:
   /// `version_max`: TLS1_2_VERSION or TLS1_3_VERSION.
@@ -67,17 +67,17 @@ class TlsSettings {
 
 enum class Shake : std::uint8_t { done, goes_on, broken };
 
-/// One end of TLS, without a socket: encrypted bytes go in and come out.
+/// One end of TLS without a socket: encrypted bytes go in and come out.
 class Tls {
  public:
   explicit Tls(const TlsSettings& settings);
 
   Shake shake();
   void give(std::string_view encrypted);
-  /// What is to be sent.
+  /// Returns the bytes to send.
   std::string take();
   std::string encrypt(std::string_view bytes);
-  /// Appends what can be read. False: the other side has ended it, or broke it.
+  /// Appends decrypted bytes. False: the peer ended or broke the connection.
   bool decrypt(std::string& into);
   SSL* ssl() { return ssl_.get(); }
 
@@ -88,10 +88,10 @@ class Tls {
   std::unique_ptr<SSL, Free> ssl_;
 };
 
-/// Shakes hands over `line`. False where the server ended it.
+/// Does the handshake over `line`. False: the server ended the line.
 bool shake_hands(Line& line, Tls& tls);
 
-/// A line within TLS, the handshake done; null where the server ended it.
+/// A line within TLS, after the handshake. Null: the server ended the line.
 std::unique_ptr<Line> secured(std::unique_ptr<Line> line, const TlsSettings& settings);
 
 }  // namespace sleight::attack

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t k_frame_bytes_max = 64U << 20U;
 constexpr std::uint32_t k_segments_max = 512;
 
-/// Of a whole frame, by its head; 0: more is needed to say. The framing is that of
+/// Size of a whole frame, from its header. 0: more bytes are needed. The framing is that of
 /// common/rpc/guarded_messages.cpp.
 std::size_t frame_bytes(std::string_view bytes, bool& is_garbled) {
   std::uint32_t segments = 0;
@@ -66,8 +66,8 @@ void Listener::hear_message(std::string_view frame) {
     if (!answer.isResults()) return;
     resulted_.insert(answer.getAnswerId());
     const auto content = answer.getResults().getContent();
-    if (!content.isStruct()) return;  // the bootstrap's capability
-    // All results of the service have their refusal first.
+    if (!content.isStruct()) return;  // the bootstrap capability
+    // All results of the service begin with their refusal.
     const auto pointers = content.getAs<capnp::AnyStruct>().getPointerSection();
     if (pointers.size() == 0 || !pointers[0].isStruct()) return;
     const auto refusal = pointers[0].getAs<rpc::generated::Refusal>();

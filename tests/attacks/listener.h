@@ -1,4 +1,4 @@
-// What a server says on a connection, taken apart: which calls it has answered, and how.
+// Parses what a server sends on a connection: which calls it has answered, and how.
 //
 // Thread safety: one thread.
 #pragma once
@@ -12,18 +12,18 @@ namespace sleight::attack {
 
 class Listener {
  public:
-  /// Bytes as they come, in pieces of any size.
+  /// Receives bytes in pieces of any size.
   void hear(std::string_view bytes);
 
   bool has_answered(std::uint32_t question) const { return answered_.contains(question); }
-  /// With results, be they a refusal.
+  /// Whether the question has results, possibly a refusal.
   bool has_results(std::uint32_t question) const { return resulted_.contains(question); }
   std::uint64_t messages() const { return messages_; }
   std::uint64_t exceptions() const { return exceptions_; }
   std::uint64_t aborts() const { return aborts_; }
-  /// Refusals of the kind `bug`: the server failed at a call.
+  /// Refusals of kind `bug`: the server failed during a call.
   std::uint64_t bugs() const { return bugs_; }
-  /// Not even a frame of Cap'n Proto came.
+  /// Whether invalid frames arrived.
   bool is_garbled() const { return is_garbled_; }
 
  private:

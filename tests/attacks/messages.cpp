@@ -27,7 +27,7 @@ capnp::Text::Reader text_of(const std::string& text) {
   return {text.c_str(), text.size()};
 }
 
-/// On the service that question 1 promises.
+/// Begins a call on the service that question 1 promises.
 protocol::Call::Builder begin_call(capnp::MessageBuilder& message, std::uint32_t question,
                                    std::uint16_t method) {
   auto call = message.initRoot<protocol::Message>().initCall();
@@ -49,7 +49,7 @@ std::string entrance() {
   return frame_of(message);
 }
 
-/// Question 1, on what question 0 promises; the parameters.
+/// Begins question 1, on the result of question 0. Returns its parameters.
 protocol::Payload::Builder begin_entering(capnp::MessageBuilder& message, std::uint16_t method) {
   auto call = message.initRoot<protocol::Message>().initCall();
   call.setQuestionId(1);
@@ -66,7 +66,7 @@ std::uint32_t odd_id(Dice& dice) {
   return dice.one_in(2) ? dice.below32(6) : static_cast<std::uint32_t>(odd_number(dice));
 }
 
-/// A number that no question or capability has ends the connection, so that one has it seldom.
+/// An id that usually exists: an unknown id ends the connection, so it is rare.
 std::uint32_t likely_id(Dice& dice) {
   return dice.one_in(8) ? odd_id(dice) : dice.below32(2);
 }
@@ -156,7 +156,7 @@ void fill_resolve(Dice& dice, protocol::Resolve::Builder to, std::uint32_t promi
   }
 }
 
-/// Whether the frame is a message that the owner's attacks leave out.
+/// Whether the frame is a message that the owner's attacks must leave out.
 bool does_harm(const std::string& frame) {
   auto words = kj::heapArray<capnp::word>(frame.size() / sizeof(capnp::word));
   std::memcpy(words.begin(), frame.data(), words.asBytes().size());
@@ -197,7 +197,7 @@ std::string login(const std::string& token) {
 Asked valid_call(Dice& dice, const Bounds& bounds, std::uint32_t question) {
   auto method = static_cast<Method>(dice.below(k_methods));
   if (bounds.is_owner && (method == drain || method == stop)) method = info;
-  // `change` has the place of the calls that are retired, but for a few that still ask for one.
+  // Retired methods are mostly replaced by `change`; a few calls still use them.
   if (method > logs && method < fetch && !dice.one_in(8)) method = change;
   capnp::MallocMessageBuilder message;
   auto call = begin_call(message, question, method);
@@ -244,7 +244,7 @@ std::string odd_protocol(Dice& dice) {
       fill_exception(dice, root.initAbort());
       break;
     case 6: {
-      // A message of ours comes back as one that the server's peer does not know.
+      // Pretends not to implement a message that the server might have sent.
       auto inner = root.initUnimplemented();
       if (dice.one_in(2)) {
         fill_resolve(dice, inner.initResolve(), odd_id(dice));
@@ -283,7 +283,7 @@ std::string pipelined_call(Dice& dice, std::uint32_t question) {
     call.setInterfaceId(dice.one_in(2) ? capnp::typeId<rpc::generated::Entrance>() : dice.bits());
     call.setMethodId(static_cast<std::uint16_t>(dice.below(3)));
   } else if (dice.one_in(4)) {
-    // Another method than any that stops the service.
+    // Any method except those that stop the service.
     call.setMethodId(static_cast<std::uint16_t>(k_methods + dice.below(60'000)));
   }
   call.setAllowThirdPartyTailCall(dice.one_in(2));
@@ -297,7 +297,7 @@ std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t quest
   const std::uint32_t promise = dice.below32(4);
   {
     capnp::MallocMessageBuilder message;
-    // No call of the service takes one: they come beside what it reads.
+    // No call of the service accepts capabilities, so the server ignores them.
     auto call = begin_call(message, question, dice.one_in(2) ? info : watch);
     auto payload = call.getParams();
     auto table = payload.initCapTable(dice.one_in(50) ? 2000 : 1 + dice.below32(4));
@@ -313,7 +313,7 @@ std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t quest
     auto root = message.initRoot<protocol::Message>();
     switch (dice.below(3)) {
       case 0: {
-        // To itself, or to what it is the promise of.
+        // Resolves to itself, or to the promise's own target.
         auto resolved = root.initResolve();
         resolved.setPromiseId(promise);
         resolved.initCap().setSenderPromise(dice.one_in(2) ? promise : odd_id(dice));
@@ -333,7 +333,7 @@ std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t quest
 
 std::string odd_pointers(Dice& dice, std::uint32_t question) {
   capnp::MallocMessageBuilder message;
-  // Not one of those that stop the service or touch jobs, whatever its parameters become.
+  // Only methods that neither stop the service nor change jobs, whatever the parameters become.
   constexpr std::uint16_t k_readers[] = {submit, list, status,       watch,       logs,
                                          fetch,  info, create_token, revoke_token};
   auto call = begin_call(message, question, k_readers[dice.below(std::size(k_readers))]);
@@ -346,23 +346,23 @@ std::string odd_pointers(Dice& dice, std::uint32_t question) {
       pointer = pointer.initAsAnyStruct(0, 1).getPointerSection()[0];
   }
   std::string frame = frame_of(message);
-  // The pointers are the last words: they become what the dice say.
+  // The pointers are the last words. Replace them at random.
   const std::size_t words = frame.size() / 8;
   for (std::size_t i = 0; i < std::min<std::size_t>(k_pointers, words - 2); ++i) {
     if (dice.one_in(3)) continue;
     std::uint64_t word = dice.bits();
     switch (dice.below(5)) {
-      case 0:  // a list, all of whose elements are this word or one nearby
+      case 0:  // a list whose elements are all this word or a nearby one
         word = 1 | ((dice.bits() & 0xFU) << 2U) | (dice.below(8) << 32U) |
                (std::uint64_t{0x1FFFFFFF} << 35U);
         break;
-      case 1:  // a struct with itself in it
+      case 1:  // a struct that contains itself
         word = (std::uint64_t{0x3FFFFFFF} << 2U & 0xFFFFFFFCU) | (std::uint64_t{1} << 48U);
         break;
-      case 2:  // far, also into segments that there are not
+      case 2:  // a far pointer, possibly into a missing segment
         word = 2 | (dice.below(2) << 2U) | (dice.below(64) << 3U) | (dice.below(4) << 32U);
         break;
-      case 3:  // a list of structs, each of nothing, as many as can be
+      case 3:  // a list of as many empty structs as possible
         word = 1 | (std::uint64_t{7} << 32U) | (dice.below(1U << 20U) << 35U);
         break;
       default:
@@ -390,7 +390,7 @@ std::string mutated(Dice& dice, const Bounds& bounds, std::uint32_t question) {
       break;
   }
   const std::string before = frame;
-  // The head stays, so that the content is read; broken_frame changes heads.
+  // Keep the header, so that the content is read; broken_frame changes headers.
   for (std::uint64_t i = 0, changes = 1 + dice.below(6); i < changes; ++i) {
     const std::size_t at = 8 + dice.below(frame.size() - 8);
     frame[at] = dice.one_in(2) ? static_cast<char>(frame[at] ^ (1 << dice.below(8)))
@@ -419,7 +419,7 @@ std::string broken_frame(Dice& dice) {
     case 3:
       return head({1, 0x80000, 0x80000, 0}) + content;
     case 4:
-      return head({0, 0});  // a message of no words
+      return head({0, 0});  // a message without words
     case 5:
       return head({63, 0}) + std::string(std::size_t{63} * 4 + 4, '\0');
     case 6:

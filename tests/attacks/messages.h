@@ -1,7 +1,7 @@
-// Messages of Cap'n Proto as frames, from plain calls to what no client would ever say.
+// Cap'n Proto messages as frames, from plain calls to messages that no client would send.
 //
-// A connection's questions: 0 asks for the entrance, 1 opens or logs in; its results promise the
-// service. Attacks use numbers from 2 on.
+// A connection's question 0 requests the bootstrap object, and question 1 opens a session or logs
+// in; its result promises the service. Attacks use numbers from 2 on.
 //
 // Thread safety: pure functions of their Dice.
 #pragma once
@@ -20,7 +20,8 @@ inline constexpr std::uint32_t k_first_question = 2;
 struct Asked {
   std::string frame{};
   std::uint32_t question = 0;
-  /// A watch, or a fetch of what is made first: its answer may take longer than our patience.
+  /// For a watch, or for a fetch that must derive a file: the answer may take longer than
+  /// k_patience_ms.
   bool may_wait = false;
 };
 
@@ -28,23 +29,24 @@ struct Asked {
 std::string opening();
 std::string login(const std::string& token);
 
-/// A call that the server can read, of any method with any parameters. It owes an answer.
+/// A valid call of any method with any parameters, which the server must answer.
 Asked valid_call(Dice& dice, const Bounds& bounds, std::uint32_t question);
-/// `question` is done with.
+/// Releases the question's results.
 std::string finish(std::uint32_t question);
 
-/// Messages about questions, capabilities and promises that there are not.
+/// Messages about questions, capabilities and promises that don't exist.
 std::string odd_protocol(Dice& dice);
-/// A call on what another answer promises, or on capabilities that were or were not given.
+/// A call on the promised result of another question, or on capabilities that exist or don't.
 std::string pipelined_call(Dice& dice, std::uint32_t question);
-/// A call whose parameters bring capabilities of ours, and what we then say of them.
+/// A call whose parameters contain the client's capabilities, and the client's later messages about
+/// them.
 std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t question);
-/// A call whose parameters are words that point anywhere: beyond the message, at themselves, into
-/// depths.
+/// A call whose parameters contain invalid pointers: beyond the message, to themselves, or deeply
+/// nested.
 std::string odd_pointers(Dice& dice, std::uint32_t question);
-/// A message of any of these kinds with some bytes changed.
+/// A message of any of the kinds above with some bytes changed.
 std::string mutated(Dice& dice, const Bounds& bounds, std::uint32_t question);
-/// A frame whose head says what is not so.
+/// A frame whose header is wrong.
 std::string broken_frame(Dice& dice);
 
 }  // namespace sleight::attack

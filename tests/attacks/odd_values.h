@@ -1,5 +1,5 @@
-// Values that a server should never have to see: extreme numbers, hostile texts, tokens that are
-// none. All are functions of their Dice, so that an attack is seen again by its number.
+// Values that a server should never receive: extreme numbers, hostile texts, invalid tokens. All
+// are functions of their Dice, so that an attack can be repeated by its number.
 //
 // Thread safety: one Dice belongs to one thread.
 #pragma once
@@ -19,7 +19,7 @@ class Dice {
       : stream_({.seed = seed, .purpose = random::Purpose::search}, episode) {}
 
   std::uint64_t bits() { return stream_.bits(); }
-  /// 0 to `count` - 1. REQUIRES: count > 0.
+  /// A number from 0 to `count` - 1. REQUIRES: count > 0.
   std::uint64_t below(std::uint64_t count) { return stream_.bits() % count; }
   std::uint32_t below32(std::uint32_t count) {
     return static_cast<std::uint32_t>(stream_.bits() % count);
@@ -32,18 +32,18 @@ class Dice {
 };
 
 std::string random_bytes(Dice& dice, std::size_t size);
-/// 0, 1, powers of two and their neighbours, the greatest, anything.
+/// 0, 1, powers of two and their neighbours, the maximum, or any number.
 std::uint64_t odd_number(Dice& dice);
-/// Not a number, infinite, tiny, negative.
+/// NaN, infinite, tiny, or negative.
 double odd_real(Dice& dice);
-/// An id that no job has, also with one or two of its bytes changed; or 0.
+/// An id that no job has, possibly with one or two bytes changed; or 0.
 std::uint64_t far_id(Dice& dice);
-/// Empty, `../`, control characters, bytes that are no UTF-8, formats; one in a thousand is as
-/// long as `bytes_max` allows.
+/// Empty, `../`, control characters, invalid UTF-8, or format strings; one text in a thousand has
+/// the maximum length `bytes_max`.
 std::string odd_text(Dice& dice, std::size_t bytes_max);
-/// Texts of requests that are refused: deep nesting, endless names, one that is too dear.
+/// Invalid requests: deep nesting, endless names, or one that is too expensive.
 std::string odd_request(Dice& dice, std::size_t bytes_max);
-/// Like `real`, or like any token, but not valid.
+/// An invalid token that resembles `real` or any other token.
 std::string wrong_token(Dice& dice, const std::string& real);
 
 }  // namespace sleight::attack

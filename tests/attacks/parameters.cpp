@@ -14,12 +14,12 @@ capnp::Text::Reader text_of(const std::string& text) {
   return {text.c_str(), text.size()};
 }
 
-/// Of a call that changes nothing: also jobs that there are.
+/// An id for a call that changes nothing; it may be an existing job's.
 std::uint64_t read_id(Dice& dice) {
   return dice.one_in(3) ? 1 + dice.below(3) : dice.one_in(2) ? odd_number(dice) : far_id(dice);
 }
 
-/// Of a call that changes something.
+/// An id for a call that changes something.
 std::uint64_t touch_id(Dice& dice, const Bounds& bounds) {
   return bounds.is_owner ? far_id(dice) : read_id(dice);
 }
@@ -32,7 +32,7 @@ void fill_submission(Dice& dice, const Bounds& bounds, rpc::generated::Submissio
   for (std::uint32_t i = 0; i < std::min(count, 8U); ++i) {
     auto job = jobs[i];
     job.setName(text_of(odd_text(dice, 400)));
-    // The first of them is refused always, and with it the whole submission.
+    // The first job's request is always invalid, so the whole submission is refused.
     job.setRequest(text_of(odd_request(dice, bounds.text_bytes_max)));
     job.setCores(static_cast<std::uint32_t>(odd_number(dice)));
     job.setRanks(static_cast<std::uint32_t>(odd_number(dice)));
@@ -80,7 +80,7 @@ void fill_fetch(Dice& dice, rpc::generated::FetchAsk::Builder to) {
 }
 
 void fill_token(Dice& dice, const Bounds& bounds, rpc::generated::TokenAsk::Builder to) {
-  // The check of a token's text is wrong, so none is ever made.
+  // The token's check is wrong, so no token is ever created.
   to.setToken(text_of(odd_text(dice, bounds.text_bytes_max)));
   to.setName(text_of(odd_text(dice, 400)));
   to.setForUser(static_cast<std::int64_t>(odd_number(dice)));
@@ -136,7 +136,7 @@ void fill_parameters(Dice& dice, const Bounds& bounds, Method method,
     case create_token:
       return fill_token(dice, bounds, to.initAs<generated::CreateTokenParams>().initAsk());
     case revoke_token:
-      // Some could be one: it is looked up.
+      // A valid form of an id makes the service look it up.
       return to.initAs<generated::RevokeTokenParams>().setId(
           text_of(dice.one_in(2) ? std::string(10, "0123456789abcdefgh"[dice.below(18)])
                                  : odd_text(dice, bounds.text_bytes_max)));
@@ -144,7 +144,7 @@ void fill_parameters(Dice& dice, const Bounds& bounds, Method method,
     case drain:
     case stop:
     case list_tokens: {
-      // They take nothing: whatever is there is not looked at.
+      // These methods have no parameters. The server ignores any content.
       auto content = to.initAsAnyStruct(static_cast<std::uint16_t>(dice.below(4)),
                                         static_cast<std::uint16_t>(dice.below(4)));
       for (auto& byte : content.getDataSection())

@@ -1,4 +1,4 @@
-// Parameters of the service's calls: of the right shape, with any values.
+// Parameters of the service's calls: of the right form, with any values.
 //
 // Thread safety: pure functions of their Dice.
 #pragma once
@@ -12,16 +12,16 @@
 
 namespace sleight::attack {
 
-/// What messages may hold.
+/// Limits of messages' contents.
 struct Bounds {
-  /// A text's, and so about a message's.
+  /// Maximum size of a text, and so roughly of a message.
   std::size_t text_bytes_max = 1U << 20U;
-  /// The service is the attacker's own, who may do anything: messages that would stop it, make
-  /// tokens or touch its jobs are left out.
+  /// The attacker is the service's own user, who may do anything. So messages that would stop the
+  /// service, create tokens or change its jobs are left out.
   bool is_owner = false;
 };
 
-/// As service.capnp numbers them.
+/// Method numbers of service.capnp.
 enum Method : std::uint16_t {
   submit,
   list,

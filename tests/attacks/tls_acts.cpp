@@ -11,7 +11,7 @@ namespace {
 
 enum ContentType : std::uint8_t { change_cipher = 20, alert = 21, handshake = 22, data = 23 };
 
-/// A record whose head says `size`, whatever its content has.
+/// A record whose header states `size`, whatever the size of its content.
 std::string record(std::uint8_t type, std::size_t size, std::string_view content) {
   std::string bytes = {static_cast<char>(type), 3, 3, static_cast<char>(size >> 8U),
                        static_cast<char>(size)};
@@ -68,7 +68,7 @@ void tls_hellos(const Scene& scene) {
   send_and_end(scene, *line, bytes);
 }
 
-// Goal: records of any size, order and number are taken or refused, and nothing waits for them.
+// Goal: records of any size, order and number are accepted or refused without blocking the server.
 void tls_records(const Scene& scene) {
   const auto line = reach(scene);
   if (!line) return;
@@ -77,14 +77,14 @@ void tls_records(const Scene& scene) {
   const std::string content = hello.substr(5);
   std::string bytes;
   switch (dice.below(8)) {
-    case 0:  // in records of a byte each
+    case 0:  // records of one byte each
       for (const char c : content)
         bytes += record(handshake, std::string(1, c));
       break;
     case 1:  // cut anywhere
       bytes = hello.substr(0, 1 + dice.below(hello.size() - 1));
       break;
-    case 2:  // larger than a record may be
+    case 2:  // larger than the maximum record
       bytes = record(handshake, 0xFFFF, random_bytes(dice, 2000) + std::string(60'000, 'x'));
       break;
     case 3:  // empty ones, and empty ones of data
@@ -112,8 +112,8 @@ void tls_records(const Scene& scene) {
   send_and_end(scene, *line, bytes);
 }
 
-// Goal: a handshake may stop anywhere. Method: the hello alone; the answer to the server's part
-// changed, cut or left out.
+// Goal: a handshake may stop anywhere. Method: send only the hello, or change, cut or omit the
+// answer to the server's part.
 void tls_half_handshakes(const Scene& scene) {
   auto line = reach(scene);
   if (!line) return;
@@ -125,7 +125,7 @@ void tls_half_handshakes(const Scene& scene) {
   std::string answer;
   if (line->receive(answer, k_patience_ms) != Got::bytes) return;
   ++scene.tally.reached;
-  if (dice.one_in(3)) return;  // and leaves
+  if (dice.one_in(3)) return;  // leaves without an answer
   tls.give(answer);
   tls.shake();
   std::string bytes = tls.take();
@@ -141,8 +141,8 @@ void tls_half_handshakes(const Scene& scene) {
   await_end(scene, *line);
 }
 
-// Goal: what comes after a handshake does no harm: keys that are renewed again and again, new
-// handshakes, alerts, changed records.
+// Goal: data after a handshake does no harm: repeated key updates, new handshakes, alerts, changed
+// records.
 void tls_after_handshakes(const Scene& scene) {
   auto line = reach(scene);
   if (!line) return;

@@ -1,7 +1,7 @@
-// Attacks on TLS itself: bytes that are none, handshakes that are changed, stopped or cut into odd
-// records, and what is sent after one.
+// Attacks on TLS itself: random bytes; handshakes that are changed, stopped or cut into odd
+// records; and data after a handshake.
 //
-// Thread safety: as acts.h.
+// Thread safety: that of acts.h.
 #pragma once
 
 #include "tests/attacks/acts.h"
