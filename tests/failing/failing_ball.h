@@ -1,7 +1,8 @@
-// The 2D ball with a simulator that fails in a known share of states, and with starts that overlap
-// in another: for tests of what becomes of failures.
+// The 2D ball for tests of failures: its simulator fails in a known share of states, and starts
+// overlap in another share.
 //
-// Whether a state fails is a function of its bytes, as of a real fault. Thread safety: as Ball2d.
+// Whether a state fails depends only on its bytes, as for a real fault. Thread safety: that of
+// Ball2d.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +15,12 @@
 
 namespace sleight::failing {
 
-/// Of 100 states so many fail in one way, so many in the other, and so many can't start.
+/// Percentages of states that fail in one way, that fail in the other way, and that can't start.
 inline constexpr std::uint64_t k_gives_up_percent = 3;
 inline constexpr std::uint64_t k_work_limit_percent = 1;
 inline constexpr std::uint64_t k_overlaps_percent = 2;
 
-/// 0 to 99, of a state.
+/// A number from 0 to 99 that depends on the state.
 std::uint64_t percentile_of(base::BytesView state);
 
 struct FailingLanding {

@@ -1,4 +1,4 @@
-// The programs' plots for tests of failures: those of every world.
+// Plots of the programs for tests of failures: those of every world.
 #include "clients/cli/main_world_plots.h"
 
 namespace sleight::programs {

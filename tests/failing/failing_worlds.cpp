@@ -1,5 +1,5 @@
-// The programs' worlds for tests: one that fails, which is called ball_2d and takes its requests,
-// and one that is made up. This line of a list is all that a world costs a program.
+// Worlds of the test programs: one that fails, under the name ball_2d with its requests, and a
+// made-up one. Adding a world to a program takes one line of this list.
 #include "clients/cli/main_worlds.h"
 #include "tests/failing/failing_ball.h"
 #include "tests/failing/pucks.h"

@@ -1,14 +1,14 @@
-// A made-up world for the tests that add one: a puck is pushed along the ice, hits another, and
-// that one must come to rest at a place. The programs here have it beside the failing ball; nothing
-// in clients, service or common knows of it.
+// A made-up world, for tests of adding a world. A puck is pushed along the ice and hits another
+// puck, which must come to rest at a target. The test programs include this world beside the
+// failing ball; clients, service and common contain nothing specific to it.
 //
-//   random variables  the first puck's speed, and the gap between the two; independent, normal
+//   random variables  the first puck's speed, and the gap between the pucks; independent, normal
 //   outcome           where the second puck rests, along x
 //   log p_c           -1/2 ((x - target) / sigma)^2
 //   satisfied         |x - target| <= tolerance
 //
-// Pucks are square, slide along x without turning, slow down by friction, and hand over their
-// speed: all closed forms. Thread safety: immutable after construction.
+// Pucks are square, slide along x without turning, slow down by friction, and transfer their speed
+// at the hit; all in closed form. Thread safety: immutable after construction.
 #pragma once
 
 #include <array>
@@ -33,13 +33,13 @@ struct PuckParameters {
   double tolerance_m = 0.1;
 };
 
-/// What becomes of a push.
+/// The result of a push.
 struct PuckMotion {
   double deceleration_mps2 = 0;
   double first_rest_s = 0;
   double first_rest_m = 0;
-  bool is_hit = false;  ///< then the first rests at the hit
-  double hit_mps = 0;   ///< the second's speed then
+  bool is_hit = false;  ///< the first puck then rests at the hit
+  double hit_mps = 0;   ///< the second puck's speed after the hit
   double second_rest_s = 0;
   double second_rest_m = 0;
 };
