@@ -207,8 +207,8 @@ TEST(Turns, RestartsCostLittle) {
 
 TEST(Turns, CoresThatNobodyWantsAreUsedWhereItIsWorthIt) {
   // Goal: a job with few cores is restarted on all cores once the others are gone, if that is worth
-  // it. Method: two users on four cores. Bob's job ends early; or so late that Ann's job has done
-  // little, and then isn't stopped.
+  // it. Method: two users on four cores. When Bob's job ends, Ann's job has done much work and is
+  // restarted; or it has done little and isn't stopped.
   Scenario scenario = quiet_machine(4, 0);
   scenario.jobs = {job_of(k_ann, 0, 2000), job_of(k_bob, 0, 100)};
   Service service(scenario);
