@@ -3,21 +3,20 @@
 // suite (tests/programs/backend_conformance.py) tests an engine. For attempts on this machine, the
 // daemon needs no backend (daemon/local_attempts.h).
 //
-//   launch(order)   submits the attempt, unless the system has or had it already
-//   state(name)     waiting, running, gone, or absent: the system never had it, or forgot it
-//   list()          the states of all attempts of one daemon, by one query
-//   signal(name)    in_order: sends SIGUSR1 to the keeper. now, or while waiting: ends the attempt
-//   log(name)       the system's messages about the attempt, such as why it never began
+//   `launch(order)`   submits the attempt, unless the system has or had it already.
+//   `state(name)`     is waiting, running, gone, or absent: the system never had it, or forgot it.
+//   `list()`          returns the states of all attempts of one daemon, by one query.
+//   `signal(name)`    sends SIGUSR1 to the keeper, or ends the attempt (now, or while waiting).
+//   `log(name)`       returns the system's messages, such as why the attempt never began.
 //
 // A backend reports whether the system still has an attempt. How the attempt ended follows from its
 // keeper's record in the job's folder (service/keeper/attempt_record.h).
 //
 // Invariants
-//   1. (daemon, job, epoch) names an attempt. However often this process or a later
-//      one launches the attempt, its command is carried out once. launch() searches for the name
-//      first. If an answer was lost, the command itself must detect the repetition, as a keeper
-//      does (keep.h).
-//   2. `gone` is final: no process of the attempt runs any more. `absent` has no information on the
+//   1. (daemon, job, epoch) names an attempt. However often this process or a later one
+//      launches the attempt, its command is carried out once. launch() searches for the name first.
+//      If an answer was lost, the command must detect the repetition, as a keeper does (keep.h).
+//   2. `gone` is final: no process of the attempt runs any more. `absent` reveals nothing about the
 //      past.
 //   3. A system that doesn't answer is `Away`, which is never an end.
 //   4. Daemons that use the same system don't see each other's attempts.
@@ -50,7 +49,7 @@ struct AttemptName {
 
 bool is_daemon_name(std::string_view text);
 std::string to_text(const AttemptName& name);
-/// None unless to_text writes this text.
+/// Returns none for text that to_text never writes.
 std::optional<AttemptName> attempt_name_of(std::string_view text);
 
 /// Further options by key; each system has its own ("account", "partition", ...).

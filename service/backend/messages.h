@@ -1,7 +1,7 @@
 // The interface of backend.h as JSON, for engines that are programs. docs/BACKENDS.md specifies it.
 //
-//   PROGRAM VERB    reads one object, {"version": 1, ...}, and prints one. Exit code 0: done;
-//                   75: the system doesn't answer; other: refused, with the reason on stderr
+// `PROGRAM VERB` reads one object, {"version": 1, ...}, and prints one. Exit code 0: done; 75: the
+// system doesn't answer; other: refused, with the reason on stderr.
 //
 // Readers ignore unknown keys and use defaults for missing ones.
 //

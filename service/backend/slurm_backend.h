@@ -1,18 +1,20 @@
 // Slurm as a backend, by a user's commands sbatch, squeue and scancel.
 //
-//   launch   sbatch --parsable --no-requeue --comment=NAME ... direct.sbatch --attempt COMMAND,
-//            after searching the queue for that comment
-//   list     squeue of this user's jobs, at most every list_every_s, for all attempts together
-//   signal   scancel, or scancel --signal=USR1 --batch for a running job, which reaches its keeper
-//   log      output of Slurm and the keeper, in the job's folder
+//   `launch`   searches the queue for an earlier submission with the comment NAME, then runs sbatch
+//              --parsable --no-requeue --comment=NAME ... direct.sbatch --attempt COMMAND.
+//   `list`     runs squeue for this user's jobs, at most every list_every_s, for all attempts.
+//   `signal`   runs scancel; for a running job scancel --signal=USR1 --batch, which reaches its
+//              keeper.
+//   `log`      reads the output of Slurm and the keeper in the job's folder.
 //
 // No Slurm job number is stored: an attempt is found by its name, which is its Slurm job's comment.
 // So a restarted daemon finds its attempts again, even if sbatch was killed before it answered. A
-// lost answer can lead to two Slurm jobs for one attempt. Only one starts the program, because the
-// second keeper finds that the attempt has begun (keep.h).
+// lost answer can lead to two Slurm jobs for one attempt. Only one of them starts the program,
+// because the second keeper finds that the attempt has begun (keep.h).
 //
-// Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). After that they are absent,
-// and the keeper's record has their end. sacct isn't used, because many sites don't have it.
+// Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). Afterwards these jobs are
+// absent, and the keeper's record has their end. The backend doesn't use sacct, because many sites
+// don't have it.
 //
 // Not thread-safe.
 #pragma once

@@ -1,13 +1,13 @@
 // Options that jobs can set for Slurm, as arguments of sbatch.
 //
-//   account, partition, qos, time   as for sbatch
-//   more                            further options of sbatch, "--constraint=a100 --exclusive":
-//                                   words between spaces, each beginning with --
+//   `account`, `partition`, `qos`, `time` are those of sbatch.
+//   `more` has further options of sbatch, "--constraint=a100 --exclusive": words separated by
+//   spaces, each beginning with --.
 //
 // Options that would break the service are refused by name, including abbreviations that sbatch
-// accepts. They control how a job is found again (--comment, --clusters), what runs (--wrap,
-// --array), where (--chdir, --output), how often (--requeue), how it is stopped (--signal), and its
-// cores and ranks, which follow from the job.
+// accepts. These options control how a job is found again (--comment, --clusters), what runs
+// (--wrap, --array), where (--chdir, --output), how often (--requeue) and how it is stopped
+// (--signal). A job's cores and ranks also can't be set here.
 //
 // Thread safety: pure functions.
 #pragma once

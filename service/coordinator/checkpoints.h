@@ -1,8 +1,8 @@
 // Checkpoints: archives of a run so far, for people who watch the run.
 //
 // A separate thread derives them, so that nothing waits. The first checkpoint is made as soon as a
-// search has its finds, or with the first solution. Later ones are made every every_s, or less
-// often, so that they take at most k_checkpoint_share_max of the workers' time. Simulating the
+// search has its finds, or with the first solution. Later checkpoints are made every every_s, or
+// less often, so that they take at most k_checkpoint_share_max of the workers' time. Simulating the
 // motions of kept animations isn't counted: each motion is simulated once for all archives, so it
 // costs nothing extra.
 //
@@ -31,7 +31,7 @@ namespace sleight::coordinator {
 
 /// Maximum share of the workers' time between two checkpoints that one checkpoint takes.
 inline constexpr double k_checkpoint_share_max = 0.01;
-/// No checkpoint in the first seconds of a session: a run that ends by then writes its archive
+/// A session makes no checkpoint in this first time: a run that ends by then writes its archive
 /// anyway.
 inline constexpr double k_checkpoint_after_s = 0.5;
 /// Delay before another try if the first checkpoint failed or shows no solution.

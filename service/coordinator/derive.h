@@ -23,7 +23,7 @@ namespace sleight::coordinator {
 
 /// Identifies what determines a run's stored results. Requests with the same identity can share a
 /// run store, so that one resumes the other's run. [stop] and the kept animations may differ.
-/// `thin` may not, because only every thin-th scan's state is stored.
+/// `thin` may not differ, because only every thin-th scan's state is stored.
 std::string run_identity(const request::DirectionRequest& request);
 
 /// Inputs that are borrowed for the call.
@@ -33,7 +33,7 @@ struct DeriveInputs {
   /// A fresh plan of the run that ends at a cut.
   const std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)>& plan_of;
   base::FileSystem& files;
-  /// Of the program, which made the run's results.
+  /// Results version of the program that made the run's results.
   const std::string& results_version;
   /// The processor time in seconds for simulating new motions is added here. May be null.
   double* motions_s = nullptr;
@@ -61,7 +61,7 @@ std::string derive_archive(const DeriveInputs& inputs, const std::string& folder
                            const std::string& output, request::Cut& cut,
                            const std::function<bool()>& stop = {});
 
-/// What `folder` contains in committed results of a run of this request.
+/// Returns how much of this request's run is committed in `folder`.
 request::Cut committed_cut(const std::string& folder, plan::Plan& fresh_plan);
 
 }  // namespace sleight::coordinator

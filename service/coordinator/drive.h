@@ -1,5 +1,5 @@
-// The loop that carries out a plan. It sends the scheduler's assignments (service/core) to the
-// crew, puts results into the store, and reports progress. Serial, threaded and MPI runs differ
+// The loop that carries out a plan. The loop sends the scheduler's assignments (service/core) to
+// the crew, puts results into the store, and reports progress. Serial, threaded and MPI runs differ
 // only in the crew.
 //
 // Neither the loop nor the crew makes decisions that could change a result.

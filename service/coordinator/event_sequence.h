@@ -2,18 +2,18 @@
 //
 // Events follow from results in logical order, not in the order of arrival:
 //
-//   starts of the search 0, 1, 2, ...    per start: its failures, then its find
-//   then scans of all chains 1, 2, ...   per scan, once all chains have made it:
-//                                          failures, by (chain, replica, kind)
-//                                          solutions that the scan decides, by (chain, scan)
-//                                          rounds that end with the scan, by chain
+//   Starts of the search 0, 1, 2, ... come first. Each has its failures, then its find.
+//   Scans of all chains 1, 2, ... follow. Once all chains have made a scan, it has:
+//     - failures, by (chain, replica, kind);
+//     - solutions that the scan decides, by (chain, scan);
+//     - rounds that end with the scan, by chain.
 //
 // So the chains' events wait until the search is over. Search and chains are computed concurrently,
 // but the search goes first and takes little of a run.
 //
 // Invariants
-//   1. The events up to a frontier are a function of the results up to it. They don't depend on the
-//      frontier's steps, nor on threads, ranks, deaths or earlier sessions.
+//   1. The events up to a frontier are a function of the results up to it. Events don't depend on
+//      the frontier's steps, nor on threads, ranks, deaths or earlier sessions.
 //   2. Reported events are final: a frontier only advances. A longer [stop] adds events. With a
 //      shorter [stop] or fewer requested finds, there are no events until the run passes the
 //      frontier. With more requested finds, the search resumes at its frontier, so its new finds

@@ -49,7 +49,7 @@ class FailureFiles {
   static void describe(Kept& kept);
 
   std::vector<Kept> kept_;
-  // The last failure, to number the failures of one scan.
+  // The last failure, for numbering the failures of one scan.
   plan::ReplicaKey last_replica_;
   base::ScanIndex last_scan_;
   std::size_t nth_ = 0;

@@ -37,7 +37,7 @@ struct RunInputs {
   const base::Clock& clock;
   /// For the output and the archive. SQLite has its own file access for the run store.
   base::FileSystem& files;
-  /// The program's version. A run can be resumed only by the version that began it.
+  /// The program's results version. Only the version that began a run can resume it.
   std::string results_version;
 };
 

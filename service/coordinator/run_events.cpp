@@ -71,7 +71,7 @@ void RunEvents::ended(std::uint64_t number, const events::RunEnd& end) {
   tell({.number = number, .what = end});
 }
 
-/// The listener comes first, because the log's thread starts afterwards.
+/// Calls the listener first, because the process may rely on having one thread until then.
 void RunEvents::tell(events::RunEvent event) {
   if (hear_) hear_(event);
   log(std::move(event));

@@ -1,6 +1,7 @@
 // Reports what happens in a run to its watchers: to a listener in this process, and to other
 // processes by a log (common/events/event_log.h) and the store in the run's folder.
 //
+// Data flow:
 //   drive ──results, plan──▶ EventSequence ──▶ RunStore: numbered, committed after the results
 //     │                                            │ committed
 //     │ progress, phases                           ▼

@@ -2,9 +2,9 @@
 // is seen of them. There are two implementations. local_attempts.h is for this machine and notices
 // a keeper's end at once. system_attempts.h is for batch systems, which it queries periodically.
 //
-//   Launch ──▶ request.toml and the backend; once the keeper has its record: Launched
-//   Look   ──▶ Sight, now or soon
-//   Stop   ──▶ a signal to the keeper
+//   `Launch` writes request.toml and starts a keeper. Once the keeper has its record: Launched.
+//   `Look` leads to a Sight, now or soon.
+//   `Stop` sends a signal to the keeper.
 //
 // Thread safety: all on the loop's thread. Inputs are reported through `hear`, never from inside
 // launch, stop or look.

@@ -1,20 +1,19 @@
-// The audit log: who did what, as lines of JSON in the state folder's `audit.log`, for the
-// service's administrator.
+// The audit log records who did what, as lines of JSON in the state folder's `audit.log`, for the
+// service's administrator:
 //
 //   {"time":"2026-11-27T14:05:09Z","call":"submit","user":1000,"from":"192.0.2.7:50312",
-//    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}
+//    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}.
 //
-//   call     login, submit, a change's kind (cancel, set_priority), fetch, drain, stop, or one of
-//            create_token, list_tokens, revoke_token
-//   from     a peer's address, or "process 4242" of this machine
-//   token    absent for calls over the Unix socket
-//   outcome  "done", or the refusal's kind and sentence
+//   `call` is login, submit, a change's kind (cancel, set_priority), fetch, drain, stop, or one of
+//          create_token, list_tokens, revoke_token.
+//   `from` is a peer's address, or "process 4242" of this machine.
+//   `token` is absent for calls over the Unix socket.
+//   `outcome` is "done", or the refusal's kind and sentence.
 //
 // When `audit.log` is full, it is renamed to `audit.old.log`. A rate limit keeps users from pushing
 // out older lines. Per call, a user can write k_audit_burst lines at once, then one per ten
-// seconds. Further lines are counted, and the count is logged periodically:
-//
-//   {"time":"...","call":"pin","user":1000,"more":812}
+// seconds. Further lines are counted, and the count is logged periodically as
+// {"call":"pin","user":1000,"more":812}.
 //
 // Logins with wrong tokens are logged at most once per second, with their count. If the file can't
 // be written, lines are lost but calls continue. The daemon's log reports the failure, and the

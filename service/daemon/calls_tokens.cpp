@@ -28,8 +28,8 @@ std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::
       .what_to_do = "Wait until some jobs end, or use a token with a higher limit."};
 }
 
-/// Refuses to resume or extend jobs that weren't submitted with a limited token, or that exceed the
-/// token's limit of jobs. The token's own jobs already respect its limit of cores.
+/// For a token with limits: refuses to resume or extend other tokens' jobs, or more jobs than the
+/// limit. The token's own jobs already respect its limit of cores.
 std::optional<rpc::Refusal> Calls::may_not_revive(const rpc::Caller& caller,
                                                   const std::vector<jobs::JobId>& jobs) const {
   if (caller.token_jobs_max == 0 && caller.token_cores_max == 0) return std::nullopt;

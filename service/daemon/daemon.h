@@ -1,15 +1,15 @@
 // The whole daemon: its own state folder, the jobs in it, and the socket on which it answers.
 //
-//   state folder (0700)
-//     lock          held while the daemon lives: one daemon per folder
-//     socket        where the daemon answers (0600); a socket for a group (0660) is elsewhere
-//     jobs.sqlite   the job store (job_store.h)
-//     jobs/17/      a job's folder (job_folder.h, service/keeper)
-//     server.log    output of a daemon in the background
-//     audit.log     who did what (audit_log.h)
-//     daemon.id     the daemon's name in a batch system
-//     tokens.json   access tokens of peers over TCP (tokens.h)
-//     tls/          self-signed certificate, if the daemon listens over TCP without another one
+//   State folder (0700):
+//     `lock`          is held while the daemon lives: one daemon per folder.
+//     `socket`        is where the daemon answers (0600); a socket for a group (0660) is elsewhere.
+//     `jobs.sqlite`   is the job store (job_store.h).
+//     `jobs/17/`      is a job's folder (job_folder.h, service/keeper).
+//     `server.log`    has the output of a daemon in the background.
+//     `audit.log`     records who did what (audit_log.h).
+//     `daemon.id`     is the daemon's name in a batch system.
+//     `tokens.json`   has access tokens of peers over TCP (tokens.h).
+//     `tls/`          has a self-signed certificate for TCP, unless another one is configured.
 //
 // A daemon killed at any moment loses nothing that it has answered, and its jobs keep running. The
 // next daemon takes the jobs over.

@@ -1,12 +1,12 @@
 // Runs the jobs: joins the machine of jobs (service/jobs) with its store, its backend and its
 // clock.
 //
+// Data flow:
 //   calls, sights, time ──▶ machine ──▶ Save ──▶ store (a thread) ──▶ board, answers, attempts
 //
 // Invariants
 //   1. A decision of the machine is durable before anybody sees it and before anything is started
-//      or
-//      stopped. All effects are carried out in the order of their steps.
+//      or stopped. All effects are carried out in the order of their steps.
 //   2. A request's text becomes durable together with its job or its revision.
 //
 // Thread safety: all on the loop's thread.

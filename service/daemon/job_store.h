@@ -1,11 +1,11 @@
 // The job store: a SQLite database `jobs.sqlite` in the state folder, which restores a daemon after
 // kill -9 or power loss.
 //
-//   job      one row per job: its current record
-//   change   one row per change of a job, numbered from 1 without gaps
-//   request  one row per revision of a job's request: the normalised text and what clients see
-//   usage    one row per user: the use so far
-//   state    format, service time, next id
+//   `job`      has one row per job: its current record.
+//   `change`   has one row per change of a job, numbered from 1 without gaps.
+//   `request`  has one row per revision of a request: the normalised text and what clients see.
+//   `usage`    has one row per user: the use so far.
+//   `state`    has format, service time and next id.
 //
 // Invariants
 //   1. A save is one transaction. It is durable when `save` returns, and otherwise has no effect.

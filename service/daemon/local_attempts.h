@@ -1,11 +1,11 @@
 // Attempts on this machine, in keepers (service/keeper/backend.h) that the daemon awaits by their
 // descriptors.
 //
-//   Launch      ──▶ request.toml and a keeper; once that has its record: Launched
-//   Look        ──▶ the folder's record: Sight; a keeper that is found running is waited for
-//   Stop        ──▶ a signal to the keeper
-//   keeper gone ──▶ Sight {Ended or Died}; without a record: LaunchFailed
-//   now and then──▶ Sight {Running}
+//   `Launch` writes request.toml and starts a keeper. Once the keeper has its record: Launched.
+//   `Look` reads the folder's record: Sight. A running keeper is awaited from then on.
+//   `Stop` sends a signal to the keeper.
+//   When a keeper exits: Sight {Ended or Died}, or LaunchFailed without a record.
+//   From time to time: Sight {Running}.
 //
 // Thread safety: as Attempts.
 #pragma once

@@ -25,7 +25,7 @@ void refresh(const base::FileSystem& files, const std::string& folder) {
   try {
     static_cast<void>(files.names_in(folder));
   } catch (const base::Error&) {
-    // Reading the record says so.
+    // Reading the record reports the error.
   }
 }
 

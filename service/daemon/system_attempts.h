@@ -1,13 +1,13 @@
-// Attempts in a batch system (service/backend). A thread of their own queries the system, and polls
-// read what the keepers on other machines write into the jobs' folders.
+// Attempts in a batch system (service/backend). A thread queries the system, and polls read what
+// the keepers on other machines write into the jobs' folders.
 //
-//   Launch       ──▶ request.toml, backend.launch; its answer: Sight {Pending}, or LaunchFailed
-//   Look         ──▶ the next list of all attempts, and the folder's record: Sight
-//   Stop         ──▶ backend.signal
-//   each second  ──▶ the folders' records: Launched, Sight {Running}, Sight {Ended}
-//   now and then ──▶ one list for all: Sight {Pending}, and of those that are gone what follows
+//   `Launch` writes request.toml and calls backend.launch: Sight {Pending}, or LaunchFailed.
+//   `Look` awaits the next list of all attempts and reads the folder's record: Sight.
+//   `Stop` calls backend.signal.
+//   Each second, polls read the folders' records: Launched, Sight {Running}, Sight {Ended}.
+//   From time to time, a list of all attempts is requested: Sight {Pending}, or as follows.
 //
-//     the system has it | the folder's record | result
+//     In the system     | the folder's record | result
 //     waiting, running  | none                | Pending, with the system's words
 //     running           | without an end      | Running
 //     any               | with an end         | Ended; if stopped by somebody else, once the system
@@ -15,7 +15,7 @@
 //     gone, absent      | without an end      | Died, once no lease of its run can be alive
 //     gone              | none                | Died, with the system's and the keeper's output
 //     absent            | none                | NeverBegan, as an answer to a Look
-//     doesn't answer    | none, without end   | Unknown, as an answer to a Look; never an end
+//     doesn't answer    | none, without end   | Unknown, as an answer to a Look; never an end.
 //
 // Shared disks show files late, so records of gone attempts are read for another k_settle_s.
 //

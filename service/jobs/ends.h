@@ -1,18 +1,18 @@
 // Decides what becomes of a job when its attempt ends. The decision depends only on the job, on
 // what the daemon saw of the attempt, and on what people asked for.
 //
-//   judge(job, ended):
-//     the request is finished            done, or queued if the request was extended meanwhile
-//     gave up, no draws, --strict        failed, and never restarted (gave up with finds: done)
-//     the request is invalid             failed: another start would be refused too
-//     disk full, other results version   held
-//     a check failed                     failed if the last check failed at the same place with no
-//                                        commit since; else a death
-//     cancelled in the batch system      held until the user resumes the job
-//     the batch system took its cores    starts again; not a death
-//     clean stop                         what the stop was requested for; else starts again
-//     any other error, or no record      a death: starts again later; the fifth death without a
-//                                        commit in between: failed
+//   Result of judge(job, ended):
+//     - The request is finished: done, or queued if the request was extended meanwhile.
+//     - Gave up, no draws, --strict: failed, and never restarted (gave up with finds: done).
+//     - Invalid request: failed, because another start would be refused too.
+//     - Disk full, other results version: held.
+//     - A check failed: failed if the last check failed at the same place with no commit since;
+//       else a death.
+//     - Cancelled in the batch system: held until the user resumes the job.
+//     - The batch system took its cores: starts again; not a death.
+//     - Clean stop: what the stop was requested for; else starts again.
+//     - Any other error, or no record: a death. Starts again later; the fifth death without a
+//       commit in between: failed.
 //
 // After a stop request, a job that would start again gets the outcome that the request named. A
 // cancelled job becomes cancelled unless its request is finished.
@@ -50,7 +50,7 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
 Verdict judge(const Job& job, const Died& died, const Options& options);
 Verdict judge(const Job& job, const LaunchFailed& failed, const Surroundings& around,
               const Options& options);
-/// For an attempt of which no launch ever began.
+/// Judges an attempt of which no launch ever began.
 Verdict judge_unbegun(const Job& job, const Options& options);
 
 /// Updates the job's deaths, back-offs and bugs from the verdict. Returns the delay before the next

@@ -1,12 +1,13 @@
 // A job: a submitted direction request with its current status. The job store saves these values,
 // and clients see them.
 //
+// States:
 //            ┌──────────────── ended early, died, yielded ───────────────┐
 //            ▼                                                           │
 //   submit: queued ──▶ starting ──▶ running ──▶ yielding (asked to stop) ┤
 //            ▲ │                       │                                 ├─▶ done
-//   gone on: │ ▼ held by its user      └──── held: something is missing  ├─▶ failed
-//           held ◀───────────────────────────────────────────────────────┴─▶ cancelled
+//   resumed: │ ▼ held by its user      └──── held: something is missing  ├─▶ failed
+//           held ◀───────────────────────────────────────────────────────┴─▶ cancelled.
 //
 // An attempt is the n-th start of a job's program, n from 1. The attempt is open from its Launch
 // until its end is known. A job is starting, running or yielding exactly while an attempt is open.

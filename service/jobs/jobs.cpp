@@ -190,7 +190,7 @@ void Jobs::note(const Job& job, State from, Reason reason, std::string words) {
   dirty_.insert(job.id);
 }
 
-/// Removes the job from all indices. REQUIRED before a value changes that orders an index.
+/// Removes the job from all indices. REQUIRED before changing a value that orders an index.
 void Jobs::leave_indices(const Job& job) {
   delayed_.erase({job.next_start_s, job.id});
   if (job.is_leaving) return;

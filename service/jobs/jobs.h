@@ -5,10 +5,11 @@
 // store, and a clean stop loses nothing. So the machine may stop and start a job as often as other
 // jobs need it: jobs are like processes that share a machine in slices of some ten seconds.
 //
+// Data flow:
 //   inputs ──▶ step ──▶ Save, then Launch, Stop, Look, Answer, Remove, Announce
 //              │ ends.h     what a job's end means
 //              │ turns.h    who is next, with how many cores, and who makes room
-//              │ keeping.h  which finished jobs are deleted, and when the deletion is announced
+//              │ keeping.h  which finished jobs are deleted, and when the deletion is announced.
 //
 // The machine relies only on these properties of a job's folder (the keeper's invariants):
 //   K1. At most one keeper is in a folder.
@@ -121,8 +122,8 @@ class Jobs {
   std::vector<Effect> step(const Input& input);
 
   /// Returns why a submit would be refused now, after `before_it` other new jobs of the same user.
-  /// None also if the submit's key names an existing job. Clients use this to submit several jobs
-  /// or none.
+  /// None also if the submit's key names an existing job. Callers use this to submit several
+  /// jobs or none.
   std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
 
   const Job* find(JobId id) const;

@@ -11,7 +11,7 @@
 // is taken. Once per patience_s, the user's longest-waiting job is taken instead if it has waited
 // that long.
 //
-//   hand_out:
+//   Pseudocode of hand_out:
 //     while there is a next job:
 //       need = its user's share, or what the job must and can have
 //       if fewer cores are free than need: stop running jobs that come after the next job and have
@@ -19,7 +19,7 @@
 //         job couldn't start
 //       if need will be free when these have stopped: wait
 //       else if the job can start: it gets the free cores, less the shares of other waiting users
-//       else: wait, and nothing overtakes the job
+//       else: wait, and nothing overtakes the job.
 //
 // Free cores that nobody waits for widen a job that has fewer cores than it wishes. The job is
 // stopped and restarted with more cores if the time saved is at least slice_per_cost times the

@@ -54,7 +54,7 @@ enum class KilledFor : std::uint8_t {
 };
 
 struct AttemptEnd {
-  /// Exactly one of these three describes the program's end.
+  /// Exactly one of the next three fields describes the program's end.
   std::optional<int> exit_code{};
   std::optional<int> signal{};
   std::string not_started{};  ///< why the program could not be started
@@ -93,7 +93,7 @@ inline constexpr const char* k_record_name = "attempt.json";
 /// Returns a JSON object of at most k_record_bytes_max bytes, ended by a newline.
 std::string to_text(const AttemptRecord& record);
 
-/// None unless to_text wrote the text.
+/// Returns none unless to_text wrote the text.
 std::optional<AttemptRecord> record_of(std::string_view text);
 
 /// Returns the record's text, read atomically. Empty: the folder has no record. Throws base::Error

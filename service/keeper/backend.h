@@ -4,14 +4,14 @@
 // Each attempt runs under a keeper, a separate process (`sleight-keeper`, keep.h) that outlives the
 // daemon. A new daemon needs only the job's folder and the attempt's number:
 //
-//   backend.launch(spec)            store the number first. Returns once the keeper runs
-//   backend.look(folder, attempt)   at any time, from any daemon
-//     never_began  launch the same attempt again: of two keepers only one starts the program. While
-//                  the keeper that launch returned is alive, this means "not yet"
-//     running      adopt(folder, attempt), wait for its descriptor, then look again. If adopt
-//                  returns none, the keeper has just started or exited: look again some ms later
-//     ended        the record has its end
-//     died         keeper and program were killed: start a new attempt
+//   - `backend.launch(spec)`: store the number first. Returns once the keeper runs.
+//   - `backend.look(folder, attempt)`: at any time, from any daemon. The answers are:
+//     - `never_began`: launch the same attempt again; of two keepers only one starts the program.
+//       While the keeper that launch returned is alive, this answer means "not yet".
+//     - `running`: adopt(folder, attempt), wait for its descriptor, then look again. If adopt
+//       returns none, the keeper has just started or exited: look again some milliseconds later.
+//     - `ended`: the record has its end.
+//     - `died`: keeper and program were killed. Start a new attempt.
 //
 // Invariants:
 //   1. A folder has at most one keeper, because the keeper holds a lock for life. An attempt's

@@ -44,8 +44,8 @@ constexpr double k_never_s = std::numeric_limits<double>::infinity();
 constexpr double k_patience_s_max = 3600;
 /// Interval of checks whether mpirun has ranks.
 constexpr double k_rank_look_s = 1;
-/// The same until the first rank appears. It is short, because ranks may be short-lived and a stop
-/// may wait for them.
+/// Interval of these checks until the first rank appears. The interval is short, because ranks may
+/// be short-lived and a stop may wait for them.
 constexpr double k_first_rank_look_s = 0.02;
 /// First and last interval of killing remaining descendants again.
 constexpr int k_kill_again_ms_min = 1;

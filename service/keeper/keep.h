@@ -7,9 +7,9 @@
 //      session's end (common/events/run_end.h), and writes the attempt's record.
 //   3. Starts the program (program.h) and waits. Meanwhile the keeper writes the program's output
 //      to the bounded log, and handles signals:
-//        SIGUSR1, SIGINT   pass SIGUSR1 on to the program, which stops a run cleanly
-//        SIGTERM           kill the program and all its descendants
-//        SIGHUP            ignored
+//        - SIGUSR1, SIGINT: pass SIGUSR1 on to the program, which stops a run cleanly.
+//        - SIGTERM: kill the program and all its descendants.
+//        - SIGHUP: ignore.
 //      The keeper kills a program that reported its end but doesn't exit, and an mpirun whose ranks
 //      have all exited (Debian 12's mpirun sometimes hangs while exiting).
 //   4. After the program has ended, kills its remaining descendants. The keeper is their subreaper,
@@ -57,7 +57,7 @@ struct KeeperOptions {
 
 /// Grace time of an mpirun without ranks, unless the attempt's grace time is shorter.
 inline constexpr double k_without_ranks_s = 10;
-/// An mpirun without a rank after this time hangs.
+/// An mpirun that has had no rank after this time counts as hanging.
 inline constexpr double k_first_rank_s = 60;
 
 /// Returns `ok` after the attempt's end is recorded, however the program ended. Returns `conflict`,

@@ -32,7 +32,8 @@ struct ProgramStart {
 /// Returns once the program runs. On failure returns the reason, and there is no child.
 base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moments& moments);
 
-/// The words as exec's arguments. Valid until `words` changes or is destroyed.
+/// Returns pointers to the words, as exec expects them. Valid until `words` changes or is
+/// destroyed.
 std::vector<char*> pointers_to(std::vector<std::string>& words);
 
 }  // namespace sleight::keeper

@@ -1,5 +1,5 @@
 // Peers that stay connected, over the socket and over TLS: slow ones, which send single bytes, and
-// silent ones. They must not hinder other clients.
+// silent ones. Held peers must not hinder other clients.
 //
 // Thread safety: run() is one thread's; tallies and trouble are shared.
 #pragma once

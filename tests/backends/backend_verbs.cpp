@@ -1,7 +1,7 @@
 // Any backend as a program with the interface of service/backend/messages.h, for the conformance
 // suite:
-//   sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB
-//   sleight-backend --kind program --program PATH [--seconds S] VERB
+//   `sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB`
+//   `sleight-backend --kind program --program PATH [--seconds S] VERB`.
 // The program reads the question on stdin. Each call acts as a new daemon that ends when the call
 // returns.
 #include <fmt/format.h>

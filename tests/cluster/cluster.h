@@ -2,7 +2,8 @@
 // a store, a network, and a schedule of faults. Plans, scheduler, block runner and sample cache are
 // the real ones.
 //
-//   faults ──▶ workers ◀── network ──▶ coordinator (session 1, 2, ...) ──▶ store
+// Data flow:
+//   faults ──▶ workers ◀── network ──▶ coordinator (session 1, 2, ...) ──▶ store.
 //
 // Invariant: a run is a function of its scenario. Not thread-safe.
 #pragma once

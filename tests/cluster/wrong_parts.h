@@ -1,5 +1,5 @@
-// The wrong behaviour of a coordinator and a worker for each mistake (mistakes.h). The right ones
-// use none of this.
+// The wrong behaviour of a coordinator and a worker for each mistake (mistakes.h). The right
+// coordinator and worker use none of this code.
 #pragma once
 
 #include <cstdint>

@@ -2,10 +2,10 @@
 // puck, which must come to rest at a target. The test programs include this world beside the
 // failing ball; clients, service and common contain nothing specific to it.
 //
-//   random variables  the first puck's speed, and the gap between the pucks; independent, normal
-//   outcome           where the second puck rests, along x
-//   log p_c           -1/2 ((x - target) / sigma)^2
-//   satisfied         |x - target| <= tolerance
+//   Random variables: the first puck's speed, and the gap between the pucks; independent, normal.
+//   Outcome: where the second puck rests, along x.
+//   Density: log p_c = -1/2 ((x - target) / sigma)^2.
+//   Satisfied: |x - target| <= tolerance.
 //
 // Pucks are square, slide along x without turning, slow down by friction, and transfer their speed
 // at the hit; all in closed form. Thread safety: immutable after construction.

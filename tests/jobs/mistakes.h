@@ -1,5 +1,5 @@
-// Known mistakes for tests. Each makes one part around the machine of jobs wrong, or one setting;
-// `none` changes nothing.
+// Known mistakes for tests. Each mistake makes one part around the machine of jobs wrong, or one
+// setting. `none` changes nothing.
 #pragma once
 
 #include <array>

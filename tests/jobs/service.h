@@ -1,9 +1,10 @@
 // A simulated service: users, a daemon that runs the real machine of jobs and may die at any
 // moment, its store, and a backend, on one simulated clock.
 //
+// Data flow:
 //   users ──▶ daemon (1, 2, ...) ──▶ store
 //                 │  ▲
-//   faults ──▶ backend: keepers and programs
+//   faults ──▶ backend: keepers and programs.
 //
 // A step's effects wait until its save is on disk. A daemon that dies before, between or after the
 // effects leaves those that are done. Invariant: a run is a function of its scenario. Not

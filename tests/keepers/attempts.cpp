@@ -1,9 +1,9 @@
 // The local backend as commands that print JSON. Each call acts as a new daemon that ends when the
 // call returns.
-//   sleight-attempts launch FOLDER N [options]     prints the keeper's process id
-//   sleight-attempts look FOLDER N                 prints state, record, words
-//   sleight-attempts stop FOLDER N in_order|now    prints whether there was an attempt to stop
-//   sleight-attempts await FOLDER N                waits for the keeper's end, then looks
+//   `sleight-attempts launch FOLDER N [options]` prints the keeper's process id.
+//   `sleight-attempts look FOLDER N` prints state, record and words.
+//   `sleight-attempts stop FOLDER N in_order|now` prints whether there was an attempt to stop.
+//   `sleight-attempts await FOLDER N` waits for the keeper's end, then looks.
 #include <fmt/format.h>
 #include <poll.h>
 

@@ -28,7 +28,7 @@ class MpiCrew final : public Crew {
   /// initialised with MPI_THREAD_FUNNELED, and this is rank 0's main thread.
   MpiCrew(const plan::BlockWorker& worker, const base::Clock& clock, std::uint32_t local_threads,
           const schema::Hello& expected);
-  /// Dismisses the ranks. During an exception, leaves them to MPI_Abort.
+  /// Dismisses the ranks. During an exception, leaves the ranks to MPI_Abort.
   ~MpiCrew() override;
   MpiCrew(const MpiCrew&) = delete;
   MpiCrew& operator=(const MpiCrew&) = delete;

@@ -399,9 +399,9 @@ pong 1 #2
 }
 
 TEST(Scheduler, KeepsLeasesOfCopiesApart) {
-  // Goal: if two workers have a block, neither is awaited alone; when one is gone, the other's
-  // lease still holds. Method: the first answers while the second has a copy; then the second
-  // leaves.
+  // Goal: a block that two workers have is assigned to no third; when one of them is gone, the
+  // other's lease still holds. Method: the first answers while the second has a copy; then the
+  // second leaves.
   expect_goes("a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -513,9 +513,9 @@ leave 1
 }
 
 TEST(Scheduler, ListensToNobodyItDoesNotKnow) {
-  // Goal: answers and departures of unknown workers have no effect. Their results count, but a
-  // worker that joins afterwards gets states as bytes. Method: before and after a worker has
-  // joined.
+  // Goal: answers and departures of unknown workers have no effect. Results of unknown workers
+  // count, but a worker that joins afterwards gets states as bytes. Method: before and after a
+  // worker has joined.
   expect_goes("a a", blocks_ahead(0), R"(leave 4
 pong 4 #0
 join 1

@@ -1,6 +1,7 @@
 // Scripts for the scheduler. A line is an input; the indented lines below it are the resulting
 // effects. Playing a script returns it with the actual effects.
 //
+// Example:
 //   join 1 threads=2
 //     assign 1 #0 a@0+2 starts         worker 1 gets assignment 0: two scans of replica a from 0 on
 //     assign 1 #1 [b@3 held, c@3 bytes]       a ladder's part, with how each state is sent
