@@ -163,8 +163,7 @@ bool SlurmBackend::signal(const AttemptName& name, keeper::Stop how) {
     const bool is_told = how == keeper::Stop::in_order && job.seen.state != State::waiting;
     std::vector<std::string> command{settings_.scancel};
     if (is_told) command.insert(command.end(), {"--signal=USR1", "--batch"});
-    // If the job has begun since, --state=PENDING prevents its death, and a later signal reaches
-    // the keeper.
+    // --state=PENDING spares a job that has begun since. A later signal reaches its keeper.
     if (how == keeper::Stop::in_order && !is_told) command.emplace_back("--state=PENDING");
     command.push_back(job.id);
     const keeper::ToolEnd end = run(command);

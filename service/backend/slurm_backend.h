@@ -13,8 +13,7 @@
 // because the second keeper finds that the attempt has begun (keep.h).
 //
 // Slurm keeps ended jobs in its queue for MinJobAge (default 300 s). Afterwards these jobs are
-// absent, and the keeper's record has their end. The backend doesn't use sacct, because many sites
-// don't have it.
+// absent, and the keeper's record has their end. sacct isn't used, because many sites lack it.
 //
 // Not thread-safe.
 #pragma once

@@ -3,8 +3,7 @@
 // A separate thread derives them, so that nothing waits. The first checkpoint is made as soon as a
 // search has its finds, or with the first solution. Later checkpoints are made every every_s, or
 // less often, so that they take at most k_checkpoint_share_max of the workers' time. Simulating the
-// motions of kept animations isn't counted: each motion is simulated once for all archives, so it
-// costs nothing extra.
+// motions of kept animations isn't counted, because each motion is simulated once for all archives.
 //
 // The thread runs at normal priority, because a slow reader of the store prevents SQLite from
 // shortening its log. At SCHED_IDLE, a run's log grew by 1.2 GB in 90 s.
@@ -31,8 +30,7 @@ namespace sleight::coordinator {
 
 /// Maximum share of the workers' time between two checkpoints that one checkpoint takes.
 inline constexpr double k_checkpoint_share_max = 0.01;
-/// A session makes no checkpoint in this first time: a run that ends by then writes its archive
-/// anyway.
+/// No checkpoint before this time: a run that ends earlier writes its archive anyway.
 inline constexpr double k_checkpoint_after_s = 0.5;
 /// Delay before another try if the first checkpoint failed or shows no solution.
 inline constexpr double k_checkpoint_retry_s = 1;
@@ -58,8 +56,7 @@ class Checkpoints {
   /// Begins a checkpoint if one is due. May be called at any rate.
   void offer(const Standing& now);
 
-  /// Cancels the checkpoint in progress and waits until its thread has ended. No checkpoint begins
-  /// afterwards.
+  /// Cancels the checkpoint in progress, waits for the thread, and begins no further checkpoint.
   void stop();
 
   std::uint64_t made() const;

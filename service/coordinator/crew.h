@@ -1,7 +1,6 @@
 // A crew computes a run's blocks: threads of this process, or these and the ranks of an MPI job.
 //
-// A crew only carries messages: plans, stores and scheduling are elsewhere. One thread drives it
-// (drive.h).
+// A crew only carries messages: plans, stores and scheduling are elsewhere. One thread drives it.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +26,7 @@ class Crew {
   virtual std::vector<core::Joined> members() const = 0;
   virtual void send(core::WorkerId worker, schema::Assignment assignment) = 0;
   virtual void send(core::WorkerId worker, const schema::Ping& ping) = 0;
-  /// Returns input from the workers; waits up to `timeout_s` for the first. Rethrows a worker's
-  /// exception.
+  /// Returns the workers' input; waits up to `timeout_s`. Rethrows a worker's exception.
   virtual std::vector<core::Input> receive(double timeout_s) = 0;
   virtual Traffic traffic() const { return {}; }
 };

@@ -2,8 +2,7 @@
 // `sleight archive derive`, which may run concurrently or later.
 //
 // Deriving depends only on the store. Rows of a cut never change, and a fresh plan learns again
-// what a method learned from them. So the archive of a cut is the same whenever and by whichever
-// process it is derived.
+// what a method learned from them. So a cut's archive is the same for any time and process.
 //
 // Thread safety: one archive at a time per process (hdf5/writer.h), in any thread.
 #pragma once

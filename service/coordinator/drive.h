@@ -1,6 +1,6 @@
-// The loop that carries out a plan. The loop sends the scheduler's assignments (service/core) to
-// the crew, puts results into the store, and reports progress. Serial, threaded and MPI runs differ
-// only in the crew.
+// The loop that carries out a plan: sends the scheduler's assignments (service/core) to the crew,
+// puts results into the store, and reports progress. Serial, threaded and MPI runs differ only in
+// the crew.
 //
 // Neither the loop nor the crew makes decisions that could change a result.
 #pragma once
@@ -43,8 +43,7 @@ inline constexpr double k_stop_grace_s = 2;
 
 struct DriveOptions {
   double time_limit_s = 0;  ///< 0: no limit
-  /// After a stop request, waits this long for blocks in progress. The next session computes the
-  /// rest again.
+  /// Maximum wait for blocks in progress after a stop. The next session computes the rest.
   double stop_grace_s = k_stop_grace_s;
   double report_every_s = 0.1;
   std::function<bool()> stop_requested{};  ///< called often; may be empty
@@ -59,8 +58,7 @@ struct DriveOptions {
   std::function<void(const plan::ReplicaKey&, base::ScanIndex first_scan,
                      std::span<const plan::ScanRecord>)>
       consumed{};
-  /// Receives simulations that failed in this session, once each; only the first few of a unit. May
-  /// be empty.
+  /// Receives simulations that failed in this session, once each; at most a few per unit.
   std::function<void(const plan::ReplicaKey&, const plan::FailedSimulation&)> failed{};
   bool strict = false;  ///< a failed simulation, even of an earlier session, ends the run
 };
@@ -74,9 +72,9 @@ struct DriveOutcome {
   Handling handling{};
 };
 
-/// Runs the plan from the store's state until it is finished or asked to stop. On return, all
-/// received results are committed. The crew may still be computing after stop_grace_s. REQUIRES:
-/// `plan` is fresh.
+/// Runs the plan from the store's state until it is finished or stopped. On return, all received
+/// results are committed. The crew may still be computing after stop_grace_s. REQUIRES: `plan` is
+/// fresh.
 DriveOutcome drive(plan::Plan& plan, store::RunStore& store, Crew& crew, const base::Clock& clock,
                    const DriveOptions& options);
 

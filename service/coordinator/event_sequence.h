@@ -41,8 +41,7 @@
 
 namespace sleight::coordinator {
 
-/// Maximum failures reported per run: a simulator that fails at every other state must not fill the
-/// store.
+/// Maximum failures reported per run, so that a failing simulator doesn't fill the store.
 inline constexpr std::uint64_t k_failures_told_max = 1000;
 
 class EventSequence {

@@ -19,8 +19,7 @@ inline constexpr std::size_t k_failure_files_max = 10;
 
 class FailureFiles {
  public:
-  /// Borrows the file system. REQUIRES: `run_folder` exists. The first failure creates the folder
-  /// of failures.
+  /// Borrows the file system. REQUIRES: `run_folder` exists.
   FailureFiles(const std::string& run_folder, std::string request_text, base::FileSystem& files);
 
   /// Returns the file that repeats a failure. None: there are k_failure_files_max files already.
@@ -28,8 +27,7 @@ class FailureFiles {
   std::optional<std::string> keep(const plan::ReplicaKey& replica,
                                   const plan::FailedSimulation& failed);
 
-  /// The file of the first failure of a kind in a scan, from this session or an earlier one. Empty:
-  /// there is no file.
+  /// The file of a scan's first failure of a kind, from any session. Empty: there is no file.
   std::string path_of(const plan::ReplicaKey& replica, base::ScanIndex scan,
                       plan::FailureKind kind) const;
 

@@ -1,5 +1,4 @@
 // Checks the output path of an archive: whether it is writable, and which file is already there.
-//
 // Thread safety: that of the file system. A separate process reads the existing file.
 #pragma once
 
@@ -15,8 +14,7 @@ namespace sleight::coordinator {
 /// there. ExitCode::usage: `output` names no file.
 void refuse_unusable_place(const std::string& output, base::FileSystem& files);
 
-/// The possible first lines of requests in archives of this run, including an archive with only
-/// finds.
+/// Returns how the request in an archive of this run may begin, also with only finds.
 std::vector<std::string> beginnings_of(const request::DirectionRequest& request);
 
 /// Throws base::Error(conflict) if the file is not an archive, or if its request begins with none

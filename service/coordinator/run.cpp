@@ -46,8 +46,7 @@ void claim_output(const std::string& output, const std::string& folder, bool fre
   logging::info(fmt::format("--fresh: deleting the earlier run of {}", output));
   // Delete the archive first: an archive without its store would be refused above.
   files.remove(output);
-  // Then delete the database before its log. A log alone is ignored, but a database without its log
-  // may be inconsistent.
+  // Then delete the database before its log. A database without its log may be inconsistent.
   for (const char* suffix : {"", "-wal", "-shm"}) {
     files.remove(database + suffix);
     files.remove(store::StoredMotions::path(folder) + suffix);
@@ -96,8 +95,7 @@ void say_stopping() {
                   k_stop_grace_s));
 }
 
-/// Reports that the new archive contains fewer scans than the store, because an earlier session
-/// requested more.
+/// Reports that the new archive has fewer scans than the store, if an earlier session had more.
 void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
                           std::uint64_t scans) {
   std::optional<std::uint64_t> stored;
@@ -111,8 +109,7 @@ void say_what_is_left_out(store::RunStore& run_store, const std::string& output,
                   output, scans, *stored));
 }
 
-/// Stores failures as files and reports the first one at once. Progress and summary count the
-/// others.
+/// Stores failures as files and reports only the first one; progress and summary count all.
 class FailureNotes {
  public:
   FailureNotes(const std::string& folder, const std::string& request_text, base::FileSystem& files)
@@ -210,8 +207,7 @@ RunSummary drive_and_derive(const RunInputs& inputs, const RunOptions& options,
   if (summary.scans > 0 || summary.found > 0) {
     run_events.say(k_writing);
     WritingWords words([&](const std::string& phase) { run_events.say(phase); }, inputs.clock);
-    // After a stop request the run still writes its archive. The same signal again ends the
-    // process.
+    // After a stop request the run still writes its archive, unless the signal is repeated.
     const bool is_stopping = summary.end == DriveEnd::stop_requested;
     try {
       std::tie(summary.digest, summary.scans) = archive_of(

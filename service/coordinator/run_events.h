@@ -46,8 +46,7 @@ class RunEvents {
  public:
   using Hear = std::function<void(const events::RunEvent&)>;
 
-  /// Borrows store and clock. `hear` may be empty. REQUIRES: nothing has been put into the store
-  /// yet.
+  /// Borrows store and clock. `hear` may be empty. REQUIRES: nothing was put into the store.
   RunEvents(std::string folder, store::RunStore& store, const base::Clock& clock, Hear hear,
             EventSequence::FileOf file_of = {});
   /// Calls stop().

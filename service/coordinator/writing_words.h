@@ -1,8 +1,7 @@
 // Describes the progress of writing an archive for people: "writing the archive: 1,200 of 5,000
 // draws (24%)  0:12 left  310 draws/s".
 //
-// Parts that finish at once are left out, and the rate suits a line that is rewritten. Not
-// thread-safe.
+// Parts that finish at once are left out; the rate suits a rewritten line. Not thread-safe.
 #pragma once
 
 #include <functional>

@@ -156,8 +156,7 @@ jobs::Ended AttemptSights::ended(jobs::JobId job, const keeper::AttemptRecord& r
                     .results_version = run_results_version(job)};
   if (!end.run_end) {
     ended.words = signal_words(end);
-    // The stop arrived before the program could handle it, so the keeper's signal killed the
-    // program.
+    // The stop came before the program could handle it, so the signal killed the program.
     if (end.stop_asked && end.signal == SIGUSR1) ended.kind = jobs::EndKind::stop_requested;
     return ended;
   }

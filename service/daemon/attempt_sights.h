@@ -1,7 +1,5 @@
 // Reads a job's folder and reports the job's attempts to the machine of jobs: how a run progresses,
-// how it ended, and what hinders it. The same for all backends.
-//
-// Thread safety: all on the loop's thread.
+// how it ended, and what hinders it. Thread safety: all on the loop's thread.
 #pragma once
 
 #include <cstdint>

@@ -6,8 +6,7 @@
 //   `Look` leads to a Sight, now or soon.
 //   `Stop` sends a signal to the keeper.
 //
-// Thread safety: all on the loop's thread. Inputs are reported through `hear`, never from inside
-// launch, stop or look.
+// Thread safety: all on the loop's thread. launch, stop and look never call `hear` directly.
 #pragma once
 
 #include <cstddef>

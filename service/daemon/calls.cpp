@@ -230,8 +230,7 @@ void Calls::list(const rpc::Caller& caller, rpc::ListAsk ask, rpc::Reply<rpc::Jo
   reply.answer(std::move(page));
 }
 
-/// Returns the job's view. `with_progress` adds an active run's progress, which may cost a look at
-/// its log.
+/// `with_progress` adds an active run's progress, which may cost a look at its log.
 rpc::JobView Calls::view(const Posted& posted, bool with_progress) {
   const events::Progress* progress = nullptr;
   if (with_progress && jobs::is_active(posted.job.state)) {

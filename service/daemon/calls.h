@@ -31,8 +31,7 @@ struct ServerFacts {
   std::vector<rpc::NamedLimit> limits{};
   RequestLimits request_limits{};
   std::uint32_t job_cores = 0;  ///< default for jobs without a wish; 0: whatever is free
-  /// Throws base::Error if the backend doesn't support these options. Empty: the backend supports
-  /// none.
+  /// Throws base::Error for options that the backend doesn't support. Empty: it supports none.
   std::function<void(const std::map<std::string, std::string>&)> check_options{};
   std::string backend = "local";
   // The TCP address, if the server listens there.

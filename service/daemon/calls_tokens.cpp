@@ -10,8 +10,7 @@
 
 namespace sleight::daemon {
 
-/// Refuses `more` unfinished jobs beyond the token's limit, which applies besides the user's
-/// limits.
+/// Refuses `more` unfinished jobs beyond the token's limit. The user's limits apply as well.
 std::optional<rpc::Refusal> Calls::beyond_token(const rpc::Caller& caller, std::size_t more) const {
   if (caller.token_jobs_max == 0) return std::nullopt;
   const auto being = being_submitted_.find(caller.token_id);

@@ -18,8 +18,7 @@
 
 namespace sleight::daemon {
 
-/// Minimum interval of looks at watched runs; with many watched runs, k_watched_each_s times their
-/// number.
+/// Interval of looks at watched runs: k_watched_each_s per watched run, but at least k_watched_s.
 inline constexpr double k_watched_s = 0.02;
 inline constexpr double k_watched_each_s = 0.0002;
 /// A job counts as watched for this time after a request for its events. A watch without news

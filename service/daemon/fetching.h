@@ -30,8 +30,7 @@ inline constexpr std::size_t k_held_files_max = 16;
 /// Maximum derived files held per name: an active job's archive is different each time.
 inline constexpr std::size_t k_held_made_max = 2;
 inline constexpr double k_held_for_s = 600;
-/// A user's maximum fetches that are queued, hashed or derived. These continue when their client
-/// leaves.
+/// A user's maximum unfinished fetches, which continue when their client leaves.
 inline constexpr std::size_t k_fetches_of_user_max = 32;
 /// Maximum time for deriving an archive or recordings.
 inline constexpr double k_make_s_max = 900;
@@ -46,8 +45,7 @@ class Fetching {
     std::string sleight{};  ///< the program that makes archives and recordings
   };
   explicit Fetching(Parts parts);
-  /// Waits for the work that both workers have begun, which uses this object. Queued work is
-  /// dropped.
+  /// Waits for the work that both workers have begun, because it uses this object.
   ~Fetching();
   Fetching(const Fetching&) = delete;
   Fetching& operator=(const Fetching&) = delete;

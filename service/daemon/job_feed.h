@@ -1,14 +1,12 @@
-// A cache of a job's run events for frequent readers: the newest progress for lists, and the newest
-// events for watchers.
+// A cache of a job's run events: the newest progress for lists, the newest events for watchers.
 //
 // The run writes its events into its folder (common/store/told_events.h), and the feed follows
 // them. If a watcher is missing more events than the feed holds, the events are read from the
 // folder. So the feed's size is bounded, and nothing depends on its contents.
 //
 // Marks number the unnumbered events, so that a watcher gets the newest event of each kind once.
-// Marks begin at the wall clock's microseconds. So a feed created later, even by another daemon,
-// usually recognises an earlier feed's marks as past. An unknown mark returns the newest event of
-// every kind.
+// Marks begin at the wall clock's microseconds. So a later feed, even of another daemon, usually
+// recognises earlier marks as past. An unknown mark returns the newest event of every kind.
 //
 // Thread safety: one thread.
 #pragma once

@@ -1,7 +1,5 @@
-// Paths in a job's folder of the state folder, and the daemon's operations on them. The keeper
-// (service/keeper) writes the other files.
-//
-// Thread safety: functions of files alone; one thread at a time per job's folder.
+// Paths in a job's folder, and the daemon's operations on them; the keeper (service/keeper) writes
+// the other files. Thread safety: functions of files; one thread at a time per folder.
 #pragma once
 
 #include <cstdint>
@@ -26,18 +24,15 @@ class JobFolders {
   std::string run(jobs::JobId job) const;  ///< folder of the run store, the events and failures
   std::string failures(jobs::JobId job) const;
 
-  /// Creates the folder if necessary and replaces the request atomically and durably. Throws
-  /// base::Error.
+  /// Creates the folder if necessary and replaces the request durably. Throws base::Error.
   void write_request(jobs::JobId job, const std::string& text, base::FileSystem& files) const;
 
   /// Highest job id of any job folder, whether or not the job is known. 0: there are no folders.
   std::uint64_t highest() const;
 
-  /// Moves the folder aside at once, for clear_away() to delete. Returns whether the folder
-  /// existed.
+  /// Moves the folder aside for clear_away() to delete. Returns whether the folder existed.
   bool set_aside(jobs::JobId job) const;
-  /// Deletes folders that this or earlier daemons set aside, as far as possible. Slow for large
-  /// folders.
+  /// Deletes folders that any daemon set aside, as far as possible. Slow for large folders.
   void clear_away() const;
 
   /// Total size of the job's files that are readable.

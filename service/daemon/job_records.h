@@ -1,8 +1,7 @@
 // Jobs, changes and usages as lines of JSON, as the job store saves them.
 //
 // A missing field has its type's default, and an unknown field is ignored, because a later build of
-// the same store format may add fields. For a line that wasn't written here, the readers return
-// none.
+// the store format may add fields. For lines that weren't written here, readers return none.
 //
 // Thread safety: pure functions.
 #pragma once

@@ -1,5 +1,4 @@
-// Runs the jobs: joins the machine of jobs (service/jobs) with its store, its backend and its
-// clock.
+// Runs the jobs: joins the machine of jobs (service/jobs) with its store, backend and clock.
 //
 // Data flow:
 //   calls, sights, time ──▶ machine ──▶ Save ──▶ store (a thread) ──▶ board, answers, attempts

@@ -1,5 +1,4 @@
-// The job store: a SQLite database `jobs.sqlite` in the state folder, which restores a daemon after
-// kill -9 or power loss.
+// The job store: a SQLite database `jobs.sqlite` in the state folder, which survives power loss.
 //
 //   `job`      has one row per job: its current record.
 //   `change`   has one row per change of a job, numbered from 1 without gaps.
@@ -52,8 +51,7 @@ struct StoredRequest {
   bool operator==(const StoredRequest&) const = default;
 };
 
-/// The contents of one transaction. REQUIRES: the first and each new revision of a job come with
-/// their request.
+/// One transaction. REQUIRES: each new revision of a job, also its first, has its request.
 struct Save {
   jobs::Save jobs{};
   std::vector<StoredRequest> requests{};

@@ -1,8 +1,6 @@
 // Watches a run lease (common/store/lease.h) to find out whether a process on another machine can
 // still write the run. The watch doesn't take the lease, so it never blocks a process that needs
-// the run.
-//
-// Not thread-safe.
+// the run. Not thread-safe.
 #pragma once
 
 #include <cstdint>

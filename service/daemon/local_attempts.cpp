@@ -64,8 +64,7 @@ void LocalAttempts::await_begin(jobs::JobId job, jobs::Attempt attempt) {
       parts_.loop.call_later(k_again_s, [this, job, attempt] { await_begin(job, attempt); });
 }
 
-/// Returns whether the attempt has a record. If the folder belongs to another attempt, `see`
-/// reports that.
+/// Returns whether the attempt has a record. `see` reports a folder of another attempt.
 bool LocalAttempts::look_whether_begun(jobs::JobId job, jobs::Attempt attempt) {
   try {
     return parts_.backend

@@ -1,5 +1,4 @@
-// Attempts on this machine, in keepers (service/keeper/backend.h) that the daemon awaits by their
-// descriptors.
+// Attempts on this machine. The daemon awaits their keepers (service/keeper/backend.h).
 //
 //   `Launch` writes request.toml and starts a keeper. Once the keeper has its record: Launched.
 //   `Look` reads the folder's record: Sight. A running keeper is awaited from then on.

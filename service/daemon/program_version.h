@@ -1,7 +1,5 @@
 // The build of the installed programs. The programs may be replaced while the daemon runs, by a
-// build of the same or of another results version.
-//
-// Thread safety: any thread.
+// build of the same or of another results version. Thread safety: any thread.
 #pragma once
 
 #include <optional>

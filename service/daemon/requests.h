@@ -1,6 +1,4 @@
-// Checks requests with the worlds and normalises their text for the job store.
-//
-// Thread safety: that of `read`.
+// Checks requests with the worlds and normalises their text. Thread safety: that of `read`.
 #pragma once
 
 #include <functional>
@@ -31,8 +29,7 @@ base::Result<StoredRequest, rpc::Refusal> extended_request(const StoredRequest& 
                                                            const ReadRequest& read,
                                                            const RequestLimits& limits);
 
-/// A digest that is equal for equal asks, for idempotent submits. `request`: the normalised
-/// request.
+/// A digest of the ask and its normalised request, equal for equal asks.
 std::string content_of(const rpc::JobAsk& ask, const std::string& request);
 
 }  // namespace sleight::daemon

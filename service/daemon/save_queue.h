@@ -1,6 +1,5 @@
 // Saves in a thread of its own and in groups: all saves that arrive while a group is written form
-// the next group. So many submits share one sync of the disk, and the loop never waits for the
-// disk.
+// the next group. So many submits share one sync, and the loop never waits for the disk.
 //
 // Invariants
 //   1. Saves become durable in the order of `put`, each completely or not at all.

@@ -277,8 +277,7 @@ std::string SystemAttempts::words_of(const Run& run) const {
   return fmt::format("{} job {}: {}", title, run.seen->id, run.seen->words);
 }
 
-/// Combines the system's answer and the folder's record, reports the result, and forgets ended
-/// attempts.
+/// Combines the system's answer and the folder's record, and reports the result.
 void SystemAttempts::judge(jobs::JobId job) {
   const auto found = runs_.find(job);
   if (found == runs_.end()) return;
@@ -326,8 +325,7 @@ bool SystemAttempts::judge_begun(jobs::JobId job, Run& run, const keeper::Attemp
   return true;
 }
 
-/// Judges an attempt that the system no longer has and whose record has no end. Returns whether the
-/// attempt is over.
+/// Judges an attempt that is gone and has no recorded end. Returns whether the attempt is over.
 bool SystemAttempts::judge_gone(jobs::JobId job, Run& run, const keeper::AttemptRecord* record) {
   const double now_s = parts_.clock.now_s();
   if (!run.gone_s) run.gone_s = now_s;

@@ -1,6 +1,4 @@
-// The files of a TLS service's certificate and key.
-//
-// Thread safety: one thread.
+// The files of a TLS service's certificate and key. Thread safety: one thread.
 #pragma once
 
 #include <string>

@@ -48,8 +48,7 @@ class Tokens final : public rpc::Authority {
   base::Result<rpc::TokenView, rpc::Refusal> create(std::uint32_t user, const rpc::TokenAsk& ask);
   /// Tokens of a user, newest first. None: of all users.
   std::vector<rpc::TokenView> of(std::optional<std::uint32_t> user);
-  /// Revokes a token of this user; none: of any user. Another user's token is reported as not
-  /// found.
+  /// Revokes a token of this user; none: of any user. Other users' tokens are not found.
   base::Result<rpc::TokenView, rpc::Refusal> revoke(std::optional<std::uint32_t> user,
                                                     const std::string& id);
 

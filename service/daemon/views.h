@@ -1,6 +1,4 @@
-// Jobs as clients see them.
-//
-// Thread safety: pure functions of their arguments.
+// Jobs as clients see them. Thread safety: pure functions of their arguments.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,5 @@
 // A thread for slow work that can wait, such as hashing files, deleting folders and deriving
-// archives.
-//
-// Thread safety: `run` is called from one thread.
+// archives. Thread safety: `run` is called from one thread.
 #pragma once
 
 #include <atomic>
@@ -24,9 +22,8 @@ class Worker {
 
   /// Queues the work, which must not throw and reports its outcome with Loop::post.
   void run(Work work);
-  /// Waits for the work in progress, which `ending` asks to stop; queued work never begins. The
-  /// owner of anything that the work uses calls this before destroying it. Repeated calls have no
-  /// effect.
+  /// Waits for the work in progress, which `ending` asks to stop; queued work never begins.
+  /// REQUIRED before destroying anything that the work uses. Repeated calls have no effect.
   void end();
   /// True once end() is called; slow work checks it. Callable from any thread.
   const std::atomic<bool>& ending() const { return ending_; }

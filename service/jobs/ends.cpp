@@ -192,8 +192,7 @@ Verdict judge(const Job& job, const Ended& ended, const Surroundings& around,
     case EndKind::stop_requested:
       if (ended.outside != Outside::nothing)
         return ends_outside(job, ended.outside, ended.outside_words);
-      // Back off before the first commit, so that repeated signals from outside don't keep the
-      // machine busy.
+      // Back off before the first commit, in case outside signals keep stopping the job.
       return goes_on(job,
                      {.to = State::queued,
                       .reason = Reason::stopped_by_itself,

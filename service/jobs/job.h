@@ -1,5 +1,4 @@
-// A job: a submitted direction request with its current status. The job store saves these values,
-// and clients see them.
+// A job: a submitted direction request with its current status, as stored and shown.
 //
 // States:
 //            ┌──────────────── ended early, died, yielded ───────────────┐
@@ -31,8 +30,7 @@ namespace sleight::jobs {
 
 /// Job id: positive and never reused. Written as 17.
 using JobId = base::Id<struct JobTag, std::uint64_t>;
-/// Group of jobs that were submitted together with `--set sampler.seed=1..20`. Written as g5; 0:
-/// none.
+/// Group of jobs submitted together with `--set sampler.seed=1..20`. Written as g5; 0: none.
 using GroupId = base::Id<struct GroupTag, std::uint64_t>;
 /// A uid of this machine.
 using UserId = base::Id<struct UserTag, std::uint32_t>;
@@ -103,13 +101,12 @@ struct Wishes {
 struct Counts {
   std::uint64_t scans = 0;                          ///< committed, over all chains
   std::uint64_t found = 0;                          ///< by a search
-  std::uint64_t solutions = 0;                      ///< independent draws
+  std::uint64_t solutions = 0;                      ///< independent ones among the draws
   std::map<std::string, std::uint64_t> failures{};  ///< of simulations, by kind
   bool operator==(const Counts&) const = default;
 };
 
-/// How the run's last session ended; the names are those of events::End. `none`: the session left
-/// no record, so it died.
+/// How the run's last session ended, named as events::End. `none`: the session died unrecorded.
 enum class EndKind {
   none,
   finished,
@@ -159,7 +156,7 @@ struct Job {
   double start_cost_s = 0;           ///< measured, from launch to first commit; 0: not measured yet
   double stop_cost_s = 0;            ///< measured, from stop request to end
 
-  double core_seconds = 0;       ///< reserved, over all attempts
+  double core_seconds = 0;       ///< used, over all attempts
   std::uint64_t disk_bytes = 0;  ///< of its folder
 
   EndKind end = EndKind::none;  ///< of its last session that left a record

@@ -122,8 +122,7 @@ class Jobs {
   std::vector<Effect> step(const Input& input);
 
   /// Returns why a submit would be refused now, after `before_it` other new jobs of the same user.
-  /// None also if the submit's key names an existing job. Callers use this to submit several
-  /// jobs or none.
+  /// None also if the submit's key names an existing job. For submitting several jobs or none.
   std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
 
   const Job* find(JobId id) const;
@@ -132,8 +131,7 @@ class Jobs {
   /// REQUIRES: the job is queued.
   Waiting waiting(JobId id) const;
   Standing standing() const;
-  /// The latest time for the next Tick, by the ticks' clock. None: no Tick is needed before another
-  /// input.
+  /// The latest time for the next Tick, by the ticks' clock. None: only after another input.
   std::optional<double> next_tick_s() const;
   /// Service time as of the last tick.
   double clock_s() const { return clock_s_; }

@@ -230,8 +230,7 @@ void Jobs::set_priority(Job& job, std::int32_t priority) {
   dirty_.insert(job.id);
 }
 
-/// Queues a held or finished job again at its user's request, with failures and announcements
-/// reset.
+/// Queues a held or finished job again at its user's request, without its past failures.
 void Jobs::begin_anew(Job& job, Reason reason, std::string words) {
   leave_indices(job);
   job.next_start_s = 0;

@@ -24,8 +24,7 @@ void Jobs::take(const Sight& input) {
   const bool is_there =
       std::holds_alternative<Running>(input.seen) || std::holds_alternative<Pending>(input.seen);
   if (!is_active(job.state) || input.attempt < job.attempt) {
-    // An attempt that was presumed dead still holds the folder. Stop it, because newer attempts
-    // wait.
+    // A presumed-dead attempt still holds the folder. Stop it, because newer attempts wait.
     if (is_there)
       effects_.emplace_back(Stop{.job = job.id,
                                  .attempt = input.attempt,
@@ -33,8 +32,7 @@ void Jobs::take(const Sight& input) {
     return;
   }
   if (input.attempt > job.attempt) {
-    // The folder is newer than the job store, for example after restoring a backup. The folder is
-    // right.
+    // The folder is newer than the job store, as after restoring a backup, and right.
     job.attempt = input.attempt;
     dirty_.insert(job.id);
   }

@@ -37,8 +37,7 @@ std::uint32_t Jobs::cores_kept(UserId user) const {
   return account == nullptr ? 0 : account->cores - account->cores_stopping;
 }
 
-/// Maximum cores that the job can use here, within its user's limit less the cores of the user's
-/// other jobs.
+/// Maximum cores for the job here, within what its user's other jobs leave of the limit.
 std::uint32_t Jobs::cores_max(const Job& job) const {
   std::uint32_t cores = room_->cores;
   if (job.wishes.ranks > 0) {

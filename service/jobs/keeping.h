@@ -1,7 +1,7 @@
-// How long finished jobs are stored. A job is deleted when it has been over for keep_s. If finished
-// jobs hold more than keep_bytes, the oldest are deleted earlier. A deletion is announced
-// announce_s in advance. Pinned jobs aren't deleted. Pinning, extending or resuming a job withdraws
-// the announcement.
+// How long finished jobs are stored. A job is deleted after it has been over for keep_s; if
+// finished jobs hold more than keep_bytes, the oldest are deleted earlier. A deletion is announced
+// announce_s in advance. Pinning, extending or resuming a job withdraws the announcement. Pinned
+// jobs aren't deleted.
 //
 // Times are service times, so jobs don't age while no daemon is up or when the wall clock jumps.
 //

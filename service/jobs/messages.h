@@ -40,8 +40,7 @@ struct Drain {
   bool on = false;
 };
 
-/// The programs that attempts start: whether they can start now, and their results version (empty:
-/// unknown).
+/// The programs of attempts: whether they can start, and their results version (empty: unknown).
 struct BackendNote {
   bool is_there = true;
   std::string results_version{};

@@ -1,7 +1,5 @@
 // Settings of the machine of jobs, each with its unit and effect. Limits apply per user; 0: no
-// limit.
-//
-// Thread safety: values.
+// limit. Thread safety: values.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +46,7 @@ struct Options {
 
   // Looks at the backend
   double look_after_launch_s = 5;  ///< if no report arrives
-  double look_every_s = 30;        ///< maximum interval of reports from a running job
+  double look_every_s = 30;        ///< if a running job sends no report
   std::uint32_t unbegun_max = 5;   ///< launches of one attempt without a start
 
   double disk_resume_factor = 1.25;  ///< disk holds end at this times the reserve
@@ -64,8 +62,7 @@ struct Options {
 
 /// Maximum doublings of a back-off or slice.
 inline constexpr std::uint32_t k_doublings_max = 20;
-/// Places in the queue are counted up to this one: counting costs time, and nobody reads larger
-/// places.
+/// Places in the queue are counted only up to this one, because counting costs time.
 inline constexpr std::uint64_t k_place_max = 100;
 
 }  // namespace sleight::jobs

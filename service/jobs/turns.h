@@ -7,9 +7,8 @@
 //
 // The next job. A user that has waited patience_s with nothing running is next, the longest wait
 // first. Otherwise the user with the fewest decayed core-seconds is next, counting what its running
-// jobs will use soon; then priority decides, then age. The user's first job by priority, then age,
-// is taken. Once per patience_s, the user's longest-waiting job is taken instead if it has waited
-// that long.
+// jobs will use soon; then priority decides, then age. The user's first job is by priority, then
+// age; once per patience_s, it is the user's longest-waiting job if that has waited so long.
 //
 //   Pseudocode of hand_out:
 //     while there is a next job:

@@ -85,8 +85,7 @@ struct AttemptRecord {
 };
 
 inline constexpr std::size_t k_tail_lines_max = 50;
-/// Maximum size of a record. Longer records lose the oldest lines of the tail, then the middles of
-/// long words.
+/// Maximum size of a record. First the tail's oldest lines are dropped, then long words are cut.
 inline constexpr std::size_t k_record_bytes_max = 64U << 10U;
 inline constexpr const char* k_record_name = "attempt.json";
 
@@ -100,8 +99,7 @@ std::optional<AttemptRecord> record_of(std::string_view text);
 /// if the record can't be read.
 std::string record_text_in(const std::string& folder);
 
-/// Returns the record in the text; none if the text is empty. Throws base::Error if the text is not
-/// a valid record.
+/// Returns the record in the text. None: empty text. Throws base::Error for an invalid text.
 std::optional<AttemptRecord> record_in(const std::string& folder, const std::string& text);
 
 /// record_text_in, then record_in.
@@ -111,8 +109,8 @@ class RecordFile {
  public:
   RecordFile(base::FileSystem& files, std::string folder);
 
-  /// Durable on return, with room reserved for the end. If it throws base::Error, the record may
-  /// exist or not.
+  /// Durable on return, with room for the end. After a base::Error, the record may or may not
+  /// exist.
   void begin(const AttemptRecord& record);
 
   /// Durable on return. REQUIRES: `record` has an end; begin has returned; called once. If it

@@ -220,8 +220,7 @@ std::optional<RunningKeeper> LocalBackend::adopt(const std::string& folder,
   if (looked.state != Look::State::running || !looked.record) return std::nullopt;
   const ProcessIdentity& recorded = looked.record->keeper;
   base::Descriptor descriptor(open_process(recorded.pid));
-  // Read the identity after opening. If it matches the record, the descriptor refers to the
-  // recorded process.
+  // Open before reading: if the identity matches, the descriptor is the recorded process's.
   if (!descriptor || identity_of(recorded.pid) != recorded) return std::nullopt;
   return RunningKeeper(recorded, std::move(descriptor));
 }

@@ -62,8 +62,7 @@ class RunningKeeper {
 struct Look {
   enum class State : std::uint8_t { never_began, running, ended, died };
   State state = State::never_began;
-  /// The attempt's record. Present for ended and died, and for running unless the keeper has just
-  /// started.
+  /// The attempt's record. Present unless the attempt never began or its keeper has just started.
   std::optional<AttemptRecord> record{};
   /// For never_began: the error output of its keeper, such as "disk full". Usually empty.
   std::string words{};

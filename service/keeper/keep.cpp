@@ -209,8 +209,7 @@ class Kept {
   const std::optional<Stop>& stop_asked() const { return stop_asked_; }
 
   void stop(Stop how) {
-    // Pass on only the first clean stop. A second signal would end the run at once, and a clean
-    // stop may take long.
+    // Pass on only the first clean stop. A second signal would end the run at once.
     const bool was_asked = stop_asked_.has_value();
     stop_asked_ = stop_asked_ == Stop::now ? Stop::now : how;
     if (how == Stop::now) {

@@ -1,5 +1,4 @@
-// The keeper: one process per attempt that starts the job's program, observes how it ends, and
-// records the end.
+// The keeper: one process per attempt that starts the job's program and records how it ends.
 //
 //   1. Takes the folder's lock. Exits if the lock is taken, or if the folder's record is of this
 //      attempt or a later one. So an attempt that is launched twice runs once.

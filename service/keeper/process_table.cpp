@@ -24,8 +24,7 @@ struct Stat {
 
 /// Empty if the file doesn't exist or its process has ended.
 std::string content_of(const std::string& path) {
-  // If the process ends during the read, the read fails, and `<<` treats the failure as the end of
-  // the file.
+  // Reading with `<<` takes a failure for the end of the file, if the process ends meanwhile.
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return std::move(text).str();

@@ -2,8 +2,8 @@
 // keeper, or a tool (tool.h).
 //
 // The kernel kills the child when this process ends for any reason (PR_SET_PDEATHSIG). The child
-// has its own session, no terminal, only the standard descriptors, no core dumps, and exactly the
-// given environment.
+// has its own session, no terminal, only standard descriptors, no core dumps, and the given
+// environment.
 //
 // Thread safety: call from a thread that outlives the child, because the kernel watches the forking
 // thread, not the process.
@@ -32,8 +32,7 @@ struct ProgramStart {
 /// Returns once the program runs. On failure returns the reason, and there is no child.
 base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moments& moments);
 
-/// Returns pointers to the words, as exec expects them. Valid until `words` changes or is
-/// destroyed.
+/// Returns pointers to the words, as exec expects them. REQUIRES: `words` doesn't change.
 std::vector<char*> pointers_to(std::vector<std::string>& words);
 
 }  // namespace sleight::keeper

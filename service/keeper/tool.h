@@ -39,8 +39,7 @@ struct ToolEnd {
 /// Throws base::Error if the program can't be started. A name without a slash is searched on PATH.
 ToolEnd run_tool(const std::vector<std::string>& command, const ToolOptions& options);
 
-/// This process's environment without variables that begin with `beginnings`, except those in
-/// `kept`.
+/// This process's environment without variables that begin with `beginnings`, but with `kept`.
 std::vector<std::string> environment_without(const std::vector<std::string>& beginnings,
                                              const std::vector<std::string>& kept = {});
 

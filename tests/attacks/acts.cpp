@@ -19,8 +19,7 @@ class Talk {
  public:
   Talk(const Scene& scene, std::unique_ptr<Line> line) : scene_(scene), line_(std::move(line)) {}
 
-  /// Reads what has arrived, waiting up to the timeout. False: nothing arrived, and the line is
-  /// still open.
+  /// Reads what has arrived, waiting up to the timeout. False: nothing; the line is open.
   bool hear(int patience_ms = 0) {
     bool has_heard = false;
     std::string bytes;

@@ -2,8 +2,7 @@
 // clients must always be answered.
 //
 // Episode n's kind and everything it sends are a function of (seed, n). Only the server's answers
-// and the concurrent episodes vary. So a failure names its episode, and --episode repeats that
-// episode alone.
+// and the concurrent episodes vary. --episode repeats the episode that a failure names.
 //
 // Thread safety: run_campaign starts its own threads and ends them.
 #pragma once

@@ -1,7 +1,6 @@
 // Peers that stay connected, over the socket and over TLS: slow ones, which send single bytes, and
-// silent ones. Held peers must not hinder other clients.
-//
-// Thread safety: run() is one thread's; tallies and trouble are shared.
+// silent ones. Held peers must not hinder other clients. Thread safety: run() is one thread's;
+// tallies and trouble are shared.
 #pragma once
 
 #include <atomic>
@@ -17,9 +16,8 @@ struct HeldTallies {
   Tally silent_over_tls{};
 };
 
-/// Holds peers until `is_over`. A slow peer counts as reached when the server has answered it. A
-/// silent peer counts as reached when the server has answered what the peer sent before its
-/// silence.
+/// Holds peers until `is_over`. A slow peer counts as reached when the server has answered it; a
+/// silent one, when the server has answered what it sent before its silence.
 void hold_peers(const Target& target, const std::atomic<bool>& is_over, HeldTallies& tallies);
 
 }  // namespace sleight::attack

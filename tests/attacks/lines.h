@@ -17,8 +17,7 @@
 
 namespace sleight::attack {
 
-/// The server's time for its duties: answering, and ending a connection after the peer has ended
-/// it.
+/// The server's time to answer, and to end a connection after its peer has ended it.
 inline constexpr int k_patience_ms = 10'000;
 
 enum class Got : std::uint8_t {

@@ -1,6 +1,5 @@
-// Parses what a server sends on a connection: which calls it has answered, and how.
-//
-// Thread safety: one thread.
+// Parses what a server sends on a connection: which calls it has answered, and how. Thread safety:
+// one thread.
 #pragma once
 
 #include <cstdint>

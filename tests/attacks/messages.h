@@ -20,8 +20,7 @@ inline constexpr std::uint32_t k_first_question = 2;
 struct Asked {
   std::string frame{};
   std::uint32_t question = 0;
-  /// For a watch, or for a fetch that must derive a file: the answer may take longer than
-  /// k_patience_ms.
+  /// A watch, or a fetch of a derived file, whose answer may take longer than k_patience_ms.
   bool may_wait = false;
 };
 
@@ -38,11 +37,9 @@ std::string finish(std::uint32_t question);
 std::string odd_protocol(Dice& dice);
 /// A call on the promised result of another question, or on capabilities that exist or don't.
 std::string pipelined_call(Dice& dice, std::uint32_t question);
-/// A call whose parameters contain the client's capabilities, and the client's later messages about
-/// them.
+/// A call with the client's capabilities, and the client's later messages about them.
 std::vector<std::string> calls_with_capabilities(Dice& dice, std::uint32_t question);
-/// A call whose parameters contain invalid pointers: beyond the message, to themselves, or deeply
-/// nested.
+/// A call with invalid pointers: beyond the message, to themselves, or deeply nested.
 std::string odd_pointers(Dice& dice, std::uint32_t question);
 /// A message of any of the kinds above with some bytes changed.
 std::string mutated(Dice& dice, const Bounds& bounds, std::uint32_t question);

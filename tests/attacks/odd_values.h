@@ -1,7 +1,6 @@
 // Values that a server should never receive: extreme numbers, hostile texts, invalid tokens. All
-// are functions of their Dice, so that an attack can be repeated by its number.
-//
-// Thread safety: one Dice belongs to one thread.
+// are functions of their Dice, so that an attack can be repeated by its number. Thread safety: one
+// Dice belongs to one thread.
 #pragma once
 
 #include <cstddef>

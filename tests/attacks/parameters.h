@@ -1,6 +1,5 @@
-// Parameters of the service's calls: of the right form, with any values.
-//
-// Thread safety: pure functions of their Dice.
+// Parameters of the service's calls: of the right form, with any values. Thread safety: pure
+// functions of their Dice.
 #pragma once
 
 #include <capnp/any.h>

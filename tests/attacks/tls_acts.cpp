@@ -141,8 +141,7 @@ void tls_half_handshakes(const Scene& scene) {
   await_end(scene, *line);
 }
 
-// Goal: data after a handshake does no harm: repeated key updates, new handshakes, alerts, changed
-// records.
+// Goal: data after a handshake does no harm: key updates, new handshakes, alerts, bad records.
 void tls_after_handshakes(const Scene& scene) {
   auto line = reach(scene);
   if (!line) return;

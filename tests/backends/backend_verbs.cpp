@@ -2,8 +2,7 @@
 // suite:
 //   `sleight-backend --kind slurm --script direct.sbatch [--option KEY=VALUE] VERB`
 //   `sleight-backend --kind program --program PATH [--seconds S] VERB`.
-// The program reads the question on stdin. Each call acts as a new daemon that ends when the call
-// returns.
+// The program reads the question on stdin. Each call acts as a daemon that lives for the call.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -1,6 +1,5 @@
 // A simulated cluster on one simulated clock: workers, a coordinator that may die and start again,
-// a store, a network, and a schedule of faults. Plans, scheduler, block runner and sample cache are
-// the real ones.
+// a store, a network, and a schedule of faults. Plans, scheduler, block runner and cache are real.
 //
 // Data flow:
 //   faults ──▶ workers ◀── network ──▶ coordinator (session 1, 2, ...) ──▶ store.

@@ -33,8 +33,7 @@ struct Fault {
 
 inline constexpr std::uint64_t k_faults_max = 100;
 
-/// Draws up to k_faults_max faults. The last begins before `span_s`, and none lasts longer than a
-/// fifth of `span_s`.
+/// Draws up to k_faults_max faults that begin before `span_s` and last at most a fifth of it.
 std::vector<Fault> faults_of(std::uint64_t seed, std::uint32_t workers, double span_s);
 
 /// The end of all faults that don't last forever.

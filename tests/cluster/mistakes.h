@@ -1,5 +1,4 @@
-// Mistakes in distributing work, which the digest must reveal (mutants_test.cpp). Each occurs
-// alone.
+// Mistakes in distributing work, one at a time, which digests must reveal (mutants_test.cpp).
 #pragma once
 
 #include <array>

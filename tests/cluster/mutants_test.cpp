@@ -30,8 +30,7 @@ Case mutant(std::uint64_t seed, Mistake mistake, Mistake looks_like) {
   Case of = case_of(seed, {.method = method_of(looks_like), .workers_max = 64, .mistake = mistake});
   // One scan per block, so that no worker decides a swap before the plan does.
   if (looks_like == Mistake::swaps_in_any_order) of.scenario.scheduler.size.scans_max = 1;
-  // Sessions so short that assignment numbers are reused while old assignments are still in
-  // transit.
+  // Sessions so short that assignment numbers are reused while old messages are in transit.
   if (looks_like == Mistake::stale_epoch) {
     of.scenario.restart_s_max = 1e-3;
     for (int i = 1; i <= 20; ++i)

@@ -1,6 +1,5 @@
 // The network between coordinator and workers. Each message has its own delay, so messages may
-// overtake each other. In bad weather some messages are lost, repeated, or much later. Not
-// thread-safe.
+// overtake each other. In bad weather some messages are lost, repeated, or late. Not thread-safe.
 #pragma once
 
 #include "tests/cluster/dice.h"

@@ -67,13 +67,11 @@ void print_line(const std::string& line) {
 }
 
 /// The time until all levels have made their scans, if each begins as soon as its swap is decided,
-/// without waiting for workers or messages. A swap's two levels continue when the later one is
-/// done.
+/// without waiting for workers or messages. A swap's levels continue when the later one is done.
 double critical_path_s(const Case& of, const Size& size) {
   std::vector<double> done_s(size.levels, 0.0);
   for (std::uint64_t scan = 0; scan < size.scans; ++scan) {
-    // Costs belong to replicas, but costs by level have the same distribution, because all costs
-    // are independent.
+    // Costs belong to replicas. Costs by level are equivalent, because all are independent.
     for (std::uint32_t level = 0; level < size.levels; ++level)
       done_s[level] += of.scenario.work.costs.of({{}, base::ReplicaId{level}}, scan);
     for (std::uint32_t level = scan % 2; level + 1 < size.levels; level += 2)

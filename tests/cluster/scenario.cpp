@@ -185,8 +185,7 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
                    .mistake = choice.mistake};
   scenario.scheduler = scheduler_options(dice);
   scenario.handling_s = dice.log_uniform(1e-6, 50e-6);
-  // A coordinator that can't handle a message of each worker within a lease would only assign
-  // copies.
+  // A coordinator must handle a message of each worker per lease, or it only assigns copies.
   const double round_s = scenario.handling_s * scenario.workers * scenario.threads_max;
   scenario.scheduler.lease_s = std::max(scenario.scheduler.lease_s, 10 * round_s);
   scenario.scheduler.ask_every_s = scenario.scheduler.lease_s / 3;

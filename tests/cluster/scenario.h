@@ -62,8 +62,8 @@ struct CaseChoice {
 /// up to k_faults_max faults.
 Case case_of(std::uint64_t seed, const CaseChoice& choice = {});
 
-/// Runs the plan serially for the expected result. REQUIRES: `case.scenario` is complete except for
-/// its faults.
+/// Runs the plan serially for the expected result. REQUIRES: only `case.scenario.faults` is
+/// missing.
 void expect_serial(Case& of);
 
 }  // namespace sleight::cluster

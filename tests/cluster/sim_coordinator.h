@@ -1,9 +1,9 @@
 // One session of a simulated coordinator. The session does what service/coordinator/drive.cpp does,
 // with the real scheduler and a fresh real plan, on the simulated clock.
 //
-// The coordinator is a serial resource: each incoming message takes handling_s of its time, in the
-// order of arrival. A session ends by dying, which cancels all its later actions, or with the run.
-// Not thread-safe.
+// The coordinator is a serial resource: each incoming message takes handling_s, in the order of
+// arrival. A session ends by dying, which cancels all its later actions, or with the run. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,7 @@
 // The 2D ball for tests of failures: its simulator fails in a known share of states, and starts
 // overlap in another share.
 //
-// Whether a state fails depends only on its bytes, as for a real fault. Thread safety: that of
-// Ball2d.
+// Whether a state fails depends only on its bytes. Thread safety: that of Ball2d.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// Control test: services with one known mistake each, which the ledger or the time limit must
-// catch.
+// Control test: services with one known mistake, which the ledger or time limit must catch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -6,9 +6,8 @@
 //                 │  ▲
 //   faults ──▶ backend: keepers and programs.
 //
-// A step's effects wait until its save is on disk. A daemon that dies before, between or after the
-// effects leaves those that are done. Invariant: a run is a function of its scenario. Not
-// thread-safe.
+// A step's effects wait until its save is on disk. A daemon that dies between effects leaves those
+// that are done. Invariant: a run is a function of its scenario. Not thread-safe.
 #pragma once
 
 #include <cstdint>

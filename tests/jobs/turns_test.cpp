@@ -16,8 +16,7 @@ namespace {
 constexpr UserId k_ann{1};
 constexpr UserId k_bob{2};
 
-/// A job whose restart costs under 0.5 s: 0.2 s until the first scan begins, 0.1 s for this scan,
-/// 0.1 s to stop.
+/// A job whose restart costs under 0.5 s: 0.2 s to the first scan, 0.1 s for it, 0.1 s to stop.
 JobPlan job_of(UserId user, double at_s, double core_s) {
   return {.user = user,
           .submitted_s = at_s,
@@ -67,8 +66,7 @@ double difference_of_shares(const Split& split) {
 
 TEST(Turns, TwoUsersHaveEqualShares) {
   // Goal: over ten minutes, two users' shares of the machine differ by under 5%, for even and odd
-  // numbers of cores and any numbers of jobs. Method: endless jobs; compare their programs'
-  // core-seconds.
+  // numbers of cores and any numbers of jobs. Method: endless jobs; compare core-seconds.
   for (const Split& split :
        {Split{.cores = 1}, Split{.cores = 2}, Split{.cores = 3}, Split{.cores = 10},
         Split{.cores = 1, .anns_jobs = 9}, Split{.cores = 10, .anns_jobs = 9},

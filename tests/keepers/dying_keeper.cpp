@@ -1,5 +1,4 @@
-// A `sleight-keeper` that is killed, as by kill -9, at the moment named by SLEIGHT_KEEPER_DIES_AT
-// (moments.h).
+// A `sleight-keeper` that is killed at the moment named by SLEIGHT_KEEPER_DIES_AT (moments.h).
 #include <unistd.h>
 
 #include <csignal>

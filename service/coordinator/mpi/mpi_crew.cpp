@@ -18,8 +18,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Ranks usually start within about a second of each other. The timeout is for a heavily loaded
-/// machine.
+/// Ranks usually start within about a second; the timeout is for a heavily loaded machine.
 constexpr double k_hello_timeout_s = 120;
 /// A rank leaves after its current block. The timeout keeps a stopped rank, or one on a host that
 /// hangs, from blocking the job forever.

@@ -78,8 +78,7 @@ class SlurmBackendTest : public ::testing::Test {
 };
 
 TEST_F(SlurmBackendTest, SubmitsAnAttemptOnce) {
-  // Method: compare the whole command. Then submit again with the same object, and with another
-  // that sees the queue.
+  // Method: compare the whole command. Submit again with the same object and with another one.
   auto slurm = backend({{"partition", "long"}});
   Order wanted = order();
   wanted.memory_bytes = 3'000'000'001;

@@ -27,8 +27,7 @@ TEST(SlurmQueue, HasTheAttemptsOfComments) {
 }
 
 TEST(SlurmQueue, PassesOddRowsOver) {
-  // Method: rows with other people's comments, cut rows, arrays, bars in a comment, a missing last
-  // newline.
+  // Method: rows with foreign comments, cut rows, arrays, bars in a comment, no last newline.
   const SlurmQueue queue = slurm_queue_of(
       "\n|||\nslurm_load_jobs error\n"
       "1|RUNNING|None|my own|words\n"

@@ -182,9 +182,8 @@ TEST_F(DeriveArchive, CanBeStopped) {
 
 TEST_F(DeriveArchive, ARunThatIsToldToStopWhileItWritesKeepsTheOldOne) {
   // Goal: if a session is stopped while it writes its archive, the old archive stays, the store is
-  // complete, and the session ends as interrupted. The same request then produces its normal
-  // archive. Method: stop at the phase that announces the writing, in a first session and in a
-  // resumed one.
+  // complete, and the session ends as interrupted. The same request then produces its archive.
+  // Method: stop at the phase that announces the writing, in a first session and a resumed one.
   const std::string text = request_text("scans = 200");
   const std::string longer = request_text("scans = 300");
   for (const bool has_archive : {false, true}) {

@@ -91,8 +91,7 @@ TEST_F(Drive, RunsAPlanToItsEnd) {
 
 TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
   // Goal: a stop request ends assignments; running blocks finish and are stored; the next session
-  // resumes. Method: stop after the tenth call of stop_requested; compare submitted and stored
-  // units.
+  // resumes. Method: stop at the tenth call; compare submitted and stored units.
   int questions = 0;
   const DriveOutcome outcome = session(scans(500), {.seconds_per_scan = 0.001},
                                        {.stop_requested = [&] { return ++questions > 10; }});
@@ -115,8 +114,7 @@ TEST_F(Drive, StopsWhenAskedAndLosesNothing) {
 }
 
 TEST_F(Drive, AFinishedRunIsFinishedWhateverIsAsked) {
-  // Goal: a stop request after the last unit has no effect. Method: a permanent stop request, on a
-  // complete run.
+  // Goal: a stop request after the last unit has no effect. Method: always stop a complete run.
   (void)session(scans(5), {});
   EXPECT_EQ(session(scans(5), {}, {.stop_requested = [] { return true; }}).end, DriveEnd::finished);
 }
@@ -192,8 +190,7 @@ TEST_F(Drive, DoesNotWaitForWhatTakesLong) {
 
 TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
   // Goal: `standing` receives ever larger cuts, which are committed after a flush, and reports a
-  // solution from the first one on. Method: read the run at each call, as an archive would; 60 s of
-  // work.
+  // solution from the first one on. Method: read the run at each call; 60 s of work.
   std::vector<std::uint64_t> cuts;
   bool had_solution = false;
   const auto standing = [&](const Standing& now) {
@@ -216,8 +213,7 @@ TEST_F(Drive, SaysWhatIsReachedAndWhetherThereIsASolution) {
 
 TEST_F(Drive, WorkersFailureComesOut) {
   // Goal: a worker's exception ends the session unchanged, earlier results are stored, and the next
-  // session resumes. Method: the 40th unit fails; exactly the scans of the units before it are
-  // stored.
+  // session resumes. Method: the 40th unit fails; exactly the earlier units' scans are stored.
   int units = 0;
   std::uint64_t scans_before = 0;
   FakeCrewOptions failing{.seconds_per_scan = 0.001};
@@ -235,8 +231,7 @@ TEST_F(Drive, WorkersFailureComesOut) {
 }
 
 TEST_F(Drive, SupersededSessionEnds) {
-  // Goal: a session ends with conflict if another has taken over. Method: open the store again
-  // during the session.
+  // Goal: a session ends with conflict if another has taken over. Method: reopen the store.
   FakeCrewOptions options{.seconds_per_scan = 0.001};
   std::optional<store::RunStore> successor;
   int units = 0;

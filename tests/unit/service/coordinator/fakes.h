@@ -144,8 +144,7 @@ class FakeCrew final : public Crew {
     return delivery;
   }
 
-  /// In each worker's n-th delivery, all numbers are n times a factor that grows with the worker's
-  /// id.
+  /// In each worker's n-th delivery, all numbers are n times a factor that grows by worker.
   plan::CacheUse cache_after(core::WorkerId worker) {
     const std::uint64_t n = ++deliveries_[worker];
     const std::uint64_t factor = worker.value + 1;

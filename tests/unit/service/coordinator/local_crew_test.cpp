@@ -108,8 +108,7 @@ class Gate {
 };
 
 TEST(LocalCrew, IsOneWorkerOfAllThreads) {
-  // Goal: the scheduler sees one worker with the requested number of threads and no network
-  // traffic.
+  // Goal: the scheduler sees one worker with the requested threads and no network traffic.
   const FakeWorker worker;
   const LocalCrew crew(worker, 3);
   ASSERT_EQ(crew.members().size(), 1U);

@@ -94,8 +94,7 @@ TEST_F(RunEventsOf, OneRunHaveTheirContents) {
 TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {
   // Goal: a run that is stopped, resumed, extended, and meanwhile requested with fewer scans
   // reports the same events in the same order as one uninterrupted run. Each session adds its end,
-  // and reported events keep their numbers. Method: compare sessions with threads to one
-  // undisturbed session.
+  // and reported events keep their numbers. Method: compare threaded sessions to one session.
   const std::string shorter = request_text("scans = 200", k_slow, "parallel_tempering");
   const std::string longer = request_text("scans = 320", k_slow, "parallel_tempering");
   (void)session(longer, {.output = path("at_once.h5")});
@@ -151,8 +150,7 @@ TEST_F(RunEventsOf, ALogThatIsLostChangesNothing) {
 
 TEST_F(RunEventsOf, ListenersHearAllInTheirThread) {
   // Goal: the listener receives each numbered event once and in order, and also progress, phases
-  // and archives, all in the thread that runs the request. Method: compare two sessions with the
-  // store.
+  // and archives, in the thread that runs the request. Method: compare two sessions with the store.
   const auto here = std::this_thread::get_id();
   std::vector<events::RunEvent> heard;
   const auto hear = [&](const events::RunEvent& event) {

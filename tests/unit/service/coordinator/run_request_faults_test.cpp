@@ -87,8 +87,7 @@ TEST_F(RunRequestFaults, AnyCallMayFail) {
 }
 
 TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
-  // Goal: an unwritable output is refused at once, without leaving files. Method: refuse the first
-  // file that is created.
+  // Goal: an unwritable output is refused at once, without leaving files.
   EXPECT_EQ(failure_of({.call = FileCall::create, .reason = std::errc::permission_denied},
                        request_text("scans = 30")),
             output() + ": can't write the file: Permission denied");
@@ -96,9 +95,8 @@ TEST_F(RunRequestFaults, NoPermissionIsSaidBeforeAnythingIsComputed) {
 }
 
 TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
-  // Goal: if the archive can't be written, computed results are kept, whichever step fails; the
-  // next session computes nothing. Method: a full disk after the trial file; a failing rename;
-  // failing syncs.
+  // Goal: if the archive can't be written, computed results are kept, and the next session computes
+  // nothing. Method: a full disk after the trial file; a failing rename; failing syncs.
   const std::string request = request_text("scans = 30");
   const std::string expected = session(request, {.output = path("s.h5")}).digest;
   for (const Fault& fault :
@@ -129,8 +127,7 @@ TEST_F(RunRequestFaults, AnArchiveThatFailsIsMadeFromTheStoreLater) {
 
 TEST_F(RunRequestFaults, LeftoversThatStayStopNobody) {
   // Goal: a killed process's unfinished archive is deleted, or the run continues if that fails.
-  // Method: two such files; the first removal after the trial file's fails, or listing the folder
-  // fails.
+  // Method: two such files; a removal fails, or listing the folder fails.
   const std::string request = request_text("scans = 30");
   const auto put_leftovers = [&] {
     put_bytes(path("ball.h5.tmp.11"), "half");

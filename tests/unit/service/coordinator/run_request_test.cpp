@@ -237,8 +237,7 @@ TEST_F(RunRequest, RunningRunIsNotDisturbed) {
 TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
   // Goal: a running run has archives, each complete and equal to that of a run with its number of
   // scans. Method: make checkpoints as often as possible, and copy two of them (one with
-  // sanitizers, where checkpoints are rare). Compare each copy with a run that requests its number
-  // of scans.
+  // sanitizers, where checkpoints are rare). Compare each copy with a run of its number of scans.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::size_t k_copies = 1;
 #else
@@ -276,8 +275,7 @@ TEST_F(RunRequest, CheckpointsAreArchivesOfTheirScans) {
 }
 
 TEST_F(RunRequest, IdentityIsWhatDecidesTheStoredResults) {
-  // Goal: requests share a run exactly if their stored results agree. Method: change one key at a
-  // time.
+  // Goal: requests share a run exactly if their stored results agree. Method: change single keys.
   const auto identity = [](const std::string& text) {
     const run::Catalogue catalogue;
     return run_identity(request::read_request(text, "r", catalogue.bindings()).value());

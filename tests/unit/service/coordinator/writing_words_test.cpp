@@ -1,5 +1,4 @@
-// Goal: slow writing of an archive is reported with a rate and the remaining time. Method: a manual
-// clock.
+// Goal: slow writing is reported with a rate and the remaining time. Method: a manual clock.
 #include "service/coordinator/writing_words.h"
 
 #include <gmock/gmock.h>

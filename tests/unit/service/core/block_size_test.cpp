@@ -70,8 +70,7 @@ TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
 }
 
 TEST(BlockSize, DearScansComeOneByOne) {
-  // Goal: a scan longer than the target is a block of its own. Method: scans of a minute, also
-  // after cheap scans.
+  // Goal: a scan longer than the target is a block of its own, also after cheap scans.
   BlockSize size(k_round);
   settle(size, 1e-6);
   EXPECT_GT(size.limits({.all = 1, .at_work = 1}, k_any).block_scans_max, 1000U);
@@ -126,8 +125,8 @@ TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
 
 TEST(BlockSize, HungerMakesBlocksShorter) {
   // Goal: blocks shrink while threads find no work, to least_s and to the minimum that the
-  // coordinator can handle, and grow again later. Method: starve and feed 1 and 8 threads; scans of
-  // 0.1 ms.
+  // coordinator can handle, and grow again. Method: starve and feed 1 and 8 threads; scans of 0.1
+  // ms.
   for (const auto& [threads, shortest_s] : {std::pair{1U, 0.004}, {8U, 0.016}}) {
     BlockSize size(k_round);
     settle(size, 0.0001, threads);
@@ -153,8 +152,7 @@ TEST(BlockSize, HungerMakesBlocksShorter) {
 }
 
 TEST(BlockSize, AWellFedRunHasNoCredit) {
-  // Goal: starvation counts at once, however long threads had work. Method: starve once after many
-  // blocks.
+  // Goal: starvation counts at once. Method: starve once after many blocks.
   BlockSize size(k_round);
   settle(size, 0.0001);
   for (int i = 0; i < 10'000; ++i)

@@ -106,8 +106,7 @@ done 2 #5
 }
 
 TEST(Scheduler, GoesOnFromStoredStates) {
-  // Goal: replicas known from a run store resume with bytes at first. Method: two of three are
-  // known.
+  // Goal: replicas known from a run store resume with bytes. Method: two of three are known.
   expect_goes("a b c a", blocks_ahead(0), R"(resume a 5
 resume c 2
 join 1 threads=3
@@ -300,8 +299,8 @@ done 1 #1 scans=2
 }
 
 TEST(Scheduler, LeasesRunFromTheClocksBeginning) {
-  // Goal: a late first tick ends no lease of earlier assignments. Method: a first tick far from 0,
-  // and one below it.
+  // Goal: a late first tick ends no earlier lease. Method: a first tick far from 0, and one below
+  // it.
   expect_goes("a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 tick 17000
@@ -400,8 +399,7 @@ pong 1 #2
 
 TEST(Scheduler, KeepsLeasesOfCopiesApart) {
   // Goal: a block that two workers have is assigned to no third; when one of them is gone, the
-  // other's lease still holds. Method: the first answers while the second has a copy; then the
-  // second leaves.
+  // other's lease still holds. Method: the first answers, and the second leaves with its copy.
   expect_goes("a", blocks_ahead(0), R"(tick 0
 join 1
   assign 1 #0 a@0+1 starts
@@ -450,8 +448,7 @@ leave 2
 
 TEST(Scheduler, ForgetsAnEarlierIncarnation) {
   // Goal: if a worker joins with a new incarnation, its blocks wait again, its states are sent as
-  // bytes, and older results are refused. A worker that rejoins with the same incarnation loses
-  // nothing. Method: both.
+  // bytes, and older results are refused. With the same incarnation, it loses nothing.
   expect_goes("a b a b", blocks_ahead(1), R"(join 1 incarnation=7
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts
@@ -514,8 +511,7 @@ leave 1
 
 TEST(Scheduler, ListensToNobodyItDoesNotKnow) {
   // Goal: answers and departures of unknown workers have no effect. Results of unknown workers
-  // count, but a worker that joins afterwards gets states as bytes. Method: before and after a
-  // worker has joined.
+  // count, but states go as bytes to one that joins later. Method: before and after a join.
   expect_goes("a a", blocks_ahead(0), R"(leave 4
 pong 4 #0
 join 1

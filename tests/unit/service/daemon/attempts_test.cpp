@@ -102,8 +102,7 @@ TEST_F(AttemptsTest, WhoseKeeperEndsRightAfterTheRecordHaveDied) {
               (sight && std::holds_alternative<jobs::Died>(sight->seen)));
 }
 
-// If a stop's signal kills a program that doesn't handle it yet, the attempt counts as stopped, not
-// dead.
+// If a stop's signal kills a program that can't handle it yet, that is a stop, not a death.
 TEST_F(AttemptsTest, ToldToStopBeforeItListensItStoppedInOrder) {
   AttemptSights sights({.clock = clock_, .folders = folders_, .feeds = feeds_});
   keeper::AttemptRecord record{.attempt = 1, .end = keeper::AttemptEnd{.signal = SIGUSR1}};

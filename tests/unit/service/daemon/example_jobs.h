@@ -1,3 +1,4 @@
+// Example jobs for tests of the daemon.
 #pragma once
 
 #include <string>

@@ -28,8 +28,7 @@ TEST(JobRecords, ReadBackWhatWasWritten) {
   EXPECT_EQ(usage_of(to_line(usage)), usage);
 }
 
-// A structured binding with the wrong number of fields doesn't compile. One field of the record is
-// optional.
+// The structured binding compiles only with the right number of fields. One field is optional.
 TEST(JobRecords, HaveEveryField) {
   const jobs::Job job = testing::full_job(1);
   const auto written = json::Value::parse(to_line(job)).size();

@@ -1,6 +1,5 @@
 // Goal: a batch system's answers and a job's folder together become the machine's inputs, and
-// silence is never an end. Method: a hand-written backend, records as keepers write them, a real
-// loop.
+// silence is never an end. Method: a hand-written backend, keepers' records, a real loop.
 #include "service/daemon/system_attempts.h"
 
 #include <fmt/format.h>
@@ -161,8 +160,7 @@ class SystemAttemptsTest : public ::testing::Test {
     const Kind* kind = newest<Kind>();
     return kind == nullptr ? Kind{} : *kind;
   }
-  /// Like sight(), with repeated looks, as the machine does: an answer in progress at a look still
-  /// has the old state.
+  /// Like sight(), with repeated looks: an answer in progress at a look still has the old state.
   template <class Kind>
   Kind sight_of_looks() {
     until([&] {
@@ -343,8 +341,7 @@ TEST_F(SystemAttemptsTest, ThatNeverHadARecordSayWhatTheSystemSays) {
 }
 
 TEST_F(SystemAttemptsTest, ThatTheSystemHasForgottenAreJudgedByTheirFolder) {
-  // Method: another daemon looks at an earlier daemon's attempts: one with an end, one without, and
-  // one without a record.
+  // Method: another daemon looks at attempts with an end, without an end, and without a record.
   look();
   begins();
   ends(events::End::stop_requested);

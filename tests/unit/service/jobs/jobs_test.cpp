@@ -214,8 +214,7 @@ TEST(Jobs, ThatWaitInABatchSystemAreStartingAndNothingIsCharged) {
 }
 
 TEST(Jobs, ThatWaitInABatchSystemUseNothingOfTheirUsersLimit) {
-  // Method: a limit of 360 core-seconds per day; a job of four cores waits for 1,000 s, then runs
-  // for 100 s.
+  // Method: 360 core-seconds per day; a job of four cores waits for 1,000 s, then runs for 100 s.
   Bench bench({.limits = {.core_hours_per_day = 0.1}});
   const JobId id = bench.job();
   bench.see(id, Pending{});

@@ -54,8 +54,7 @@ TEST(AttemptRecord, IsReadAsItWasWritten) {
 }
 
 TEST(AttemptRecord, AnythingElseIsNone) {
-  // Method: a record cut at each byte, and with each field missing, of another type or of another
-  // value.
+  // Method: a record cut at each byte, or with one field missing or of another type or value.
   const std::string text = to_text(ended());
   for (std::size_t size = 0; size + 1 < text.size(); ++size)
     ASSERT_EQ(record_of(text.substr(0, size)), std::nullopt) << size;

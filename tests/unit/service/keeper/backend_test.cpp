@@ -63,8 +63,7 @@ TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
 }
 
 TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
-  // Method: threads launch the same attempt at once. Then launch the attempt after its end, and an
-  // earlier attempt.
+  // Method: threads launch an attempt at once. Later launches of it or an earlier one do nothing.
   program_is("echo run >> runs; sleep 0.2");
   std::vector<std::optional<RunningKeeper>> keepers(8);
   std::vector<std::thread> threads;
@@ -109,8 +108,7 @@ TEST_F(BackendTest, AnAttemptOutlivesItsDaemon) {
 }
 
 TEST_F(BackendTest, LaunchLeavesNothingInTheDaemon) {
-  // Goal: a launch leaves no zombie and no descriptor. Method: count both before and after all
-  // ends.
+  // Goal: a launch leaves no zombie and no descriptor. Method: count both before and after.
   program_is("exit 0");
   const auto descriptors = [] {
     return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});

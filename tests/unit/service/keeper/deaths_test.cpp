@@ -1,7 +1,6 @@
 // Goal: after a keeper's death at any moment, a look shows the attempt's progress and no process is
 // left. With the daemon's rule (never began: the same attempt again; died: the next one), each
-// attempt's program starts at most once. Method: keepers that kill themselves at each moment, and
-// kills at random times.
+// attempt's program starts at most once. Method: keepers killed at each moment and at random times.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -19,8 +19,7 @@ namespace sleight::keeper::testing {
 namespace {
 
 std::string content_of(const std::string& path) {
-  // If a process ends while its /proc file is read, the read fails, and `<<` takes the failure for
-  // the end of the file.
+  // Reading with `<<` takes a failure for the end of the file, if the process ends meanwhile.
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return std::move(text).str();

@@ -47,8 +47,7 @@ TEST_F(KeeperLockTest, OneHoldsItUntilItHasGone) {
 }
 
 TEST_F(KeeperLockTest, AnAttemptIsMarkedAsBegunOnce) {
-  // Method: several threads mark the same attempt at once; then a later attempt's mark replaces the
-  // earlier one.
+  // Method: several threads mark an attempt at once; then a later attempt's mark replaces it.
   EXPECT_FALSE(KeeperLock::has_begun(folder(), 1));
   std::atomic<int> marked = 0;
   std::vector<std::thread> several;

@@ -45,8 +45,7 @@ TEST(ProcessTable, ChildrenAreFoundInBothWays) {
 }
 
 TEST(ProcessTable, AnIdentityIsAProcessOfItsOwn) {
-  // Method: this process, new children until one is younger by a tick of the kernel's clock, and no
-  // process.
+  // Method: this process, new children until one is a kernel tick younger, and no process.
   const auto self = identity_of(::getpid());
   ASSERT_TRUE(self);
   EXPECT_EQ(self, identity_of(::getpid()));
