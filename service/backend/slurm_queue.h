@@ -29,8 +29,7 @@ using SlurmQueue = std::map<AttemptName, std::vector<SlurmJob>>;
 /// Ignores unreadable rows.
 SlurmQueue slurm_queue_of(std::string_view text);
 
-/// The attempt's most informative job: a running one, else a waiting one, else the newest.
-/// REQUIRES: `jobs` is not empty.
+/// The attempt's most informative job: running, else waiting, else newest. REQUIRES: not empty.
 const SlurmJob& telling_one(const std::vector<SlurmJob>& jobs);
 
 /// Translates a Slurm state into an attempt's state.

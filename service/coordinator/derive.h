@@ -36,11 +36,9 @@ struct DeriveInputs {
   const std::string& results_version;
   /// The processor time in seconds for simulating new motions is added here. May be null.
   double* motions_s = nullptr;
-  /// The connection for reading the store; on a network disk, the writer's own (RunStore::to_read).
-  /// Null: opens its own connection.
+  /// Connection to read by; on a network disk the writer's (RunStore::to_read). Null: a new one.
   std::shared_ptr<store::SharedDatabase> store{};
-  /// Called between batches and before the archive gets its name. Throws if another process may
-  /// have taken the run. May be empty.
+  /// Called between batches and before renaming. Throws if the run may be another process's.
   std::function<void()> fence{};
   /// Receives the progress of writing. May be empty.
   archive::HearWriting hear{};

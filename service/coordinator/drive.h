@@ -1,6 +1,5 @@
-// The loop that carries out a plan: sends the scheduler's assignments (service/core) to the crew,
-// puts results into the store, and reports progress. Serial, threaded and MPI runs differ only in
-// the crew.
+// Carries out a plan: sends the scheduler's assignments (service/core) to the crew, puts results
+// into the store, and reports progress. Serial, threaded and MPI runs differ only in the crew.
 //
 // Neither the loop nor the crew makes decisions that could change a result.
 #pragma once
@@ -50,8 +49,7 @@ struct DriveOptions {
   std::function<void()> stopping{};        ///< called once, at a stop request; may be empty
   std::function<void(const events::Progress&)> report{};  ///< may be empty
   double log_natural_throw = 0;                           ///< as WorldLayout has it
-  /// Receives the run's state every report_every_s, and as soon as a search has its finds. Must
-  /// return quickly. May be empty.
+  /// Receives the run's state every report_every_s, and on a search's last find. Must be quick.
   std::function<void(const Standing&)> standing{};
   /// Receives all results, first those of earlier sessions, before they are put into the store, and
   /// in order for each replica. May be empty. `standing` can use what the plan derived from them.

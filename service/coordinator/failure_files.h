@@ -1,7 +1,7 @@
 // Writes failed simulations as files in `<output>.run/failures`, for `sleight replay`.
 //
-// A file's name gives the simulation's place in the run, so a result that is lost and computed
-// again is written once. Not thread-safe.
+// A file's name is the simulation's place in the run, so a repeated result is written once. Not
+// thread-safe.
 #pragma once
 
 #include <cstddef>

@@ -18,8 +18,8 @@ namespace sleight::coordinator {
 inline constexpr core::WorkerId k_local_worker{0};
 
 /// Each thread takes the oldest assignment. send and receive are for one driving thread. The
-/// threads start with the first assignment. Until then the process may fork safely, which reading
-/// an untrusted file requires.
+/// threads start with the first assignment, so that the process may fork before, to read untrusted
+/// files.
 class LocalCrew final : public Crew {
  public:
   /// Borrows the worker. REQUIRES: threads >= 1.

@@ -29,8 +29,7 @@
 namespace sleight::coordinator {
 namespace {
 
-/// Refuses an output that doesn't belong to this run. With `fresh`, deletes an earlier run.
-/// REQUIRES: the folder's lock is held.
+/// Refuses a foreign output. `fresh`: deletes an earlier run. REQUIRES: the folder's lock is held.
 void claim_output(const std::string& output, const std::string& folder, bool fresh,
                   base::FileSystem& files) {
   const std::string database = store::RunStore::database_path(folder);
@@ -277,8 +276,7 @@ events::RunEnd record_of(const RunSummary& summary) {
           .words = words_of(summary)};
 }
 
-/// Saves the session's end. If the store fails, the end is still passed to `options.ended`, and the
-/// session ends as planned.
+/// Saves the session's end. Even if the store fails, `options.ended` receives the end.
 void leave_record(store::RunStore& run_store, RunEvents& run_events, const events::RunEnd& end,
                   const RunOptions& options) {
   try {

@@ -30,8 +30,7 @@ struct RunInputs {
   const request::DirectionRequest& request;
   const archive::StateReader& reader;
   plan::Plan& plan;  ///< fresh
-  /// Returns a fresh plan of the same run that ends at a cut. Deriving an archive uses this plan to
-  /// learn again from the archive's scans.
+  /// Returns a fresh plan that ends at a cut, to learn again from the scans of an archive.
   std::function<std::unique_ptr<plan::Plan>(const request::Cut& cut)> plan_of;
   Crew& crew;
   const base::Clock& clock;

@@ -1,7 +1,7 @@
 // Ctrl-C, SIGTERM and SIGUSR1 as a flag that a loop polls. The first signal requests a clean end of
-// the run. A later one ends the process at once, without losing anything that was reported as done.
-// A signal soon after the first is an echo: batch systems signal mpirun, which passes the signal
-// on, and also the ranks.
+// the run. A later one ends the process at once, without losing anything reported as done. A signal
+// soon after the first is an echo: batch systems signal mpirun and the ranks, and mpirun passes it
+// on.
 //
 // SIGUSR1 is for batch systems. mpirun ends the job on SIGTERM, but only passes SIGUSR1 on, so the
 // run has enough time (`sbatch --signal=B:USR1@60`).

@@ -39,8 +39,7 @@ class Attempts {
   virtual void stop(const jobs::Stop& stop) = 0;
   virtual void look(const jobs::Look& look) = 0;
 
-  /// Returns a note for the machine if the programs were replaced since the last look. The first
-  /// look always returns one.
+  /// A note on programs replaced since the last look (AttemptSights::look_at_programs).
   virtual std::optional<jobs::BackendNote> look_at_programs() = 0;
 
   /// Number of attempts that are being awaited.

@@ -1,5 +1,4 @@
-// The audit log records who did what, as lines of JSON in the state folder's `audit.log`, for the
-// service's administrator:
+// The audit log records who did what, as lines of JSON in the state folder's `audit.log`:
 //
 //   {"time":"2026-11-27T14:05:09Z","call":"submit","user":1000,"from":"192.0.2.7:50312",
 //    "token":"7k2m9q4x1c","of":"2 jobs","outcome":"done","made":"17 18"}.

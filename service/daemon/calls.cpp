@@ -313,8 +313,7 @@ void Calls::logs(const rpc::Caller& caller, rpc::LogAsk ask, rpc::Reply<rpc::Log
   }
 }
 
-/// Returns the request of an extended job, or none if the machine no longer has the job. The
-/// machine then refuses the change itself.
+/// Returns the request of an extended job. None: the machine no longer has the job and refuses.
 base::Result<std::optional<StoredRequest>, rpc::Refusal> Calls::longer_request(
     jobs::JobId job, const rpc::Extension& extension) const {
   const jobs::Job* known = runner_.machine().find(job);

@@ -11,8 +11,7 @@
 //     `tokens.json`   has access tokens of peers over TCP (tokens.h).
 //     `tls/`          has a self-signed certificate for TCP, unless another one is configured.
 //
-// A daemon killed at any moment loses nothing that it has answered, and its jobs keep running. The
-// next daemon takes the jobs over.
+// A killed daemon loses nothing that it answered; its jobs run on, and the next daemon takes over.
 //
 // Thread safety: run() belongs to one thread; signals end it cleanly.
 #pragma once

@@ -111,8 +111,7 @@ Fetching::Files Fetching::derived(jobs::JobId job, const std::string& made) cons
       {.path = made, .name = fmt::format("job-{}.h5", job.value), .is_ours = true}};
 }
 
-/// Returns the newest archive. If the run wrote none (such as a job killed and then cancelled),
-/// derives one from the store.
+/// Returns the newest archive, or one derived from the store if the run wrote none.
 Fetching::Files Fetching::newest(jobs::JobId job, const std::string& made) const {
   const std::string archive = parts_.folders.archive(job);
   if (std::filesystem::exists(archive))

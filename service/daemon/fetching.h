@@ -50,8 +50,7 @@ class Fetching {
   Fetching(const Fetching&) = delete;
   Fetching& operator=(const Fetching&) = delete;
 
-  /// Answers a user's fetch. `segments` names the archive's table of recordings: that of draws, or
-  /// of finds for a run that only searches.
+  /// Answers a user's fetch. `segments` names the archive's table of recordings (draws or finds).
   void fetch(std::uint32_t user, const rpc::FetchAsk& ask, std::string segments,
              rpc::Reply<rpc::Fetched> reply);
 

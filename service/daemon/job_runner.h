@@ -60,8 +60,7 @@ class JobRunner {
   /// Called for each job with news: a durable change, or events.
   using News = std::function<void(jobs::JobId)>;
 
-  /// Opens the job store. Throws base::Error if the store has another format or is damaged. `lock`:
-  /// the state folder's lock.
+  /// Opens the job store, with the folder's lock. Throws base::Error as JobStore does.
   JobRunner(rpc::Loop& loop, RunnerOptions options, News news,
             const store::RunLock* lock = nullptr);
   ~JobRunner();
@@ -74,8 +73,7 @@ class JobRunner {
     jobs::Submit submit{};
     StoredRequest request{};
   };
-  /// Submits all jobs or, if one is refused, none. Calls `answered` once all are durable, with one
-  /// answer per submission in order.
+  /// Submits all jobs or, if one is refused, none. `answered` receives all answers, once durable.
   void submit(std::vector<Submission> submissions,
               std::function<void(const std::vector<jobs::Answer>&)> answered);
   /// `request`: the new revision's request, for an extend.

@@ -36,8 +36,7 @@ namespace sleight::daemon {
 /// Format of the tables; a store of another format is refused.
 inline constexpr std::int64_t k_job_store_format = 1;
 
-/// A revision of a job's request. What the request asks for is stored beside the text, so that
-/// listing jobs reads no texts.
+/// A revision of a job's request. Lists of jobs read only the fields beside the text.
 struct StoredRequest {
   jobs::JobId job{};
   std::uint64_t revision = 1;

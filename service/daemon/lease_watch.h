@@ -1,6 +1,5 @@
 // Watches a run lease (common/store/lease.h) to find out whether a process on another machine can
-// still write the run. The watch doesn't take the lease, so it never blocks a process that needs
-// the run. Not thread-safe.
+// still write the run. The watch takes no lease, so it blocks no other process. Not thread-safe.
 #pragma once
 
 #include <cstdint>

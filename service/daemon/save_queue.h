@@ -32,8 +32,7 @@ class SaveQueue {
   /// Calls the callback soon, in the owner's thread.
   using Post = std::function<void(Callback)>;
 
-  /// `stalled` is posted with the disk's error if saving a group fails, and with an empty string
-  /// when saving works again.
+  /// `stalled` is posted with the disk's error if saving fails, and empty when it works again.
   SaveQueue(JobStore store, Post post, std::function<void(const std::string&)> stalled);
   /// Tries once more to save the queue, without calling any `then`.
   ~SaveQueue();

@@ -43,8 +43,8 @@ class Tokens final : public rpc::Authority {
   Tokens(base::FileSystem& files, std::string path, std::function<double()> wall_s,
          std::size_t of_user_max = rpc::k_tokens_max);
 
-  /// Creates a token for `ask.for_user`, or else for `user`. Repeating a call with the same token
-  /// returns the first answer.
+  /// Creates a token for `ask.for_user`, or else for `user`. Repeated calls return the first
+  /// answer.
   base::Result<rpc::TokenView, rpc::Refusal> create(std::uint32_t user, const rpc::TokenAsk& ask);
   /// Tokens of a user, newest first. None: of all users.
   std::vector<rpc::TokenView> of(std::optional<std::uint32_t> user);

@@ -61,9 +61,8 @@ void Jobs::take(const LaunchFailed& input) {
   close(found->second, judge(found->second, input, around(found->second), options_));
 }
 
-/// The attempt may still begin, so the same attempt is launched again, even if it should stop. If a
-/// keeper has been seen, NeverBegan is late news and ignored. Repeated NeverBegan answers mean that
-/// somebody deleted the folder's record.
+/// The attempt may still begin, so it is launched again, even if it should stop. After a keeper was
+/// seen, NeverBegan is late news. Repeated NeverBegan means that somebody deleted the record.
 void Jobs::see(Job& job, Open& open, const NeverBegan&) {
   if (!std::exchange(open.is_looked_for, false)) return;
   set_pending(job, open, false);

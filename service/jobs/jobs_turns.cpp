@@ -257,8 +257,7 @@ void Jobs::use_idle_cores() {
   }
 }
 
-/// Stops a job of a user below its share, to restart it with more cores, and a job of a user above
-/// its share that has used more.
+/// Restarts a job of a user below its share, and stops one of a user above it who has used more.
 void Jobs::even_out(const std::vector<RunningJob>& running, const Shares& shares) {
   const auto had = [&](const RunningJob& job) { return accounts_.had_core_s(job.user, clock_s_); };
   const RunningJob* below = nullptr;

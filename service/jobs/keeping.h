@@ -1,7 +1,6 @@
-// How long finished jobs are stored. A job is deleted after it has been over for keep_s; if
-// finished jobs hold more than keep_bytes, the oldest are deleted earlier. A deletion is announced
-// announce_s in advance. Pinning, extending or resuming a job withdraws the announcement. Pinned
-// jobs aren't deleted.
+// How long finished jobs are stored. An unpinned job is deleted after it has been over for keep_s;
+// if finished jobs hold more than keep_bytes, the oldest are deleted earlier. A deletion is
+// announced announce_s in advance. Pinning, extending or resuming a job withdraws the announcement.
 //
 // Times are service times, so jobs don't age while no daemon is up or when the wall clock jumps.
 //

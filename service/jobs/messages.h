@@ -143,8 +143,7 @@ struct Launched {
   JobId job;
   Attempt attempt;
 };
-/// This launch couldn't start a keeper, so it will begin nothing. A keeper that finds its folder
-/// taken is not such a failure.
+/// The launch couldn't start a keeper. A keeper that finds its folder taken is no such failure.
 struct LaunchFailed {
   JobId job;
   Attempt attempt;

@@ -1,5 +1,4 @@
-// Decides which job is next, how many cores it gets, and which running jobs make room. The rules
-// are pure functions of values.
+// Decides which job is next, how many cores it gets, and which running jobs make room.
 //
 // Shares. Each user with something to run has a claim to an equal share of the cores. Space comes
 // first: if each user can have its share at the same time, jobs of several users run side by side.
@@ -76,8 +75,8 @@ struct Need {
 /// What a job needs and can use. `had`: cores that its user has and won't give up.
 Need need_of(const Job& job, const Shares& shares, std::uint32_t had, std::uint32_t cores_max);
 
-/// Returns how many of the free cores a job gets. `others_claim`: sum of the waiting users' shares.
-/// REQUIRES: need.cores_min <= free.
+/// Returns how many free cores a job gets. `others_claim`: sum of waiting users' shares. REQUIRES:
+/// need.cores_min <= free.
 std::uint32_t cores_given(const Need& need, std::uint32_t free, std::uint64_t others_claim);
 
 /// How long a job has its cores before it can be stopped for other jobs.

@@ -95,8 +95,7 @@ std::string to_text(const AttemptRecord& record);
 /// Returns none unless to_text wrote the text.
 std::optional<AttemptRecord> record_of(std::string_view text);
 
-/// Returns the record's text, read atomically. Empty: the folder has no record. Throws base::Error
-/// if the record can't be read.
+/// Reads the record's text atomically. Empty: no record. Throws base::Error if that fails.
 std::string record_text_in(const std::string& folder);
 
 /// Returns the record in the text. None: empty text. Throws base::Error for an invalid text.
@@ -109,8 +108,7 @@ class RecordFile {
  public:
   RecordFile(base::FileSystem& files, std::string folder);
 
-  /// Durable on return, with room for the end. After a base::Error, the record may or may not
-  /// exist.
+  /// Durable on return, with room for the end. After a base::Error, the record may exist.
   void begin(const AttemptRecord& record);
 
   /// Durable on return. REQUIRES: `record` has an end; begin has returned; called once. If it

@@ -1,5 +1,4 @@
-// The local backend starts, signals and inspects attempts on this machine. The daemon may be killed
-// and restarted at any moment.
+// The local backend: starts, signals and inspects attempts for a daemon that may be killed anytime.
 //
 // Each attempt runs under a keeper, a separate process (`sleight-keeper`, keep.h) that outlives the
 // daemon. A new daemon needs only the job's folder and the attempt's number:
@@ -79,8 +78,7 @@ class LocalBackend {
   /// Like launch, with a complete keeper command (keeper_command_of).
   RunningKeeper launch_command(const std::string& folder, std::vector<std::string> command) const;
 
-  /// Throws base::Error if the record can't be read, or if it is of a later attempt, because then
-  /// another daemon uses the folder.
+  /// Throws base::Error if the record is unreadable, or of a later attempt by another daemon.
   Look look(const std::string& folder, std::uint32_t attempt) const;
 
   /// Returns the keeper of a running attempt. None: the attempt isn't running, or has no record

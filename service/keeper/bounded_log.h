@@ -3,8 +3,7 @@
 // When `log` reaches half the bound, it is renamed to `log.old`. All attempts of a job append to
 // the same files. A marked line begins each attempt and each message of the keeper.
 //
-// If the disk accepts no output, output is lost but the program continues. The log reports the lost
-// bytes once writing works again.
+// If the disk is full, output is lost but the program continues. The log reports lost bytes later.
 //
 // Thread safety: one thread.
 #pragma once

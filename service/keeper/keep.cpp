@@ -281,8 +281,7 @@ class Kept {
   double next_look_s_ = 0;
 };
 
-/// Kills and awaits all children of this process, and their descendants, which become its children
-/// when their parents end.
+/// Kills and awaits all children, and their descendants, which become children of this process.
 void end_all_descendants() {
   for (int wait_ms = k_kill_again_ms_min;; wait_ms = std::min(2 * wait_ms, k_kill_again_ms_max)) {
     // These process ids can't have been reused, because nobody has waited for the processes.

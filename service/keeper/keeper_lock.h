@@ -26,9 +26,9 @@ class KeeperLock {
   KeeperLock(const KeeperLock&) = delete;
   KeeperLock& operator=(const KeeperLock&) = delete;
 
-  /// Marks the attempt as begun, forever and for all machines (`begun.N`), and removes older marks.
-  /// For disks without locks, or whose locks outlive a lost machine. False: the attempt was marked
-  /// before. Throws base::Error.
+  /// Marks the attempt as begun for all machines (`begun.N`), and removes older marks. For disks
+  /// without locks, or whose locks outlive a lost machine. False: already marked. Throws
+  /// base::Error.
   static bool mark_begun(const std::string& folder, std::uint32_t attempt);
   /// Whether mark_begun has marked the attempt.
   static bool has_begun(const std::string& folder, std::uint32_t attempt);

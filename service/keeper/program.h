@@ -1,12 +1,9 @@
-// Starts a program as a child that doesn't outlive its starter: an attempt's program for its
-// keeper, or a tool (tool.h).
+// Starts a program (an attempt's, or a tool) as a child that doesn't outlive its starter.
 //
 // The kernel kills the child when this process ends for any reason (PR_SET_PDEATHSIG). The child
-// has its own session, no terminal, only standard descriptors, no core dumps, and the given
-// environment.
+// has its own session and environment, only standard descriptors, no terminal, and no core dumps.
 //
-// Thread safety: call from a thread that outlives the child, because the kernel watches the forking
-// thread, not the process.
+// Thread safety: the calling thread must outlive the child, because the kernel watches the thread.
 #pragma once
 
 #include <sys/types.h>

@@ -256,8 +256,7 @@ void noise(const Scene& scene) {
   ++scene.tally.reached;  // the server ended the line, so it read the message
 }
 
-// Goal: no wrong token is accepted, whatever is wrong with it. Method: send a wrong token, then
-// another one, and a call as if logged in.
+// Goal: no wrong token is accepted. Method: send a wrong token, another one, and a call.
 void wrong_logins(const Scene& scene) {
   auto talk = begin(scene);
   if (!talk) return;

@@ -1,5 +1,5 @@
-// Attacks on the Cap'n Proto interface, each an episode on one connection: over the socket, and
-// within TLS before and after a login.
+// Attacks on the Cap'n Proto interface, one episode per connection: on the socket, and in TLS
+// before and after a login.
 //
 // An episode counts its attacks and those that reached the server's decoder, which shows in answers
 // and in connections that the server ended. After a peer ends its connection, the server must end

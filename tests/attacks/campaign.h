@@ -1,5 +1,4 @@
-// A whole attack: several threads run episodes of all kinds, held peers stay connected, and honest
-// clients must always be answered.
+// A whole attack: threads run episodes, held peers stay, and honest clients must be answered.
 //
 // Episode n's kind and everything it sends are a function of (seed, n). Only the server's answers
 // and the concurrent episodes vary. --episode repeats the episode that a failure names.

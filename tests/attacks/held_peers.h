@@ -1,6 +1,6 @@
 // Peers that stay connected, over the socket and over TLS: slow ones, which send single bytes, and
-// silent ones. Held peers must not hinder other clients. Thread safety: run() is one thread's;
-// tallies and trouble are shared.
+// silent ones. Held peers must not hinder others. Thread safety: run() belongs to one thread; the
+// rest is shared.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,4 @@
-// Connections that can send any bytes to a server: its Unix socket, plain TCP, and TLS with access
-// to the encrypted bytes.
+// Connections that send any bytes: on a Unix socket, on TCP, and in TLS with its encrypted bytes.
 //
 // Each wait of a line has a timeout, which its result reports.
 //

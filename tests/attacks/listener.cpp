@@ -14,8 +14,7 @@ namespace {
 constexpr std::size_t k_frame_bytes_max = 64U << 20U;
 constexpr std::uint32_t k_segments_max = 512;
 
-/// Size of a whole frame, from its header. 0: more bytes are needed. The framing is that of
-/// common/rpc/guarded_messages.cpp.
+/// Size of a frame, from its header (common/rpc/guarded_messages.cpp). 0: more bytes are needed.
 std::size_t frame_bytes(std::string_view bytes, bool& is_garbled) {
   std::uint32_t segments = 0;
   if (bytes.size() < 8) return 0;

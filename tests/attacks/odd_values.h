@@ -1,6 +1,5 @@
 // Values that a server should never receive: extreme numbers, hostile texts, invalid tokens. All
-// are functions of their Dice, so that an attack can be repeated by its number. Thread safety: one
-// Dice belongs to one thread.
+// are functions of their Dice and so repeatable. Thread safety: one Dice belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -37,8 +36,7 @@ std::uint64_t odd_number(Dice& dice);
 double odd_real(Dice& dice);
 /// An id that no job has, possibly with one or two bytes changed; or 0.
 std::uint64_t far_id(Dice& dice);
-/// Empty, `../`, control characters, invalid UTF-8, or format strings; one text in a thousand has
-/// the maximum length `bytes_max`.
+/// Empty, `../`, control characters, invalid UTF-8, or formats; one in a thousand at `bytes_max`.
 std::string odd_text(Dice& dice, std::size_t bytes_max);
 /// Invalid requests: deep nesting, endless names, or one that is too expensive.
 std::string odd_request(Dice& dice, std::size_t bytes_max);

@@ -112,8 +112,7 @@ void tls_records(const Scene& scene) {
   send_and_end(scene, *line, bytes);
 }
 
-// Goal: a handshake may stop anywhere. Method: send only the hello, or change, cut or omit the
-// answer to the server's part.
+// Goal: a handshake may stop anywhere. Method: only the hello, or a changed or missing answer.
 void tls_half_handshakes(const Scene& scene) {
   auto line = reach(scene);
   if (!line) return;

@@ -81,9 +81,8 @@ class Seeds : public testing::TestWithParam<std::uint64_t> {
 
 TEST_P(Seeds, DigestIsTheSerialRuns) {
   // Goal: whatever happens to workers, messages, coordinator and disk, a run ends once faults stop,
-  // with the serial run's bits and without losing any commit. Method: clusters of 1 to 4096 workers
-  // by seed; compare digests, check the store's invariants, and bound the time after the last
-  // fault.
+  // with the serial run's bits and no lost commit. Method: clusters of 1 to 4096 workers by seed;
+  // compare digests, check the store's invariants, and bound the time after the last fault.
   check_share({}, seeds());
 }
 

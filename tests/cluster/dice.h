@@ -1,6 +1,5 @@
 // Random choices of a simulated cluster: a function of its seed and of the order of calls. Each
-// part of a cluster has its own dice, so that a change in one part doesn't change the others'
-// draws. Not thread-safe.
+// part has its own dice, so that changing a part leaves others' draws unchanged. Not thread-safe.
 #pragma once
 
 #include <cstdint>

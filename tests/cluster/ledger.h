@@ -1,5 +1,4 @@
-// All scans of a run with their states, by replica: the contents of a store, or a serial run's
-// results. Not thread-safe.
+// All scans of a run with their states, by replica, from a store or a serial run. Not thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -58,12 +58,10 @@ struct CaseChoice {
   Mistake mistake = Mistake::none;
 };
 
-/// Draws a case: log-uniform workers from 1 to the maximum, a plan with enough work for them, and
-/// up to k_faults_max faults.
+/// Draws a case: log-uniform workers up to the maximum, enough work for them, and faults.
 Case case_of(std::uint64_t seed, const CaseChoice& choice = {});
 
-/// Runs the plan serially for the expected result. REQUIRES: only `case.scenario.faults` is
-/// missing.
+/// Runs the plan serially for the expected result. REQUIRES: everything but the faults is set.
 void expect_serial(Case& of);
 
 }  // namespace sleight::cluster

@@ -2,7 +2,7 @@
 // with the real scheduler and a fresh real plan, on the simulated clock.
 //
 // The coordinator is a serial resource: each incoming message takes handling_s, in the order of
-// arrival. A session ends by dying, which cancels all its later actions, or with the run. Not
+// arrival. A session ends with the run, or by dying, which cancels its later actions. Not
 // thread-safe.
 #pragma once
 

@@ -31,7 +31,7 @@ class WrongDeliveries {
   std::map<std::uint64_t, plan::Block> delivered_;
 };
 
-/// A block worker's wrong handling of ladders' parts. Borrows both workers. Thread-safe if both
+/// A block worker's wrong handling of ladders' parts. Borrows both workers. Thread-safe if they
 /// are.
 class WrongBlocks final : public plan::BlockWorker {
  public:

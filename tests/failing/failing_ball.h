@@ -1,5 +1,4 @@
-// The 2D ball for tests of failures: its simulator fails in a known share of states, and starts
-// overlap in another share.
+// The 2D ball for tests of failures: known shares of states fail or have overlapping starts.
 //
 // Whether a state fails depends only on its bytes. Thread safety: that of Ball2d.
 #pragma once

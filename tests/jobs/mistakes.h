@@ -1,5 +1,4 @@
-// Known mistakes for tests. Each mistake makes one part around the machine of jobs wrong, or one
-// setting. `none` changes nothing.
+// Known mistakes for tests, each in one part around the machine of jobs, or in one setting.
 #pragma once
 
 #include <array>

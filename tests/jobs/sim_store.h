@@ -1,5 +1,4 @@
-// The job store of a simulated daemon. Saves are durable completely or not at all, and the store
-// outlives the daemon. Not thread-safe.
+// A simulated daemon's job store, with atomic saves. It outlives the daemon. Not thread-safe.
 #pragma once
 
 #include <cstdint>

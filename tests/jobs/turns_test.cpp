@@ -164,9 +164,8 @@ TEST(Turns, ALargeJobGetsItsRoom) {
 }
 
 TEST(Turns, NobodyStarves) {
-  // Goal: the bound in jobs.h holds. Method: twenty users with endless jobs on one core. One had
-  // the core for hours, one has scans longer than a slice, and one has a low-priority job beside
-  // others; patience is ten minutes.
+  // Goal: the bound in jobs.h holds. Method: twenty users with endless jobs on one core: one had it
+  // for hours, one has long scans, and one has a low-priority job; patience is ten minutes.
   Scenario scenario = quiet_machine(1, 0);
   scenario.options.patience_s = 600;
   constexpr double k_begin_s = 8000, k_end_s = 20'000;

@@ -20,8 +20,7 @@ namespace {
 
 /// Ranks usually start within about a second; the timeout is for a heavily loaded machine.
 constexpr double k_hello_timeout_s = 120;
-/// A rank leaves after its current block. The timeout keeps a stopped rank, or one on a host that
-/// hangs, from blocking the job forever.
+/// A rank leaves after its current block. After this time, a hanging rank is given up.
 constexpr double k_leave_timeout_s = 20;
 /// Maximum time until a delivery is noticed. Most ranks have another block queued, but a rank that
 /// ran a whole ladder waits for the answer. Each poll takes processor time from the computing

@@ -1,5 +1,4 @@
-// Goal: questions and answers follow docs/BACKENDS.md. Missing keys have defaults, unknown keys are
-// ignored, and errors name the wrong key.
+// Goal: messages follow docs/BACKENDS.md, with defaults for missing keys and errors that name keys.
 #include "service/backend/messages.h"
 
 #include <gmock/gmock.h>

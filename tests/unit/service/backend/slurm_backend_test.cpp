@@ -188,8 +188,8 @@ TEST_F(SlurmBackendTest, ARefusalIsNoSilence) {
 }
 
 TEST_F(SlurmBackendTest, AControllerThatIsAwayIsAskedOnce) {
-  // Method: the queue is unreachable. Nothing is submitted, no attempt counts as ended, and twenty
-  // questions cause one call.
+  // Method: the queue is unreachable. No job is submitted or ended; twenty questions cause one
+  // call.
   program("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1");
   auto slurm = backend();
   for (std::uint64_t job = 1; job <= 10; ++job) {

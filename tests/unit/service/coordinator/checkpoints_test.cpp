@@ -61,7 +61,6 @@ TEST_F(CheckpointsTest, ComeWithTheFirstSolutionAndThenEverySoOften) {
 
 TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
   // Goal: no checkpoint without results, in the first half second, or if checkpoints are off.
-  // Method: offers of each kind.
   std::atomic<int> made = 0;
   const auto derive = [&](const request::Cut&, const std::atomic<bool>&) {
     ++made;
@@ -83,8 +82,8 @@ TEST_F(CheckpointsTest, NothingIsMadeOfNothing) {
 
 TEST_F(CheckpointsTest, FindsAreSeenAtOnce) {
   // Goal: as soon as a search has all its finds, an archive follows, even if the run ends
-  // meanwhile. Method: an offer at time 0. stop() is called during the derivation, which polls for
-  // a stop repeatedly but never sees one.
+  // meanwhile. Method: an offer at time 0; stop() comes during the derivation, which never sees a
+  // stop.
   std::atomic<int> begun = 0;
   std::atomic<bool> stops = false;
   Checkpoints checkpoints(
@@ -138,9 +137,8 @@ TEST_F(CheckpointsTest, NobodyWaitsAndOneIsMadeAtATime) {
 
 TEST_F(CheckpointsTest, CostlyOnesAreRare) {
   // Goal: deriving takes at most a hundredth of the workers' time, excluding new motions. Method:
-  // checkpoints that compute for 0.2 s, of which motions take none or 0.15 s. With two workers, the
-  // next checkpoint follows after 50 times the rest (10 s or 2.5 s, or more if interrupted),
-  // although one is requested each second.
+  // checkpoints compute for 0.2 s, of which motions take none or 0.15 s. With two workers, the next
+  // follows after 50 times the rest (10 s or 2.5 s, or more), although one is due each second.
   for (const double motions_s : {0.0, 0.15}) {
     std::atomic<double> cost_s = 0;
     Checkpoints checkpoints(
@@ -201,8 +199,7 @@ TEST_F(CheckpointsTest, OneThatFailsIsTriedAgain) {
 }
 
 TEST_F(CheckpointsTest, WhatGoesOnHasAnArchive) {
-  // Goal: a session that resumes a run with an archive makes no checkpoint at once. Method: the
-  // same offers with and without an archive.
+  // Goal: a resumed run with an archive makes no checkpoint at once. Method: with and without one.
   for (const bool has_archive : {true, false}) {
     std::atomic<int> made = 0;
     Checkpoints checkpoints(

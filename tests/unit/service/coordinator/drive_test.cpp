@@ -279,8 +279,7 @@ TEST_F(Drive, SaysWhatHandlingTook) {
 }
 
 TEST_F(Drive, NobodyIsSilentSinceTheClockIsOld) {
-  // Goal: an old clock doesn't make workers count as silent or blocks be assigned again. Method: a
-  // clock at a million seconds.
+  // Goal: an old clock makes no worker silent and ends no lease. Method: a million seconds.
   clock_.advance(1e6);
   const DriveOutcome outcome =
       session(scans(1000), {.workers = 2, .threads = 2, .seconds_per_scan = 1}, {});

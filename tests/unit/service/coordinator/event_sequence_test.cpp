@@ -192,8 +192,7 @@ TEST(EventSequence, IsTheSameHoweverResultsCome) {
 }
 
 TEST(EventSequence, NumberedInCompletionOrderItWouldBeCaught) {
-  // Goal: the check above catches a sequence that numbers events in the order of arrival. Method:
-  // the same runs with CompletionOrder.
+  // Goal: the check above catches events numbered by arrival. Method: runs with CompletionOrder.
   std::uint64_t caught = 0;
   for (std::uint64_t index = 0; index < 40; ++index) {
     Dice dice(index);

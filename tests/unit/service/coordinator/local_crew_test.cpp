@@ -204,8 +204,7 @@ TEST(LocalCrew, ThreadsWorkAtTheSameTime) {
 }
 
 TEST(LocalCrew, ReceiveEndsWithoutResults) {
-  // Goal: a timeout returns nothing and loses nothing. Method: receive while the worker is blocked,
-  // then after it is released.
+  // Goal: a timeout returns nothing and loses nothing. Method: block the worker, then release it.
   Gate gate;
   const FakeWorker worker([&](const auto&) { gate.pass(); });
   LocalCrew crew(worker, 1);
@@ -275,8 +274,7 @@ class TimedWorker final : public plan::UnitWorker {
 };
 
 TEST(LocalCrew, CostIsMeasuredByTheRunnersClock) {
-  // Goal: the cost_s that reaches the driver is the time between begin and end of a unit. Method:
-  // the worker advances a manual clock.
+  // Goal: the driver gets a unit's duration as cost_s. Method: the worker advances a manual clock.
   base::ManualClock clock;
   const TimedWorker worker(clock);
   const sampling::BlockRunner runner(worker, clock);

@@ -222,8 +222,8 @@ TEST_F(RunRequest, ForeignFileIsNotTouched) {
 }
 
 TEST_F(RunRequest, RunningRunIsNotDisturbed) {
-  // Goal: only one process writes a run. Another is refused before it removes anything, even with
-  // --fresh. Method: hold the lock.
+  // Goal: only one process writes a run; others are refused, even with --fresh. Method: hold the
+  // lock.
   (void)session(request_text("scans = 30"), {.output = output()});
   const std::string bytes = bytes_of(output());
   const store::RunLock lock(run_folder(output()));

@@ -172,8 +172,7 @@ TEST_F(SearchRuns, StandBeforeChains) {
 
 TEST_F(SearchRuns, IslandsThatTellTheOddsAreTheSame) {
   // Goal: the batch of islands that determines the odds, and its first island, are the same for any
-  // threads, after stops, and for the request in the archive. Method: odds that converge soon, in a
-  // straight, a stopped and a repeated run.
+  // threads, after stops, and for the archive's request. Method: odds that converge soon.
   const std::string request = words("", "odds = 1.0\n");
   const RunSummary straight = session(request, {.output = path("s.h5")});
   ASSERT_EQ(straight.end, DriveEnd::finished);

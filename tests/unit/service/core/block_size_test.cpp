@@ -59,8 +59,7 @@ TEST(BlockSize, BlocksTakeAboutTheirTarget) {
 }
 
 TEST(BlockSize, CheapScansComeToTheMostOfABlock) {
-  // Goal: blocks reach scans_max and don't exceed it. Method: a scan that costs a nanosecond, or
-  // nothing at all by the clock.
+  // Goal: blocks reach scans_max and don't exceed it. Method: scans of a nanosecond or of 0 s.
   for (const double scan_s : {1e-9, 0.0}) {
     BlockSize size(k_round);
     settle(size, scan_s);
@@ -124,9 +123,8 @@ TEST(BlockSize, ManyThreadsHaveLongerBlocks) {
 }
 
 TEST(BlockSize, HungerMakesBlocksShorter) {
-  // Goal: blocks shrink while threads find no work, to least_s and to the minimum that the
-  // coordinator can handle, and grow again. Method: starve and feed 1 and 8 threads; scans of 0.1
-  // ms.
+  // Goal: blocks shrink while threads find no work, to least_s and to what the coordinator can
+  // handle, and grow again. Method: starve and feed 1 and 8 threads; scans of 0.1 ms.
   for (const auto& [threads, shortest_s] : {std::pair{1U, 0.004}, {8U, 0.016}}) {
     BlockSize size(k_round);
     settle(size, 0.0001, threads);

@@ -243,9 +243,9 @@ done 1 #0
 }
 
 TEST(Scheduler, RefusesWhatDoesNotFit) {
-  // Goal: a delivery of another epoch has no effect. A delivery with a wrong replica, scan, number
-  // of members or number of scans is refused, and the block waits again, once. Method: each case,
-  // with room for two copies.
+  // Goal: a delivery of another epoch has no effect. One with a wrong replica, scan, number of
+  // members or number of scans is refused, and the block waits again, once. Method: room for two
+  // copies.
   expect_goes("a2", blocks_ahead(1), R"(join 1
   assign 1 #0 a@0+2 starts
 done 1 #0 epoch=2
@@ -299,8 +299,7 @@ done 1 #1 scans=2
 }
 
 TEST(Scheduler, LeasesRunFromTheClocksBeginning) {
-  // Goal: a late first tick ends no earlier lease. Method: a first tick far from 0, and one below
-  // it.
+  // Goal: a late first tick ends no earlier lease. Method: first ticks far above and below 0.
   expect_goes("a", blocks_ahead(0), R"(join 1
   assign 1 #0 a@0+1 starts
 tick 17000

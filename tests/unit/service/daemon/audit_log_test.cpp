@@ -1,5 +1,4 @@
-// Goal: the audit log records who did what, completely and in bounded size, whatever strangers try.
-// Method: log lines and read them back.
+// Goal: the audit log is complete and bounded, whatever strangers try. Method: read lines back.
 #include "service/daemon/audit_log.h"
 
 #include <gmock/gmock.h>

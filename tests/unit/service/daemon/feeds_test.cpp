@@ -1,5 +1,4 @@
-// Goal: watchers are notified once of new events, whoever reads the job's log. Method: a log that
-// grows between reads of both kinds.
+// Goal: watchers are notified once of new events. Method: a log that grows between reads.
 #include "service/daemon/feeds.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 // Goal: the job store's records contain the whole job. Method: read back jobs with values of all
-// kinds. Compare the number of written fields with a job's, so that a new field can't be forgotten.
-// Invalid texts are refused.
+// kinds. Counting the fields reveals forgotten ones. Invalid texts are refused.
 #include "service/daemon/job_records.h"
 #include "common/json/value.h"
 

@@ -1,6 +1,5 @@
 // Goal: following a log returns its bytes; lost bytes are left out, and none is repeated. Method:
-// random pieces are printed through the keeper's bounded log and read from the last position;
-// compare with the printed bytes.
+// print random pieces through the keeper's bounded log, and compare what readers get.
 #include "service/daemon/logs.h"
 
 #include <gtest/gtest.h>

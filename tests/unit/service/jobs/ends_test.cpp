@@ -1,5 +1,4 @@
-// Goal: each end has its outcome (ends.h) and back-off. Method: tables of ends by job, and counts
-// over consecutive deaths.
+// Goal: each end has its outcome (ends.h) and back-off. Method: tables of ends, and death counts.
 #include "service/jobs/ends.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,4 @@
-// Goal: the machine's effects, step by step. Method: a machine of four cores and inputs by hand;
-// check the effects and jobs.
+// Goal: the machine's effects, step by step. Method: a machine of four cores, inputs by hand.
 #include "service/jobs/jobs.h"
 
 #include <gmock/gmock.h>

@@ -96,8 +96,7 @@ TEST(AttemptRecord, StaysUnderItsBound) {
 class RecordFileTest : public testing::JobTest {};
 
 TEST_F(RecordFileTest, NothingIsThereUntilItIsWhole) {
-  // Goal: if any call fails, the folder has the old or the new record, complete. Method: fail each
-  // call of both writes in turn.
+  // Goal: if any call fails, the old or the new record is there. Method: fail each call in turn.
   EXPECT_EQ(read_record(folder()), std::nullopt);
   AttemptRecord before = begun();
   before.attempt = 2;

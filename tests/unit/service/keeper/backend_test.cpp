@@ -143,8 +143,8 @@ TEST_F(BackendTest, WhatCantBeLaunchedIsSaid) {
 
 TEST_F(BackendTest, ARecycledNumberIsNeverHit) {
   // Goal: no signal reaches a process that has reused a dead keeper's process id, even if the
-  // folder looks active. Method: a record of an earlier process with a bystander's id, under a held
-  // lock; then a record of an earlier boot.
+  // folder looks active. Method: a record with a bystander's id under a held lock; a record of an
+  // earlier boot.
   const pid_t bystander = ::fork();
   if (bystander == 0) {
     while (true)

@@ -44,8 +44,7 @@ Look::State state_after(Moment moment) {
 }
 
 TEST_F(DeathsTest, AtEachMoment) {
-  // Method: see above. The program writes a line per run. There is no line if the keeper was killed
-  // before fork, or between fork and exec.
+  // The program writes a line per run. There is no line if the keeper was killed before exec.
   std::uint32_t attempt = 0;
   std::size_t runs = 0;
   for (std::size_t i = 0; i < k_moment_names.size(); ++i) {

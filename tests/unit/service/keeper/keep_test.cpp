@@ -125,8 +125,7 @@ TEST_F(KeepTest, StoppedNow) {
 }
 
 TEST_F(KeepTest, ASignalThatComesAtOnceIsNotLost) {
-  // Goal: a stop right after launch ends the attempt, whether or not the keeper handles signals
-  // yet. Method: stop at once, many times.
+  // Goal: a stop right after launch ends the attempt, even before the keeper handles signals.
   program_is("sleep 1000");
   for (std::uint32_t attempt = 1; attempt <= 10; ++attempt) {
     const auto keeper = backend().launch(spec(attempt));
