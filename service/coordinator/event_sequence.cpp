@@ -118,7 +118,7 @@ void EventSequence::advance_chains(const plan::Plan& plan, std::vector<events::R
                                                           .swaps = round.swaps,
                                                           .round_trips = round.round_trips}}});
   }
-  // Each sort is already in order.
+  // Events of one sort are already in order.
   std::ranges::stable_sort(known, {},
                            [](const Known& one) { return std::tuple(one.scans, one.sort); });
   for (Known& one : known)

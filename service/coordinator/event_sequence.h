@@ -2,7 +2,7 @@
 //
 // Events follow from results in logical order, not in the order of arrival:
 //
-//   Starts of the search 0, 1, 2, ... come first. Each has its failures, then its find.
+//   Starts of the search 0, 1, 2, ... come first. Each start has its failures, then its find.
 //   Scans of all chains 1, 2, ... follow. Once all chains have made a scan, it has:
 //     - failures, by (chain, replica, kind);
 //     - solutions that the scan decides, by (chain, scan);

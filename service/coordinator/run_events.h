@@ -58,8 +58,8 @@ class RunEvents {
   void show(const events::Progress& progress);
   void archive_written(events::ArchiveWritten archive);
 
-  /// As in EventSequence: results in the order in which they are put into the store, then the
-  /// plan's progress with these results.
+  /// Like EventSequence's functions: receive results in the order in which they are put into the
+  /// store, then the plan's progress with these results.
   void consumed(const plan::ReplicaKey& replica, base::ScanIndex first_scan,
                 std::span<const plan::ScanRecord> records);
   void advance(const plan::Plan& plan);

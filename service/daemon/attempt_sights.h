@@ -65,7 +65,7 @@ class AttemptSights {
                                    const std::string& words) const;
 
   /// Returns a note for the machine if the programs were replaced since the last look. The first
-  /// look always returns one.
+  /// look always returns a note.
   std::optional<jobs::BackendNote> look_at_programs();
 
  private:

@@ -34,7 +34,7 @@ struct ServerFacts {
   /// Throws base::Error for options that the backend doesn't support. Empty: it supports none.
   std::function<void(const std::map<std::string, std::string>&)> check_options{};
   std::string backend = "local";
-  // The TCP address, if the server listens there.
+  // The TCP address, if the server listens on TCP.
   std::string address{};
   std::string fingerprint{};
 };

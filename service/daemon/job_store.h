@@ -7,7 +7,8 @@
 //   `state`    has format, service time and next id.
 //
 // Invariants
-//   1. A save is one transaction. It is durable when `save` returns, and otherwise has no effect.
+//   1. A save is one transaction. A save is durable when `save` returns, and otherwise has no
+//   effect.
 //   2. Every row has a checksum that covers its key too. Reading refuses a row that a disk or a
 //      person changed, and leaves the store untouched. A store of another format is refused too.
 //   3. Erasing a job erases its requests.

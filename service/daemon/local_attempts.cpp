@@ -109,7 +109,7 @@ void LocalAttempts::see(jobs::JobId job, jobs::Attempt attempt) {
         if (auto keeper = parts_.backend.adopt(folder, number)) {
           follow(job, attempt, *std::move(keeper), true);
         } else {
-          // The keeper has just started or just exited. Another look a moment later tells which.
+          // The keeper has just started or just exited. A look a moment later shows which.
           again_[job] =
               parts_.loop.call_later(k_again_s, [this, job, attempt] { see(job, attempt); });
           return;

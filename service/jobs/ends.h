@@ -2,16 +2,16 @@
 // what the daemon saw of the attempt, and on what people asked for.
 //
 //   Result of judge(job, ended):
-//     - The request is finished: done, or queued if the request was extended meanwhile.
-//     - Gave up, no draws, --strict: failed, and never restarted (gave up with finds: done).
-//     - Invalid request: failed, because another start would be refused too.
-//     - Disk full, other results version: held.
-//     - A check failed: failed if the last check failed at the same place with no commit since;
+//     The request is finished: done, or queued if the request was extended meanwhile.
+//     Gave up, no draws, --strict: failed, and never restarted (gave up with finds: done).
+//     Invalid request: failed, because another start would be refused too.
+//     Disk full, other results version: held.
+//     A check failed: failed if the last check failed at the same place with no commit since;
 //       else a death.
-//     - Cancelled in the batch system: held until the user resumes the job.
-//     - The batch system took its cores: starts again; not a death.
-//     - Clean stop: what the stop was requested for; else starts again.
-//     - Any other error, or no record: a death. Starts again later; the fifth death without a
+//     Cancelled in the batch system: held until the user resumes the job.
+//     The batch system took its cores: starts again; not a death.
+//     Clean stop: what the stop was requested for; else starts again.
+//     Any other error, or no record: a death. Starts again later; the fifth death without a
 //       commit in between: failed.
 //
 // After a stop request, a job that would start again gets the outcome that the request named. A

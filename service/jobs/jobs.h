@@ -1,5 +1,5 @@
-// The machine of jobs: a pure state machine that decides what happens to each job. It maps inputs
-// to effects and touches no process, file, socket, clock or thread.
+// The machine of jobs: a pure state machine that decides what happens to each job. The machine maps
+// inputs to effects and touches no process, file, socket, clock or thread.
 //
 // Idea. A job is a run that is started repeatedly until it is finished. A run resumes from its run
 // store, and a clean stop loses nothing. So the machine may stop and start a job as often as other
@@ -122,7 +122,7 @@ class Jobs {
   std::vector<Effect> step(const Input& input);
 
   /// Returns why a submit would be refused now, after `before_it` other new jobs of the same user.
-  /// None also if the submit's key names an existing job. For submitting several jobs or none.
+  /// None also if the submit's key names an existing job. Used to submit several jobs or none.
   std::optional<Refusal> refusal_of(const Submit& input, std::uint64_t before_it = 0) const;
 
   const Job* find(JobId id) const;

@@ -68,7 +68,7 @@ void end_fields(Visit& visit, End& end) {
   visit.as(
       "stop_asked", end.stop_asked, [](Stop how) { return name_in(k_stops, how); },
       [](const std::string& name) { return value_in(k_stops, name); });
-  // As a line of its own, whose reader checks its keys and limits.
+  // A run's end is a line of its own, whose reader checks keys and limits.
   visit.as(
       "run_end", end.run_end, [](const events::RunEnd& ended) { return events::to_line(ended); },
       events::run_end_of);

@@ -3,14 +3,14 @@
 // Each attempt runs under a keeper, a separate process (`sleight-keeper`, keep.h) that outlives the
 // daemon. A new daemon needs only the job's folder and the attempt's number:
 //
-//   - `backend.launch(spec)`: store the number first. Returns once the keeper runs.
-//   - `backend.look(folder, attempt)`: at any time, from any daemon. The answers are:
-//     - `never_began`: launch the same attempt again; of two keepers only one starts the program.
+//   `backend.launch(spec)`: store the number first. Returns once the keeper runs.
+//   `backend.look(folder, attempt)`: at any time, from any daemon. The answers are:
+//     `never_began`: launch the same attempt again; of two keepers only one starts the program.
 //       While the keeper that launch returned is alive, this answer means "not yet".
-//     - `running`: adopt(folder, attempt), wait for its descriptor, then look again. If adopt
+//     `running`: adopt(folder, attempt), wait for its descriptor, then look again. If adopt
 //       returns none, the keeper has just started or exited: look again some milliseconds later.
-//     - `ended`: the record has its end.
-//     - `died`: keeper and program were killed. Start a new attempt.
+//     `ended`: the record has its end.
+//     `died`: keeper and program were killed. Start a new attempt.
 //
 // Invariants:
 //   1. A folder has at most one keeper, because the keeper holds a lock for life. An attempt's
@@ -22,9 +22,9 @@
 //      leaves no zombie.
 //   5. No function waits for a program. launch waits for one exec.
 //
-// The lock uses fcntl's open file descriptions (F_OFD_SETLK) instead of flock. Both are released
-// when the keeper ends. But only the former can be tested without being taken, so a look never
-// makes a starting keeper believe that another one exists.
+// The lock uses fcntl's open file descriptions (F_OFD_SETLK) instead of flock. Both kinds of locks
+// are released when the keeper ends. But only F_OFD_SETLK's can be tested without being taken, so a
+// look never makes a starting keeper believe that another one exists.
 //
 // Thread safety: any thread; functions are independent of one another.
 #pragma once

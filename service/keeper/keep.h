@@ -6,9 +6,9 @@
 //      session's end (common/events/run_end.h), and writes the attempt's record.
 //   3. Starts the program (program.h) and waits. Meanwhile the keeper writes the program's output
 //      to the bounded log, and handles signals:
-//        - SIGUSR1, SIGINT: pass SIGUSR1 on to the program, which stops a run cleanly.
-//        - SIGTERM: kill the program and all its descendants.
-//        - SIGHUP: ignore.
+//        `SIGUSR1`, `SIGINT`: pass SIGUSR1 on to the program, which stops a run cleanly.
+//        `SIGTERM`: kill the program and all its descendants.
+//        `SIGHUP`: ignore.
 //      The keeper kills a program that reported its end but doesn't exit, and an mpirun whose ranks
 //      have all exited (Debian 12's mpirun sometimes hangs while exiting).
 //   4. After the program has ended, kills its remaining descendants. The keeper is their subreaper,
@@ -18,14 +18,14 @@
 //
 // In a batch system's job (KeeperOptions::in_batch) five things differ:
 //
-//   - SIGTERM, which the system sends to all processes some time before killing them, is passed on
-//     as SIGUSR1. The program itself doesn't receive SIGTERM, so it isn't told twice.
-//   - The program gets the whole environment, from which mpirun finds the job's machines.
-//   - On a network disk, whose locks outlive a lost machine, the file `begun.N` replaces the lock.
-//     So an attempt that the system starts twice runs once.
-//   - A second keeper on the same machine waits until the first one exits, because the system would
-//     take the second keeper's exit for the end of the job.
-//   - A keeper that was presumed lost doesn't overwrite a later attempt's record.
+//   1. SIGTERM, which the system sends to all processes some time before killing them, is passed on
+//      as SIGUSR1. The program itself doesn't receive SIGTERM, so it isn't told twice.
+//   2. The program gets the whole environment, from which mpirun finds the job's machines.
+//   3. On a network disk, whose locks outlive a lost machine, the file `begun.N` replaces the lock.
+//      So an attempt that the system starts twice runs once.
+//   4. A second keeper on the same machine waits until the first one exits, because the system
+//      would take the second keeper's exit for the end of the job.
+//   5. A keeper that was presumed lost doesn't overwrite a later attempt's record.
 //
 // Invariants:
 //   1. The keeper holds the lock while it lives, and no process of the program outlives it. The

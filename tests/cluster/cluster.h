@@ -32,8 +32,9 @@ struct Outcome {
   std::uint64_t sessions = 0;
   std::uint64_t events = 0;
   core::Counts counts{};  ///< of all sessions
-  /// Shares of all threads' time, including dead and absent threads. The first is the kept scans'
-  /// cost over the whole run. The second is the work between a fifth and four fifths of the scans.
+  /// Shares of all threads' time, including dead and absent threads. `utilisation` is the kept
+  /// scans' cost over the whole run. The next field is the work between a fifth and four fifths of
+  /// the scans.
   double utilisation = 0;
   double utilisation_amid = 0;
 };

@@ -193,7 +193,7 @@ Case case_of(std::uint64_t seed, const CaseChoice& choice) {
   scenario.commit_every_s = dice.log_uniform(0.002, 0.05);
   scenario.hello_every_s = 2 * scenario.scheduler.lease_s;
 
-  // If a plan's length depends on its results, the plan may be too short. Then draw a larger one.
+  // If a plan's length depends on its results, the plan may be too short. Then draw a larger plan.
   const std::uint64_t least = std::max<std::uint64_t>(k_units_per_worker * scenario.workers, 300);
   for (std::uint64_t units = least;; units *= 2) {
     choose_plan(scenario, dice, units);

@@ -1,10 +1,11 @@
-// A simulated worker process. Its assignments wait in a queue, each thread runs one block at a
+// A simulated worker process. Assignments wait in a queue, each thread runs one block at a
 // time, and results are sent when the block's cost has elapsed.
 //
 // A worker may die: its queue, states and running blocks are lost, and a later start is a new
-// incarnation. A worker may also stall: nothing happens until the stall ends, and then everything
-// received meanwhile. A worker answers pings. A worker sends a hello at its start, and periodically
-// while it has no work or has received nothing, so that a new coordinator notices it.
+// incarnation. A worker may also stall: nothing happens until the stall ends, and then the worker
+// handles everything received meanwhile. A worker answers pings. A worker sends a hello at its
+// start, and periodically while it has no work or has received nothing, so that a new coordinator
+// notices it.
 //
 // Not thread-safe. The cluster owns the worker and outlives all events.
 #pragma once

@@ -2,7 +2,8 @@
 // is rank n. Rank 0 drives, and computes in additional threads.
 //
 // Every other rank runs serve (worker/run/mpi/mpi_worker.h). Only the driving thread calls MPI
-// (MPI_THREAD_FUNNELED). It polls for messages, because a blocking receive would occupy a core.
+// (MPI_THREAD_FUNNELED). The driving thread polls for messages, because a blocking receive would
+// occupy a core.
 //
 // If a rank dies, the whole job dies, because Open MPI 4 can't report which rank is gone. The job
 // is then started again and resumes from its run store.

@@ -64,9 +64,10 @@ class DeriveArchive : public testing::BallRuns {
 };
 
 TEST_F(DeriveArchive, IsTheRunsOwn) {
-  // Goal: an archive derived from a folder alone equals the run's archive byte for byte. This holds
-  // for each kind of method, for finished and stopped runs, and for fewer scans than the store has.
-  // Method: runs of the ball and of a word of two bins; stopped runs with two threads.
+  // Goal: an archive derived from a folder alone equals the run's archive byte for byte. The
+  // archives are equal for each kind of method, for finished and stopped runs, and for fewer scans
+  // than the store has. Method: runs of the ball and of a word of two bins; stopped runs with two
+  // threads.
   const auto word = [](const std::string& sampler, const std::string& stop) {
     return "[world]\nname = \"spelling\"\nbitmap = \"#.#\"\n[sampler]\nseed = 5\n" + sampler +
            "[stop]\n" + stop;

@@ -33,8 +33,8 @@ struct FakeCrewOptions {
 };
 
 /// Completes one assignment per receive. Checks that each unit comes with the state before it: as
-/// bytes, or held by its worker if that made the state last and hasn't reported its loss. Checks
-/// that no worker has more assignments than the scheduler may give.
+/// bytes, or held by the worker that made the state last and hasn't reported its loss. Checks that
+/// no worker has more assignments than the scheduler may give.
 class FakeCrew final : public Crew {
  public:
   FakeCrew(base::ManualClock& clock, FakeCrewOptions options)

@@ -39,8 +39,8 @@ class NetworkRuns : public testing::BallRuns {
 
 TEST_F(NetworkRuns, HaveTheDigestOfALocalDisk) {
   // Goal: a run on a network disk that is stopped at any place and resumed has the archive of a run
-  // on a local disk. Its checkpoints read over the writer's connection. Method: plain chains and
-  // ladders, sessions of two threads; compare with the same runs on a local disk.
+  // on a local disk. Checkpoints of this run read over the writer's connection. Method: plain
+  // chains and ladders, sessions of two threads; compare with the same runs on a local disk.
   const std::vector<std::string> texts{
       request_text("scans = 300", k_slow),
       request_text("rounds = 3", std::string(k_slow) + "replicas = 4\n", "parallel_tempering")};

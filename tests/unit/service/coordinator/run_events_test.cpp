@@ -127,7 +127,7 @@ TEST_F(RunEventsOf, SessionsGoOnWithTheSameNumbers) {
 
 TEST_F(RunEventsOf, ALogThatIsLostChangesNothing) {
   // Goal: deleting or blocking the log loses no numbered event and ends no run. Method: delete one
-  // run's log; block another run's log with folders in its place. Their stores have the same
+  // run's log; block another run's log with folders in its place. The runs' stores have the same
   // events, and a later session begins a new log.
   const std::string request = request_text("scans = 150");
   (void)session(request, {.output = path("ball.h5")});

@@ -92,9 +92,9 @@ TEST_F(SearchRuns, GoOnAndAreCutShort) {
 }
 
 TEST_F(SearchRuns, TakesAreTheSame) {
-  // Goal: takes are stored like finds and marked as relaxed. Their archive is the same for any
-  // threads, after stops, for fewer takes, and for the request stored in it. A run stopped before
-  // its first take has the plain finds. Method: each case.
+  // Goal: takes are stored like finds and marked as relaxed. The archive with takes is the same for
+  // any threads, after stops, for fewer takes, and for the request stored in it. A run stopped
+  // before its first take has the plain finds. Method: each case.
   const auto takes = [](int count) {
     return words("method = \"search\"\nrelax_scans = 6\niterations_per_scan = 4\n",
                  "takes = " + std::to_string(count) + "\n");
@@ -215,9 +215,9 @@ TEST_F(SearchRuns, AreKeptWhenChainsHaveNoDrawsYet) {
 }
 
 TEST_F(SearchRuns, JudgedChainsGiveTheSameBits) {
-  // Goal: chains that start from a search give the same bits too. Their draws are the rounds that
-  // passed, and each counted scan is a kept animation. Method: a run with threads, one in sessions,
-  // and one cut where the first ended; more solutions extend the run.
+  // Goal: chains that start from a search give the same bits too. The draws of such chains are the
+  // rounds that passed, and each counted scan is a kept animation. Method: a run with threads, one
+  // in sessions, and one cut where the first ended; more solutions extend the run.
   const auto judged = [](const std::string& stop) {
     return words(
         "method = \"metropolis_hastings\"\nstart = \"search\"\nchains = 4\nround_scans = 8\n"

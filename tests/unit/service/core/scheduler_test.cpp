@@ -243,8 +243,8 @@ done 1 #0
 }
 
 TEST(Scheduler, RefusesWhatDoesNotFit) {
-  // Goal: a delivery of another epoch has no effect. One with a wrong replica, scan, number of
-  // members or number of scans is refused, and the block waits again, once. Method: room for two
+  // Goal: a delivery of another epoch has no effect. A delivery with a wrong replica, scan, number
+  // of members or number of scans is refused, and the block waits again, once. Method: room for two
   // copies.
   expect_goes("a2", blocks_ahead(1), R"(join 1
   assign 1 #0 a@0+2 starts
@@ -320,7 +320,7 @@ tick -370
 
 TEST(Scheduler, AsksTheSilentUntilTheyAnswer) {
   // Goal: a worker whose lease ended gets nothing and is asked repeatedly. Assignments missing in
-  // its answer are given again; the others keep their leases and aren't given to other workers.
+  // the answer are given again; the others keep their leases and aren't given to other workers.
   // Method: both answers; an answer of another epoch is ignored.
   expect_goes("a b", blocks_ahead(1), R"(tick 0
 join 1
@@ -470,7 +470,8 @@ done 1 #3
 
 TEST(Scheduler, StopsWhenAllCameBack) {
   // Goal: after a stop nothing is assigned and timely results are kept. The end follows when all
-  // blocks returned or their leases ended. Method: a result; a lease; useless deliveries; nothing.
+  // blocks returned or their leases ended. Method: a result, an ended lease, useless deliveries,
+  // and nothing outstanding.
   expect_goes("a b c a", blocks_ahead(0), R"(join 1 threads=2
   assign 1 #0 a@0+1 starts
   assign 1 #1 b@0+1 starts

@@ -27,9 +27,9 @@
 
 namespace sleight::core {
 
-/// A plan of listed blocks. Each waits for its replicas' earlier blocks and for those that it
-/// names. "a2 a [bc] d<a" is two scans of a, one of a, a ladder's part with b and c, and d after
-/// a's blocks.
+/// A plan of listed blocks. Each block waits for its replicas' earlier blocks and for the blocks
+/// that it names. "a2 a [bc] d<a" is two scans of a, one of a, a ladder's part with b and c, and d
+/// after a's blocks.
 class ListedPlan final : public plan::Plan {
  public:
   explicit ListedPlan(std::string_view list);

@@ -1,5 +1,5 @@
 // Goal: callers see and do only what they may, and a submission is accepted once, completely or not
-// at all. Method: the handler on a real loop, store and machine. Its programs don't exist, so jobs
+// at all. Method: the handler on a real loop, store and machine. The programs don't exist, so jobs
 // stay queued. The callers' user ids need not exist on this machine.
 #include "service/daemon/calls.h"
 

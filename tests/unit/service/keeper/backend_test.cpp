@@ -63,7 +63,8 @@ TEST_F(BackendTest, AnAttemptFromLaunchToEnd) {
 }
 
 TEST_F(BackendTest, ADoubledLaunchStartsOneProgram) {
-  // Method: threads launch an attempt at once. Later launches of it or an earlier one do nothing.
+  // Method: threads launch an attempt at once. Later launches of this or an earlier attempt do
+  // nothing.
   program_is("echo run >> runs; sleep 0.2");
   std::vector<std::optional<RunningKeeper>> keepers(8);
   std::vector<std::thread> threads;

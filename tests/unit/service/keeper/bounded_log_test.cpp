@@ -15,7 +15,8 @@ namespace {
 class BoundedLogTest : public testing::JobTest {};
 
 TEST_F(BoundedLogTest, KeepsTheNewestUnderItsBound) {
-  // Method: pieces of many sizes, one above the bound. Both files together end the output.
+  // Method: pieces of many sizes, one above the bound. The two files together hold the end of the
+  // output.
   std::string all;
   BoundedLog log(folder(), 2000);
   for (const std::size_t size : {1UL, 300UL, 699UL, 1UL, 5000UL, 10UL, 990UL}) {
