@@ -48,6 +48,7 @@ struct AttemptName {
 };
 
 bool is_daemon_name(std::string_view text);
+/// REQUIRES: is_daemon_name(name.daemon), job and epoch from 1.
 std::string to_text(const AttemptName& name);
 /// Returns none for text that to_text never writes.
 std::optional<AttemptName> attempt_name_of(std::string_view text);

@@ -78,12 +78,12 @@ std::string owner_of_motions(const request::DirectionRequest& request) {
   return fmt::format("{}\n{}", base::version(), request::identity_text(request));
 }
 
-/// An id that is equal for all archives of a run, whichever process derives them.
+/// An id that is equal for all archives of a run, whatever their cut and deriving process.
 std::string run_id(const request::DirectionRequest& request, const std::string& results_version) {
   return hash::sha256_hex(fmt::format("{}\n{}", run_identity(request), results_version));
 }
 
-/// Feeds the plan the scans of the cut, from which the method learns again.
+/// Feeds the plan only the scans of the cut, from which the method learns again.
 void teach(plan::Plan& learner, const store::StoredRun& view, const std::function<void()>& ask,
            const archive::HearWriting& hear) {
   archive::WritingProgress now{.part = archive::WritingProgress::Part::learning};

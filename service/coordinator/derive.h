@@ -38,7 +38,8 @@ struct DeriveInputs {
   double* motions_s = nullptr;
   /// Connection to read by; on a network disk the writer's (RunStore::to_read). Null: a new one.
   std::shared_ptr<store::SharedDatabase> store{};
-  /// Called between batches and before renaming. Throws if the run may be another process's.
+  /// Called between batches and before renaming. Throws if the run may be another process's. May be
+  /// empty.
   std::function<void()> fence{};
   /// Receives the progress of writing. May be empty.
   archive::HearWriting hear{};

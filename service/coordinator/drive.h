@@ -49,14 +49,16 @@ struct DriveOptions {
   std::function<void()> stopping{};        ///< called once, at a stop request; may be empty
   std::function<void(const events::Progress&)> report{};  ///< may be empty
   double log_natural_throw = 0;                           ///< as WorldLayout has it
-  /// Receives the run's state every report_every_s, and on a search's last find. Must be quick.
+  /// Receives the run's state every report_every_s, and on a search's last find. Must be quick. May
+  /// be empty.
   std::function<void(const Standing&)> standing{};
   /// Receives all results, first those of earlier sessions, before they are put into the store, and
   /// in order for each replica. May be empty. `standing` can use what the plan derived from them.
   std::function<void(const plan::ReplicaKey&, base::ScanIndex first_scan,
                      std::span<const plan::ScanRecord>)>
       consumed{};
-  /// Receives simulations that failed in this session, once each; at most a few per unit.
+  /// Receives simulations that failed in this session, once each; at most a few per unit. May be
+  /// empty.
   std::function<void(const plan::ReplicaKey&, const plan::FailedSimulation&)> failed{};
   bool strict = false;  ///< a failed simulation, even of an earlier session, ends the run
 };

@@ -19,6 +19,7 @@ inline constexpr double k_writing_said_every_s = 0.5;
 class WritingWords {
  public:
   using Say = std::function<void(const std::string&)>;
+  /// Borrows the clock.
   WritingWords(Say say, const base::Clock& clock);
   void hear(const archive::WritingProgress& now);
 

@@ -24,7 +24,8 @@ class JobFolders {
   std::string run(jobs::JobId job) const;  ///< folder of the run store, the events and failures
   std::string failures(jobs::JobId job) const;
 
-  /// Creates the folder if necessary and replaces the request durably. Throws base::Error.
+  /// Creates the folder if necessary; replaces the request atomically and durably. Throws
+  /// base::Error.
   void write_request(jobs::JobId job, const std::string& text, base::FileSystem& files) const;
 
   /// Highest job id of any job folder, whether or not the job is known. 0: there are no folders.

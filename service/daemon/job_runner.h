@@ -73,7 +73,8 @@ class JobRunner {
     jobs::Submit submit{};
     StoredRequest request{};
   };
-  /// Submits all jobs or, if one is refused, none. `answered` receives all answers, once durable.
+  /// Submits all jobs or, if one is refused, none. `answered` gets all answers in order, once
+  /// durable.
   void submit(std::vector<Submission> submissions,
               std::function<void(const std::vector<jobs::Answer>&)> answered);
   /// `request`: the new revision's request, for an extend.

@@ -31,6 +31,7 @@ struct Account {
 
 class Accounts {
  public:
+  /// Borrows the options.
   explicit Accounts(const Options& options) : options_(options) {}
 
   void restore(const Usage& usage);

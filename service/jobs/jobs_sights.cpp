@@ -229,6 +229,7 @@ void Jobs::launch(const Job& job) {
                                .memory_bytes = job.wishes.memory_bytes});
 }
 
+/// REQUIRES: an attempt of the job is open.
 void Jobs::ask_to_stop(Job& job, Reason reason, std::string words) {
   Open& open = open_.at(job.id);
   if (open.stop_asked_s) {

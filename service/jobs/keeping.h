@@ -19,6 +19,7 @@ namespace sleight::jobs {
 
 class Keeping {
  public:
+  /// Borrows the options.
   explicit Keeping(const Options& options) : options_(options) {}
 
   /// Adds a job that is over and not pinned. REQUIRES: the job is removed before its values change.

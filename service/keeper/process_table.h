@@ -23,7 +23,7 @@ bool is_living(const ProcessIdentity& identity);
 /// The process's children in ascending order, zombies included.
 std::vector<pid_t> children_of(pid_t pid);
 
-/// Like children_of, but searches all processes: for old kernels, and for tests.
+/// Like children_of, but searches all processes: for kernels without lists, and for tests.
 std::vector<pid_t> children_by_search(pid_t pid);
 
 /// Whether the process has a child that is not a zombie.

@@ -29,7 +29,7 @@ struct ProgramStart {
 /// Returns once the program runs. On failure returns the reason, and there is no child.
 base::Result<pid_t, std::string> start_program(const ProgramStart& start, Moments& moments);
 
-/// Returns pointers to the words, as exec expects them. REQUIRES: `words` doesn't change.
+/// Returns pointers to the words, as exec expects them. Valid until `words` changes.
 std::vector<char*> pointers_to(std::vector<std::string>& words);
 
 }  // namespace sleight::keeper

@@ -41,6 +41,7 @@ struct HashWorkerOptions {
 
 class HashWorker final : public plan::UnitWorker {
  public:
+  /// Borrows the clock.
   HashWorker(const HashWorkerOptions& options, base::ManualClock& clock);
 
   plan::UnitResult run(const plan::Unit& unit, base::BytesView state) const override;
