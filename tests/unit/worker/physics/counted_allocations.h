@@ -1,5 +1,5 @@
-// Counts what a test program allocates, by an operator new and delete of its own. They belong to
-// the whole program, so exactly one file of it includes this.
+// Counts a test program's allocations by replacing operator new and delete. Include it in exactly
+// one source file, because the operators belong to the whole program.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ inline std::uint64_t allocations = 0;
 
 inline void* counted(std::size_t bytes, std::size_t alignment) noexcept {
   ++allocations;
-  // aligned_alloc wants whole multiples of the alignment.
+  // aligned_alloc requires whole multiples of the alignment.
   bytes = std::max(bytes, std::size_t{1});
   return std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
 }
@@ -25,7 +25,7 @@ inline void* counted_or_throw(std::size_t bytes, std::size_t alignment) {
 
 }  // namespace sleight::physics::counting
 
-// Not to be expanded in place: there the compiler sees new without its delete, and warns.
+// No inlining: the compiler would see new without its delete and warn.
 [[gnu::noinline]] void* operator new(std::size_t bytes) {
   return sleight::physics::counting::counted_or_throw(bytes, alignof(std::max_align_t));
 }

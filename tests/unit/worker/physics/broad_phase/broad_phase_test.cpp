@@ -1,4 +1,4 @@
-// All broad phases, in one suite, against the definition of overlap.
+// Compares every broad phase with the definition of overlap, in one typed suite.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -13,7 +13,7 @@
 namespace sleight::physics {
 namespace {
 
-/// A random script on one structure, and beside it the boxes and who overlaps whom by definition.
+/// Runs a random script on one structure and compares its overlaps with the definition.
 template <class Structure>
 class Session {
  public:
@@ -27,7 +27,7 @@ class Session {
         boxes_(bodies),
         overlaps_(std::size_t{bodies} * bodies, false) {}
 
-  /// What went wrong, if anything did.
+  /// Returns a description of the first error, or nothing if the script passed.
   std::optional<std::string> run(int operations) {
     for (int i = 0; i < operations; ++i) {
       const std::string did = operate();
@@ -36,7 +36,7 @@ class Session {
     return std::nullopt;
   }
 
-  /// How many overlaps the scene had, summed over operations: a script without any checks nothing.
+  /// Number of overlaps, summed over all operations. A script without overlaps tests nothing.
   std::uint64_t overlaps_seen() const { return overlaps_seen_; }
 
  private:
@@ -78,7 +78,7 @@ class Session {
     return "move all";
   }
 
-  /// The reference: where nothing repeats, box.h; else periodic.h, which has its own tests.
+  /// The reference is box.h without periods, and periodic.h (tested separately) with periods.
   bool overlap_by_definition(const Box& a, const Box& b) const {
     if (scene_.period_m == std::array<double, 3>{}) return overlap(a, b);
     return overlap(a, b, periods_);
@@ -101,7 +101,7 @@ class Session {
       if (boxes_[body] && (structure_.box(BodyId{body}).low_m != boxes_[body]->low_m ||
                            structure_.box(BodyId{body}).high_m != boxes_[body]->high_m))
         return fmt::format("box of {} is wrong", body);
-      // Lists of the right length whose members all overlap hold everybody who does.
+      // A list is complete if its length is right and all its members overlap the body.
       const auto row = overlaps_.begin() + static_cast<std::ptrdiff_t>(body * bodies_);
       const auto expected = std::count(row, row + bodies_, true);
       const std::span<const BodyId> told = kept_.neighbours(BodyId{body});
@@ -132,8 +132,8 @@ using Structures = ::testing::Types<AllPairs, SweepAndPrune, HierarchicalGrid>;
 TYPED_TEST_SUITE(BroadPhaseSuite, Structures);
 
 TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInFewBodies) {
-  // Goal: invariants 1 and 2 of broad_phase.h. Method: for each sort of boxes 8000 random inserts,
-  // moves, removals and moves of all, the whole set of overlaps compared after each.
+  // Goal: invariants 1 and 2 of broad_phase.h hold. Method: for each sort of boxes, compare all
+  // overlaps after each of 8000 random inserts, moves, removals and moves of all bodies.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     const Scene& scene = scenes()[i];
     Session<TypeParam> session(scene, 20, i);
@@ -143,7 +143,7 @@ TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInFewBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInManyBodies) {
-  // Goal: the same where queries use cells, not whole lists. Method: as before with 200 bodies.
+  // Goal: queries that use cells are right too. Method: run the same scripts with 200 bodies.
   for (std::size_t i = 0; i < scenes().size(); ++i) {
     Session<TypeParam> session(scenes()[i], 200, 100 + i);
     EXPECT_EQ(session.run(static_cast<int>(property::of_tier(200, 800))), std::nullopt)
@@ -152,7 +152,7 @@ TYPED_TEST(BroadPhaseSuite, TellsOverlapsExactlyInManyBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, HoldsNoBodies) {
-  // Goal: a world without bodies is one. Method: move all of none.
+  // Goal: a world without bodies is valid. Method: call move_all with no bodies.
   TypeParam structure({.bodies = 0});
   Neighbourhood told(0);
   structure.move_all({}, told);
@@ -160,8 +160,8 @@ TYPED_TEST(BroadPhaseSuite, HoldsNoBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, RefusesWhatIsNotABox) {
-  // Goal: boxes turned inside out and NaN, which would silently miss overlaps, are bugs that stop
-  // the process; so are bodies in the wrong state. Method: death tests.
+  // Goal: an inverted box, a NaN coordinate and a body in the wrong state stop the process. Method:
+  // death tests. Such boxes would silently miss overlaps.
   TypeParam structure({.bodies = 2});
   NoOverlapSink sink;
   const Box box{{0, 0, 0}, {1, 1, 1}};
@@ -176,7 +176,7 @@ TYPED_TEST(BroadPhaseSuite, RefusesWhatIsNotABox) {
       "check failed");
 }
 
-// Structures with one fault each, on top of a right one.
+// Each of these structures adds one fault to a correct structure.
 
 template <class Faults>
 class Faulty {
@@ -217,7 +217,7 @@ struct NoFault {
   static Box seen(const Box& box) { return box; }
   static auto& sink(auto& sink) { return sink; }
 };
-struct OpenBoxes : NoFault {  // touching is no overlap
+struct OpenBoxes : NoFault {  // ignores overlaps of boxes that only touch
   static Box seen(Box box) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       box.high_m[axis] = std::max(box.low_m[axis], std::nextafter(box.high_m[axis], -1e30F));
@@ -231,7 +231,7 @@ struct NoPeriods : NoFault {
   }
 };
 template <class Sink>
-struct Swallowing {  // no end is told of body 7
+struct Swallowing {  // drops every end of an overlap with body 7
   Sink& to;
   void begin(BodyId other) { to.begin(other); }
   void end(BodyId other) {
@@ -246,7 +246,7 @@ struct ForgetsEnds : NoFault {
   }
 };
 template <class Sink>
-struct Repeating {  // body 7 begins twice
+struct Repeating {  // reports each begin with body 7 twice
   Sink& to;
   void begin(BodyId other) {
     to.begin(other);
@@ -272,8 +272,7 @@ int scenes_failed() {
 }
 
 TEST(BroadPhaseSuiteItself, CatchesFaultyStructures) {
-  // Goal: the suite can fail. Method: the same scripts on structures with one fault each, and on
-  // one without.
+  // Goal: the suite can fail. Method: run the scripts on structures with one fault or none.
   EXPECT_EQ(scenes_failed<Faulty<NoFault>>(), 0);
   EXPECT_GE(scenes_failed<Faulty<OpenBoxes>>(), 1);
   EXPECT_GE(scenes_failed<Faulty<NoPeriods>>(), 6);

@@ -1,5 +1,4 @@
-// What only the grid could get wrong: full cells, cells that share a number, reach that grows and
-// shrinks.
+// Tests what only the grid can get wrong: full cells, shared cell numbers, a varying reach.
 #include <gtest/gtest.h>
 
 #include "tests/engines/all_pairs.h"
@@ -9,7 +8,7 @@
 
 namespace sleight::physics::hierarchical_grid_test {
 
-/// The grid and the reference, told the same.
+/// The grid and the reference, which receive the same operations.
 class Twins {
  public:
   explicit Twins(const BroadPhaseOptions& options)
@@ -26,7 +25,7 @@ class Twins {
       all_.insert(BodyId{body}, box, all);
     }
   }
-  /// How many overlap the body's box, by the grid. Checks that it says the same as the reference.
+  /// Returns the number of boxes that overlap the body's box. Checks that grid and reference agree.
   std::size_t overlaps(std::uint32_t body) {
     EXPECT_EQ(told_grid_.complaint(), "");
     EXPECT_EQ(sorted(told_grid_, body), sorted(told_all_, body)) << "of body " << body;
@@ -56,14 +55,13 @@ Box somewhere(Dice& dice, double room_m, double edge) {
 }
 
 TEST(HierarchicalGrid, HoldsTenThousandInOneCell) {
-  // Goal: a cell with far more bodies than a block stays right, and is left as well as entered.
-  // Method: 10,000 boxes of the typical level within a hundredth of a cell of one corner, few of
-  // which overlap; some move about in it, out of it and back. 10,000 squared would be 1e8 looks at
-  // boxes for each of the 3 passes; the reference makes as many, which bounds how slow this may be.
+  // Goal: a cell with far more bodies than a block stays correct. Method: put 10,000 boxes of the
+  // typical level within a hundredth of a cell of one corner, with few overlaps. Move some within
+  // the cell, out and back. Both structures compare up to 10,000 squared, or 1e8, pairs per pass.
   constexpr std::uint32_t k_bodies = 10000;
   Twins twins({.bodies = k_bodies, .size_m = 100});
   Dice dice(11);
-  // Long enough for the typical level (edges from 63 m), thin enough to miss one another.
+  // Long enough for the typical level (edges from 63 m) and thin enough to miss each other.
   const auto plate = [&](double x) {
     const auto y = static_cast<float>(dice.between(0, 1));
     const auto z = static_cast<float>(dice.between(0, 1));
@@ -81,9 +79,9 @@ TEST(HierarchicalGrid, HoldsTenThousandInOneCell) {
 }
 
 TEST(HierarchicalGrid, FindsEachBodyOnceWhereCellsShareNumbers) {
-  // Goal: a query that walks more cells than the table has, and so finds bodies repeatedly, tells
-  // each once. Method: 2000 small boxes in a clump (1024 cells); a box of another level, twelve
-  // small cells long, comes and goes from many sides.
+  // Goal: a query reports each body once, even if it visits more cells than the table has. Method:
+  // put 2000 small boxes into a clump of 1024 cells. Insert a box of another level, twelve small
+  // cells long, from many sides, and remove it again.
   constexpr std::uint32_t k_bodies = 2001;
   Twins twins({.bodies = k_bodies, .size_m = 1});
   Dice dice(12);
@@ -99,9 +97,9 @@ TEST(HierarchicalGrid, FindsEachBodyOnceWhereCellsShareNumbers) {
 }
 
 TEST(HierarchicalGrid, ReachGrowsAndShrinks) {
-  // Goal: boxes that grow within their level, and past it, are found from afar at once; and after
-  // they have shrunk, and reach has been made anew, nothing is missed. Method: 300 boxes, in rounds
-  // of all long and all short ones, periodic and not; every body compared with the reference.
+  // Goal: boxes that grow, within their level or beyond, are found from afar at once. After they
+  // shrink, no overlap is missed. Method: compare 300 boxes with the reference, in rounds of long
+  // and of short boxes, with and without periods.
   for (const double period_m : {0.0, 24.0}) {
     Twins twins({.bodies = 300, .period_m = {period_m, period_m, 0}, .size_m = 1});
     Dice dice(13);

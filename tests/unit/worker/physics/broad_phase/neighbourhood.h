@@ -1,4 +1,4 @@
-// Lists of neighbours as a simulator keeps them, which check what they are told.
+// Lists of neighbours like those of the simulator, which also check every report.
 #pragma once
 
 #include <fmt/format.h>
@@ -25,7 +25,6 @@ class Neighbourhood {
   }
   std::span<const BodyId> neighbours(BodyId body) const { return neighbours_[body.value]; }
 
-  /// The view of one body.
   struct Of {
     Neighbourhood& all;
     BodyId body;
@@ -35,7 +34,7 @@ class Neighbourhood {
   };
   Of of(BodyId body) { return {*this, body}; }
 
-  /// The first thing told that can't be true; empty if there was none.
+  /// The first impossible report. Empty if there was none.
   const std::string& complaint() const { return complaint_; }
 
  private:

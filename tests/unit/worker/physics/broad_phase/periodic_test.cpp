@@ -1,4 +1,4 @@
-// The one predicate of overlap, against exact arithmetic on images.
+// Compares the overlap predicate with exact arithmetic on images.
 #include "worker/physics/broad_phase/periodic.h"
 
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 namespace sleight::physics {
 namespace {
 
-// The oracle: the least distance, on an axis of period L, between any images of two intervals;
-// negative if they overlap, by at most how much. Exact where L is a float of few bits, as all
-// numbers are then multiples of 2^-40 below 2^20 and fit the 64 bits of a long double.
+// Oracle: the least distance between any images of two intervals on an axis of period L. A negative
+// value is minus the depth of the overlap. The result is exact if L has few bits: then all numbers
+// are multiples of 2^-40 below 2^20 and fit the 64 bits of a long double.
 long double gap_of_images(const Box& a, const Box& b, std::size_t axis, long double period) {
   const long double here = (static_cast<long double>(a.low_m[axis]) - b.low_m[axis]) / period;
   long double least = std::numeric_limits<long double>::infinity();
@@ -29,14 +29,14 @@ long double gap_of_images(const Box& a, const Box& b, std::size_t axis, long dou
   return least;
 }
 
-/// A float of a few leading bits, so that sums with periods are exact in the oracle.
+/// Returns a float with few leading bits, so that sums with periods are exact in the oracle.
 float coordinate(Dice& dice, double most) {
   return static_cast<float>(std::round(dice.between(-most, most) * 0x1p20) * 0x1p-20);
 }
 
 TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
-  // Goal: invariant 2 of periodic.h on axes that repeat. Method: random intervals, also ones that
-  // touch to the last bit, in any of a thousand periods; exact images say whether they overlap.
+  // Goal: invariant 2 of periodic.h holds on periodic axes. Method: compare random intervals in any
+  // of a thousand periods with their exact images. Some intervals touch to the last bit.
   Dice dice(1);
   int overlaps = 0;
   int near_misses = 0;
@@ -50,7 +50,7 @@ TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
       a.high_m[0] = a.low_m[0] + static_cast<float>(dice.between(0, length / 2));
       b.high_m[0] = b.low_m[0] + (dice.once_in(3) ? 0 : static_cast<float>(length / 4));
       if (dice.once_in(2)) {
-        // Put b's low corner where a's high one is, an image away, give or take some last bits.
+        // Put b's low corner at an image of a's high corner, sometimes off by a few last bits.
         const double image = length * (static_cast<double>(dice.below(9)) - 4);
         b.low_m[0] = static_cast<float>(double{a.high_m[0]} + image);
         for (std::uint32_t nudges = dice.below(3); nudges > 0; --nudges)
@@ -77,8 +77,8 @@ TEST(Periodic, NeverMissesAnImageAndHardlyInventsOne) {
 }
 
 TEST(Periodic, EqualsFloatsOnOtherAxes) {
-  // Goal: where nothing repeats, coded boxes overlap exactly if the boxes do. Method: pairs of
-  // boxes with corners from a list of special floats and their neighbours.
+  // Goal: without periods, coded boxes overlap exactly if the boxes overlap. Method: compare pairs
+  // of boxes whose corners are special floats and their neighbours.
   constexpr float k_infinite = std::numeric_limits<float>::infinity();
   std::vector<float> specials;
   for (const float x : {0.0F, 1e-45F, 1e-38F, 0.5F, 1.0F, 1e6F, 3.4028235e38F, k_infinite}) {

@@ -25,8 +25,7 @@ Point in_cube(Dice& dice, double half) {
   return {dice.between(-half, half), dice.between(-half, half), dice.between(-half, half)};
 }
 
-/// A small step, and a size that is a little other, as a bound that is renewed has; rarely
-/// elsewhere.
+/// Moves a box by a small step and changes its size slightly. Rarely returns a new box elsewhere.
 template <Box (*Fresh)(Dice&)>
 Box step(Dice& dice, const Box& box) {
   if (dice.once_in(12)) return Fresh(dice);
@@ -53,8 +52,7 @@ Box gas(Dice& dice) {
   return cube(in_cube(dice, 2), dice.between(0.7, 1.3));
 }
 
-/// As bodies that move have them: long in the direction of their way, of sizes on both sides of the
-/// borders between levels.
+/// A box long in the direction of motion. Sizes are on both sides of the borders between levels.
 Box stretched(Dice& dice) {
   const double edge = dice.between(0.7, 1.1);
   Point half = {edge / 2, edge / 2, edge / 2};
@@ -77,12 +75,12 @@ Box pile(Dice& dice) {
 
 Box six_decades(Dice& dice) {
   const double edge = std::ldexp(dice.between(1, 2), static_cast<int>(dice.below(20)) - 10);
-  // Near the centre with a chance, so that small ones meet too.
+  // Some boxes are near the centre, so that small boxes meet too.
   const double spread = std::ldexp(1.0, static_cast<int>(dice.below(20)) - 10);
   return around(in_cube(dice, spread), {edge / 2, edge / 2 * dice.between(0.01, 1), edge / 2});
 }
 
-/// Whole coordinates, so that many boxes touch exactly; points, plates, both zeros.
+/// Points, plates and boxes with integer coordinates, so that many touch exactly. Both zeros occur.
 Box touching(Dice& dice) {
   Box box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -106,7 +104,7 @@ Box with_infinite(Dice& dice) {
   return box;
 }
 
-/// Small boxes up to a thousand kilometres out, many in the same few places.
+/// Small boxes up to a thousand kilometres from the origin, many of them in the same few places.
 Box far(Dice& dice) {
   Point centre{};
   for (double& x : centre)
@@ -114,7 +112,7 @@ Box far(Dice& dice) {
   return cube(centre, dice.once_in(3) ? 1 : 1e-3);
 }
 
-/// In any of five periods of 5, 4 and 3 m.
+/// A point in any of five periods of 5, 4 and 3 m.
 Point in_periods(Dice& dice, double half) {
   Point centre = in_cube(dice, half);
   const Point period = {5, 4, 3};
@@ -127,7 +125,7 @@ Box periodic_gas(Dice& dice) {
   return cube(in_periods(dice, 2), dice.between(0.6, 1.2));
 }
 
-/// From points to boxes beyond the whole period, some an image of the origin away by thousands.
+/// Points and boxes, some larger than the whole period, some thousands of images away.
 Box periodic_any(Dice& dice) {
   Point centre = in_periods(dice, 2);
   if (dice.once_in(5)) centre[dice.below(3)] += 60 * (static_cast<double>(dice.below(2001)) - 1e3);

@@ -1,4 +1,4 @@
-// Boxes of many sorts, and scripts of changes that are checked against the plain definition.
+// Many sorts of boxes for random scripts, which tests compare with the plain definition.
 #pragma once
 
 #include <string>
@@ -9,7 +9,6 @@
 
 namespace sleight::physics {
 
-/// Random numbers of one test, from a fixed seed.
 class Dice {
  public:
   explicit Dice(std::uint64_t index)
@@ -24,7 +23,7 @@ class Dice {
   random::Stream stream_;
 };
 
-/// A sort of boxes. `fresh` draws one anywhere, `moved` a next one for a body that has `box`.
+/// A sort of boxes. `fresh` draws a box anywhere; `moved` draws the successor of a body's `box`.
 struct Scene {
   std::string name;
   std::array<double, 3> period_m{};
@@ -34,7 +33,7 @@ struct Scene {
 };
 
 /// Gas, stretched boxes, corners, a pile, six decades of sizes, touching boxes, points, infinite
-/// ones, far ones; and worlds that repeat on one, two and three axes.
+/// boxes and distant boxes, and scenes with periods on one, two and three axes.
 const std::vector<Scene>& scenes();
 
 }  // namespace sleight::physics

@@ -1,4 +1,4 @@
-// The rule of when two things collide, and the closed form that stands for it in gases.
+// Tests the rule that decides when two things collide, and its closed form for free spheres.
 #include "worker/physics/collision/collision_rule.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace sleight::physics::collision_rule_test {
 using testing::vector_between;
 
 TEST(CollisionRule, TouchIncludesItsLimitAndApproachDoesNot) {
-  // Goal: which side of either limit collides. Method: the limits and their neighbours.
+  // Goal: each limit is on the documented side. Method: test the limits and neighbouring floats.
   const double slow_mps = -k_approach_mps;
   const double fast_mps = std::nextafter(slow_mps, -1);
   EXPECT_TRUE(collides(k_touch_m, fast_mps));
@@ -30,8 +30,8 @@ TEST(CollisionRule, TouchIncludesItsLimitAndApproachDoesNot) {
 }
 
 TEST(CollisionRule, BordersBelongToOneFeature) {
-  // Goal: a place on the border between a face and an edge is in the face's region alone. Method:
-  // the same half-space seen from both sides, closed and open.
+  // Goal: a place on the border between a face and an edge belongs only to the face's region.
+  // Method: test one half-space from both sides, closed and open.
   const RegionSide of_face{.space = {.normal = {1, 0, 0}, .offset_m = 0.5}, .strict = false};
   const RegionSide of_edge{.space = {.normal = {-1, 0, 0}, .offset_m = -0.5}, .strict = true};
   for (const double x_m : {0.25, 0.5, 0.75}) {
@@ -43,7 +43,7 @@ TEST(CollisionRule, BordersBelongToOneFeature) {
   EXPECT_TRUE(is_inside(std::span<const RegionSide>{}, {0, 0, 0}));
 }
 
-/// Of a place that moves straight on from a feature, computed otherwise than the rule does.
+/// Distance between a place and a feature. Uses other formulas than the rule.
 double distance_m(const SphereFeature& feature, const Vec3& place_m) {
   const Vec3 from_m = place_m - feature.point_m;
   if (feature.kind == FeatureKind::face) return math::dot(from_m, feature.direction);
@@ -51,14 +51,13 @@ double distance_m(const SphereFeature& feature, const Vec3& place_m) {
   return math::norm(math::cross(from_m, feature.direction));
 }
 
-/// A face's normal points up; edges run along y.
 Vec3 feature_direction(std::uint64_t n) {
   return n % 3 == 0 ? Vec3(0, 0, 1) : Vec3(0, 1, 0);
 }
 
 TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
-  // Goal: the gap of a sphere and each kind of feature, and how fast it changes.
-  // Method: distances by other formulas, and their central differences.
+  // Goal: the gap between a sphere and each kind of feature, and its rate, are correct. Method:
+  // compare them with distances by other formulas and with central differences.
   for (const std::uint64_t n : property::cases(3000)) {
     random::Stream stream({.seed = 23, .purpose = random::Purpose::scene}, n);
     const SphereFeature feature{
@@ -78,7 +77,7 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
       return distance_m(feature, centre.position_m + s * centre.velocity_mps);
     };
     EXPECT_NEAR(gap.rate_mps, (after(k_step_s) - after(-k_step_s)) / (2 * k_step_s), 1e-7);
-    // What a search starts from is the same, bit for bit.
+    // A search starts from the same numbers, bit for bit.
     const GapState state = gap_state(feature, centre, radius_m);
     EXPECT_EQ(state.now.gap_m, gap.gap_m);
     EXPECT_EQ(state.now.rate_mps, gap.rate_mps);
@@ -86,9 +85,9 @@ TEST(CollisionRule, GapAndRateAreTheDistanceAndItsDerivative) {
 }
 
 TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
-  // Goal: what a search says of a tick, which it derives from how long each condition fails, is
-  // what the rule says: for spheres and features, and for two spheres. Method: random features with
-  // a region, and spheres that are within a little of each limit, on either side or on it.
+  // Goal: searches reach the rule's verdict for spheres on features and for pairs of spheres.
+  // Searches derive the verdict from how long each condition fails. Method: compare verdicts on
+  // random features with a region, for spheres slightly inside, outside or exactly at each limit.
   std::array<std::uint64_t, 2> verdicts{};
   for (const std::uint64_t n : property::cases(100'000)) {
     random::Stream stream({.seed = 31, .purpose = random::Purpose::scene}, n);
@@ -100,7 +99,7 @@ TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
         .point_m = {0, 0, 0},
         .direction = feature_direction(n)};
     const double radius_m = 0.125;
-    // Above the feature's point, with the region's border at x = 0.
+    // The sphere is above the feature's point. The region's border is at x = 0.
     const std::array sides{RegionSide{.space = {.normal = {1, 0, 0}, .offset_m = 0},
                                       .strict = feature.kind != FeatureKind::face}};
     const MovingPoint centre{
@@ -120,7 +119,7 @@ TEST(CollisionRule, SearchesOfSpheresJudgeByIt) {
   EXPECT_GT(verdicts[1], 5'000U);
 }
 
-/// The first tick at which two spheres collide, without a pull: the search by the rule.
+/// Searches by the rule for the first tick at which two spheres collide, without gravity.
 Tick first_by_rule(const Vec3& between_m, const Vec3& relative_mps, double radii_m) {
   for (Tick tick{}; tick != k_never;) {
     const MovingPoint relative{.position_m = between_m + seconds(tick - Tick{}) * relative_mps,
@@ -135,11 +134,10 @@ Tick first_by_rule(const Vec3& between_m, const Vec3& relative_mps, double radii
 }
 
 TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
-  // Goal: two spheres in free flight collide, by their closed form, at the tick that the rule
-  // gives, or not at all if there is none. Method: random flights, a part of which graze the touch,
-  // hardly approach, or touch already, against the search by the rule. They may differ where
-  // rounding decides: by a tick, or, of flights that graze so that they touch for no more than two
-  // ticks or within rounding of the limit, in whether they collide.
+  // Goal: the closed form for two free spheres finds the rule's first collision tick, or none.
+  // Method: compare with the search on random flights, some of which graze the touch, hardly
+  // approach or touch at the start. Rounding may shift the tick by one. It may change the verdict
+  // if a grazing flight touches for at most two ticks or is within rounding of the limit.
   std::uint64_t hits = 0;
   std::uint64_t same = 0;
   std::uint64_t misses = 0;
@@ -151,7 +149,7 @@ TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
     const Vec3 away = math::normalized(vector_between(stream, -1, 1));
     const double speed_mps = std::pow(10, -2 + 3 * stream.uniform());
     Vec3 relative_mps = speed_mps * math::normalized(vector_between(stream, -1, 1));
-    if (n % 4 == 1) {  // at the touch it hardly approaches
+    if (n % 4 == 1) {  // hardly approaches at the touch
       relative_mps -= math::dot(relative_mps, away) * away;
       relative_mps += std::pow(10, -12 + 8 * stream.uniform()) * (stream.uniform() - 0.7) * away;
     }
@@ -166,7 +164,7 @@ TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
       misses += by_form == k_never ? 1 : 0;
       hits += by_form == k_never ? 0 : 1;
       same += by_form != k_never && by_form == by_rule ? 1 : 0;
-      // At the speed of the touch rounding of the gap is a part of a tick.
+      // The gap's rounding, at the speed of the touch, is a fraction of a tick.
       if (by_form != k_never) {
         EXPECT_LE(std::abs(by_form - by_rule), 1) << n;
       }

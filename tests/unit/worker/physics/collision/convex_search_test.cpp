@@ -1,4 +1,4 @@
-// When two convex pieces meet: convex_search against the contact from scratch at skipped ticks.
+// Compares convex_search with contacts computed from scratch at skipped ticks.
 #include "worker/physics/collision/convex_search.h"
 
 #include <fmt/format.h>
@@ -50,7 +50,7 @@ BodyShape random_body(Dice& dice) {
   return body_of(static_cast<Solid>(dice.below(4)), size_m);
 }
 
-/// A body that flies, and another one, or what stays where it is, or a sphere, or a plane.
+/// A flying body that approaches a flying body, a body at rest, a sphere or a plane.
 class Approach {
  public:
   enum class Other : std::uint8_t { flies, stays, sphere, plane };
@@ -62,7 +62,7 @@ class Approach {
         second_{random_body(dice), {}},
         first_view_(first_.part().view()),
         second_view_(second_.part().view()) {
-    // They meet far from the origin, or after a long way, since both round their places.
+    // Bodies meet far from the origin or after a long flight: both cause rounding in positions.
     const Vec3 about_m = dice.between(1e-2, 100) * direction(dice);
     const bool both_fly = other_ == Other::flies || other_ == Other::sphere;
     const Vec3 common_mps = both_fly ? Vec3(dice.between(1e-3, 10) * direction(dice)) : zero();
@@ -71,7 +71,7 @@ class Approach {
                         second_.body.inertia.symmetry != InertiaSymmetry::general;
     const Tick began{static_cast<TickCount>(dice.below(std::uint64_t{1} << 30U))};
     begin = began + ticks_after(dice.between(1e-3, evenly ? 10 : 1e-2));
-    // Some hover: not even as fast as what counts as an approach.
+    // Hovering bodies are slower than the least speed that counts as an approach.
     const bool hovers = dice.one_in(10);
     const bool parts = dice.one_in(4);
     const double speed_mps = (parts ? -1 : 1) * (hovers ? 1e-10 : dice.between(1e-6, 3));
@@ -107,7 +107,7 @@ class Approach {
     if (other_ == Other::plane) return contact_of(plane_, first_at(tick));
     return contact_of(second_at(tick), first_at(tick));
   }
-  /// Whether the two touch with a vertex and no face: convex_search.h, invariant 3.
+  /// Returns whether the two touch with a vertex and no face (convex_search.h, invariant 3).
   bool touches_with_a_vertex(Tick tick) const {
     if (other_ == Other::plane) return false;
     const MovingPiece a = second_at(tick);
@@ -133,12 +133,12 @@ class Approach {
   }
 
   double touch_m = k_touch_m;
-  Tick begin{};        ///< to be looked at from here,
-  TickCount span = 0;  ///< for so long
+  Tick begin{};        ///< first tick of the search
+  TickCount span = 0;  ///< length of the search
 
  private:
   static Vec3 zero() { return Vec3::Zero(); }
-  /// Has a body at a place, with a velocity, when it is looked at first.
+  /// Gives the body a place and a velocity at the first tick of the search.
   void pass(Flyer& flyer, const Vec3& place_m, const Vec3& velocity_mps) const {
     FreeFlight& flight = flyer.flight;
     const double s = seconds(begin - flight.begin);
@@ -166,8 +166,8 @@ class Approach {
   HalfSpace plane_;
 };
 
-/// Two bodies, one of which lies nearly flat on the other one, or on one that stays, within the
-/// touch; it rocks slowly, and may slide.
+/// A body that is nearly flat on another body and within the touch. The upper body rocks slowly and
+/// may slide; the lower body may be at rest.
 class Rocking {
  public:
   static constexpr TickCount k_span = TickCount{1} << 22U;  // 4 ms
@@ -193,7 +193,7 @@ class Rocking {
     above_.flight.orientation = math::normalized(about * tilt * yaw);
     below_.flight.position_m = 0.1 * direction(dice);
     above_.flight.position_m = below_.flight.position_m + about * aside_m;
-    // Those that turn fast and hardly part are looked at tick for tick: any may be a collision.
+    // A fast rocking pair must part fast, or every tick could be a collision.
     const bool fast = dice.one_in(2);
     const double turns_radps = fast ? 10 : 1e-2;
     above_.flight.angular_velocity_radps = dice.between(1e-7, turns_radps) * direction(dice);
@@ -204,7 +204,7 @@ class Rocking {
       above_.flight.acceleration_mps2 = Vec3(0, 0, -9.81);
       if (!stays_) below_.flight.acceleration_mps2 = above_.flight.acceleration_mps2;
     }
-    // They don't approach, or not fast enough to collide.
+    // The bodies separate, or approach too slowly to collide.
     const double gap_m = dice.between(1e-10, 9e-8);
     double rate_mps = fast ? dice.between(1e-5, 1e-2) : dice.between(1e-10, 1e-4);
     if (!fast && dice.one_in(2)) rate_mps = -dice.between(1e-12, 0.9 * k_approach_mps);
@@ -219,8 +219,8 @@ class Rocking {
     return stays_ ? testing::standing(below_.at(begin, below_view_)) : below_.at(tick, below_view_);
   }
   MovingPiece above_at(Tick tick) const { return above_.at(tick, above_view_); }
-  /// With what the normal turns: a face of one of them, or an edge of each. Nothing else is covered
-  /// (convex_search.h, invariant 3).
+  /// The features that the normal turns with: a face of one body, or an edge of each. Invariant 3
+  /// of convex_search.h covers no other normals.
   struct Normal {
     std::optional<Feature> below;
     std::optional<Feature> above;
@@ -243,7 +243,7 @@ class Rocking {
   Tick begin{};
 
  private:
-  /// One that can lie on a face like its own.
+  /// A body that can lie on a face of an equal body.
   static BodyShape rocking_body(Dice& dice) {
     constexpr std::array<Solid, 3> k_solids{Solid::die, Solid::prism, Solid::slab};
     const double size_m = dice.between(5e-3, 0.05);
@@ -258,11 +258,10 @@ class Rocking {
 };
 
 TEST(ConvexSearch, SkipsNoCollision) {
-  // Goal: convex_search.h, invariant 3, rounding included: no tick that a look skips is a
-  // collision. Method: random pairs that approach each other slowly or fast, near the origin and
-  // far from it, turning or not, with gravity or without, after a long flight or a short one,
-  // hover, or part from a touch; at the last of the skipped ticks, and at some others, the contact
-  // from scratch says whether they collide.
+  // Goal: no skipped tick is a collision, rounding included (convex_search.h, invariant 3). Method:
+  // compute the contact from scratch at the last skipped ticks and at some others. Random pairs
+  // approach slowly or fast, hover, or part from a touch. They are near the origin or far from it,
+  // with or without rotation and gravity, after short or long flights.
   std::uint64_t looks = 0;
   std::uint64_t compared = 0;
   std::uint64_t collisions = 0;
@@ -310,11 +309,10 @@ TEST(ConvexSearch, SkipsNoCollision) {
 }
 
 TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
-  // Goal: invariant 3 of pieces that touch, where a vertex takes over from another one by so little
-  // as their acceleration and rounding are. Method: random bodies that lie nearly flat on each
-  // other and rock and slide; at the last of the skipped ticks, and at some others, the contact
-  // from scratch says whether they collide. Where the normal has come to turn with another face
-  // nothing is promised, and hardly any is missed.
+  // Goal: invariant 3 holds for touching pieces when rounding and small accelerations decide which
+  // vertex is lowest. Method: rock and slide random bodies that are nearly flat on each other, and
+  // compute contacts from scratch at the last skipped ticks and at some others. The invariant
+  // promises nothing once the normal turns with another face; then hardly any collision is missed.
   std::uint64_t looks = 0;
   std::uint64_t collisions = 0;
   std::uint64_t missed = 0;
@@ -366,10 +364,10 @@ TEST(ConvexSearch, SkipsNoCollisionOfThoseThatRock) {
 }
 
 TEST(ConvexSearch, VerticesThatFallAlmostAlikeAreLookedAt) {
-  // Goal: of vertices that are equally low and fall alike, the fastest one counts, though the first
-  // of them, by which bounds go, is too slow for a collision. Method: a cube flat on another one
-  // that stays, and on a plane, within the touch; it falls by a little less than what collides, and
-  // turns by so little as to make up for that, one way and the other.
+  // Goal: if vertices are equally low and fall almost alike, the fastest vertex decides. The first
+  // vertex, which the bounds use, is too slow to collide. Method: put a cube within the touch, flat
+  // on a cube at rest and on a plane. The cube falls slightly too slowly to collide and turns just
+  // fast enough, either way, to make up for that.
   Flyer below{testing::die_of(0.02), {}};
   Flyer above = below;
   const ConvexView below_view = below.part().view();

@@ -1,4 +1,4 @@
-// A body in free flight, as searches for collisions are given it.
+// A body in free flight, in the form that collision searches use.
 #pragma once
 
 #include <limits>
@@ -32,7 +32,7 @@ struct Flyer {
   }
 };
 
-/// The same, as what doesn't move.
+/// Returns the same piece, but at rest.
 inline MovingPiece standing(const MovingPiece& piece) {
   MovingPiece still;
   still.view = piece.view;
@@ -41,7 +41,7 @@ inline MovingPiece standing(const MovingPiece& piece) {
   return still;
 }
 
-/// The same, as a ball of a radius about its centre. `centre`: a view of a point at the origin.
+/// Returns a ball with the piece's centre and motion. `centre` is a view of a point at the origin.
 inline MovingPiece ball_of(const MovingPiece& piece, double radius_m, const ConvexView& centre) {
   MovingPiece ball = piece;
   ball.view = &centre;

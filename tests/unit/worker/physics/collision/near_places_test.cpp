@@ -1,4 +1,4 @@
-// Bodies that stay near their places: the bound on what they move.
+// Tests the bound on how far bodies move while they stay near their places.
 #include "worker/physics/collision/near_places.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ Vec3 random_direction(random::Stream& stream) {
 }
 
 constexpr double k_reach_m = 0.02;
-/// As near_places.h has it: a hundredth of the reach.
+/// A hundredth of the reach, as in near_places.h.
 constexpr double k_room_m = 0.01 * k_reach_m;
 
 NearPlaces::Motion motion_of(const FreeFlight& flight, const Inertia& inertia) {
@@ -26,7 +26,7 @@ NearPlaces::Motion motion_of(const FreeFlight& flight, const Inertia& inertia) {
           .acceleration_mps2 = math::norm(flight.acceleration_mps2)};
 }
 
-/// How far the points of a body that are furthest from its centre are from where they were.
+/// Distance that the body's points furthest from its centre have moved.
 double moved_m(const Pose& then, const Pose& now) {
   double most_m = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -42,9 +42,9 @@ double moved_m(const Pose& then, const Pose& now) {
 }
 
 TEST(NearPlaces, HoldWhatTheySay) {
-  // Goal: as long as a body has a place, none of its points is further from where it was when it
-  // got that than its room. Method: bodies of all kinds of inertia that jump between slow motions
-  // at random ticks; corners at random ticks of each. They get near to the bound.
+  // Goal: while a body has a place, no point of the body moves further than the room since the
+  // place began. Method: bodies with all kinds of inertia change between slow motions at random
+  // ticks. Test corners at random ticks of each motion; some get close to the bound.
   double nearest_to_bound = 0;
   std::uint64_t kept = 0;
   for (const std::uint64_t seed : property::cases(300)) {
@@ -98,8 +98,8 @@ TEST(NearPlaces, HoldWhatTheySay) {
 }
 
 TEST(NearPlaces, AFastBodyHasNone) {
-  // Goal: no place is given for less than the least time, and one that is lost is never given
-  // again. Method: slow, fast, slow.
+  // Goal: no place is shorter than the least time, and a lost place is never used again. Method:
+  // move a body slowly, then fast, then slowly.
   NearPlaces places;
   places.reset(2, ticks_after(1e-3));
   places.began({0}, k_reach_m, {.stays = true});

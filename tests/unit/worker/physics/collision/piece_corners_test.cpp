@@ -1,4 +1,4 @@
-// Where edges of pieces cross that lie on each other.
+// Tests where edges of two pieces cross if one piece lies on the other.
 #include "worker/physics/collision/piece_corners.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,7 @@ namespace {
 
 constexpr double k_near_m = 1e-6;
 
-/// Where edges cross of a cube of side 1 that lies at height 1, and of one above it that is turned
-/// and moved.
+/// Edge crossings of a cube of side 1 at height 1 and a turned and shifted cube on top.
 std::vector<Vec3> crossings(double yaw_rad, const Vec3& aside_m) {
   const ConvexPolyhedron solid = cube(1).value();
   const ConvexView view = solid.view();
@@ -34,13 +33,13 @@ std::vector<Vec3> crossings(double yaw_rad, const Vec3& aside_m) {
 }
 
 TEST(PieceCorners, EdgesCrossWhereFacesLieAskew) {
-  // Goal: the corners of the common area that no piece has. Method: cubes whose edges cross eight
-  // times, twice, or only at their ends; and one that lies a little too high.
+  // Goal: edge crossings give the corners of the common area that neither piece has. Method: use
+  // cubes whose edges cross eight times, twice or only at ends, and a cube slightly too high.
   const double r = 0.5;
   const std::vector<Vec3> eight = crossings(std::numbers::pi / 4, Vec3::Zero());
   EXPECT_EQ(eight.size(), 8U);
   for (const Vec3& at_m : eight) {
-    // On the lower cube's rim, where the other's edges |x| + |y| = sqrt(2) r cross it.
+    // On the lower cube's rim, where the upper cube's edges |x| + |y| = sqrt(2) r cross it.
     EXPECT_NEAR(at_m.cwiseAbs().head<2>().maxCoeff(), r, 1e-12);
     EXPECT_NEAR(at_m.cwiseAbs().head<2>().sum(), std::numbers::sqrt2 * r, 1e-12);
     EXPECT_NEAR(at_m.z(), 1, 1e-12);

@@ -1,4 +1,4 @@
-// When round pieces meet: no collision is skipped.
+// Tests that searches of round pieces skip no collision.
 #include "worker/physics/collision/round_search.h"
 
 #include <fmt/format.h>
@@ -28,7 +28,6 @@ Vec3 direction(Dice& dice) {
   return math::normalized(dice.vector_within(1));
 }
 
-/// A body in flight.
 struct Flyer {
   Compound compound;
   Inertia inertia;
@@ -78,7 +77,7 @@ Flyer flyer_of(Dice& dice, bool may_be_polyhedron) {
   }
 }
 
-/// Two bodies, or one and a plane or what doesn't move, that approach each other.
+/// Two bodies that approach each other, or a body that approaches a plane or a body at rest.
 class Approach {
  public:
   enum class Other : std::uint8_t { flies, stays, sphere, plane };
@@ -142,8 +141,8 @@ class Approach {
                        math::norm(first_.flight.angular_velocity_radps));
   }
 
-  Tick begin{};        ///< to be looked at from here,
-  TickCount span = 0;  ///< for so long
+  Tick begin{};        ///< first tick of the search
+  TickCount span = 0;  ///< length of the search
 
  private:
   static Vec3 zero() { return Vec3::Zero(); }
@@ -168,9 +167,9 @@ class Approach {
 };
 
 TEST(RoundSearch, SkipsNoCollision) {
-  // Goal: invariant 2. Method: random approaches of two pieces, of a piece and a ball, a plane,
-  // what stays; at random ticks among those that a look skips, and at the last ones before the next
-  // look, the pieces don't touch, judged from scratch.
+  // Goal: invariant 2 holds. Method: a piece randomly approaches another piece, a ball, a plane or
+  // a piece at rest. The pieces must not touch, judged from scratch, at random skipped ticks and at
+  // the last ticks before the next look.
   const std::uint64_t count = property::long_run() ? 60'000 : property::of_tier(300, 1500);
   std::uint64_t skipped = 0;
   std::uint64_t looks = 0;

@@ -1,4 +1,4 @@
-// The quick answer before a search: keeps_clear.
+// Tests keeps_clear, the quick answer before a search.
 #include "worker/physics/collision/sphere_search.h"
 
 #include <gtest/gtest.h>
@@ -18,17 +18,17 @@ namespace sleight::physics::sphere_search_test {
 
 using testing::vector_between;
 
-/// Meshes of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
+/// Number of meshes: ordinary run, or long run (SLEIGHT_SOAK=1).
 std::uint64_t mesh_count() {
   return property::long_run() ? 50'000 : 500;
 }
-constexpr int k_flights = 300;  ///< for each mesh
+constexpr int k_flights = 300;  ///< per mesh
 
 double between(random::Stream& stream, double low, double high) {
   return low + (high - low) * stream.uniform();
 }
 
-/// Of either sign, its size anywhere between two powers of ten.
+/// Returns a number of random sign whose size is between two powers of ten.
 double tiny(random::Stream& stream, double low_power, double high_power) {
   const double size = std::pow(10, between(stream, low_power, high_power));
   return stream.bits() % 2 == 0 ? size : -size;
@@ -48,13 +48,13 @@ StaticGeometry geometry_of(std::uint64_t n, random::Stream& stream) {
   return StaticGeometry(scene);
 }
 
-/// One flight near one feature, looked at from `now` on.
+/// One flight near one feature. The search starts at `now`.
 struct Case {
   FreeFlight flight;
   double radius_m = 0;
   Tick now{};
   Tick end{};
-  Tick meets{};  ///< about when it grazes, if it was made to
+  Tick meets{};  ///< approximate tick of the grazing, if the flight grazes
 };
 
 MovingPoint centre_at(const Case& one, Tick tick) {
@@ -63,12 +63,11 @@ MovingPoint centre_at(const Case& one, Tick tick) {
           .acceleration_mps2 = one.flight.acceleration_mps2};
 }
 
-/// How a flight is made.
 enum class Sort : std::uint8_t {
   any,       ///< somewhere near the feature
-  touch,     ///< grazes the touch: the gap and its rate are within a little of their limits
-  region,    ///< grazes a border of the region where it touches and approaches
-  approach,  ///< lies on it, with a rate that is within a little of the limit
+  touch,     ///< gap and rate are close to their limits
+  region,    ///< grazes a border of the region while it touches and approaches
+  approach,  ///< touches the feature, with a rate close to the limit
 };
 constexpr std::array<Sort, 4> k_sorts{Sort::any, Sort::touch, Sort::region, Sort::approach};
 
@@ -82,7 +81,7 @@ Case random_case(const SphereFeature& feature, std::span<const RegionSide> sides
   one.meets =
       one.now + static_cast<TickCount>(between(stream, -0.2, 1.2) * static_cast<double>(span));
 
-  // Where the centre touches.
+  // Place where the centre touches.
   Vec3 away = direction_of(stream);
   Vec3 on_m = feature.point_m;
   if (feature.kind == FeatureKind::face) {
@@ -121,7 +120,6 @@ Case random_case(const SphereFeature& feature, std::span<const RegionSide> sides
       break;
   }
 
-  // Back to where the flight begins.
   const double pull = stream.bits() % 4 == 0 ? 0 : 9.81;
   one.flight.acceleration_mps2 = pull * direction_of(stream);
   if (sort != Sort::any && stream.bits() % 2 == 0)
@@ -136,14 +134,13 @@ Case random_case(const SphereFeature& feature, std::span<const RegionSide> sides
 struct Verdicts {
   std::uint64_t flights = 0;
   std::uint64_t clear = 0;
-  std::uint64_t free = 0;  ///< of any collision, by the search
+  std::uint64_t free = 0;  ///< flights without a collision, by the search
 };
 
 TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
-  // Goal: where a sphere is said to keep clear of a feature no tick of the span is a collision, as
-  // close as it may pass by; and it is said of most that do. Method: flights near random features
-  // of random meshes, a part of which graze a limit; every tick that the search looks at, random
-  // ones, and those about which it grazes.
+  // Goal: if keeps_clear is true, no tick of the span is a collision, and it is true for most
+  // flights without one. Method: run flights near random features of random meshes; some graze a
+  // limit. Test the search's ticks, random ticks and ticks close to the grazing.
   std::array<Verdicts, 4> verdicts;
   for (const std::uint64_t n : property::cases(mesh_count())) {
     random::Stream stream({.seed = 17, .purpose = random::Purpose::scene}, n);
@@ -159,7 +156,7 @@ TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
       const auto looked_at = [&](Tick tick) {
         return examine(feature, sides, centre_at(one, tick), one.radius_m, tick);
       };
-      // The search, as long as it gets on.
+      // The search gives up after 200 looks.
       bool collides = false;
       Tick tick = one.now;
       for (int looks = 0; looks < 200 && tick <= one.end && !collides; ++looks) {
@@ -193,7 +190,6 @@ TEST(KeepsClear, IsNeverSaidOfWhatCollides) {
     std::printf("sort %zu: of %llu flights %llu don't collide, %llu are clear\n", sort,
                 static_cast<unsigned long long>(flights), static_cast<unsigned long long>(free),
                 static_cast<unsigned long long>(clear));
-    // Both verdicts are there.
     EXPECT_GT(flights - free, flights / 200);
     EXPECT_GT(clear, free * 8 / 10);
   }

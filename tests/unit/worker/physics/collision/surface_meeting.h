@@ -1,4 +1,4 @@
-// A box over a surface, and what every point of it says, one by one.
+// A box above a surface, with a reference that examines every lattice point.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace sleight::physics::testing {
 
-/// Every point of a box, in its frame: corners, edges, then the insides of faces.
+/// All lattice points of a box, in its frame: corners, then edges, then the insides of faces.
 inline std::vector<Vec3> points_of(const BoxLattice& lattice, const ConvexView& view) {
   std::vector<Vec3> points_m(view.vertices_m, view.vertices_m + view.vertex_count);
   for (const EdgeLattice& edge : lattice.edges) {
@@ -34,11 +34,10 @@ inline std::vector<Vec3> points_of(const BoxLattice& lattice, const ConvexView& 
   return points_m;
 }
 
-/// What all points say.
 struct AllPoints {
   bool collides = false;
-  PieceContact contact;  ///< of those that collide the one with the least gap
-  double least_m = 1;    ///< gap of all
+  PieceContact contact;  ///< of the colliding point with the least gap
+  double least_m = 1;    ///< least gap of all points
 };
 
 inline AllPoints look_at_all(SplineSurface& surface, std::span<const Vec3> own_m,
@@ -69,7 +68,6 @@ inline bool same_contact(const PieceContact& a, const PieceContact& b) {
          a.point_m == b.point_m;
 }
 
-/// A box over a surface, and its searches.
 class Meeting {
  public:
   Meeting(const StaticSurface& surface, Flyer& flyer)
@@ -90,7 +88,7 @@ class Meeting {
   Flyer& flyer() { return flyer_; }
   std::span<const Vec3> own_m() const { return own_m_; }
 
-  /// Puts the box so that its lowest point is so far above the surface.
+  /// Moves the box vertically until its lowest point is `gap_m` above the surface.
   void lower_to(double gap_m) {
     for (int i = 0; i < 3; ++i)
       flyer_.flight.position_m.z() += gap_m - all_at(flyer_.flight.begin).least_m;

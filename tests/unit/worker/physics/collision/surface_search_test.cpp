@@ -1,4 +1,4 @@
-// When boxes meet spline surfaces, against a look at every point of theirs.
+// Compares searches of boxes above spline surfaces with every point of the box.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -39,8 +39,8 @@ BodyShape random_body(Dice& dice) {
       InertiaSymmetry::general);
 }
 
-/// Somewhere near the surface: lying nearly flat, on an edge, on a corner, or as it comes; in
-/// touch, a little in, or up to a centimetre above.
+/// Places the box near the surface: nearly flat, on an edge, on a corner, or in any orientation; in
+/// touch, slightly inside, or up to a centimetre above.
 void place(Meeting& meeting, Dice& dice) {
   FreeFlight& flight = meeting.flyer().flight;
   flight.position_m = {dice.within(0.3), dice.within(0.3), 0.02};
@@ -68,7 +68,7 @@ void place(Meeting& meeting, Dice& dice) {
   meeting.lower_to(gaps_m[dice.below(gaps_m.size())]);
 }
 
-/// Flies, falls, slides, or turns about its lowest point, which hardly moves.
+/// Lets the box fly, fall, slide, or turn about its lowest point, which hardly moves.
 void move(Meeting& meeting, Dice& dice) {
   FreeFlight& flight = meeting.flyer().flight;
   flight.acceleration_mps2 = {0, 0, dice.one_in(8) ? 0 : -9.81};
@@ -88,10 +88,10 @@ void move(Meeting& meeting, Dice& dice) {
 struct Tally {
   std::uint64_t looks = 0;
   std::uint64_t collisions = 0;
-  std::uint64_t compared = 0;  ///< ticks at which all points were looked at
+  std::uint64_t compared = 0;  ///< ticks at which all points were examined
 };
 
-/// That no point collides at ticks after one look and before the next.
+/// Expects that no point collides at ticks between one look and the next.
 void expect_none_between(Meeting& meeting, Tick from, Tick next, Dice& dice, Tally& tally) {
   const auto look = [&](Tick tick) {
     if (tick <= from || tick >= next) return;
@@ -113,13 +113,13 @@ void expect_none_between(Meeting& meeting, Tick from, Tick next, Dice& dice, Tal
     look(from + std::max<TickCount>(1, span / 32) * i);
 }
 
-/// Looks as a simulation does, until the box collides or a time is over; nothing if it doesn't.
-/// `near` null: always a fresh one.
+/// Searches like a simulation. Returns the tick of the collision, or nothing if the box doesn't
+/// collide before `end`. With a null `near`, each look starts from scratch.
 std::optional<Tick> walk(Meeting& meeting, Tick end, NearPoints* near, Dice& dice, Tally& tally) {
   Tick tick = meeting.flyer().flight.begin;
   if (near != nullptr) near->forget_motion();
   for (int looks = 0; tick < end; ++looks) {
-    if (looks >= 3000) return tick;  // it turns about a point in touch: enough seen
+    if (looks >= 3000) return tick;  // the box turns about a touching point: enough ticks seen
     ++tally.looks;
     NearPoints fresh;
     PieceContact contact;
@@ -148,7 +148,7 @@ std::optional<Tick> walk(Meeting& meeting, Tick end, NearPoints* near, Dice& dic
   return std::nullopt;
 }
 
-/// What an impact might do: the box leaves the surface, or goes on slowly.
+/// Imitates an impact: the box leaves the surface or moves on slowly.
 void bounce(Meeting& meeting, Tick tick, Dice& dice) {
   const MovingPiece box = meeting.at(tick);
   const PieceContact contact = meeting.contact_at(tick);
@@ -166,10 +166,9 @@ void bounce(Meeting& meeting, Tick tick, Dice& dice) {
 }
 
 TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
-  // Goal: surface_search.h, invariants 1 and 2. Method: random boxes that fly, fall, slide and turn
-  // close to random surfaces, and bounce a few times. At each look every point of the box says
-  // whether it collides, and with which contact; so do looks with fresh contact_states, contact_of,
-  // and at some of the skipped ticks, the last ones and others, every point again.
+  // Goal: invariants 1 and 2 of surface_search.h hold. Method: random boxes fly, fall, slide, turn
+  // and bounce close to random surfaces. At each look, compare verdict and contact with all points,
+  // a fresh search and contact_of. At some skipped ticks, examine all points.
   Tally tally;
   const std::uint64_t count = property::long_run() ? 10'000 : property::of_tier(140, 700);
   for (const std::uint64_t n : property::cases(count)) {
@@ -204,12 +203,11 @@ TEST(SurfaceSearch, SkipsNoCollisionAndKeepsNothingThatMatters) {
   }
 }
 
-/// Heights along x whose second derivative at the control points is given, and which don't change
-/// along y.
+/// Heights along x with the given second derivative at the control points, constant along y.
 std::shared_ptr<const testing::TableControls> profile(std::function<double(int)> bend_per_m,
                                                       double spacing_m) {
   return testing::table_of([bend_per_m = std::move(bend_per_m), spacing_m](GridIndex index) {
-    // Second differences of control points are what the spline's second derivative is made of.
+    // The spline's second derivative is a combination of second differences of control points.
     double height_m = 0;
     double slope_m = 0;
     for (int i = 1; i <= index.i; ++i) {
@@ -221,10 +219,9 @@ std::shared_ptr<const testing::TableControls> profile(std::function<double(int)>
 }
 
 TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
-  // Goal: a box whose lowest corner is in a hollow may touch a gentle hill beside it first, though
-  // it rises from that corner by more than the hill bulges. Method: hollows some times sharper than
-  // the hill, boxes that fall with one corner over the hollow, tilted by about as much as the bound
-  // asks for.
+  // Goal: a box with its lowest corner in a hollow may first touch a gentle hill beside it, even if
+  // the box rises from that corner faster than the hill bulges. Method: boxes fall with one corner
+  // above a hollow several times sharper than the hill, tilted about as much as the bound requires.
   Tally tally;
   for (const std::uint64_t n : property::cases(1500)) {
     if (HasFailure()) break;
@@ -258,9 +255,9 @@ TEST(SurfaceSearch, WhatRisesFromAHollowMayComeBack) {
 }
 
 TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
-  // Goal: what a box meets may be steeper and more bent than what is under it now. Method: boxes
-  // that slide and roll fast over a flat table, at hardly any height, towards steps and ridges of
-  // a narrow grid.
+  // Goal: bounds hold for the surface that a box will reach, which can be steeper and more curved
+  // than the surface below it now. Method: boxes slide and roll fast at almost no height over a
+  // flat table, towards steps and ridges of a narrow grid.
   Tally tally;
   for (const std::uint64_t n : property::cases(160)) {
     if (HasFailure()) break;
@@ -301,9 +298,9 @@ TEST(SurfaceSearch, BoundsAreOfWhereBoxesCome) {
 }
 
 TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
-  // Goal: where nothing turns and nothing goes sideways, bounds hold for ever, and products of
-  // nothing and for ever aren't numbers. Method: boxes over a flat table and a rough one that
-  // rise, hang or fall, with and without gravity; few looks settle it.
+  // Goal: without rotation and sideways motion, bounds hold forever and no product of zero and
+  // infinity becomes NaN. Method: boxes rise, hang or fall over a flat and a rough table, with and
+  // without gravity. Few looks must suffice.
   for (const Relief relief : {Relief::flat, Relief::rough}) {
     for (const double up_mps : {0.0, 1e-3, 0.5, -0.5}) {
       for (const double pull_mps2 : {0.0, -9.81}) {
@@ -328,9 +325,9 @@ TEST(SurfaceSearch, StillBoxesAreNotWalkedBy) {
 }
 
 TEST(SurfaceSearch, OfEqualGapsTheFirstOneCounts) {
-  // Goal: surface_search.h, invariant 1, where points touch alike: what is near is kept in another
-  // order than that of the lattice. Method: a die flat above a flat table turns, so that its sides
-  // come down unlike; then it is in touch, and comes down evenly.
+  // Goal: equal gaps keep the lattice's order (surface_search.h, invariant 1), though the search
+  // stores near points in another order. Method: turn a die flat above a flat table, so that its
+  // sides come down differently. Then let it touch and come down evenly.
   for (const Vec3& turning : {Vec3(5, 0, 0), Vec3(-5, 0, 0), Vec3(0, 5, 0), Vec3(0, -5, 0)}) {
     Flyer flyer{testing::die_of(0.016), {}};
     flyer.flight.begin = Tick{1'000'000};
@@ -353,9 +350,9 @@ TEST(SurfaceSearch, OfEqualGapsTheFirstOneCounts) {
 }
 
 TEST(SurfaceSearch, BoxesHaveLattices) {
-  // Goal: no two neighbouring points are further apart than asked for, at whole multiples of that
-  // as well, and faces have the points of their edges; what isn't a box has none. Method: boxes of
-  // many sides, points of faces looked up among those of edges; other solids.
+  // Goal: neighbouring lattice points are at most the spacing apart, even if a side is a whole
+  // multiple of the spacing. Faces share the points of their edges. Solids other than boxes have no
+  // lattice. Method: test boxes with many side lengths, and other solids.
   Dice dice(k_seed, 9);
   for (int n = 0; n < 400; ++n) {
     const double spacing_m = dice.between(5e-4, 5e-3);
@@ -374,7 +371,6 @@ TEST(SurfaceSearch, BoxesHaveLattices) {
       EXPECT_LE(length_m / steps, spacing_m * (1 + 1e-6));
       EXPECT_GT(length_m / (steps - 1), spacing_m);
       most = std::max(most, steps);
-      // The edge has as many.
       for (const EdgeLattice& edge : lattice->edges) {
         const bool same =
             (edge.end[0] == a && edge.end[1] == b) || (edge.end[0] == b && edge.end[1] == a);
@@ -403,7 +399,7 @@ TEST(SurfaceSearch, BoxesHaveLattices) {
   EXPECT_TRUE(refused(icosphere(0.01, 1).value(), 4e-3));
   EXPECT_TRUE(refused(regular_prism(6, 0.01, 0.01).value(), 4e-3));
   EXPECT_FALSE(refused(regular_prism(4, 0.01, 0.02).value(), 4e-3));
-  // Six quadrilaterals, but a frustum.
+  // A frustum has six quadrilaterals but is no box.
   std::vector<Vec3> frustum_m;
   for (const double high : {0.0, 1.0}) {
     for (const double x : {-1.0, 1.0}) {
@@ -417,9 +413,9 @@ TEST(SurfaceSearch, BoxesHaveLattices) {
 }
 
 TEST(SurfaceSearch, PointsNearAreTheOutermostOnes) {
-  // Goal: what a resting box stands on. Method: boxes close to random surfaces; all that is found
-  // is a point of the box, within reach, with the surface's normal, and in each of eight directions
-  // no point within reach is further out.
+  // Goal: support points of a resting box are complete. Method: put boxes close to random surfaces.
+  // Each support must be a point of the box, within reach, with the surface's normal. In each of
+  // eight directions, no point within reach may be further out.
   std::size_t found_in_all = 0;
   for (const std::uint64_t n : property::cases(300)) {
     Dice dice(k_seed + 3, n);

@@ -1,5 +1,5 @@
-// Random tables for tests of boxes on surfaces: control points that can be changed one by one, dice
-// over them, and what meets them point by point.
+// Random tables for tests of boxes on surfaces: control points that can be changed one by one, and
+// dice above them.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -22,7 +22,7 @@
 
 namespace sleight::physics::testing {
 
-/// Control points by a function, but for some that have been changed.
+/// Control points from a function, with exceptions for changed points.
 class TableControls final : public SurfaceControls {
  public:
   using Function = std::function<SurfaceControl(GridIndex)>;
@@ -47,7 +47,6 @@ class TableControls final : public SurfaceControls {
     look(other->changes_);
     return differ;
   }
-  /// The same with one more point changed.
   std::shared_ptr<const TableControls> with(GridIndex index, const SurfaceControl& control) const {
     Changes changes = changes_;
     changes[index] = control;
@@ -64,12 +63,11 @@ inline std::shared_ptr<const TableControls> table_of(TableControls::Function fun
       std::make_shared<const TableControls::Function>(std::move(function)));
 }
 
-/// Of random tables. Bounds of heights and bends must not take one kind for another: pits have
-/// sharp hollows and gentle bumps, hills the reverse.
+/// Shape of a random table. Pits have sharp hollows and gentle bumps, hills the reverse.
 enum class Relief : std::uint8_t { rough, pits, hills, waves, flat };
 inline constexpr int k_reliefs = 5;
 
-/// Without end; heights within +-height_m, restitution and friction from 0 to 1.
+/// An infinite table with heights within +-height_m, and restitution and friction from 0 to 1.
 inline std::shared_ptr<const TableControls> random_table(std::uint64_t seed, Relief relief,
                                                          double height_m) {
   return table_of([seed, relief, height_m](GridIndex index) {
@@ -109,7 +107,7 @@ inline StaticSurface table_surface(std::shared_ptr<const SurfaceControls> contro
           .point_spacing_m = point_spacing_m};
 }
 
-/// A body's shape and inertia, as if it were of resin.
+/// A body's shape and inertia, with the density of resin.
 inline BodyShape solid_of(ConvexPolyhedron polyhedron, InertiaSymmetry symmetry) {
   return in_body_frame(std::vector{std::move(polyhedron)}, 1200, symmetry).value();
 }
@@ -121,7 +119,7 @@ inline Quat random_turn(Dice& dice) {
   return math::quaternion_of_rotation_vector(dice.vector_within(3));
 }
 
-/// Dice thrown onto a table, close enough together to meet.
+/// Dice thrown onto a table close enough together to meet.
 inline Scene thrown_dice(std::uint64_t seed, std::uint32_t count, StaticSurface surface,
                          double side_m = 0.016) {
   Dice dice(seed, 1);

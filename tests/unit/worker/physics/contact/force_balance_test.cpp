@@ -1,4 +1,4 @@
-// Balance of several bodies: stacks, planks, arches whose limits are known; a slow search.
+// Tests the balance of stacks, planks and arches with known limits, and against a slow search.
 #include "worker/physics/contact/force_balance.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using std::numbers::pi;
 
 constexpr double k_g_mps2 = 9.81;
 
-/// Bodies by their centres, and what holds them.
+/// Bodies given by their centres, and the contacts that support them.
 struct Structure {
   std::vector<Vec3> centres_m;
   std::vector<HeldBody> bodies;
@@ -43,7 +43,6 @@ struct Structure {
     if (partner != HoldingContact::k_fixed) contact.partner_arm_m = place_m - centres_m[partner];
     contacts.push_back(contact);
   }
-  /// A rectangle of contacts, level.
   void touch_level(std::uint32_t body, std::uint32_t partner, double x0, double x1, double y,
                    double z, double friction) {
     for (const double place_x : {x0, x1}) {
@@ -55,8 +54,8 @@ struct Structure {
 };
 
 TEST(ForceBalance, ABlockOnASlopeHoldsUpToTheAngleOfFriction) {
-  // Goal: tan <= mu to 0.3 degrees, in any direction along the plane: cones are round. Method:
-  // both sides, in twelve directions.
+  // Goal: a block stays if tan(angle) <= mu, to 0.3 degrees, in any direction along the plane,
+  // because friction cones are round. Method: test both sides of the limit in twelve directions.
   for (const double friction : {0.2, 0.7}) {
     for (int i = 0; i < 12; ++i) {
       for (const double off : {-0.3, 0.3}) {
@@ -72,7 +71,7 @@ TEST(ForceBalance, ABlockOnASlopeHoldsUpToTheAngleOfFriction) {
   }
 }
 
-/// Blocks of width 1, each further out by a part of it.
+/// Blocks of width 1, each shifted by `step` from the block below.
 Structure overhanging(int count, double step) {
   Structure stack;
   for (int i = 0; i < count; ++i) {
@@ -86,9 +85,9 @@ Structure overhanging(int count, double step) {
 }
 
 TEST(ForceBalance, FourBlocksStandAtAFifthAndFallAtThreeTenths) {
-  // Goal: each block stands on the next, and yet all together may not: the centre of n blocks above
-  // one lies (n + 1) / 2 steps out, so the limit for four is a quarter. Method: both sides, also
-  // near the limit, and the limit of a stack of twenty.
+  // Goal: a stack can fall though each block stands on the next. The centre of n blocks is (n + 1)
+  // / 2 steps beyond the block below, so the limit for four blocks is a quarter. Method: test both
+  // sides of that limit, also close to it, and the limit of a stack of twenty.
   EXPECT_TRUE(overhanging(4, 0.2).holds());
   EXPECT_FALSE(overhanging(4, 0.3).holds());
   EXPECT_TRUE(overhanging(4, 0.245).holds());
@@ -98,8 +97,8 @@ TEST(ForceBalance, FourBlocksStandAtAFifthAndFallAtThreeTenths) {
 }
 
 TEST(ForceBalance, ABallOnTwoNeedsTheirFriction) {
-  // Goal: a ball on two that touch each other pushes them apart; friction at the floor and between
-  // them holds if it is at least tan 15 degrees. Method: both sides, the known limit.
+  // Goal: a ball on two touching balls stays if friction at the floor and between balls is at least
+  // tan 15 degrees. Method: test both sides of this known limit.
   for (const double friction : {0.258, 0.278}) {
     Structure three;
     for (const double x : {-0.5, 0.5}) {
@@ -116,7 +115,7 @@ TEST(ForceBalance, ABallOnTwoNeedsTheirFriction) {
   }
 }
 
-/// A half circle of voussoirs of mean radius 1.
+/// A semicircle of stones with mean radius 1.
 Structure arch(int count, double thickness, double friction) {
   Structure stones;
   const double inner = 1 - 0.5 * thickness;
@@ -127,7 +126,7 @@ Structure arch(int count, double thickness, double friction) {
   for (int i = 0; i <= count; ++i) {
     const double middle = (2 * i + 1) * half;
     if (i < count) stones.add({centre * std::cos(middle), 0, centre * std::sin(middle)}, 1, 0.15);
-    // The joint below stone i, the last one below the ground on the other side.
+    // The joint below stone i. The last joint is at the ground on the other side.
     const double angle = 2 * i * half;
     const Vec3 normal(-std::sin(angle), 0, std::cos(angle));
     const auto body = static_cast<std::uint32_t>(i < count ? i : count - 1);
@@ -144,10 +143,10 @@ Structure arch(int count, double thickness, double friction) {
 }
 
 TEST(ForceBalance, AnArchStandsDownToItsLeastThickness) {
-  // Goal: a half circle of 15 stones and friction 0.7 stands at a thickness of 0.13 of its radius
-  // and falls at 0.09; without joints' places, the limit is 0.1075 (J. Heyman, International
-  // Journal of Solids and Structures 5, 1969, as M. Milankovitch corrected it). Method: both sides,
-  // and by bisection the thickness at which the verdict turns.
+  // Goal: a semicircle of 15 stones with friction 0.7 stands at a thickness of 0.13 radii and falls
+  // at 0.09. If joints may be anywhere, the limit is 0.1075 (J. Heyman, International Journal of
+  // Solids and Structures 5, 1969, as corrected by M. Milankovitch). Method: test both sides, and
+  // find the thickness at which the verdict changes by bisection.
   EXPECT_TRUE(arch(15, 0.13, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.09, 0.7).holds());
   EXPECT_FALSE(arch(15, 0.13, 0.1).holds());
@@ -161,7 +160,7 @@ TEST(ForceBalance, AnArchStandsDownToItsLeastThickness) {
   EXPECT_NEAR(stands, 0.1075, 0.006);
 }
 
-/// The least that is left of all balances, by plain projected gradient steps: slow and sure.
+/// Least remaining imbalance, by plain projected gradient steps: slow but reliable.
 double left_by_descent(const Structure& structure) {
   const std::size_t n = structure.bodies.size();
   std::vector<Vec3> forces(structure.contacts.size(), Vec3::Zero());
@@ -212,8 +211,8 @@ double left_by_descent(const Structure& structure) {
 }
 
 TEST(ForceBalance, AgreesWithASlowSearch) {
-  // Goal: any contacts of up to three bodies. Method: random ones; where a plain descent leaves
-  // hardly anything, or much, the verdict is clear.
+  // Goal: the verdict is right for any contacts of up to three bodies. Method: compare random
+  // contacts with a plain descent, which is conclusive if it leaves almost nothing or much.
   int held = 0;
   int fell = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 2'000 : 40)) {

@@ -1,9 +1,8 @@
-// Goal: gap, normal, points and features of separated convex pieces are right to rounding, however
-// the pieces lie.
-// Method: random and degenerate placements of many kinds of pieces, gaps of 1e-9 of the size and
-// more. Each result must prove itself (points inside, separation along the normal), and equal a
-// brute-force gap in long double; hand-made configurations with known features; and a broken
-// distance that both checks catch.
+// Goal: gap, normal, points and features of separated convex pieces are right to rounding, for any
+// placement. Method: test random and degenerate placements of many kinds of pieces, with gaps from
+// 1e-9 of the size. Each result must prove itself (points inside, separation along the normal) and
+// equal a brute-force gap in long double. Constructed configurations have known features. Both
+// checks must reject a broken distance.
 #include "worker/physics/distance/closest_points.h"
 
 #include <gtest/gtest.h>
@@ -21,11 +20,11 @@ namespace {
 
 using math::norm;
 
-// The header's bound, 2^-50 of the coordinates, for roundings of a few operations each.
+// The header's bound of 2^-50 of the coordinates, times the roundings of a few operations.
 constexpr double k_accuracy = 1e-14;
 
-// A normal between two points is known to rounding over gap, and so is the separation along it; a
-// face's normal is known to rounding.
+// A normal between two points has an error of rounding divided by gap, and so has the separation
+// along it. A face's normal is exact to rounding.
 double certificate_tolerance(const Closest& result, double coordinates) {
   const bool face =
       result.feature_a.kind == FeatureKind::face || result.feature_b.kind == FeatureKind::face;
@@ -60,7 +59,7 @@ TEST(ClosestCold, proves_itself_for_pieces_of_all_kinds) {
   for (const auto& [search, count] : searches)
     std::printf("search %d: %d\n", static_cast<int>(search), count);
   std::printf("worst defect: %.3g of the tolerance\n", worst);
-  // The thorough search is for the rare pair.
+  // Few pairs need the exhaustive search.
   EXPECT_LT(searches[Search::exhaustive], pairs * 250 / 20);
   EXPECT_EQ(searches[Search::overlap], 0);
 }
@@ -87,7 +86,7 @@ TEST(ClosestCold, equals_brute_force_in_long_double) {
   std::printf("worst error: %.3g of the coordinates\n", worst);
 }
 
-// Known features: a unit cube on a corner, an edge, a face over another.
+// Known features: a unit cube above another, with a corner, an edge or a face down.
 TEST(ClosestCold, names_the_features) {
   const ConvexPolyhedron solid = cube(1).value();
   const ConvexView c = solid.view();
@@ -110,7 +109,6 @@ TEST(ClosestCold, names_the_features) {
   EXPECT_NEAR(corner.gap_m, 1e-7, 1e-15);
   EXPECT_EQ(corner.normal, Vec3(0, 0, 1));
   EXPECT_LT(norm(corner.point_a_m - Vec3(0.1, 0.2, 0.5)), 1e-15);
-  // Two edges crossed at right angles.
   const double half_side = 0.5 * std::sqrt(2.0);
   const Closest crossed = closest_cold(
       c, {.rotation = turned({quarter, 0, 0}), .position_m = {0, 0, 0}}, c,
@@ -120,19 +118,19 @@ TEST(ClosestCold, names_the_features) {
   EXPECT_NEAR(crossed.gap_m, 1e-7, 2e-15);
   EXPECT_LT(norm(crossed.normal - Vec3(0, 0, 1)), 1e-15);
   EXPECT_LT(norm(crossed.point_b_m - Vec3(0.1, 0, half_side + 1e-7)), 1e-14);
-  // Diagonally apart: corner to corner, and corner to edge.
+  // Diagonal offsets: corner to corner, and corner to edge.
   const Closest corners = closest_cold(c, origin, c, {.position_m = {1.3, 1.4, 2.2}});
   EXPECT_EQ(corners.feature_a.kind, FeatureKind::vertex);
   EXPECT_EQ(corners.feature_b.kind, FeatureKind::vertex);
   EXPECT_NEAR(corners.gap_m, 1.3, 1e-15);
-  // Face to face: the gap, though many points are as close.
+  // Face to face: many pairs of points have the same gap.
   const Closest faces = closest_cold(c, origin, c, {.position_m = {0.25, -0.5, 1 + 1e-9}});
   EXPECT_NEAR(faces.gap_m, 1e-9, 1e-15);
   EXPECT_EQ(faces.normal, Vec3(0, 0, 1));
 }
 
 TEST(ClosestToPoint, agrees_with_the_box_formula) {
-  // The distance of a point from a box, and its depth inside, are known in closed form.
+  // A point's distance from a box, and its depth inside, have closed forms.
   const ConvexPolyhedron solid = box(Vec3(2, 4, 6)).value();
   random::Stream stream = numbers(106, 0);
   for (int i = 0; i < 20000; ++i) {
@@ -162,7 +160,7 @@ TEST(ClosestToPlane, is_the_lowest_vertex) {
   }
 }
 
-// A distance that looks at vertices alone must fail both checks above.
+// Both checks above must reject a distance that considers only vertices.
 TEST(Checks, catch_a_broken_distance) {
   int caught_by_certificate = 0;
   int caught_by_reference = 0;

@@ -1,8 +1,7 @@
-// Goal: overlapping pieces give their depth, and a normal that is good for contact when the overlap
-// is as small as rounding or a step of time makes it.
-// Method: pieces pushed into one another by 1e-9 to 1e-6 of their size from a known contact, and
-// deep overlaps: shifting by the depth along the normal must part them, and no direction of many
-// may need less.
+// Goal: overlapping pieces have the right depth, and a useful contact normal if the overlap is as
+// small as rounding or one time step makes it. Method: push pieces into each other by 1e-9 to 1e-6
+// of their size from a known contact, and test deep overlaps. A shift by the depth along the normal
+// must part the pieces, and no sampled direction may need less.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,15 +32,15 @@ TEST(Overlap, shallow_ones_keep_the_normal_of_the_contact) {
     at.b.position_m -= (before.gap_m + depth) * before.normal;
     const Closest inside = closest_cold(a, at.a, b, at.b);
     const double rounding = 1e-14 * (coordinates_m(a, at.a, b, at.b) + 2 * size);
-    // Parting along the old normal takes `depth`, so the least depth is at most that.
+    // A shift by `depth` along the old normal parts the pieces, so the least depth is no greater.
     ASSERT_GE(inside.gap_m, -depth - rounding) << i;
     ASSERT_NEAR(norm(inside.normal), 1, 1e-14);
     if (inside.overlapping()) {
       ASSERT_NEAR(inside.gap_m, separation_along(inside.normal, a, at.a, b, at.b), rounding) << i;
     }
     ASSERT_LE(norm(inside.point_b_m - inside.point_a_m - inside.gap_m * inside.normal), rounding);
-    // Faces and crossed edges have one normal, and are pierced. Corners have none of their own, and
-    // two sharp ones pass one another by.
+    // Faces and crossed edges determine a normal, and overlap along it. Corners have no normal of
+    // their own, and two sharp corners pass each other.
     const bool own_normal =
         before.feature_a.kind == FeatureKind::face || before.feature_b.kind == FeatureKind::face ||
         (before.feature_a.kind == FeatureKind::edge && before.feature_b.kind == FeatureKind::edge);
@@ -52,7 +51,7 @@ TEST(Overlap, shallow_ones_keep_the_normal_of_the_contact) {
   }
   if (!property::all_cases()) return;
   EXPECT_GT(all, 1000);
-  // Exceptions: contacts within some depths of the end of a feature, and parallel features.
+  // Exceptions are parallel features, and contacts within a few depths of a feature's end.
   EXPECT_GT(kept, 0.97 * all);
 }
 
@@ -72,21 +71,20 @@ TEST(Overlap, no_direction_needs_a_shorter_way_out) {
         << i;
     if (!result.overlapping()) continue;
     for (int k = 0; k < 200; ++k) {
-      // All over the sphere, and close to the direction found.
+      // Sample directions on the whole sphere, and close to the found direction.
       Vec3 direction = random_unit(stream);
       if (k % 2 == 0)
         direction = math::normalized(result.normal + log_between(stream, 1e-6, 1) * direction);
       ASSERT_LE(separation_along(direction, a, pose_a, b, pose_b), result.gap_m + 1e-9) << i;
     }
-    // The way out leads out, and just so.
+    // The depth along the normal is just enough to part the pieces.
     pose_b.position_m += (1e-9 - result.gap_m) * result.normal;
     result = closest_cold(a, pose_a, b, pose_b);
     ASSERT_NEAR(result.gap_m, 1e-9, 1e-13) << i;
   }
 }
 
-// Touching exactly, in all ways that a cube can touch another: the gap is 0 to rounding, and the
-// normal still parts them.
+// A cube touches another exactly, in every way. The gap is 0 to rounding; the normal parts both.
 TEST(Overlap, touching_pieces_have_a_usable_normal) {
   const ConvexPolyhedron solid = cube(1).value();
   for (const std::uint64_t i : property::cases(2000)) {
@@ -107,7 +105,7 @@ TEST(Overlap, touching_pieces_have_a_usable_normal) {
 }
 
 TEST(Overlap, of_points_and_triangles) {
-  // Pieces without volume: two equal points, and a triangle through a triangle.
+  // Pieces without volume: two equal points, and two crossing triangles.
   const PointPiece point(Vec3(1, 2, 3));
   const Closest same = closest_cold(point.view(), {}, point.view(), {});
   EXPECT_EQ(same.gap_m, 0);

@@ -1,4 +1,4 @@
-// Gaps of round pieces: against a search over all axes, and closed forms.
+// Compares gaps of round pieces with a search over all axes and with closed forms.
 #include "worker/physics/distance/round_distance.h"
 
 #include <fmt/format.h>
@@ -51,7 +51,7 @@ Compound round_of(int kind) {
     case 4:
       return parts_of(rounded_box({0.1, 0.06, 0.04}, 0.005, 1));
     case 5: {
-      // Both kinds of feature, and an axis that isn't z.
+      // Both kinds of feature, about an axis other than z.
       RoundDescription description{
           .origin_m = {0.01, 0, 0},
           .axis = math::normalized(Vec3(1, 2, 3)),
@@ -74,7 +74,7 @@ Compound other_of(int kind) {
   return {.parts = {box({0.3, 0.2, 0.01}).value()}};
 }
 
-/// Two pieces that nearly touch, or are apart, or overlap by micrometres.
+/// Two pieces that nearly touch, are apart, or overlap by micrometres.
 struct Placed {
   PlacedPose a;
   PlacedPose b;
@@ -84,7 +84,7 @@ Placed random_places(Dice& dice, const ConvexView& a, const ConvexView& b, doubl
   if (dice.below(4) == 0) placed.b.rotation = placed.a.rotation;  // parallel faces and axes
   placed.a.position_m = dice.spread(1e-3, 1) * dice.direction();
   placed.b.position_m = placed.a.position_m + 0.3 * dice.direction();
-  // Moved along the normal until the gap is so.
+  // Move the piece along the normal until the gap has the required size.
   for (int i = 0; i < 30; ++i) {
     const Closest closest = closest_round(a, placed.a, b, placed.b);
     placed.b.position_m += (gap_m - closest.gap_m) * closest.normal;
@@ -93,9 +93,10 @@ Placed random_places(Dice& dice, const ConvexView& a, const ConvexView& b, doubl
 }
 
 TEST(RoundDistance, IsTheGreatestSeparation) {
-  // Goal: gaps to k_round_gap_error, normals, points on both surfaces. Method: random pairs of
-  // round pieces and of these and polyhedra, with gaps from 0.1 m down to a nanometre and overlaps
-  // of some micrometres, against a slow search over all axes; it may find no wider separation.
+  // Goal: gaps are right to k_round_gap_error, as are normals and the points on both surfaces.
+  // Method: compare random pairs of round pieces, and of round pieces and polyhedra, with a slow
+  // search over all axes. Gaps range from 0.1 m to a nanometre, overlaps reach some micrometres.
+  // The search may find no wider separation.
   const std::uint64_t count = property::long_run() ? 1'000'000 : property::of_tier(40, 500);
   double worst_m = 0;
   for (const std::uint64_t n : property::cases(count)) {
@@ -107,21 +108,21 @@ TEST(RoundDistance, IsTheGreatestSeparation) {
     const double gap_m = dice.below(4) == 0 ? -dice.spread(1e-9, 3e-6) : dice.spread(1e-9, 0.1);
     const Placed placed = random_places(dice, a, b, gap_m);
     const Closest closest = closest_round(a, placed.a, b, placed.b);
-    // Not where the pieces less their margins overlap, which a few pairs can't be moved out of.
+    // Skip the few pairs whose cores (pieces without margins) still overlap.
     if (closest.gap_m < -1e-5) continue;
     ASSERT_NEAR(math::norm(closest.normal), 1, 1e-12) << n;
-    // It is the separation along its normal,
+    // The gap is the separation along the normal,
     const double along_m = -testing::plain_reach_m(a, placed.a, closest.normal) -
                            testing::plain_reach_m(b, placed.b, -closest.normal);
     ASSERT_NEAR(closest.gap_m, along_m, 1e-14) << n;
-    // and no axis shows a wider one.
+    // and no axis has a wider separation.
     const double error_m =
         k_round_gap_error *
         (a.r_outer_m + b.r_outer_m + math::norm(placed.b.position_m - placed.a.position_m));
     const Closest turned = closest_round(b, placed.b, a, placed.a);
     worst_m = std::max(worst_m, std::fabs(turned.gap_m - closest.gap_m));
     ASSERT_NEAR(turned.gap_m, closest.gap_m, error_m) << n;
-    // In a long run for some: that takes a thousand times as long as the gap.
+    // Long runs search only some pairs, since a search takes a thousand times as long as a gap.
     if (!property::long_run() || n % 100 == 0) {
       const double oracle_m = testing::oracle_gap_m(a, placed.a, b, placed.b, closest.normal);
       worst_m = std::max(worst_m, oracle_m - closest.gap_m);
@@ -136,8 +137,8 @@ TEST(RoundDistance, IsTheGreatestSeparation) {
 }
 
 TEST(RoundDistance, OfAPointAndAPlaneAreClosedForms) {
-  // Goal: points about pieces of revolution, and half-spaces. Method: a ball as a piece against the
-  // closed form for its centre; a plane against the reach.
+  // Goal: gaps of pieces of revolution to points and half-spaces are right. Method: compare a ball,
+  // as a piece, with the closed form for its centre, and a plane with the piece's reach.
   const PointPiece origin(Vec3::Zero());
   const ConvexView point = origin.view();
   for (std::uint64_t n = 0; n < 1000; ++n) {
@@ -168,8 +169,7 @@ TEST(RoundDistance, OfAPointAndAPlaneAreClosedForms) {
 }
 
 TEST(RoundDistance, SaysThatDeepOverlapsOverlap) {
-  // Goal: pieces that are inside of one another are no gap. Method: centres closer than the pieces
-  // are thick.
+  // Goal: a piece inside another has no positive gap. Method: place centres very close.
   for (std::uint64_t n = 0; n < 500; ++n) {
     Dice dice(n);
     const Compound first = round_of(dice.below(8));

@@ -1,4 +1,4 @@
-// The gap of two convex bodies by nothing but how far they reach in directions: a slow search over
+// The gap of two convex bodies, found only from their reach in each direction: a slow search over
 // all axes.
 //
 // Thread safety: pure functions.
@@ -17,7 +17,7 @@
 
 namespace sleight::physics::testing {
 
-/// How far a piece reaches along a unit direction of the world, written anew.
+/// Reach of a piece along a unit direction of the world. Shares no code with the library.
 inline double plain_reach_m(const ConvexView& piece, const PlacedPose& pose, const Vec3& u) {
   double most_m = -1e300;
   const auto offer = [&](const Vec3& point_m, double more_m) {
@@ -34,8 +34,8 @@ inline double plain_reach_m(const ConvexView& piece, const PlacedPose& pose, con
   return most_m;
 }
 
-/// The greatest separation along any axis: some thousand, the best of which are improved by steps
-/// that get smaller. `start`: an axis that is tried as well.
+/// Greatest separation along any axis. Tries some thousand axes, then improves the best with
+/// shrinking steps. `start` is an extra axis to try.
 inline double oracle_gap_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                            const PlacedPose& pose_b, const Vec3& start) {
   const auto separation_m = [&](const Vec3& n) {

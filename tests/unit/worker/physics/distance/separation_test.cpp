@@ -1,5 +1,5 @@
-// Goal: supports and the bound of the gap along an axis.
-// Method: against plain loops, in long double where rounding matters.
+// Goal: supports and the bound of the gap along an axis are right. Method: compare them with plain
+// loops, in long double where rounding matters.
 #include "worker/physics/distance/separation.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ TEST(FurthestVertex, is_the_first_of_the_furthest) {
     const auto piece = random_piece(stream, 1);
     const ConvexView view = piece->view();
     for (int k = 0; k < 20; ++k) {
-      // Directions along axes make ties on cubes and prisms.
+      // Directions along axes cause ties on cubes and prisms.
       Vec3 direction = random_unit(stream);
       if (k % 4 == 0) direction = Vec3(0, 0, k % 8 == 0 ? 1 : -1);
       std::size_t first = 0;

@@ -57,7 +57,7 @@ long double point_segment(const Long3& p, const Long3& a, const Long3& b) {
   return norml(p - (a + clampl(dotl(p - a, along) / dotl(along, along)) * along));
 }
 
-// Infinite where the foot is outside the triangle: then an edge is closer.
+// Infinite if the foot is outside the triangle, because an edge is closer then.
 long double point_triangle(const Long3& p, const Long3& a, const Long3& b, const Long3& c) {
   const Long3 normal = crossl(b - a, c - a);
   const long double inside_ab = dotl(crossl(b - a, p - a), normal);
@@ -165,7 +165,6 @@ std::unique_ptr<Piece> random_piece(random::Stream& stream, double size_m) {
     return true;
   };
   if (choice < 3) {
-    // Also elongated and flattened ones.
     piece->kind = "hull";
     for (;;) {
       const auto count = 4 + stream.bits() % 57;
@@ -237,7 +236,7 @@ Placement random_placement(random::Stream& stream, const ConvexView& a, const Co
   }
   const double reach_m = a.r_outer_m + b.r_outer_m;
   Vec3 offset = between(stream, 1.001, 3) * reach_m * random_unit(stream);
-  // Along the axes by eighths, so that vertices come to lie exactly over edges.
+  // Steps of an eighth along the axes, so that vertices are exactly above edges.
   if (style >= 2 && stream.bits() % 2 == 0) {
     offset = Vec3::Zero();
     const auto axis = static_cast<int>(stream.bits() % 3);
@@ -276,7 +275,7 @@ double outside_m(const ConvexView& piece, const PlacedPose& pose, const Vec3& po
   for (std::size_t f = 0; f < piece.face_count; ++f) {
     const Face& face = piece.faces[f];
     worst = std::max(worst, math::dot(face.normal, p) - face.offset_m);
-    // The planes of a triangle's faces do not bound it.
+    // The planes of a triangle's two faces don't bound it.
     if (piece.face_count > 2) continue;
     for (int k = 0; k < face.side_count; ++k) {
       const Side& side = piece.sides[face.first_side + k];

@@ -1,4 +1,4 @@
-// What the distance tests share: random pieces and placements, a slow reference, a certificate.
+// Random pieces and placements, a slow reference and a certificate, shared by the distance tests.
 #pragma once
 
 #include <cstdlib>
@@ -14,18 +14,18 @@
 
 namespace sleight::physics {
 
-/// Numbers for a test case: the same on every machine.
+/// Random numbers of a test case, the same on every machine.
 random::Stream numbers(std::uint64_t test, std::uint64_t index);
 double between(random::Stream& stream, double low, double high);
-/// 10^u with u uniform, through exp: for sizes and gaps over decades.
+/// 10^u with uniform u, for sizes and gaps over decades.
 double log_between(random::Stream& stream, double low, double high);
 Vec3 random_vector(random::Stream& stream);  ///< uniform in the cube [-1, 1]^3
 Vec3 random_unit(random::Stream& stream);
 Mat3 random_rotation(random::Stream& stream);
-/// One of the 24 rotations of a cube, exactly.
+/// One of the 24 exact rotations of a cube.
 Mat3 quarter_turns(random::Stream& stream);
 
-/// A polyhedron or a triangle; the view stays valid while it lives.
+/// A polyhedron or a triangle. Its views stay valid while it exists.
 struct Piece {
   ConvexPolyhedron polyhedron;
   TrianglePiece triangle;
@@ -37,39 +37,38 @@ struct Piece {
 /// Hulls of 4 to 60 points, icospheres, cubes, cubes with perturbed corners, prisms, triangles.
 std::unique_ptr<Piece> random_piece(random::Stream& stream, double size_m);
 
-/// Two pieces and their poses.
 struct Placement {
   PlacedPose a;
   PlacedPose b;
 };
 
-/// B somewhere around A: free or parallel orientations (exactly, or tilted by 1e-15 to 1e-3 rad),
-/// apart by up to some sizes or shifted along the normal to a gap of 1e-9 to 1e-3 of the size.
+/// Places B around A. Orientations are random, parallel, or tilted by 1e-15 to 1e-3 rad. B is up to
+/// several sizes away, or shifted along the normal to a gap of 1e-9 to 1e-3 of the size.
 Placement random_placement(random::Stream& stream, const ConvexView& a, const ConvexView& b,
                            double size_m);
 
-/// B shifted along the normal until the gap is `gap_m`. REQUIRES: separated.
+/// Shifts B along the normal until the gap is `gap_m`. REQUIRES: A and B are separated.
 PlacedPose at_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                   const PlacedPose& pose_b, double gap_m);
 
-/// The coordinates that a pair's roundings grow with, as seen from A.
+/// Magnitude of the coordinates seen from A, which a pair's rounding errors are proportional to.
 double coordinates_m(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                      const PlacedPose& pose_b);
 
-/// The gap by brute force in long double: least distance over all vertices and triangles of faces,
-/// and all pairs of edges. Shares no code with the library. REQUIRES: separated.
+/// Brute-force gap in long double: least distance over all pairs of a vertex and a triangle of a
+/// face, and all pairs of edges. Shares no code with the library. REQUIRES: A and B are separated.
 long double reference_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b);
 
-/// How far a result is from being proven, in metres: both points must lie in their pieces, be
-/// gap_m apart along the normal, and the pieces must be separated by gap_m along it. 0 is perfect.
+/// Distance in metres by which a result fails its proof; 0 is perfect. Both points must be in their
+/// pieces and gap_m apart along the normal, and gap_m must separate the pieces along the normal.
 double certificate_defect(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b, const Closest& result);
 
-/// How far a point of the world is outside a piece; 0 inside.
+/// Distance of a world point from a piece. 0 inside.
 double outside_m(const ConvexView& piece, const PlacedPose& pose, const Vec3& point_m);
 
-/// `count`, or ten times as many where the environment says SLEIGHT_SOAK=1.
+/// Returns `count`, or ten times `count` if SLEIGHT_SOAK=1.
 std::uint64_t soaked(std::uint64_t count);
 
 }  // namespace sleight::physics

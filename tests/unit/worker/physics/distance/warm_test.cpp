@@ -1,6 +1,6 @@
-// Goal: what is known from elsewhere, by closest_warm or as a hint, makes it faster, never
-// different. Method: random trajectories with steps from 1e-6 to 0.5 of the size, some through one
-// another; at each step warm against cold. Caches of other pairs and stale ones are thrown in.
+// Goal: a cache (closest_warm) or a hint makes the distance faster and never changes it. Method:
+// compare warm with cold results at each step of random trajectories. Steps are 1e-6 to 0.5 of the
+// size, and some pieces pass through each other. Also try stale caches and caches of other pairs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -58,7 +58,7 @@ TEST(ClosestWarm, equals_cold_along_trajectories) {
       ASSERT_NO_FATAL_FAILURE(expect_same(warm, cold, coordinates, 1000 * i + k));
       ++searches[static_cast<std::size_t>(warm.search)];
       ++steps;
-      // Attracted where far, so that they meet; otherwise at random.
+      // Distant pieces attract each other so that they meet. Otherwise the drift is random.
       const Vec3 drift = warm.gap_m > 0.2 ? Vec3(-0.5 * by * warm.normal) : Vec3(Vec3::Zero());
       step(stream, by, at.a, Vec3(Vec3::Zero()));
       step(stream, by, at.b, drift);
@@ -71,7 +71,7 @@ TEST(ClosestWarm, equals_cold_along_trajectories) {
   EXPECT_GT(searches[3], 0);
 }
 
-// A cache from elsewhere costs time, not truth.
+// A wrong cache costs time but doesn't change the result.
 TEST(ClosestWarm, survives_any_cache) {
   for (const std::uint64_t i : property::cases(property::of_tier(1500, 5000))) {
     random::Stream stream = numbers(402, i);
@@ -122,7 +122,7 @@ Feature any_feature(random::Stream& stream, const ConvexView& piece) {
   return {kind, static_cast<std::uint16_t>(stream.bits() % count)};
 }
 
-// A random piece, or a box that may be a plate or a rod; of any size.
+// A random piece, or a box of any size, which may be a plate or a rod.
 std::unique_ptr<Piece> near_piece(random::Stream& stream) {
   const double size_m = log_between(stream, 3e-3, 3);
   if (stream.bits() % 4 != 0) return random_piece(stream, size_m);
@@ -136,7 +136,7 @@ std::unique_ptr<Piece> near_piece(random::Stream& stream) {
   return piece;
 }
 
-// A direction in which a piece has something to offer: a face, an edge between two, or a vertex.
+// A direction towards a face, an edge or a vertex of the piece.
 Vec3 towards_feature(random::Stream& stream, const ConvexView& piece) {
   const auto kind = stream.bits() % 3;
   const auto face_normal = [&](std::size_t face) { return piece.faces[face].normal; };
@@ -152,7 +152,7 @@ Vec3 towards_feature(random::Stream& stream, const ConvexView& piece) {
   return face_normal(stream.bits() % piece.face_count);
 }
 
-// The rotation that takes x to y, orthonormal to rounding.
+// The rotation that maps x to y, orthonormal to rounding.
 Mat3 turn_onto(const Vec3& x, const Vec3& y) {
   const Vec3 axis = math::cross(x, y);
   const double sine = norm(axis);
@@ -168,8 +168,7 @@ Mat3 product_of(const Mat3& first, const Mat3& second) {
   return result;
 }
 
-// B over a face of A, or anywhere; with a face, an edge or a vertex towards that face but for a
-// tilt of 1e-12 to 1 rad.
+// Places B over a face of A, or anywhere. B points a feature at the face, tilted by 1e-12 to 1 rad.
 Placement near_placement(random::Stream& stream, const ConvexView& a, const ConvexView& b) {
   Placement at;
   at.a.rotation = random_rotation(stream);
@@ -190,13 +189,13 @@ Placement near_placement(random::Stream& stream, const ConvexView& a, const Conv
   return at;
 }
 
-// Goal: closest_cold gives the same bits whatever it is told, though only_one lets it skip the
-// search. Method: pieces 3e-10 to 1e-5 m apart, nearly parallel faces and edges among them; hints
-// of closest_warm, of closest_cold itself, and wrong ones. SLEIGHT_SOAK asks for 15 times as many.
+// Goal: closest_cold returns the same bits for any hint, though only_one lets it skip the search.
+// Method: place pieces 3e-10 to 1e-5 m apart, some with nearly parallel faces and edges. Try hints
+// from closest_warm, from closest_cold, and wrong hints. SLEIGHT_SOAK runs 15 times as many.
 TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
   const auto cases =
       static_cast<int>(property::long_run() ? 3'000'000 : property::of_tier(40'000, 200'000));
-  constexpr std::uint64_t k_pairs_max = 1'000'000;  // more than are needed
+  constexpr std::uint64_t k_pairs_max = 1'000'000;  // more than needed
   int quick = 0;
   int done = 0;
   std::array<int, 3> kinds{};  // edge-edge, face-vertex, vertex-face
@@ -211,7 +210,7 @@ TEST(ClosestCold, gives_the_same_bits_with_any_hint) {
       Placement at = near_placement(stream, a, b);
       at.b = at_gap(a, at.a, b, at.b, 1e-4);
       SeparationCache cache;
-      // Closer and closer, or a little to the side.
+      // Come closer and closer, or move slightly to the side.
       double gap_m = 1e-5;
       for (int closer = 0; closer < 6; ++closer) {
         at.b = at_gap(a, at.a, b, at.b, gap_m);

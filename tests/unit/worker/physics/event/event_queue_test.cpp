@@ -1,7 +1,6 @@
-// Goal: all event queues answer as the slow reference does, whatever they are given.
-// Method: one suite for every design and for the reference itself: random operations, ticks few and
-// equal, spread or extreme; the load of a simulation; and by hand what lies at the edges.
-// Last, queues with a deliberate mistake each, which the suite must notice.
+// Goal: all event queues return the same answers as the slow reference. Method: one suite runs
+// random operations with few, spread and extreme ticks, a simulation's load, and edge cases by
+// hand. The suite must reject queues with one deliberate mistake each.
 #include "worker/physics/event/event_queue.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +28,7 @@ constexpr EventKey at(TickCount tick, std::uint32_t lower = 0) {
 }
 
 TYPED_TEST(EventQueues, agree_with_the_reference_on_random_operations) {
-  // 70 * 3 * 8000 and 3 * 5000: 1.7 million operations; in deploy/test a quarter.
+  // 70 * 3 * 8000 and 3 * 5000: 1.7 million operations. deploy/test runs a quarter.
   const auto operations = static_cast<std::uint32_t>(property::of_tier(2'000, 8'000));
   for (std::uint32_t slots = 1; slots <= 70; ++slots) {
     for (const Ticks ticks : {Ticks::few, Ticks::spread, Ticks::extreme}) {
@@ -53,7 +52,7 @@ TYPED_TEST(EventQueues, agree_with_the_reference_in_a_simulation) {
 }
 
 TYPED_TEST(EventQueues, hold_nothing_at_first_and_after_a_reset) {
-  // Goal: reset empties, also to another size. Method: fill, reset, look at every slot.
+  // Goal: reset empties the queue, also with a new size. Method: fill, reset, read every slot.
   TypeParam queue;
   EXPECT_TRUE(queue.empty());
   queue.reset(0);
@@ -73,7 +72,7 @@ TYPED_TEST(EventQueues, hold_nothing_at_first_and_after_a_reset) {
 }
 
 TYPED_TEST(EventQueues, equal_keys_go_by_slot_and_equal_ticks_by_key) {
-  // Goal: no tie is left open. Method: the same contents, set in different orders.
+  // Goal: the order of events leaves no ties. Method: set the same contents in different orders.
   TypeParam queue;
   for (const bool backwards : {false, true}) {
     queue.reset(20);
@@ -92,7 +91,7 @@ TYPED_TEST(EventQueues, equal_keys_go_by_slot_and_equal_ticks_by_key) {
 }
 
 TYPED_TEST(EventQueues, what_never_happens_is_still_in_order) {
-  // Goal: a key at k_never is an event, k_no_event is none. Method: all slots at k_never.
+  // Goal: a key at k_never is an event, but k_no_event is not. Method: set all slots to k_never.
   TypeParam queue;
   queue.reset(30);
   EventKey never = k_no_event;
@@ -113,8 +112,7 @@ TYPED_TEST(EventQueues, what_never_happens_is_still_in_order) {
 }
 
 TEST(Tournament, TheSecondIsTheLeastOfTheOthers) {
-  // Goal: what is read ahead is what comes next. Method: random ticks without ties, against going
-  // through all slots.
+  // Goal: reading ahead returns the next events. Method: compare with a scan of all slots.
   Dice dice(5);
   for (const std::uint32_t slots : {2U, 8U, 9U, 100U, 1001U}) {
     TournamentQueue queue;
@@ -137,7 +135,6 @@ TEST(Tournament, TheSecondIsTheLeastOfTheOthers) {
   EXPECT_EQ(one.key_of(one.second()), at(7)) << "some slot, where there is no other";
 }
 
-/// SlowQueue with one mistake.
 enum class Mistake : std::uint8_t {
   by_insertion,
   tick_alone,
@@ -197,7 +194,7 @@ bool passes() {
 }
 
 TEST(QueueChecks, notice_each_mistake) {
-  // Goal: the suite can fail. Method: the same plain queue without and with a mistake.
+  // Goal: the suite can fail. Method: run it on the plain queue without and with a mistake.
   EXPECT_TRUE(passes<SlowQueue>());
   EXPECT_FALSE(passes<WrongQueue<Mistake::by_insertion>>());
   EXPECT_FALSE(passes<WrongQueue<Mistake::tick_alone>>());
@@ -207,7 +204,7 @@ TEST(QueueChecks, notice_each_mistake) {
 }
 
 TEST(QueueChecks, notice_ties_in_a_simulation) {
-  // Goal: this check can fail as well. Method: waits of few ticks, so that ties occur.
+  // Goal: this check can fail too. Method: use waits of few ticks, so that ties occur.
   Dice dice(0);
   EXPECT_NE(check_simulation<WrongQueue<Mistake::tick_alone>>(64, 2, 1'500, dice), "");
 }

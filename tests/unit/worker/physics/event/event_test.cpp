@@ -1,6 +1,6 @@
-// Goal: events are ordered as event.h says: by tick, then kind, lower id, higher id, feature.
-// Method: pairs of keys that agree up to one field and disagree, the other way round, in all later
-// ones; k_no_event behind the latest others.
+// Goal: events are ordered by tick, then kind, lower id, higher id and feature (event.h). Method:
+// compare pairs of keys that agree up to one field and have the opposite order in all later fields.
+// k_no_event comes after every other key.
 #include "worker/physics/event/event.h"
 
 #include <gtest/gtest.h>

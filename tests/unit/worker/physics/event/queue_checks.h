@@ -1,7 +1,7 @@
-// What every queue must pass: operations given to it and to SlowQueue, and their answers compared.
+// Checks for every queue: each compares a queue's answers with SlowQueue's.
 //
-// Each check returns the first difference as text, or nothing; so that a test can also ask for one,
-// of a queue that is known to be wrong.
+// A check returns the first difference as text, or nothing, so that a test can also expect a
+// difference from a faulty queue.
 #pragma once
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ inline std::string printed(const EventKey& key) {
                      key.higher, key.feature);
 }
 
-/// A queue and the reference side by side. `difference` keeps the first one seen.
+/// A queue and the reference, side by side. `difference` is the first one found.
 template <EventQueue Queue>
 class Pair {
  public:
@@ -100,7 +100,6 @@ class Dice {
   random::Stream stream_;
 };
 
-/// How the ticks of random keys lie.
 enum class Ticks : std::uint8_t { few, spread, extreme };
 
 inline Tick random_tick(Ticks ticks, Dice& dice) {
@@ -134,13 +133,13 @@ inline EventKey random_key(Ticks ticks, Dice& dice) {
   return key;
 }
 
-/// Sets and erases anywhere, at any time; many keys are equal in tick, some in all.
+/// Sets and erases any slots at any time. Many keys have equal ticks; some are equal in all fields.
 template <EventQueue Queue>
 std::string check_random_operations(std::uint32_t slots, Ticks ticks, std::uint32_t operations,
                                     Dice& dice) {
   Pair<Queue> pair;
   pair.reset(slots);
-  // How full the queue is drifts between nearly empty and full.
+  // The queue's size drifts between nearly empty and full.
   std::uint32_t erased_in_8 = 0;
   for (std::uint32_t i = 0; i < operations && pair.difference().empty(); ++i) {
     if (dice.once_in(200)) erased_in_8 = dice.below(8);
@@ -151,7 +150,7 @@ std::string check_random_operations(std::uint32_t slots, Ticks ticks, std::uint3
       pair.erase(chosen);
     } else {
       EventKey key = random_key(ticks, dice);
-      if (dice.once_in(8)) key = pair.reference().key_of(slot);  // moved, or set as it is
+      if (dice.once_in(8)) key = pair.reference().key_of(slot);  // sets the slot's own key again
       pair.set(chosen, key);
     }
   }
@@ -160,8 +159,8 @@ std::string check_random_operations(std::uint32_t slots, Ticks ticks, std::uint3
   return pair.difference();
 }
 
-/// As a simulation does it: no key before the least event; waits of `mean_wait_ticks`, up to
-/// thousands of times as long for some bodies; every so often bodies fall asleep or are woken.
+/// Sets keys like a simulation: no key before the least event. Waits average `mean_wait_ticks` but
+/// are thousands of times longer for some bodies. Now and then, bodies fall asleep or wake.
 template <EventQueue Queue>
 std::string check_simulation(std::uint32_t slots, std::uint32_t mean_wait_ticks,
                              std::uint32_t steps, Dice& dice) {

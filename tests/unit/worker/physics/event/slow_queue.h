@@ -1,4 +1,4 @@
-// The slowest queue, and the plainest: it looks at every slot. All others are compared with it.
+// The slowest and plainest queue, which looks at every slot. Tests compare all others with it.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,6 @@
-// Goal: spans of time become whole ticks on the side that is asked for, exactly.
-// Method: values whose ticks are known; then, for random spans, the definition: the last tick at or
-// before, the first at or after, in exact arithmetic (a tick is a power of two, so scaling by it
-// rounds nothing).
+// Goal: time spans convert to whole ticks exactly, rounded to the requested side. Method: test
+// values with known ticks. For random spans, test the definition (last tick at or before, first
+// tick at or after) in exact arithmetic. A tick is a power of two, so scaling by it doesn't round.
 #include "worker/physics/event/tick.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +41,7 @@ TEST(Ticks, saturate) {
     EXPECT_EQ(ticks_before(-span_s), -k_tick_max.value);
     EXPECT_EQ(ticks_after(-span_s), -k_tick_max.value);
   }
-  // Half a tick less than the longest.
+  // Half a tick shorter than the longest span.
   EXPECT_EQ(ticks_before(std::nextafter(longest_s, 0)), k_tick_max.value - 1);
   EXPECT_EQ(ticks_after(std::nextafter(longest_s, 0)), k_tick_max.value);
 }

@@ -7,8 +7,7 @@
 
 namespace sleight::physics::testing {
 
-/// The scene of marbles that slide and roll over planes, a pedestal and a sheet, with equal balls
-/// that start one after the other.
+/// Equal balls that start one by one, and slide and roll over planes, a pedestal and a sheet.
 inline scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed, TickCount interval) {
   scenes::Setting setting = scenes::marbles(balls, seed);
   std::uint32_t i = 0;

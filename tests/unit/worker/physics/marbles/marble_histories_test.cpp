@@ -1,5 +1,5 @@
-// What is replayed makes no difference: simulations of scenes that differ in some balls, with the
-// histories of the one before, against simulations of everything.
+// Tests that replay changes no result. Scenes that differ in some balls are simulated with the
+// histories of the previous scene, and from scratch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -49,14 +49,13 @@ struct Tally {
   std::uint64_t replayed_to_the_end = 0;
 };
 
-/// The scenes' mesh, whose vertices are moved now and then.
 class MovingMesh {
  public:
   explicit MovingMesh(Scene& scene)
       : mesh_(std::make_shared<TriangleMesh>(*scene.meshes[0].mesh)), first_(*mesh_) {
     scene.meshes[0].mesh = mesh_;
   }
-  /// Moves some of the vertices, anew from where they were at first, by no more than so much.
+  /// Moves some vertices by at most `by_m` from their initial positions.
   void move(Dice& dice, double by_m, StaticGeometry& statics, NearFeatures& near) {
     std::vector<VertexMove> moves;
     places_.clear();
@@ -86,7 +85,6 @@ class MovingMesh {
       }
     }
   }
-  /// The last move's.
   std::vector<MarbleChange> changes() const {
     std::vector<MarbleChange> changes;
     for (const Place& place : places_)
@@ -105,7 +103,7 @@ class MovingMesh {
   std::vector<Place> places_;
 };
 
-/// Otherwise than in the scene at first: a ball that doesn't start, is faster, or starts elsewhere.
+/// Changes a ball from the initial scene: the ball doesn't start, is faster, or starts elsewhere.
 void change_ball(Scene& scene, const Scene& at_first, std::uint32_t ball, Dice& dice) {
   const double radius_m = std::get<Sphere>(scene.bodies[0].shape).radius_m;
   BodyDescription& body = scene.bodies[ball];
@@ -126,7 +124,7 @@ void change_ball(Scene& scene, const Scene& at_first, std::uint32_t ball, Dice& 
 
 enum class Moves : std::uint8_t { balls, balls_and_vertices };
 
-/// A dozen scenes, each changed from the one before, simulated whole and with that one's histories.
+/// Changes a scene a dozen times. Simulates each scene with and without the previous histories.
 void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
   Dice dice(k_seed, index);
   const auto balls = static_cast<std::uint32_t>(1 + dice.below(14));
@@ -177,7 +175,6 @@ void run_scenes(std::uint64_t index, Moves moves, Tally& tally) {
       }
       histories = std::move(next);
     }
-    // The next scene.
     for (std::uint64_t changes = dice.below(3); changes > 0; --changes) {
       const auto ball = static_cast<std::uint32_t>(dice.below(balls));
       change_ball(scene, at_first, ball, dice);
@@ -204,21 +201,19 @@ void run_all_scenes(Moves moves, std::uint64_t count) {
 }
 
 TEST(MarbleHistories, ReplayingMakesNoDifference) {
-  // Goal: invariant 4, bit for bit, in heaps that rest and wake as in sparse falls. Method: random
-  // scenes; in each a dozen changes one after the other (balls that start elsewhere, faster, or not
-  // at all), looked at in between; each is simulated with the histories of the one before, and
-  // whole.
+  // Goal: replay changes no bit (invariant 4), both in heaps that rest and wake and in sparse
+  // falls. Method: in random scenes, change some balls' starts a dozen times. Simulate each scene
+  // from scratch and with the previous scene's histories, with looks in between.
   run_all_scenes(Moves::balls, scene_count());
 }
 
 TEST(MarbleHistories, MovedGeometryMakesNoDifference) {
-  // Goal: the same where static geometry changes, too. Method: the same with vertices of the
-  // scenes' mesh that move by a tenth of a millimetre or by some, back to where they were for
-  // others.
+  // Goal: replay also changes no bit if static geometry changes. Method: as above, and move
+  // vertices of the mesh by 0.1 or 2 mm. Vertices moved before return to their initial positions.
   run_all_scenes(Moves::balls_and_vertices, scene_count() / 2);
 }
 
-/// Two balls side by side, far enough from each other, above a floor.
+/// Two balls side by side above a floor, `apart_m` from each other.
 Scene two_balls(double apart_m) {
   scenes::Setting setting = testing::equal_marbles(2, 4, 0);
   Scene scene = setting.scene;
@@ -231,9 +226,8 @@ Scene two_balls(double apart_m) {
 }
 
 TEST(MarbleHistories, AWrongHistoryMakesADifference) {
-  // Goal: what is replayed is not simulated, so the property above can fail. Method: a ball that
-  // starts elsewhere is given its old history; it is where that says, and a ball that it would have
-  // met flies on.
+  // Goal: a replayed ball is not simulated, so the tests above can fail. Method: give a ball that
+  // starts elsewhere its old history. The ball follows it, and a ball in its new path flies on.
   const double radius_m = std::get<Sphere>(two_balls(1).bodies[0].shape).radius_m;
   const Scene before = two_balls(10 * radius_m);
   Scene after = before;
@@ -267,9 +261,9 @@ TEST(MarbleHistories, AWrongHistoryMakesADifference) {
 }
 
 TEST(MarbleHistories, ABallIsLeftAloneNowIfItWouldBeNow) {
-  // Goal: a history in which a ball is left alone holds up to there if the confinement is another
-  // one by now, and beyond only if it is the same. Method: a ball that is left alone in a box once
-  // it is slow; then in the same, in a wider one, and never.
+  // Goal: if the confinement changes, a history holds only until the ball is left alone. If the
+  // confinement is the same, the whole history holds. Method: leave a ball alone in a box once it
+  // is slow. Replay it with the same box, with a wider box, and without a box.
   Scene scene = two_balls(1);
   scene.bodies.resize(1);
   const StaticGeometry statics(scene);
@@ -313,7 +307,7 @@ TEST(MarbleHistories, ABallIsLeftAloneNowIfItWouldBeNow) {
   EXPECT_TRUE(same_end(whole, free));
 }
 
-/// Balls that nothing pulls, before a wall.
+/// Balls without gravity in front of a wall.
 Scene weightless(std::uint32_t balls) {
   Scene scene = testing::equal_marbles(balls, 4, 0).scene;
   scene.gravity_mps2 = {0, 0, 0};
@@ -329,8 +323,8 @@ Scene weightless(std::uint32_t balls) {
 }
 
 TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
-  // Goal: one that was left alone after a collision isn't if what it met has moved. Method: a ball
-  // that flies against a wall and is slow from then on; the wall is moved away.
+  // Goal: a ball left alone after a collision is simulated if the thing that it hit has moved.
+  // Method: a ball hits a wall and becomes slow. Then the wall is moved away.
   Scene scene = weightless(1);
   scene.bodies[0].start.twist.velocity_mps = {1, 0, 0};
   auto mesh = std::make_shared<TriangleMesh>(*scene.meshes[0].mesh);
@@ -378,8 +372,8 @@ TEST(MarbleHistories, ABallThatAWallMadeSlowIsntSlowWithoutIt) {
 }
 
 TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
-  // Goal: a ball whose expected partner goes live for another's sake expects it no longer. Method:
-  // a ball starts between two that are as good as touching it and that were elsewhere before.
+  // Goal: a ball no longer expects a partner that goes live because of another ball. Method: start
+  // a ball between two balls that almost touch it and that were elsewhere before.
   Scene before = weightless(3);
   before.bodies[2].start_tick = Tick{} + ticks_after(0.1);
   Scene after = before;
@@ -408,8 +402,8 @@ TEST(MarbleHistories, TwoLiveBallsBesideAStartEnd) {
 }
 
 TEST(MarbleHistories, ACheckpointDoesntSayWhatFollowedAtItsTick) {
-  // Goal: a second meeting at a checkpoint's tick of which nothing is known is a gap. Method: a
-  // history with two meetings at a tick, and the checkpoint that the first one left.
+  // Goal: a second, unknown meeting at a checkpoint's tick counts as a gap. Method: build a history
+  // with two meetings at one tick and the checkpoint after the first.
   MarbleHistory history;
   history.meetings = {{.tick = Tick{5}, .partner = 1}, {.tick = Tick{5}, .partner = 2}};
   MarbleHistory::Checkpoint checkpoint;

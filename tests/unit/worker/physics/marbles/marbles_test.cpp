@@ -1,4 +1,4 @@
-// Marbles do what a Simulation of the same scene does, bit for bit.
+// Tests that Marbles gives the same bits as a Simulation of the same scene.
 #include "worker/physics/marbles/marbles.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Those of every other seed start at once. The floor of one in three has friction from place to
-/// place.
+/// Balls of every other seed start at once. In one scene of three, the floor's friction varies.
 scenes::Setting equal_marbles(std::uint32_t balls, std::uint64_t seed) {
   scenes::Setting setting = testing::equal_marbles(balls, seed, seed % 2 == 0 ? 0 : 40'000'000);
   if (seed % 3 == 0) {
@@ -37,8 +36,7 @@ SimulationOptions places_only() {
 }
 
 TEST(Marbles, EqualASimulation) {
-  // Goal: invariant 1, on planes, convexes and sheets. Method: random scenes of up to 40 balls,
-  // looked at twenty times each.
+  // Goal: invariant 1 holds. Method: compare random scenes of up to 40 balls at twenty times each.
   for (const std::uint64_t seed : property::cases(scene_count())) {
     const scenes::Setting setting =
         equal_marbles(seed % 10 == 9 ? 40 : 1 + static_cast<std::uint32_t>(seed % 15), seed);
@@ -62,7 +60,7 @@ TEST(Marbles, EqualASimulation) {
 }
 
 TEST(Marbles, ComparerFindsADifference) {
-  // Goal: the comparison above can fail. Method: one ball starts a nanometre higher.
+  // Goal: the comparison above can fail. Method: start one ball a nanometre higher.
   scenes::Setting setting = equal_marbles(5, 3);
   auto simulation = Simulation::start(setting.scene, places_only()).value();
   setting.scene.bodies[2].start.pose.position_m.z() += 1e-9;
@@ -76,7 +74,7 @@ TEST(Marbles, ComparerFindsADifference) {
 }
 
 TEST(Marbles, OverlapsAreErrors) {
-  // Goal: balls that start in one place, or in something, are refused with the simulator's words.
+  // Goal: balls that start in one place or inside something get the simulator's error message.
   for (const bool in_floor : {false, true}) {
     scenes::Setting setting = equal_marbles(5, 4);
     auto& bodies = setting.scene.bodies;
@@ -96,9 +94,9 @@ TEST(Marbles, OverlapsAreErrors) {
 }
 
 TEST(Marbles, StartsInTouchAreErrors) {
-  // Goal: a ball that starts in touch with a face, an edge or a vertex is refused as the simulator
-  // refuses it, and one hardly further away is not. Method: a ball about random features of random
-  // scenes, off them by less and by more than the touch.
+  // Goal: Marbles refuses a ball that starts in touch with a face, an edge or a vertex, as the
+  // simulator does, and accepts one slightly further away. Method: place a ball at random features
+  // of random scenes, with gaps below and above the touch.
   std::uint64_t refused = 0;
   std::uint64_t started_well = 0;
   for (const std::uint64_t seed : property::cases(20)) {
@@ -135,7 +133,7 @@ TEST(Marbles, StartsInTouchAreErrors) {
 }
 
 TEST(Marbles, AreRecognised) {
-  // Goal: what the engine can't do is refused. Method: one change each.
+  // Goal: scenes that the engine doesn't support are refused. Method: make one change at a time.
   const Scene scene = equal_marbles(3, 1).scene;
   EXPECT_TRUE(are_marbles(scene));
   Scene other = scene;

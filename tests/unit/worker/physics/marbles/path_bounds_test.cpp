@@ -1,4 +1,4 @@
-// Bounds on when marbles may collide, and what they may touch where they hardly move.
+// Tests bounds on marbles' collisions, and the features near a marble that hardly moves.
 #include "worker/physics/marbles/path_bounds.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ Scene scene_of(std::uint64_t n, random::Stream& stream) {
   return scene;
 }
 
-/// The first tick up to one at which a ball collides with a feature, by judging ticks alone.
+/// First tick up to `stop` at which a ball collides with a feature. Judges single ticks only.
 Tick first_collision(const StaticGeometry& statics, const SphereFeature& feature,
                      const FreeFlight& flight, Tick stop) {
   for (Tick tick{}; tick <= stop;) {
@@ -48,9 +48,9 @@ Tick first_collision(const StaticGeometry& statics, const SphereFeature& feature
 }
 
 TEST(PathBounds, ComeBeforeEveryCollision) {
-  // Goal: no bound is later than a collision, and no surroundings lack what is met there. Method:
-  // flights that begin about to touch a feature of a random mesh, and fall back on it or pass it,
-  // against a search that judges ticks.
+  // Goal: no bound is later than the collision, and the surroundings contain every feature that a
+  // ball hits. Method: start flights close to a feature of a random mesh. They fall back on the
+  // feature or pass it. Compare with a search that judges single ticks.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   int met = 0;
   for (std::uint64_t n = 0; n < 40; ++n) {
@@ -102,7 +102,7 @@ TEST(PathBounds, ComeBeforeEveryCollision) {
 }
 
 TEST(PathBounds, ATimeThatAPlaceStaysIsSafe) {
-  // Goal: stays_s ends before a wall is crossed, and not much before. Method: random parabolas.
+  // Goal: stays_s ends just before the place crosses a wall. Method: test random parabolas.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   for (int i = 0; i < 20'000; ++i) {
     const Four low = Four::of(std::array<double, 4>{-1, -1, -1, -1});
@@ -119,8 +119,7 @@ TEST(PathBounds, ATimeThatAPlaceStaysIsSafe) {
 }
 
 TEST(BallBoxes, FindWhatOverlaps) {
-  // Goal: the boxes that are found are those that overlap, in ascending order. Method: against one
-  // look at each.
+  // Goal: for_each_overlapping finds the overlapping boxes in order. Method: compare with a loop.
   random::Stream stream({.seed = 13, .purpose = random::Purpose::scene}, 0);
   const auto box_of = [&] {
     TouchBox box;

@@ -1,4 +1,4 @@
-// Compares what Marbles and Simulation have made of a scene.
+// Compares the results of Marbles and Simulation for a scene.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 
 namespace sleight::physics::testing {
 
-/// How many balls of the two differ at present, in a bit of their place, twist or mode; balls that
-/// are left alone are not looked at. REQUIRES: both are at the same tick.
+/// Number of balls whose place, twist or mode differs in any bit. Skips balls that are left alone.
+/// REQUIRES: both are at the same tick.
 inline int different_balls(const Simulation& simulation, const Marbles& marbles) {
   int different = 0;
   for (std::uint32_t i = 0; i < marbles.size(); ++i) {
@@ -31,7 +31,7 @@ inline int different_balls(const Simulation& simulation, const Marbles& marbles)
   return different;
 }
 
-/// Runs both to a tick. Whether they are alike; `goes_on` says whether neither failed.
+/// Runs both to a tick and compares them. `goes_on` reports whether neither failed.
 inline ::testing::AssertionResult alike_at(Simulation& simulation, Marbles& marbles, Tick tick,
                                            bool& goes_on) {
   const auto expected = simulation.run_until(tick);

@@ -1,4 +1,4 @@
-// Touch boxes in vector registers against the same one number at a time.
+// Compares touch boxes computed in vector registers with touch boxes computed one number at a time.
 #include "worker/physics/marbles/touch_box.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ float across(float part) {
   return std::sqrt(std::max(0.0F, 1 - part * part));
 }
 
-/// From the feature to a centre, along one axis: the least and the greatest.
+/// Least and greatest offset from the feature to a centre, along one axis.
 std::pair<float, float> plain_spread(const SphereFeature& feature,
                                      std::span<const RegionSide> sides, std::size_t i) {
   const Axes along = axes_of(feature.direction);
@@ -84,9 +84,9 @@ bool same(const TouchBox& a, const TouchBox& b) {
 }
 
 TEST(TouchBox, HasTheBitsOfThePlainComputation) {
-  // Goal: all axes at once give what one at a time does. Method: the features of stars, hollows and
-  // sheets, with edges of every kind; sides that make an edge's wedge unclear; and how many tell a
-  // box of another reach apart.
+  // Goal: computing all axes at once gives the same boxes as one axis at a time. Method: compare
+  // features of stars, hollows and sheets, with edges of every kind and sides that leave an edge's
+  // wedge unclear. Count how often a slightly larger reach changes the box.
   std::array<int, 3> kinds{};
   int told_apart = 0;
   for (const std::uint64_t n : property::cases(60)) {
@@ -104,7 +104,7 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
     for (FeatureId f{geometry.plane_count()}; f < geometry.feature_count(); ++f) {
       const SphereFeature& feature = geometry.feature(f);
       std::vector<RegionSide> sides(geometry.sides(feature).begin(), geometry.sides(feature).end());
-      // An edge between two faces; it may have sides towards its ends alone, or none.
+      // An edge between two faces may have sides only towards its ends, or none.
       if (feature.kind == FeatureKind::edge && sides.size() == 4 && stream.bits() % 8 == 0)
         sides.back().space.normal = sides[sides.size() - 2].space.normal;
       const Box& own = geometry.feature_box(f);
@@ -121,10 +121,9 @@ TEST(TouchBox, HasTheBitsOfThePlainComputation) {
 }
 
 TEST(TouchBox, FollowsVerticesWithinTheirSlackAndBeyond) {
-  // Goal: after moves, what has been refreshed has the touch box that the geometry as it is now
-  // gives, and lists still name it. Method: a star of which one vertex goes a little way, and at
-  // times far beyond its slack, against the plain computation; each feature is looked for where
-  // its touch box has its middle.
+  // Goal: after a move, refreshed features have the touch boxes of the current geometry, and lists
+  // still contain them. Method: move one vertex of a star slightly, or far beyond its slack, and
+  // compare with the plain computation. Look up each feature at the middle of its touch box.
   int beyond = 0;
   for (const std::uint64_t n : property::cases(10)) {
     random::Stream stream({.seed = 44, .purpose = random::Purpose::scene}, n);

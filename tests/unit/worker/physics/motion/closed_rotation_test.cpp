@@ -1,7 +1,6 @@
-// Goal: spherical and axially symmetric bodies turn as known solutions say, and as the general
-// integration of the same body.
-// Method: steady spin and precession in long double; agreement of all three kinds where moments
-// coincide.
+// Goal: spherical and axially symmetric bodies turn as known solutions and as the general
+// integration of the same body. Method: compare steady spin and precession with long double
+// formulas. Compare all three kinds of inertia if their moments are equal.
 #include "worker/physics/motion/closed_rotation.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +15,7 @@ namespace {
 
 using Vec3l = Eigen::Matrix<long double, 3, 1>;
 
-// v turned about `rate` by |rate| s, by Rodrigues' formula.
+// v turned about `rate` by |rate| s (Rodrigues' formula).
 Vec3 turned_about(const Vec3& rate, double s, const Vec3& v) {
   const Vec3l w = rate.cast<long double>();
   const Vec3l x = v.cast<long double>();
@@ -74,7 +73,7 @@ TEST(ClosedRotation, agrees_with_the_general_steps_where_moments_coincide) {
     general.symmetry = InertiaSymmetry::general;
     const FreeFlight flight = random_flight(stream, 30);
     const Tick t = flight.begin + ticks_before(between(stream, 0, 10));
-    // Both sides' angles, up to 600 rad in sum, are known to 2^-52 or so of themselves.
+    // Angles add up to 600 rad, each with a relative error of about 2^-52.
     EXPECT_LT(distance(orientation_at(flight, inertia, t), orientation_at(flight, general, t)),
               2e-12);
     EXPECT_LT(math::norm(angular_velocity_at(flight, inertia, t) -

@@ -1,6 +1,5 @@
-// Goal: the centre of mass follows the parabola to the stated rounding, as a pure function of the
-// ticks since begin.
-// Method: long double as oracle over all sizes; comparison by bits.
+// Goal: the centre of mass follows the parabola to the documented rounding, as a pure function of
+// the ticks since begin. Method: compare with long double over all sizes, and compare bits.
 #include "worker/physics/motion/free_flight.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +58,7 @@ TEST(FreeFlight, begins_with_its_own_bits_and_shifts_with_its_begin) {
 }
 
 TEST(Invariants, energy_and_momentum_of_a_body_turned_by_hand) {
-  // A body that is turned by a quarter about x has its y axis along the world's z.
+  // After a quarter turn about x, the body's y axis points along the world's z.
   const Inertia inertia{.mass_kg = 2, .principal_kgm2 = Vec3(1, 3, 5)};
   const double half = std::sqrt(0.5);
   const Quat quarter(half, half, 0, 0);

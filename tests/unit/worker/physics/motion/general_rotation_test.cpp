@@ -1,7 +1,6 @@
-// Goal: the Taylor steps solve Euler's equations and the quaternion's to the last bits, keep what
-// free bodies keep, and the tests here would see an error in the equations.
-// Method: Runge and Kutta's method in tiny steps of long double as slow reference, also with broken
-// equations; Jacobi's elliptic functions (Boost.Math) as known solution; invariants.
+// Goal: the Taylor steps solve Euler's equations and the quaternion's equation to the last bits and
+// keep a free body's invariants. Method: compare with Runge-Kutta in tiny long double steps,
+// Jacobi's elliptic functions (Boost.Math) and the invariants. Broken equations must fail.
 #include "worker/physics/motion/general_rotation.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +29,7 @@ struct Case {
   FreeFlight flight;
 };
 
-// Needles, plates, near spheres; every third near the unstable axis.
+// Needles, plates and near spheres. Every third body spins near the unstable axis.
 Case random_case(std::uint64_t test, std::uint64_t i) {
   random::Stream stream = stream_of(test, i);
   Case result{.inertia = random_inertia(stream, InertiaSymmetry::general),
@@ -63,7 +62,7 @@ TEST(GeneralRotation, agrees_with_a_slow_integration) {
         std::max(worst_velocity,
                  (body_radps_at(flight, inertia, t) - end.body_radps()).cwiseAbs().maxCoeff());
   }
-  // Six radians; a disturbance of one rounding grows up to fivefold near the unstable axis.
+  // Six radians. Near the unstable axis, one rounding error grows up to fivefold.
   EXPECT_LT(worst_orientation, 1e-14);
   EXPECT_LT(worst_velocity, 8 * 2e-14);
 }
@@ -71,7 +70,7 @@ TEST(GeneralRotation, agrees_with_a_slow_integration) {
 TEST(GeneralRotation, a_single_step_is_exact_to_rounding) {
   for (std::uint64_t i = 0; i < 200; ++i) {
     const auto [inertia, flight] = random_case(22, i);
-    // The end of the first step is where the cut-off series is worst.
+    // The truncated series is worst at the end of the first step.
     const TickCount step =
         GeneralRotation(flight, inertia).span_max() / GeneralRotation::k_steps_max;
     const Tick end = flight.begin + (step - 1);
@@ -84,8 +83,8 @@ TEST(GeneralRotation, a_single_step_is_exact_to_rounding) {
 }
 
 TEST(GeneralRotation, is_told_from_equations_with_a_missing_or_wrong_term) {
-  // The broken variants differ from the steps by far more than the tolerances above, and energy or
-  // momentum shows them without any reference.
+  // Broken variants differ from the steps by far more than the tolerances above. Energy or momentum
+  // reveals them without any reference.
   const auto [inertia, flight] = random_case(23, 1);
   const Tick t = flight.begin + ticks_before(0.75);
   const Quat q = orientation_at(flight, inertia, t);
@@ -110,8 +109,8 @@ TEST(GeneralRotation, is_told_from_equations_with_a_missing_or_wrong_term) {
   }
 }
 
-// Jacobi's solution for I1 < I2 < I3 and L^2 > 2 E I2, begun where w2 = 0 and w1, w3 > 0
-// (L. Landau, E. Lifshitz, "Mechanics", section 37).
+// Jacobi's solution for I1 < I2 < I3 and L^2 > 2 E I2, from w2 = 0 and w1, w3 > 0 (L. Landau, E.
+// Lifshitz, "Mechanics", section 37).
 struct JacobiSolution {
   long double rate;
   long double k;
@@ -123,7 +122,7 @@ struct JacobiSolution {
     const long double i3 = inertia.principal_kgm2.z();
     const long double w1 = start.x();
     const long double w3 = start.z();
-    // 2 E I3 - L^2 and L^2 - 2 E I1, which w2 = 0 makes single products.
+    // 2 E I3 - L^2 and L^2 - 2 E I1, which are single products because w2 = 0.
     const long double a = i1 * (i3 - i1) * w1 * w1;
     const long double b = i3 * (i3 - i1) * w3 * w3;
     rate = std::sqrt((i3 - i2) * b / (i1 * i2 * i3));
@@ -147,7 +146,7 @@ TEST(GeneralRotation, follows_jacobis_elliptic_functions) {
     Inertia inertia = random_inertia(stream, InertiaSymmetry::general);
     Vec3& m = inertia.principal_kgm2;
     std::sort(m.data(), m.data() + 3);
-    // Anything from steady spin about the third axis to within 1/1000 of the separatrix.
+    // From steady spin about the third axis to within 1/1000 of the separatrix.
     const double separatrix = std::sqrt(m.x() * (m.y() - m.x()) / (m.z() * (m.z() - m.y())));
     FreeFlight flight = random_flight(stream, 1);
     const Vec3 start(1, 0, separatrix * (1 + std::fabs(of_any_size(stream, -3, 1))));

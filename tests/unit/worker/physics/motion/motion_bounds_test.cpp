@@ -1,7 +1,6 @@
-// Goal: boxes hold every evaluated position, to the last tick and bit, and are hardly larger; a
-// sphere leaves a box no earlier than exit_tick says, and hardly later.
-// Method: random flights of all sizes, dense round the apex; roots in long double as reference;
-// broken boxes are caught.
+// Goal: boxes contain every evaluated position, to the last tick and bit, and are hardly larger. A
+// sphere leaves a box no earlier than exit_tick, and hardly later. Method: compare random flights
+// of all sizes, densely around the apex, with long double roots. Broken boxes must fail.
 #include "worker/physics/motion/motion_bounds.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +15,7 @@
 namespace sleight::physics {
 namespace {
 
-// Another piece of motion on a parabola, evaluated in another order of operations.
+// A segment on a parabola whose operations have another order.
 struct OtherMotion {
   Tick begin;
   Vec3 position_m;
@@ -39,7 +38,7 @@ double coordinate(const OtherMotion& motion, int axis, Tick t) {
          (0.5 * s * s) * motion.acceleration_mps2[axis];
 }
 
-// In long double: the sums are exact enough to tell a box that is too small by one bit.
+// Long double sums are exact enough to detect a box that is one bit too small.
 template <class Motion>
 bool holds(const Box& box, const Motion& motion, double radius_m, Tick t) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -60,7 +59,7 @@ FreeFlight flight_of_any_size(random::Stream& stream) {
     const double kind = stream.uniform();
     if (kind < 0.2) flight.acceleration_mps2[axis] = 0;
     if (kind < 0.1) flight.velocity_mps[axis] = 0;
-    // Aimed so that the apex lies within some seconds.
+    // Aim so that the apex is within some seconds.
     if (kind > 0.6)
       flight.velocity_mps[axis] = -flight.acceleration_mps2[axis] * between(stream, 0, 3);
     if (kind > 0.95) flight.position_m[axis] = 0;
@@ -68,7 +67,7 @@ FreeFlight flight_of_any_size(random::Stream& stream) {
   return flight;
 }
 
-// Ends, middle, random ticks, and those round the apex of each axis.
+// Ends, middle, random ticks, and ticks around the apex of each axis.
 std::vector<Tick> ticks_to_look_at(random::Stream& stream, const FreeFlight& flight, Tick from,
                                    Tick to) {
   std::vector<Tick> ticks = {from, to, from + (to - from) / 2};
@@ -85,7 +84,6 @@ std::vector<Tick> ticks_to_look_at(random::Stream& stream, const FreeFlight& fli
   return ticks;
 }
 
-// A box of the ends alone.
 Box without_apex(const FreeFlight& flight, double radius_m, Tick from, Tick to) {
   Box first = path_box(flight, radius_m, from, from);
   const Box last = path_box(flight, radius_m, to, to);
@@ -120,8 +118,8 @@ TEST(PathBox, holds_every_evaluated_position) {
   EXPECT_GT(apex_needed, 3'000);
 }
 
-// A flight up from far below, whose apex is at a height of about 0 but for some roundings of the
-// start, so that floats near it are far finer than the rounding of evaluated heights.
+// A flight up from far below with its apex near height 0. There, floats are far finer than the
+// rounding errors of evaluated heights.
 FreeFlight flight_to_zero(random::Stream& stream) {
   FreeFlight flight;
   const double a = between(stream, 1, 20);
@@ -138,8 +136,8 @@ Tick apex_of(const FreeFlight& flight) {
 }
 
 TEST(PathBox, holds_the_rounding_of_heights_that_cancel) {
-  // Heights about the apex are rounding noise of the start's size. A box of two floats round the
-  // computed apex, which is what path_box makes of a flight without a past, does not hold them.
+  // Heights near the apex have rounding noise of the start's size. So they leave a box of two
+  // floats around the computed apex, which is path_box's result for a flight without a past.
   int noise_needed = 0;
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream = stream_of(57, i);
@@ -170,7 +168,7 @@ TEST(ExitTick, a_lid_that_is_grazed_to_the_last_bit_is_not_passed_by) {
   for (const std::uint64_t i : property::cases(2'000)) {
     random::Stream stream = stream_of(58, i);
     FreeFlight flight = flight_to_zero(stream);
-    // The margin depends on the box's width: so many roundings more.
+    // The margin is proportional to the box's width: lower the apex by up to 2^-43 of that width.
     flight.position_m.z() -= between(stream, 0, 2) * 0x1p-44 * 3e6;
     const Tick apex = apex_of(flight);
     const Tick exit = exit_tick(box, flight, 0, flight.begin);
@@ -217,9 +215,9 @@ TEST(PathBox, is_at_most_two_floats_and_the_rounding_too_large) {
   }
 }
 
-// The reference: the least positive root, in long double, at which a coordinate meets a wall.
+// Reference: the least positive root, in long double, at which a coordinate reaches a wall.
 long double first_meeting(long double distance, long double v, long double a) {
-  // distance = v s + a s^2/2, from either side.
+  // Solves distance = v s + a s^2/2 from either side.
   constexpr long double k_none = std::numeric_limits<long double>::infinity();
   const auto positive = [](long double s) { return s > 0 ? s : k_none; };
   if (a == 0) return v == 0 ? k_none : positive(distance / v);
@@ -229,7 +227,7 @@ long double first_meeting(long double distance, long double v, long double a) {
   return std::min(q != 0 ? positive(2 * distance / q) : k_none, positive(-q / a));
 }
 
-// Until when the sphere stays between walls that stand twice as far in as the header says.
+// Time for which the sphere stays between walls that are twice as far inside as the header states.
 long double reference_stay_s(const Box& box, const FreeFlight& flight, double radius_m, Tick from) {
   const long double s = seconds(from - flight.begin);
   long double stay = std::numeric_limits<long double>::infinity();
@@ -262,7 +260,7 @@ TEST(ExitTick, the_sphere_stays_until_then_and_hardly_longer) {
     const Tick from = i % 2 == 0
                           ? flight.begin
                           : flight.begin + ticks_before(std::fabs(of_any_size(stream, -6, 2)));
-    // A box round the start, sometimes hardly larger than the sphere.
+    // A box around the start, sometimes hardly larger than the sphere.
     Box box = path_box(flight, radius_m, from, from);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       box.low_m[axis] -= static_cast<float>(std::fabs(of_any_size(stream, -6, 2)));

@@ -1,7 +1,6 @@
-// Goal: bounds on rotation hold for what is evaluated, rounding included, and are tight where the
-// header says so.
-// Method: dense and random ticks of random bodies; Euler's equations in place of differences; a
-// bound that is a little lower is caught.
+// Goal: bounds on rotation hold for evaluated values, rounding included, and are tight if the
+// header says so. Method: test dense and random ticks of random bodies, with Euler's equations in
+// place of differences. A slightly lower bound must fail.
 #include "worker/physics/motion/rotation_bounds.h"
 
 #include <gtest/gtest.h>
@@ -59,15 +58,13 @@ TEST(RotationBounds, hold_at_every_tick_and_are_reached) {
   EXPECT_LT(loosest_acceleration, 2);
 }
 
-// The place of a point of the body.
 Vec3 place_at(const FreeFlight& flight, RotationTrack& track, const Vec3& point, Tick t) {
   const Pose pose = pose_at(flight, track, t);
   return pose.position_m + math::rotated(pose.orientation, point);
 }
 
 TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_to_another) {
-  // From single ticks, where rounding is all, to long spans; and that the term for rounding is
-  // needed.
+  // Test spans from single ticks to long ones, and that the rounding term is necessary.
   int moved_by_rounding = 0;
   for (const InertiaSymmetry symmetry : k_symmetries) {
     for (const std::uint64_t i : property::cases(300)) {
@@ -81,7 +78,7 @@ TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_
       const Vec3 point = radius_m * (1 - 1e-12) * math::normalized(vector_between(stream, -1, 1));
       const RotationBounds bounds = rotation_bounds(flight, inertia);
       RotationTrack track(flight, inertia);
-      // General bodies start again at each question that goes back: not too late, then.
+      // General bodies restart at each question about an earlier tick, so keep the times early.
       const double longest_s = symmetry == InertiaSymmetry::general
                                    ? std::min(50.0, 30 / bounds.angular_speed_radps)
                                    : 50;
@@ -103,7 +100,7 @@ TEST(RotationBounds, evaluated_points_move_no_faster_than_bounded_from_one_tick_
 }
 
 TEST(RotationBounds, evaluated_points_curve_no_more_than_bounded) {
-  // Second differences over spans short against a turn: |x(t+h) - 2 x(t) + x(t-h)| <= A h^2.
+  // Second differences over spans much shorter than a turn: |x(t+h) - 2 x(t) + x(t-h)| <= A h^2.
   for (const InertiaSymmetry symmetry : k_symmetries) {
     double closest = 0;
     for (const std::uint64_t i : property::cases(300)) {

@@ -1,5 +1,5 @@
-// Goal: an answer never depends on earlier questions.
-// Method: the same questions in order, in random order and cold, compared by bits; limits.
+// Goal: an answer never depends on earlier questions. Method: ask the same questions in order, in
+// random order and with a fresh track, and compare bits. Test limits.
 #include "worker/physics/motion/rotation_track.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ Answer warm(RotationTrack& track, Tick t) {
   return {bits_of(track.orientation_at(t)), bits_of(track.angular_velocity_at(t))};
 }
 
-// Ticks of any order: some far apart, some that go back a little, as searches do, and step edges.
+// Ticks in any order: far apart, slightly earlier than the last (as in searches), step edges.
 std::vector<Tick> questions(random::Stream& stream, const FreeFlight& flight,
                             const Inertia& inertia) {
   const double span_s = 60 / math::norm(flight.angular_velocity_radps);
@@ -61,7 +61,7 @@ TEST(RotationTrack, answers_do_not_depend_on_the_order_of_questions) {
       std::sort(ticks.begin(), ticks.end());
       for (const Tick t : ticks)
         ASSERT_EQ(warm(in_order, t), warm(any_order, t)) << i;
-      // Backwards, and for a track that followed another body before.
+      // Ask backwards, and with a track that followed another body before.
       RotationTrack reused(random_flight(stream, 50), random_inertia(stream, symmetry));
       reused.restart(flight, inertia);
       for (auto t = ticks.rbegin(); t != ticks.rend(); ++t)
@@ -91,11 +91,11 @@ TEST(RotationHorizon, lies_past_any_sensible_flight_and_is_known_beforehand) {
   EXPECT_LT(rotation_horizon(flight, inertia), k_tick_max);
   flight.angular_velocity_radps = Vec3(1e-3, 0, 0);
   EXPECT_EQ(rotation_horizon(flight, inertia), k_tick_max);
-  // Too fast for any step: only the begin itself may be asked for.
+  // The rotation is too fast for any step, so only the begin is valid.
   flight.angular_velocity_radps = Vec3(1e9, 0, 0);
   EXPECT_EQ(rotation_horizon(flight, inertia), flight.begin);
   EXPECT_EQ(bits_of(orientation_at(flight, inertia, flight.begin)), bits_of(flight.orientation));
-  // Closed forms have none.
+  // Closed forms have no such limit.
   Inertia cube = random_inertia(stream, InertiaSymmetry::spherical);
   EXPECT_EQ(rotation_horizon(flight, cube), k_tick_max);
 }

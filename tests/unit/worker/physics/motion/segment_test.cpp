@@ -1,6 +1,6 @@
-// Goal: where a body is turned to, and how it moves, on a segment. Method: bodies in contact
-// against a great many small exact rotations in long double, and against the closed form where the
-// axis stands still; the other modes against what they are made from.
+// Goal: a segment's orientation and motion are right. Method: compare bodies in contact with many
+// small exact rotations in long double, and with the closed form for a fixed axis. Compare the
+// other modes with the functions that they use.
 #include "worker/physics/motion/segment.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,6 @@ Long3 rate_at(const Segment& segment, long double s) {
   return rate;
 }
 
-/// Hamilton's product.
 Long4 product(const Long4& p, const Long4& q) {
   return {p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
           p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
@@ -86,7 +85,7 @@ Long4 long_of(const Quat& q) {
   return unit({q.w(), q.x(), q.y(), q.z()});
 }
 
-/// Turned about the axis of the middle of each small step.
+/// Turns about the middle axis of each small step.
 Long4 in_steps(const Segment& segment, long double s, int steps) {
   const long double h = s / steps;
   Long4 q = long_of(segment.flight.orientation);
@@ -99,7 +98,7 @@ Long4 in_steps(const Segment& segment, long double s, int steps) {
   return unit(q);
 }
 
-/// The error of in_steps is even in the step: two numbers of steps give the fourth order.
+/// The error of in_steps is even in the step, so two step counts give fourth order.
 Long4 reference(const Segment& segment, long double s, int steps) {
   const Long4 coarse = in_steps(segment, s, steps);
   Long4 fine = in_steps(segment, s, 2 * steps);
@@ -108,16 +107,15 @@ Long4 reference(const Segment& segment, long double s, int steps) {
   return unit(fine);
 }
 
-/// The angle between two orientations.
 long double apart_rad(const Long4& p, const Long4& q) {
   const Long4 turn = product({p[0], -p[1], -p[2], -p[3]}, q);
   return 2 * std::sqrt(turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3]);
 }
 
 TEST(Segment, TurnsAboutAMovingAxis) {
-  // Goal: the stated accuracy, 1e-6 of the angle turned by. Method: any spin and acceleration of
-  // balls up to 100 rad/s and 1000 rad/s^2 over up to a second; the reference's own error is shown
-  // by four times the steps on some cases.
+  // Goal: orientations have the documented accuracy, 1e-6 of the angle. Method: turn balls with
+  // spins up to 100 rad/s and accelerations up to 1000 rad/s^2 for up to a second. Estimate the
+  // reference's own error with four times the steps for some cases.
   long double worst = 0;
   long double worst_reference = 0;
   int bent = 0;
@@ -135,7 +133,7 @@ TEST(Segment, TurnsAboutAMovingAxis) {
     const long double error = apart_rad(long_of(q), expected);
     worst = std::max(worst, error / angle_rad);
     EXPECT_LE(error, 1e-6L * angle_rad + 1e-14L);
-    // That the axis moves shows: about its mean it would be somewhere else.
+    // The axis really moves: turning about its mean would end elsewhere.
     if (apart_rad(in_steps(segment, s, 1), expected) > 1e-3) ++bent;
     if (i % 15 == 0)
       worst_reference =
@@ -149,9 +147,9 @@ TEST(Segment, TurnsAboutAMovingAxis) {
 }
 
 TEST(Segment, IsExactAboutAStandingAxis) {
-  // Goal: no error but rounding where the axis stands still. Method: from rest, at constant spin,
-  // and with an acceleration along the spin, forwards and backwards and through a standstill;
-  // against the angle w s + a s^2 / 2 in long double.
+  // Goal: rounding is the only error if the axis is fixed. Method: compare with the angle w s + a
+  // s^2 / 2 in long double, from rest, at constant spin, and with acceleration along the spin,
+  // forwards, backwards and through a standstill.
   long double worst = 0;
   for (const std::uint64_t i : property::cases(20'000)) {
     if (HasFailure()) break;
@@ -178,8 +176,8 @@ TEST(Segment, IsExactAboutAStandingAxis) {
 }
 
 TEST(Segment, BeginsWithTheSameBits) {
-  // Goal: at its begin a segment gives what it holds, bit for bit, in every mode. Method: random
-  // segments, whose orientations' norms are 1 only to rounding.
+  // Goal: at its begin, a segment returns its stored values bit for bit, in every mode. Method:
+  // test random segments with orientations of norm 1 only to rounding.
   const Inertia inertia{
       .mass_kg = 1, .principal_kgm2 = Vec3::Constant(0.4), .symmetry = InertiaSymmetry::spherical};
   for (const std::uint64_t i : property::cases(4000)) {
@@ -196,8 +194,8 @@ TEST(Segment, BeginsWithTheSameBits) {
 }
 
 TEST(Segment, TwistChangesEvenly) {
-  // Goal: v + a s and w + alpha s in contact; free flight and rest as they are elsewhere. Method:
-  // the formulas in long double at random ticks.
+  // Goal: velocities in contact are v + a s and w + alpha s; free flight and rest match their own
+  // functions. Method: evaluate the formulas in long double at random ticks.
   const Inertia inertia{
       .mass_kg = 1, .principal_kgm2 = Vec3(0.3, 0.4, 0.5), .symmetry = InertiaSymmetry::general};
   for (const std::uint64_t i : property::cases(4000)) {

@@ -1,5 +1,4 @@
-// What the tests of motion share: random bodies and flights, comparison by bits, and a slow
-// reference for rotation.
+// Random bodies and flights, bitwise comparison, and a slow reference for rotation.
 #pragma once
 
 #include <array>
@@ -23,7 +22,7 @@ inline double between(random::Stream& stream, double low, double high) {
   return low + (high - low) * stream.uniform();
 }
 
-/// Of either sign, its size spread evenly over the decades 10^low to 10^high.
+/// Returns a number of random sign whose size is uniform over the decades 10^low to 10^high.
 inline double of_any_size(random::Stream& stream, double low, double high) {
   const double size = math::exp(between(stream, low, high) * 2.302585092994046);
   return stream.uniform() < 0.5 ? -size : size;
@@ -36,8 +35,7 @@ inline Vec3 vector_between(random::Stream& stream, double low, double high) {
   return {x, y, z};
 }
 
-/// Moments of some real distribution of mass: each is at most the sum of the others. Among them
-/// needles, plates and near spheres.
+/// Moments of a possible mass distribution: each is at most the sum of the other two.
 inline Inertia random_inertia(random::Stream& stream, InertiaSymmetry symmetry) {
   double a = std::fabs(of_any_size(stream, -2, 0));
   double b = std::fabs(of_any_size(stream, -2, 0));
@@ -78,13 +76,12 @@ inline double norm_of(const Quat& q) {
   return std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
 }
 
-/// The greatest difference of a component; no allowance for -q.
+/// Greatest difference of a component. Treats q and -q as different.
 inline double distance(const Quat& a, const Quat& b) {
   return (a.coeffs() - b.coeffs()).cwiseAbs().maxCoeff();
 }
 
-/// The slow reference: Euler's equations and the quaternion's, by Runge and Kutta's method of order
-/// 4 in long double, in tiny steps.
+/// Slow reference: Euler's and the quaternion's equations by Runge-Kutta 4 in long double.
 struct ReferenceState {
   std::array<long double, 3> w{};  ///< about the body's axes
   std::array<long double, 4> q{};
@@ -98,7 +95,7 @@ struct ReferenceState {
   }
 };
 
-/// The equations' parts, so that a test can leave one out.
+/// Coefficients of the equations, so that a test can leave one out.
 struct ReferenceEquations {
   std::array<long double, 3> euler{};  ///< (I2 - I3)/I1 and cyclic
   long double half = 0.5L;             ///< of dq/dt = half q w

@@ -1,4 +1,4 @@
-// The invariants of contact_motion.h over random input.
+// Tests the invariants of contact_motion.h on random input.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,8 +20,8 @@ using math::dot;
 using math::norm;
 using namespace response_reference;
 
-/// One, two or three faces of any direction on which gravity presses the ball, any friction, and
-/// twists from 1e-7 to 10 m/s; some at rest, some that roll on one face.
+/// Gravity presses a ball on one, two or three faces of any direction. Friction is random and
+/// speeds are 1e-7 to 10 m/s; some balls rest, and some roll on one face.
 Trial random_trial(Dice& dice) {
   for (;;) {
     Trial trial;
@@ -55,13 +55,13 @@ double kinetic(const RoundBody& body, const Twist& twist) {
          (dot(twist.velocity_mps, twist.velocity_mps) + body.gyration * dot(turning, turning));
 }
 
-/// Speeds of the centre and the surface.
+/// Speed of the centre plus speed of the surface.
 double speed_of(const RoundBody& body, const Twist& twist) {
   return norm(twist.velocity_mps) + body.radius_m * norm(twist.angular_velocity_radps);
 }
 
-/// How much more friction than the contacts have rolling would need, over gravity; recomputed from
-/// Newton's and Euler's equations for one face or two.
+/// Friction that rolling needs beyond the contacts' limit, divided by gravity. Uses Newton's and
+/// Euler's equations for one face or two.
 double friction_missing(const Trial& trial, const ContactMotion& motion) {
   const RoundBody& body = trial.body;
   const Vec3 force = motion.acceleration_mps2 - trial.gravity_mps2;
@@ -71,8 +71,7 @@ double friction_missing(const Trial& trial, const ContactMotion& motion) {
     const double load = dot(force, contact.normal);
     worst = norm(force - load * contact.normal) - contact.friction * load;
   } else {
-    // Forces: the loads, and friction along the line that neither turns the ball about what is up
-    // nor leaves the way to resistance: half at each.
+    // Forces are the loads and the friction along the line of both faces, half at each contact.
     const Vec3 &a = trial.contacts[0].normal, &b = trial.contacts[1].normal;
     const Vec3 line = math::normalized(cross(a, b));
     const double along = dot(force, line);
@@ -82,7 +81,7 @@ double friction_missing(const Trial& trial, const ContactMotion& motion) {
     EXPECT_LT(norm(force - load_a * a - load_b * b - along * line), 1e-9 * k_g);
     const Vec3 moment = body.gyration * body.radius_m * motion.angular_acceleration_radps2 +
                         0.5 * along * cross(a + b, line);
-    // What is left is resistance, against the spin.
+    // The remaining moment is resistance against the spin.
     const Vec3& w = motion.start.angular_velocity_radps;
     const double most = (1 + body.gyration) * (trial.contacts[0].rolling_friction * load_a +
                                                trial.contacts[1].rolling_friction * load_b);
@@ -94,7 +93,6 @@ double friction_missing(const Trial& trial, const ContactMotion& motion) {
   return worst / k_g;
 }
 
-/// The worst of something, with the case in which it was seen.
 struct Worst {
   double value = -1;
   int at = -1;
@@ -104,24 +102,22 @@ struct Worst {
 };
 
 struct Findings {
-  Worst power;        ///< of all but gravity, over its terms
-  Worst start;        ///< energy gained by what is set right at a segment's start, relative
-  Worst velocity_in;  ///< along a normal, over what rounding may do
+  Worst power;        ///< of all forces but gravity, over its terms
+  Worst start;        ///< relative energy gain when a segment's start is corrected
+  Worst velocity_in;  ///< along a normal, over the possible rounding
   Worst acceleration_in;
   Worst friction_missing;  ///< over gravity
-  Worst instant;           ///< 1 if a segment lasted no time
+  Worst instant;           ///< 1 if a segment had no duration
   std::array<Worst, 3> segments;
   std::array<int, 3> seen{};
-  std::array<int, 3> left{};  ///< went on without one of the faces
+  std::array<int, 3> left{};  ///< motions that left a face
   int rolled = 0;
 };
 
 int random_trials() {
   return static_cast<int>(property::of_tier(20'000, 100'000));
 }
-/// Motions that are not over after so many segments are given up.
 constexpr int k_segments_max = 1000;
-/// And after so long.
 constexpr double k_follow_s = 3600;
 
 void judge(const Trial& trial, const ContactMotion& motion, const Twist& before, int i,
@@ -130,12 +126,12 @@ void judge(const Trial& trial, const ContactMotion& motion, const Twist& before,
   const double energy = kinetic(body, before);
   if (energy > 0) found.start.offer((kinetic(body, motion.start) - energy) / energy, i);
 
-  // Loads in a flat valley or a narrow one are large, and so are their roundings.
+  // Loads in a flat or narrow valley are large, and so are their rounding errors.
   const bool valley = trial.contacts.size() == 2;
   const double sine = valley ? norm(cross(trial.contacts[0].normal, trial.contacts[1].normal)) : 1;
 
-  // Power is linear in time, so its sign at both ends decides. Rounding of 1e-15 g along a normal
-  // makes the loads do work: hence the last term.
+  // Power is linear in time, so test its sign at both ends. The last term allows for rounding:
+  // 1e-15 g along a normal makes the loads do work.
   const Vec3 force = motion.acceleration_mps2 - trial.gravity_mps2;
   const Vec3 turning = body.radius_m * motion.angular_acceleration_radps2;
   for (const double s : {0.0, std::isinf(motion.lasts_s) ? 1 : motion.lasts_s}) {
@@ -147,8 +143,7 @@ void judge(const Trial& trial, const ContactMotion& motion, const Twist& before,
     if (scale > 0) found.power.offer(power / scale, i);
   }
 
-  // Roundings of a slip that is nearly over tilt its direction, but add no more than rounding to
-  // the velocity.
+  // Rounding tilts the direction of a nearly finished slip, but hardly changes the velocity.
   const double velocity_rounding = 1e-14 * speed_of(body, before) + 1e-300;
   const double acceleration_rounding =
       1e-12 * k_g / (sine * sine) + 1e-14 * speed_of(body, before) / motion.lasts_s;
@@ -164,7 +159,7 @@ void judge(const Trial& trial, const ContactMotion& motion, const Twist& before,
   }
 }
 
-/// What random trials showed that were followed to their end or for an hour.
+/// Results of random trials that were followed to their end or for an hour.
 const Findings& findings() {
   static const Findings result = [] {
     Findings found;
@@ -199,29 +194,29 @@ void expect_at_most(const char* what, const Worst& worst, double most) {
 }
 
 TEST(ContactMotionAtRandom, GainsNoEnergy) {
-  // Goal: invariant 1. Method: the power of friction and resistance at both ends of all segments of
-  // random trials, and the energy before and after what is set right at their starts.
+  // Goal: motions gain no energy (invariant 1). Method: for all segments of random trials, test the
+  // power of friction and resistance at both ends, and the energy change at the corrected start.
   expect_at_most("power over its terms", findings().power, 1e-12);
   expect_at_most("relative gain at starts", findings().start, 1e-13);
 }
 
 TEST(ContactMotionAtRandom, StaysOnItsFaces) {
-  // Goal: invariant 2. Method: velocity and acceleration along the normals in the same trials.
+  // Goal: motions stay on their faces (invariant 2). Method: compute velocity and acceleration
+  // along the normals in the same trials.
   expect_at_most("velocity along a normal over rounding", findings().velocity_in, 1);
   expect_at_most("acceleration along a normal over rounding", findings().acceleration_in, 1);
 }
 
 TEST(ContactMotionAtRandom, RollsOnlyOnFrictionThatItHas) {
-  // Goal: what rolls needs no more friction than mu times the load at each contact. Method: the
-  // force recomputed from Newton's and Euler's equations, in the same trials.
+  // Goal: rolling needs at most mu times the load as friction at each contact. Method: compute the
+  // force from Newton's and Euler's equations in the same trials.
   EXPECT_GT(findings().rolled, random_trials() / 10);
   expect_at_most("friction missing, over gravity", findings().friction_missing, 1e-12);
 }
 
 TEST(ContactMotionAtRandom, BecomesSteady) {
-  // Goal: every motion rolls, rests, slides straight or leaves a face after a bounded number of
-  // segments, or lasts for an hour with no more than that; no segment lasts no time. Method: counts
-  // of the same trials, with speeds of 1e-7 to 10 m/s.
+  // Goal: within a bounded number of segments, every motion rolls, rests, slides straight, leaves a
+  // face, or lasts for an hour. No segment has zero duration. Method: count in the same trials.
   const Findings& found = findings();
   expect_at_most("segments without duration", found.instant, 0);
   for (std::size_t kind = 0; kind < 3; ++kind) {
@@ -233,8 +228,8 @@ TEST(ContactMotionAtRandom, BecomesSteady) {
 }
 
 TEST(ContactMotion, HopsKeepEnergy) {
-  // Goal: a hop keeps the kinetic energy, pays at most half of that of what moves it along and
-  // turns it, reaches the speed asked for if that suffices, and leaves what rolls rolling. Method:
+  // Goal: a hop keeps the kinetic energy, takes at most half of the energy of sliding and spin,
+  // reaches the requested speed if that suffices, and keeps rolling balls rolling. Method: test
   // random twists that don't approach, over all decades of speeds.
   const std::uint64_t seed = 52;
   Dice dice(seed);
@@ -273,7 +268,7 @@ TEST(ContactMotion, HopsKeepEnergy) {
     const double paid = std::min(wanted, purse(twist));
     ++(wanted < purse(twist) ? rich : poor);
     ASSERT_NEAR(rising(out), std::sqrt(before_mps * before_mps + paid), 1e-13 * scale_mps);
-    // The way along and the spin shrink alike, so a slip along the face that was 0 stays 0.
+    // Sliding and spin shrink by the same factor, so a slip of 0 stays 0.
     const Vec3 along = twist.velocity_mps - rising(twist) * n;
     const double share = std::sqrt(1 - paid / (2 * purse(twist)));
     ASSERT_LE(norm(out.velocity_mps - rising(out) * n - share * along), 1e-13 * scale_mps);

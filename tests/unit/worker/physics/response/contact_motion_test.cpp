@@ -1,4 +1,4 @@
-// Spheres that stay on faces: known answers, and agreement with small steps of time.
+// Compares spheres that stay on faces with known answers and with small time steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,8 +22,8 @@ using namespace response_reference;
 // ---- known answers ------------------------------------------------------------------------------
 
 TEST(ContactMotion, BallThrownWithoutSpin) {
-  // Goal: 5/7 of the speed after 2v/(7 mu g), whatever the friction, 1/(1+k) after k/(1+k) v/(mu g)
-  // for other moments. Method: the textbook's answer (F. Reif), and the way with it.
+  // Goal: a sliding ball rolls at 5/7 of its speed after 2v/(7 mu g), for any friction; with other
+  // moments, at 1/(1+k) after k/(1+k) v/(mu g). Method: compare with the textbook (F. Reif).
   for (const double k : {0.4, 2.0 / 3, 0.1}) {
     const double mu = 0.13, v = 2.3;
     const Trial trial{.body = {.radius_m = 0.03, .gyration = k},
@@ -39,15 +39,14 @@ TEST(ContactMotion, BallThrownWithoutSpin) {
     EXPECT_NEAR(walk.twist().velocity_mps.x(), v / (1 + k), 1e-8);
     EXPECT_NEAR(walk.twist().angular_velocity_radps.y(), v / (1 + k) / 0.03, 1e-6);
     walk.go_to(1);
-    // v t - mu g t^2 / 2 while it slides.
     const double slid_m = v * slides_s - mu * k_g * slides_s * slides_s / 2;
     EXPECT_NEAR(walk.way_m().x(), slid_m + v / (1 + k) * (1 - slides_s), 1e-8);
   }
 }
 
 TEST(ContactMotion, RollsAndSlidesOnSlopes) {
-  // Goal: from rest on slopes, 5/7 g sin (rolling) up to tan = mu (1 + k)/k, and g (sin - mu cos)
-  // with spin 5/2 mu g cos / r above. Method: the textbook's answer, on both sides of the limit.
+  // Goal: from rest on a slope, a ball rolls with 5/7 g sin up to tan = mu (1 + k)/k. Above, it
+  // slides with g (sin - mu cos) and spin 5/2 mu g cos / r. Method: compare both sides.
   const double mu = 0.2, r = 0.02;
   const double steepest_rad = std::atan(3.5 * mu);
   for (const double slope_rad : {0.01, 0.3, steepest_rad - 1e-6, steepest_rad + 1e-6, 1.2}) {
@@ -67,9 +66,8 @@ TEST(ContactMotion, RollsAndSlidesOnSlopes) {
 }
 
 TEST(ContactMotion, MomentumAboutTheContactIsGravitys) {
-  // Goal: the motion after sliding is exact even where the slip turns on its way. Method: friction
-  // has no moment about the contact, so v + k r w x n changes by gravity's part along the face
-  // times the time, in whatever way it slides and whenever it rolls: random throws on slopes.
+  // Goal: the motion after sliding is exact even if the slip turns. Method: throw balls on slopes.
+  // Friction has no moment about the contact, so v + k r w x n changes only by gravity.
   const std::uint64_t seed = 31;
   Dice dice(seed);
   double worst = 0;
@@ -99,8 +97,8 @@ TEST(ContactMotion, MomentumAboutTheContactIsGravitys) {
 }
 
 TEST(ContactMotion, RollingResistanceStopsIt) {
-  // Goal: a rolling ball stops after v/(c g) and v^2/(2 c g) and stays; on slopes it stays up to
-  // tan = (1 + k) c and starts beyond with the rest. Method: closed forms on both sides.
+  // Goal: a rolling ball stops after time v/(c g) and distance v^2/(2 c g). On slopes it stays up
+  // to tan = (1 + k) c and accelerates on steeper ones. Method: compare closed forms on both sides.
   const double c = 0.02, r = 0.025, v = 0.7;
   Trial trial{.body = {.radius_m = r},
               .contacts = {{.normal = Vec3::UnitZ(), .friction = 0.4, .rolling_friction = c}},
@@ -125,7 +123,7 @@ TEST(ContactMotion, RollingResistanceStopsIt) {
       EXPECT_TRUE(still.motion().rolls);
       const double a = k_g * std::sin(slope_rad) / (1 + gyration) - c * k_g * std::cos(slope_rad);
       EXPECT_NEAR(still.motion().acceleration_mps2.x(), std::max(0.0, a), 1e-14) << slope_rad;
-      // Thrown uphill on a gentle one it stops and stays, on a steep one it comes back.
+      // A ball thrown uphill stops and stays on a gentle slope, and comes back on a steep one.
       trial.twist = {Vec3(-0.1, 0, 0), Vec3(0, -0.1 / r, 0)};
       Walk thrown(trial);
       thrown.go_to(60);
@@ -139,8 +137,8 @@ TEST(ContactMotion, RollingResistanceStopsIt) {
 }
 
 TEST(ContactMotion, SpinAboutTheNormalIsBraked) {
-  // Goal: a spinning ball that stays in its place turns for k r w / (c g), and for ever without
-  // resistance; sliding doesn't change that. Method: closed form.
+  // Goal: a ball spinning in place turns for k r w / (c g), or forever without resistance, also
+  // while it slides. Method: compare with the closed form.
   const double c = 0.01, r = 0.02, w = 40;
   for (const double v : {0.0, 1.0}) {
     Trial trial{.body = {.radius_m = r},
@@ -160,9 +158,9 @@ TEST(ContactMotion, SpinAboutTheNormalIsBraked) {
 }
 
 TEST(ContactMotion, RollsDownAGroove) {
-  // Goal: in a symmetric groove whose planes stand at an angle b to its bottom the ball rolls on
-  // circles of radius r cos b: a = g sin / (1 + k / cos^2 b). Method: closed form; for a skew
-  // groove the same with 2 b the angle between the normals.
+  // Goal: a ball rolls along a symmetric groove, whose planes make an angle b with the bottom, on
+  // circles of radius r cos b: a = g sin / (1 + k / cos^2 b). Method: compare with the closed form.
+  // In a skew groove, 2 b is the angle between the normals.
   for (const double k : {0.4, 2.0 / 3}) {
     for (const auto& [angle_a, angle_b] :
          {std::array{0.8, 0.8}, std::array{0.2, 0.2}, std::array{0.4, 0.9}}) {
@@ -183,8 +181,7 @@ TEST(ContactMotion, RollsDownAGroove) {
 
 TEST(ContactMotion, CornerBrakesSpin) {
   // Goal: in a corner of three planes at the same angle b to the vertical, a spin about the
-  // vertical is braked by mu g tan b / (k r) and stays 0. Method: closed form; loads are g / (3 cos
-  // b).
+  // vertical decreases by mu g tan b / (k r) to 0. Method: compare with loads of g / (3 cos b).
   const double mu = 0.2, r = 0.015, w = 90;
   for (const double b : {0.5, 1.1}) {
     Trial trial{.body = {.radius_m = r}, .twist = {Vec3::Zero(), Vec3(0, 0, w)}};
@@ -209,9 +206,9 @@ TEST(ContactMotion, CornerBrakesSpin) {
 
 // ---- against small steps of time ----------------------------------------------------------------
 
-/// Of the impulse of all friction: directions of slip are held while they turn by 1/32 rad, at what
-/// they are half way. That errs by about the square where a slip keeps its size, and by more where
-/// it changes much meanwhile: 1.8 times the square was seen.
+/// Allowed error as a fraction of the impulse of all friction. Slip directions stay constant while
+/// they turn by 1/32 rad, at their value half way. The error is about the square of that if the
+/// slip's size is constant. Otherwise it is larger: 1.8 times the square was observed.
 constexpr double k_held = 4.0 / 1024;
 
 struct State {
@@ -221,7 +218,7 @@ struct State {
 constexpr int k_samples = 8;
 using Samples = std::array<State, k_samples>;
 
-/// In m/s and m, worst over the samples; the spin at the surface.
+/// Worst deviation over the samples, in m/s and m. Spin is measured at the surface.
 struct Deviation {
   double velocity = 0;
   double spin = 0;
@@ -269,10 +266,9 @@ Samples walked(const Trial& trial) {
   return samples;
 }
 
-/// What comparing many trials showed.
 struct Agreement {
   Deviation worst;     ///< between the code and the finer reference
-  double halving = 0;  ///< between the two references, most
+  double halving = 0;  ///< largest difference between the two references
   double coarse = 0;   ///< sums of deviations from the code
   double fine = 0;
   void print(const char* name) const {
@@ -282,10 +278,10 @@ struct Agreement {
   }
 };
 
-/// The code against the reference with a step and with a quarter of it. Tolerance: the reference's
-/// own error, i.e. what the quarter changed and, where slip turns round, gravity's part in a step;
-/// and `held` times the impulse of all friction, for directions of slip that are held for a while.
-/// The spin takes 1/k of what the velocity does.
+/// Compares the code with the reference at a step and at a quarter of it. The tolerance covers the
+/// reference's error: the effect of quartering, and gravity during one step where slip reverses. It
+/// also covers `held` times the impulse of all friction, for slip directions held constant. The
+/// spin's tolerance is 1/k of the velocity's.
 void compare(const Trial& trial, int steps_per_sample, double held, Agreement& agreement) {
   const Samples coarse = stepped(trial, steps_per_sample);
   const Samples fine = stepped(trial, 4 * steps_per_sample);
@@ -307,7 +303,7 @@ void compare(const Trial& trial, int steps_per_sample, double held, Agreement& a
   agreement.fine += error.most();
 }
 
-/// A random velocity along the only face, and any spin.
+/// A random velocity along the only face, with any spin.
 Twist random_twist(Dice& dice, const RoundBody& body, double speed_mps) {
   const double at = dice.uniform(0, 2 * k_pi);
   return {dice.uniform(0, speed_mps) * Vec3(std::cos(at), std::sin(at), 0),
@@ -315,9 +311,9 @@ Twist random_twist(Dice& dice, const RoundBody& body, double speed_mps) {
 }
 
 TEST(ContactMotionAgainstSteps, StraightOnOneFace) {
-  // Goal: sliding and rolling where the slip keeps its direction. Method: on a level face with any
-  // spin, down a slope with the spin in its plane, without friction, from rest where it is too
-  // steep, with all moments; small steps of 20 us and 10 us.
+  // Goal: sliding and rolling are right if the slip keeps its direction. Method: compare with small
+  // steps on a level face with any spin, down a slope with the spin in its plane, without friction,
+  // and from rest on too steep slopes, for all moments.
   const std::uint64_t seed = 41;
   Dice dice(seed);
   Agreement agreement;
@@ -342,7 +338,7 @@ TEST(ContactMotionAgainstSteps, StraightOnOneFace) {
 }
 
 TEST(ContactMotionAgainstSteps, AcrossASlope) {
-  // Goal: slip that turns. Method: random throws across slopes with any spin.
+  // Goal: a turning slip is right. Method: throw balls with any spin across slopes.
   const std::uint64_t seed = 42;
   Dice dice(seed);
   Agreement agreement;
@@ -358,8 +354,8 @@ TEST(ContactMotionAgainstSteps, AcrossASlope) {
 }
 
 TEST(ContactMotionAgainstSteps, WithRollingResistance) {
-  // Goal: rolling that stops and stays, curves, or goes on; spin about the normal. Method: random
-  // throws, level and on slopes, with resistances from far below to far above what holds the ball.
+  // Goal: rolling that stops, curves or continues, and spin about the normal, are right. Method:
+  // throw balls on level faces and slopes, with resistance far below and far above the limit.
   const std::uint64_t seed = 43;
   Dice dice(seed);
   Agreement agreement;
@@ -377,9 +373,9 @@ TEST(ContactMotionAgainstSteps, WithRollingResistance) {
 }
 
 TEST(ContactMotionAgainstSteps, AlongValleys) {
-  // Goal: all ways to slip and roll in a valley. Method: random symmetric and skew valleys, level
-  // and steep, with different friction on both sides, thrown along them with any spin, so also with
-  // spin across; some from rest where they are too steep to roll.
+  // Goal: all ways to slip and roll in a valley are right. Method: throw balls with any spin along
+  // symmetric and skew valleys, level and steep, with different friction on both sides. Some start
+  // from rest where rolling is impossible.
   const std::uint64_t seed = 44;
   Dice dice(seed);
   Agreement agreement;
@@ -400,8 +396,8 @@ TEST(ContactMotionAgainstSteps, AlongValleys) {
 }
 
 TEST(ContactMotionAgainstSteps, RollingResistanceInValleys) {
-  // Goal: resistance in valleys, of both contacts. Method: balls that roll along gentle ones, with
-  // different resistance on both sides.
+  // Goal: resistance of both contacts in a valley is right. Method: roll balls along gentle valleys
+  // with different resistance on both sides.
   const std::uint64_t seed = 45;
   Dice dice(seed);
   Agreement agreement;
@@ -423,10 +419,9 @@ TEST(ContactMotionAgainstSteps, RollingResistanceInValleys) {
 }
 
 TEST(ContactMotionAgainstSteps, SpinInCorners) {
-  // Goal: how long spin lasts in a corner. Method: in a symmetric one about its axis the small
-  // steps must agree; about any axis in skew ones the code brakes by the power that friction takes
-  // under the loads at rest, a simplification: there the times in which spins end are compared,
-  // within a factor of 2.
+  // Goal: spin in a corner lasts as long as it should. Method: compare with small steps for a
+  // symmetric corner and spin about its axis. In skew corners the code is simplified: the power of
+  // friction under the loads at rest brakes the spin, so end times may differ by a factor of 2.
   const std::uint64_t seed = 46;
   Dice dice(seed);
   Agreement agreement;

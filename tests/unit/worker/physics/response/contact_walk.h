@@ -1,4 +1,4 @@
-// A motion in lasting contact, followed from segment to segment, for the tests of it.
+// Follows a motion in lasting contact from segment to segment.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -35,7 +35,7 @@ inline Trial turned(const Quat& by, Trial trial) {
   return trial;
 }
 
-/// Gravity as it is seen from a plane z = 0 that falls along x by an angle.
+/// Gravity in the frame of a plane z = 0 that descends along x.
 inline Vec3 gravity_on_slope(double slope_rad) {
   return {k_g * std::sin(slope_rad), 0, -k_g * std::cos(slope_rad)};
 }
@@ -53,13 +53,12 @@ inline std::vector<LastingContact> valley(double angle_a, double angle_b, double
   };
 }
 
-/// A motion followed from segment to segment, each until the first whole tick after its end, as
-/// the simulator does.
+/// A motion followed by segments, each up to the first whole tick after its end (simulator's rule).
 class Walk {
  public:
   explicit Walk(const Trial& trial) : trial_(trial), twist_(trial.twist) { begin(); }
 
-  /// REQUIRES: not before what was asked for last.
+  /// REQUIRES: not before the last requested time.
   void go_to(double time_s) {
     while (holds() && begin_s_ + lasts_s_ <= time_s)
       next();
@@ -68,7 +67,7 @@ class Walk {
     way_m_ = begin_way_m_ + way_after(s);
   }
 
-  /// To the segment's end and the next one. REQUIRES: it ends.
+  /// Moves to the next segment. REQUIRES: the current segment ends.
   void next() {
     begin_way_m_ += way_after(lasts_s_);
     twist_ = twist_after(lasts_s_);
@@ -82,7 +81,7 @@ class Walk {
   double begin_s() const { return begin_s_; }
   double lasts_s() const { return lasts_s_; }
   int segments() const { return segments_; }
-  /// Whether it is pressed on all faces.
+  /// Returns whether the ball is pressed on all faces.
   bool holds() const { return motion_.pressed == (1U << trial_.contacts.size()) - 1; }
   bool is_last() const { return !holds() || std::isinf(lasts_s_); }
 

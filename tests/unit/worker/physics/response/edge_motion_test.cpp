@@ -20,7 +20,7 @@ constexpr double k_rise_m = 1e-5;
 const Vec3 k_gravity_mps2(0, 0, -9.81);
 const RoundBody k_ball{.radius_m = k_radius_m, .gyration = 0.4, .stick_mps = 1e-3};
 
-/// Of a sphere whose edge runs through the origin.
+/// A sphere on an edge through the origin.
 struct Rider {
   Vec3 place_m = Vec3::Zero();
   Twist twist{};
@@ -58,8 +58,8 @@ Rider along(const EdgePiece& piece, const Rider& from, double s) {
                                               s * piece.angular_acceleration_radps2}};
 }
 
-/// On the edge at an angle from upright, with speeds around it and along it and spin about the
-/// normal; rolls if no slip is added.
+/// A sphere on the edge at `angle` from upright, with speeds around and along the edge and spin
+/// about the normal. Without a slip it rolls.
 Rider rider_at(const Vec3& d, double angle, double around_mps, double along_mps, double pivot_mps,
                const Vec3& slip_mps = Vec3::Zero()) {
   const Vec3 level = math::normalized(cross(d, Vec3(0, 0, 1)));
@@ -79,9 +79,8 @@ double uniform(random::Stream& stream, double low, double high) {
 }
 
 TEST(EdgePiece, RunsOutsideOfTheCylinderAndKeepsItsEnergy) {
-  // Goal: the invariants of the header. Method: random edges, riders that roll or slip; distance
-  // and energy at the start, the end and at 64 places in between, of which the last is checked with
-  // what the load lifts taken out.
+  // Goal: the invariants of edge_motion.h hold. Method: test distance and energy along random
+  // pieces for spheres that roll or slip, excluding the energy by which the load lifts a sphere.
   random::Stream stream({.seed = 7, .purpose = random::Purpose::scene}, 1);
   int pieces = 0;
   int rolling = 0;
@@ -139,8 +138,8 @@ TEST(EdgePiece, RunsOutsideOfTheCylinderAndKeepsItsEnergy) {
   EXPECT_LT(worst_change, 1e-15);
 }
 
-/// What a sphere that rolls on an edge does in a short while, by the laws of Newton and Euler: with
-/// v = w x R n, n' = v_across / R and friction at the contact, k R^2 w' = -R n x (v' - g).
+/// A sphere that rolls on an edge, by the laws of Newton and Euler: v = w x R n, n' = v_across / R,
+/// and with friction at the contact k R^2 w' = -R n x (v' - g).
 struct Rolling {
   Vec3 n = Vec3::Zero();
   Vec3 spin_radps = Vec3::Zero();
@@ -168,10 +167,10 @@ Rolling stepped(const Vec3& d, const Rolling& state, double h) {
 }
 
 TEST(EdgePiece, FollowsASphereThatRolls) {
-  // Goal: pieces follow a sphere that rolls over an edge, along it, turning about the normal, up
-  // to where it turns back and down again; the less it may rise, the closer. Method: Newton's and
-  // Euler's equations by Runge and Kutta in steps of a microsecond, until the sphere has gone
-  // 0.6 rad down a side; where both are at the same time.
+  // Goal: pieces follow a sphere that rolls over and along an edge and spins about the normal,
+  // including where it turns back. The smaller the allowed rise, the smaller the error. Method:
+  // compare places with Runge-Kutta on Newton's and Euler's equations in steps of a microsecond,
+  // until the sphere is 0.6 rad down a side.
   const Vec3 d = math::normalized(Vec3(1, 0.3, 0.02));
   struct Start {
     double angle, around_mps, along_mps, pivot_mps;
@@ -208,8 +207,8 @@ TEST(EdgePiece, FollowsASphereThatRolls) {
 }
 
 TEST(EdgePiece, ThereIsNoneForWhatFliesOrStands) {
-  // Goal: a sphere that the edge doesn't hold has no piece, nor one that doesn't move around it.
-  // Method: faster and slower than the speed at which it leaves the edge upright, sqrt(g R).
+  // Goal: a sphere that the edge doesn't hold, or that doesn't move around the edge, has no piece.
+  // Method: test speeds above and below sqrt(g R), at which an upright sphere leaves the edge.
   const Vec3 d(0, 1, 0);
   const double leaves_mps = std::sqrt(9.81 * k_radius_m);
   EXPECT_FALSE(piece_of(d, rider_at(d, 0, 1.05 * leaves_mps, 0, 0), 0.5, true));
@@ -220,8 +219,8 @@ TEST(EdgePiece, ThereIsNoneForWhatFliesOrStands) {
 }
 
 TEST(EdgePiece, FrictionMustSufficeForRolling) {
-  // Goal: on a side that is too steep for its friction, what rolled begins to slip. Method: mu N
-  // against 2/7 of gravity along the side.
+  // Goal: a rolling sphere begins to slip on a side too steep for its friction. Method: compare mu
+  // N with 2/7 of gravity along the side.
   const Vec3 d(1, 0, 0);
   const Rider rider = rider_at(d, 0.6, 0.05, 0, 0);
   const auto holds = piece_of(d, rider, 0.4, true);

@@ -1,8 +1,8 @@
-// An adversary that hunts for impacts that gain energy.
+// An adversary that searches for impacts that gain energy.
 //
-// A configuration is a vector of numbers; random search picks the best of many, then hill climbing
-// perturbs single numbers and keeps what gains more. The same hunt must find gain in laws that are
-// known to have it, or it proves nothing.
+// A configuration is a vector of numbers. Random search picks the best of many; hill climbing then
+// changes single numbers and keeps improvements. The search must also find gains in laws known to
+// have them, or it proves nothing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,18 +20,18 @@ namespace sleight::physics::energy_hunt_test {
 
 using namespace response_reference;
 
-/// Numbers in [0, 1] that make up a case.
+/// Numbers in [0, 1] that define a case.
 constexpr std::size_t k_genes = 43;
 using Genes = std::array<double, k_genes>;
 
 struct Territory {
   double arm_max = 5;        ///< in radii of gyration
   double floor_mps_max = 0;  ///< of the separation speed
-  bool elastic = false;      ///< e = 1 and mu 0 or 1e-9, where little energy is lost
-  bool in_line = false;      ///< centres nearly on the line of the normal
+  bool elastic = false;      ///< e = 1 and mu 0 or 1e-9, so that little energy is lost
+  bool in_line = false;      ///< centres nearly in line with the normal
 };
 
-/// Hands out genes in order, scaled.
+/// Reads genes in order and scales them.
 class Reader {
  public:
   explicit Reader(const Genes& genes) : genes_(genes) {}
@@ -88,7 +88,6 @@ ImpactOutput guarded(const Case& made) {
   return rigid_impact(input_of(made));
 }
 
-/// The greatest relative gain of energy found.
 Real hunted_gain(const Law& law, const Territory& territory, int tries, int climbs,
                  std::uint64_t seed) {
   Dice dice(seed);
@@ -99,7 +98,6 @@ Real hunted_gain(const Law& law, const Territory& territory, int tries, int clim
   Real best_of_all = -1;
   constexpr int k_starts = 8;
   for (int start = 0; start < k_starts; ++start) {
-    // Random search.
     Genes best{};
     Real best_gain = -1;
     for (int i = 0; i < tries / k_starts; ++i) {
@@ -111,7 +109,6 @@ Real hunted_gain(const Law& law, const Territory& territory, int tries, int clim
       best_gain = gain;
       best = genes;
     }
-    // Hill climbing, with steps of all sizes.
     for (int i = 0; i < climbs / k_starts; ++i) {
       Genes genes = best;
       do {
@@ -132,15 +129,15 @@ Real hunted_gain(const Law& law, const Territory& territory, int tries, int clim
 }
 
 TEST(EnergyHunt, FindsGainInPlainNewton) {
-  // Goal: the hunt can find what it looks for, and the law that is commonly used has it (T. Kane,
-  // "A dynamics puzzle", Stanford Mechanics Alumni Club Newsletter, 1984). Method: a short hunt.
+  // Goal: the search can succeed: the commonly used law gains energy (T. Kane, "A dynamics puzzle",
+  // Stanford Mechanics Alumni Club Newsletter, 1984). Method: a short search.
   EXPECT_GT(hunted_gain(plain_newton_impact, {}, 4000, 4000, 21), 0.1L);
 }
 
 TEST(EnergyHunt, FindsNoGainInOurs) {
-  // Goal: the claim of rigid_impact.h. Method: a long hunt, in the common territory, with the floor
-  // of the separation speed, and where energy is all but kept. SLEIGHT_SOAK hunts through
-  // 12,000,000 impacts.
+  // Goal: the law of rigid_impact.h gains no energy. Method: a long search (SLEIGHT_SOAK:
+  // 12,000,000 impacts) in the common territory, with a floor of the separation speed, and with
+  // almost elastic impacts.
   const int times = std::getenv("SLEIGHT_SOAK") != nullptr ? 15 : 1;
   EXPECT_LE(hunted_gain(guarded, {}, times * 150'000, times * 150'000, 21), 1e-13L);
   EXPECT_LE(hunted_gain(guarded, {.floor_mps_max = 10}, times * 150'000, times * 150'000, 22),
@@ -149,9 +146,9 @@ TEST(EnergyHunt, FindsNoGainInOurs) {
 }
 
 TEST(EnergyHunt, FindsTheLossOfATerm) {
-  // Goal: each term of the law is needed. Method: the slow law without the coupling of Q to the
-  // normal, without either bound of the raised speed, and with friction against a slip that has
-  // turned, gains much; as it should be, it does not.
+  // Goal: each term of the law is necessary. Method: search the slow law, complete and with one
+  // fault: without the coupling of Q to the normal, without either bound of the raised speed, or
+  // with friction against a slip that has turned. Only faulty laws gain much.
   const auto faulty = [](Fault fault) {
     return [fault](const Case& made) { return slow_impact(made, fault); };
   };
@@ -164,9 +161,9 @@ TEST(EnergyHunt, FindsTheLossOfATerm) {
 }
 
 TEST(EnergyHunt, FindsTheLossOfTheGuard) {
-  // Goal: rounding alone can gain, and the guard stops it. Method: contacts up to 1e6 radii of
-  // gyration away, nearly in line with the normal, so that the impulse is large and its rounding a
-  // large torque; with and without the guard.
+  // Goal: rounding alone can gain energy, and the guard prevents it. Method: search with and
+  // without the guard, with contacts up to 1e6 radii of gyration away and nearly in line with the
+  // normal. Then the impulse is large and its rounding causes a large torque.
   const auto unguarded = [](const Case& made) { return rigid_impact_unguarded(input_of(made)); };
   const Territory far{.arm_max = 1e6, .elastic = true, .in_line = true};
   EXPECT_GT(hunted_gain(unguarded, far, 20'000, 20'000, 27), 1e-12L);
@@ -174,8 +171,8 @@ TEST(EnergyHunt, FindsTheLossOfTheGuard) {
 }
 
 TEST(EnergyHunt, GuardHardlyTouchesBodiesThatExist) {
-  // Goal: how much the guard takes off. Method: impulses with and without it over random cases with
-  // contacts up to ten radii of gyration away differ by less than 1e-12; no impact is given up.
+  // Goal: the guard changes impulses by less than 1e-12 and abandons no impact. Method: compare
+  // with and without the guard, with contacts up to ten radii of gyration away.
   Dice dice(28);
   int touched = 0;
   for (int i = 0; i < 100'000; ++i) {

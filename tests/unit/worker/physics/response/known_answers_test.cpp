@@ -1,4 +1,4 @@
-// Impacts whose outcome stands in textbooks.
+// Impacts with outcomes known from textbooks.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr double k_mass_kg = 0.8;
 constexpr double k_length_m = 1.5;
 constexpr double k_fall_mps = 2.0;
 
-/// A thin uniform rod in the xz plane, its lower end at the origin on a static floor, falling.
+/// A thin uniform rod in the xz plane falls with its lower end at the origin on a static floor.
 RigidImpactInput dropped_rod(double slope_rad, const ContactLaw& law) {
   const double moment = k_mass_kg * k_length_m * k_length_m / 12;
   RigidImpactInput input{.law = law};
@@ -30,8 +30,8 @@ RigidImpactInput dropped_rod(double slope_rad, const ContactLaw& law) {
 }
 
 TEST(KnownAnswers, RodDroppedOnItsEnd) {
-  // Goal: the effective mass of an end. Method: frictionless, the impulse is
-  // (1 + e) m v / (1 + 3 cos^2), from 1/m + (l/2 cos)^2 / (m l^2 / 12).
+  // Goal: the end of a rod has the right effective mass. Method: the impulse without friction is (1
+  // + e) m v / (1 + 3 cos^2), from 1/m + (l/2 cos)^2 / (m l^2 / 12).
   for (const double slope_rad : {0.0, 0.3, 0.785, 1.2, 0.5 * math::k_pi}) {
     for (const double e : {0.0, 0.6, 1.0}) {
       const ImpactOutput out = rigid_impact(dropped_rod(slope_rad, {.restitution = e}));
@@ -40,7 +40,7 @@ TEST(KnownAnswers, RodDroppedOnItsEnd) {
       EXPECT_NEAR(out.normal_impulse_ns, impulse, 1e-14);
       EXPECT_NEAR(out.b.velocity_mps.z(), -k_fall_mps + impulse / k_mass_kg, 1e-14);
       EXPECT_NEAR(out.b.velocity_mps.x(), 0, 1e-15);
-      // The torque (-l/2 cos) up turns about -y... the rod's centre lags behind its lower end.
+      // The impulse at the lower end turns the rod about +y.
       EXPECT_NEAR(out.b.angular_velocity_radps.y(), 6 * c * impulse / (k_mass_kg * k_length_m),
                   1e-13);
     }
@@ -48,8 +48,8 @@ TEST(KnownAnswers, RodDroppedOnItsEnd) {
 }
 
 TEST(KnownAnswers, RodThatCatchesItsEnd) {
-  // Goal: a plastic impact with much friction stops the end. Method: angular momentum about it is
-  // kept: m v (l/2) cos = (1/3) m l^2 omega.
+  // Goal: a plastic impact with high friction stops the end. Method: angular momentum about the end
+  // is constant: m v (l/2) cos = (1/3) m l^2 omega.
   for (const double slope_rad : {0.1, 0.3, 0.785, 1.2}) {
     const ImpactOutput out =
         rigid_impact(dropped_rod(slope_rad, {.restitution = 0, .friction = 1e3}));
@@ -60,9 +60,9 @@ TEST(KnownAnswers, RodThatCatchesItsEnd) {
 }
 
 TEST(KnownAnswers, SlidingBallGripsTheFloor) {
-  // Goal: 5/7 and 2/7, and the exact border between slide and stick. Method: a solid ball that
-  // slides at v without spin leaves with 5/7 v, rolling; one that only spins leaves with 2/7 of its
-  // rim's speed; both if mu (1 + e) u >= 2/7 of the slip.
+  // Goal: outcomes have the factors 5/7 and 2/7, and the border between slide and stick is exact.
+  // Method: a solid ball that slides at v without spin leaves rolling at 5/7 v. A ball that only
+  // spins leaves with 2/7 of its rim's speed. Both need mu (1 + e) u >= 2/7 of the slip.
   SphereImpactInput input{.mass_b = solid_sphere_mass(0.17, 0.03),
                           .law = {.restitution = 0.5, .friction = 1}};
   input.b.velocity_mps = Vec3(0.7, 0, -1);
@@ -91,9 +91,9 @@ TEST(KnownAnswers, SlidingBallGripsTheFloor) {
 }
 
 TEST(KnownAnswers, Billiards) {
-  // Goal: equal balls. Method: head-on they exchange velocities; a cut shot sends them apart at a
-  // right angle, the object ball along the line of centres; with friction the object ball is thrown
-  // to the side of the cue ball's slip by atan(mu), and takes up spin.
+  // Goal: equal balls have known outcomes. Method: head-on, they exchange velocities. After a cut
+  // shot they part at a right angle, the object ball along the line of centres. Friction throws the
+  // object ball by atan(mu) towards the cue ball's slip and makes it spin.
   SphereImpactInput input{.mass_a = solid_sphere_mass(0.17, 0.03),
                           .mass_b = solid_sphere_mass(0.17, 0.03),
                           .normal = Vec3::UnitX()};
@@ -118,9 +118,8 @@ TEST(KnownAnswers, Billiards) {
 }
 
 TEST(KnownAnswers, BallStopsDeadOnANeedlesEnd) {
-  // Goal: two moving bodies of different kind. Method: a ball of mass m hits the end of a resting
-  // rod of mass 4 m square on: the end's effective mass is (4 m) / 4 = m, so they exchange the
-  // velocity of the contact: the ball stops, the rod's end moves on at v.
+  // Goal: impacts of different bodies are right. Method: a ball of mass m hits the end of a resting
+  // rod of mass 4 m and effective mass (4 m) / 4 = m. The ball stops; the end moves at v.
   RigidImpactInput input{.contact_m = Vec3::Zero(), .normal = Vec3::UnitZ()};
   input.a.mass = rigid_mass({.mass_kg = 0.2, .principal_kgm2 = Vec3::Constant(1e-3)});
   input.a.pose.position_m = Vec3(0, 0, -0.1);

@@ -1,4 +1,4 @@
-// Bodies that lie on planes: closed forms, a slab on springs, energy.
+// Compares bodies on planes with closed forms and a slab on springs, and tests their energy.
 #include "worker/physics/response/plane_motion.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using std::numbers::pi;
 constexpr double k_g_mps2 = 9.81;
 const Vec3 k_gravity(0, 0, -k_g_mps2);
 
-/// A box of half sides on the plane z = 0, turned about z.
+/// A box with half sides on the plane z = 0, turned about z.
 struct Box {
   Vec3 half_m;
   double mass_kg = 1;
@@ -48,14 +48,13 @@ struct Box {
   }
 };
 
-/// Gravity of a slope that falls towards x.
 Vec3 on_slope(double angle) {
   return k_g_mps2 * Vec3(std::sin(angle), 0, -std::cos(angle));
 }
 
 TEST(PlaneMotion, ABoxSlidesInOneStraightPiece) {
-  // Goal: mu g against the slip until it stops, whatever the yaw; on a slope g (sin - mu cos).
-  // Method: closed forms.
+  // Goal: friction decelerates a sliding box by mu g for any yaw; on a slope the acceleration is g
+  // (sin - mu cos). Method: compare with closed forms.
   for (const double yaw : {0.0, 0.4, pi / 4}) {
     const Box box({0.05, 0.03, 0.02}, 0.3, yaw);
     const PlaneMotion thrown =
@@ -76,8 +75,8 @@ TEST(PlaneMotion, ABoxSlidesInOneStraightPiece) {
 }
 
 TEST(PlaneMotion, ABoxStandsUpToTheAngleOfFrictionAndTopplesBeyondItsEdge) {
-  // Goal: it stands if tan <= mu and tan < b / h, slides on if only the first fails, topples if
-  // the second does. Method: angles on both sides of both limits, in each direction.
+  // Goal: a box on a slope stands if tan <= mu and tan < b / h. It slides if only the first
+  // condition fails and topples if the second fails. Method: test both sides of both limits.
   const auto at = [](double half, double friction, double angle) {
     const Box box({half, half, 0.05}, friction);
     return plane_motion(box.on_plane(), {}, on_slope(angle));
@@ -87,7 +86,7 @@ TEST(PlaneMotion, ABoxStandsUpToTheAngleOfFrictionAndTopplesBeyondItsEdge) {
   EXPECT_FALSE(at(0.05, 0.3, std::atan(0.3) + 1e-6).stands);
   EXPECT_TRUE(at(0.01, 0.5, std::atan(0.2) - 1e-6).stands);
   EXPECT_FALSE(at(0.01, 0.5, std::atan(0.2) + 1e-6).carried);
-  // What slides leans on friction alone: it topples if mu > b / h.
+  // A sliding box topples if mu > b / h, because only friction holds it.
   const Box tall({0.01, 0.01, 0.05}, 0.21);
   EXPECT_FALSE(plane_motion(tall.on_plane(), {.velocity_mps = {1, 0, 0}}, k_gravity).carried);
   const Box low({0.01, 0.01, 0.05}, 0.19);
@@ -95,8 +94,8 @@ TEST(PlaneMotion, ABoxStandsUpToTheAngleOfFrictionAndTopplesBeyondItsEdge) {
 }
 
 TEST(PlaneMotion, WhatOnlySpinsStopsInOnePiece) {
-  // Goal: friction's torque mu m g r on a square's corners at a distance r brakes the spin evenly.
-  // Method: closed form.
+  // Goal: a spinning square decelerates evenly by the torque mu m g r of friction at its corners,
+  // at distance r. Method: compare with the closed form.
   const Box box({0.04, 0.04, 0.02}, 0.25);
   const PlaneMotion motion =
       plane_motion(box.on_plane(), {.angular_velocity_radps = {0, 0, -30}}, k_gravity);
@@ -107,13 +106,13 @@ TEST(PlaneMotion, WhatOnlySpinsStopsInOnePiece) {
   EXPECT_TRUE(is_zero(motion.acceleration_mps2));
 }
 
-/// Pieces one after another until the body stands.
+/// Pieces of motion until the body stands.
 struct Walk {
   Vec3 place_m = Vec3::Zero();
   double yaw = 0;
   int pieces = 0;
   double stops_s = 0;
-  double gained_j = 0;  ///< the most that a piece gained
+  double gained_j = 0;  ///< largest energy gain of a piece
 };
 Walk walked(const Vec3& half_m, double friction, Twist twist, const Vec3& gravity_mps2) {
   Walk walk;
@@ -143,17 +142,17 @@ Walk walked(const Vec3& half_m, double friction, Twist twist, const Vec3& gravit
   return walk;
 }
 
-/// The same on four stiff springs with dampers, by small steps: no law of loads is put in.
+/// The same body on four stiff springs with dampers, in small steps. Presupposes no law of loads.
 Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
   constexpr double k_step_s = 2e-6;
-  constexpr double k_depth_m = 1e-6;  // under its weight
+  constexpr double k_depth_m = 1e-6;  // spring depth under the body's weight
   const double stiffness = k_g_mps2 / (4 * k_depth_m);
   const double damping = std::sqrt(stiffness);
   const Box box(half_m, friction);
   Walk walk;
   Vec3 place(0, 0, -k_depth_m);
   Vec3 velocity = start.velocity_mps;
-  Vec3 tilt = Vec3::Zero();  // small, and the yaw
+  Vec3 tilt = Vec3::Zero();  // small tilts, and the yaw
   Vec3 spin = start.angular_velocity_radps;
   for (int step = 0; step < 1'000'000; ++step) {
     if (math::norm(velocity) + 0.05 * math::norm(spin) < 2e-3) break;
@@ -174,7 +173,7 @@ Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
     }
     velocity += k_step_s * force;
     const Vec3 moments(box.inertia(0, 0), box.inertia(1, 1), box.inertia(2, 2));
-    // Tilts are so small that only the moments along the turned sides matter.
+    // Tilts are so small that only the moments about the turned sides matter.
     const Vec3 local(c * torque.x() + s * torque.y(), -s * torque.x() + c * torque.y(), torque.z());
     const Vec3 turns(local.x() / moments.x(), local.y() / moments.y(), local.z() / moments.z());
     spin +=
@@ -189,8 +188,8 @@ Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
 }
 
 TEST(PlaneMotion, ASpinningSlabGoesWhereOneOnSpringsGoes) {
-  // Goal: where slips turn and loads shift. Method: a slab on four stiff springs, in steps of 2
-  // microseconds; place to 1% of the way, and the turn to 0.02 rad.
+  // Goal: the motion is right if slips turn and loads shift. Method: compare with a slab on four
+  // stiff springs in steps of 2 microseconds: place to 1% of the distance, rotation to 0.02 rad.
   const Vec3 half_m(0.06, 0.04, 0.02);
   for (const double spin : {5.0, -20.0}) {
     const Twist start{.velocity_mps = {0.8, 0.3, 0}, .angular_velocity_radps = {0, 0, spin}};
@@ -208,8 +207,8 @@ TEST(PlaneMotion, ASpinningSlabGoesWhereOneOnSpringsGoes) {
 }
 
 TEST(PlaneMotion, NoPieceGainsEnergy) {
-  // Goal: invariant 1, and that all comes to an end. Method: random boxes, frictions, slopes and
-  // motions, piece by piece.
+  // Goal: invariant 1 holds, and every motion ends. Method: follow random boxes with random
+  // friction, slope and motion, piece by piece.
   int walks = 0;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 20'000 : 300)) {
     response_reference::Dice dice(seed);
@@ -229,7 +228,7 @@ TEST(PlaneMotion, NoPieceGainsEnergy) {
 
 // ---- bodies of revolution -----------------------------------------------------------------------
 
-/// A solid cone's outline that lies on the plane on its side, its centre above the origin.
+/// Outline of a solid cone that lies on its side on the plane, with its centre above the origin.
 struct LyingCone {
   double half_angle;
   double depth_m;  ///< of the plane below the centre
@@ -245,9 +244,9 @@ struct LyingCone {
 };
 
 TEST(PlaneMotion, AConeRollsInItsCircle) {
-  // Goal: what lies on a line and rises by an angle a goes round the point where its axis meets
-  // the plane, at w tan a; its supports bear it up to the speed at which the inner one is lifted.
-  // Method: the circle's closed form; torques about the centre by hand.
+  // Goal: a body that lies on a line and whose axis rises by an angle a circles the point where its
+  // axis meets the plane, at w tan a. It does so up to the speed at which the inner support lifts.
+  // Method: compare with the circle's closed form and with torques about the centre.
   const double rise = 0.127;
   const double depth_m = 0.06;
   const LyingCone cone{rise, depth_m, {{{-0.05, 0, -depth_m}, 0.5}, {{0.15, 0, -depth_m}, 0.5}}};
@@ -261,13 +260,13 @@ TEST(PlaneMotion, AConeRollsInItsCircle) {
     EXPECT_EQ(motion.mode, MotionMode::rolling);
     EXPECT_NEAR(math::norm(motion.start.velocity_mps), std::fabs(rate) * depth_m, 1e-15);
     const double turns_radps = rate * std::tan(rise);
-    // Mean of the centripetal acceleration, over a 32nd of a radian.
+    // Mean of the centripetal acceleration over a 32nd of a radian.
     EXPECT_NEAR(math::norm(motion.acceleration_mps2), std::fabs(turns_radps) * 6 * depth_m, 1e-3);
     EXPECT_NEAR(motion.lasts_s * std::fabs(turns_radps), 1.0 / 32, 1e-5);
-    // Towards the point where the axis meets the plane, which lies where the axis falls.
+    // Acceleration points to where the axis meets the plane, on its lower side.
     EXPECT_LT(motion.acceleration_mps2.x(), 0);
   }
-  // About the foot of the lifted support all torques are those of weight, path and gyration.
+  // Torques about the foot of the lifted support come only from weight, path and gyration.
   const double moment = math::dot(Vec3::UnitX(), math::product(inertia, Vec3::UnitX()));
   const double per_rate2 = std::tan(rise) * (moment + depth_m * depth_m);
   const double limit = std::sqrt(k_g_mps2 * 0.15 / per_rate2);
@@ -285,7 +284,8 @@ TEST(PlaneMotion, AConeRollsInItsCircle) {
 }
 
 TEST(PlaneMotion, ACylinderSlidesThenRolls) {
-  // Goal: slip' = mu g (1 + 1/k) until it rolls; on a slope g sin / (1 + k). Method: closed forms.
+  // Goal: slip decreases by mu g (1 + 1/k) until the body rolls; on a slope it rolls with g sin /
+  // (1 + k). Method: compare with closed forms.
   const double radius_m = 0.04;
   const LyingCone lying{0, radius_m, {{{-0.05, 0, -radius_m}, 0.3}, {{0.05, 0, -radius_m}, 0.3}}};
   const Mat3 inertia = inertia_in_world({0.002, 0.002, 0.5 * radius_m * radius_m},
@@ -303,7 +303,7 @@ TEST(PlaneMotion, ACylinderSlidesThenRolls) {
   EXPECT_NEAR(rolls.acceleration_mps2.y(), k_g_mps2 * std::sin(0.1) / 1.5, 1e-12);
   EXPECT_NEAR(rolls.angular_acceleration_radps2.x() * radius_m, -rolls.acceleration_mps2.y(),
               1e-12);
-  // Along its axis friction holds it, as long as it can and the line carries it.
+  // Along the axis, friction holds the body up to its limit, as long as the line supports it.
   const Vec3 along = k_g_mps2 * Vec3(std::sin(0.2), 0, -std::cos(0.2));
   EXPECT_TRUE(plane_motion(lying.body(inertia, 0), {}, along).carried);
   const Vec3 steep = k_g_mps2 * Vec3(std::sin(0.4), 0, -std::cos(0.4));

@@ -10,7 +10,7 @@ namespace {
 
 using Real33 = std::array<Real3, 3>;  // rows
 
-/// The matrix of a quaternion, of whatever norm: scaled to a rotation.
+/// Rotation matrix of a quaternion with any norm.
 Real33 axes_of(const Quat& q) {
   const Real w = q.w();
   const Real x = q.x();
@@ -55,7 +55,6 @@ Real3 point_velocity(const Case& made, const Body& body, const Twist& twist) {
   return real(twist.velocity_mps) + cross(real(twist.angular_velocity_radps), arm(made, body));
 }
 
-/// Change of angular velocity by an impulse at the contact.
 Real3 spin_change(const Case& made, const Body& body, const Real3& impulse) {
   const Real33 axes = axes_of(body.pose.orientation);
   Real3 spin = transposed_times(axes, cross(arm(made, body), impulse));
@@ -63,7 +62,6 @@ Real3 spin_change(const Case& made, const Body& body, const Real3& impulse) {
     spin[i] /= body.inertia.principal_kgm2[static_cast<Eigen::Index>(i)];
   return times(axes, spin);
 }
-/// K P.
 Real3 response(const Case& made, const Real3& impulse) {
   Real3 sum{};
   for (const Body* body : {&made.a, &made.b}) {
@@ -107,13 +105,13 @@ bool in_cone(const Real3& impulse, const Real3& n, Real friction) {
   return norm(across(impulse, n)) <= friction * dot(impulse, n);
 }
 
-/// A body's mass, moments and place, with the contact at the origin.
+/// A body's mass, moments and place. The contact is at the origin.
 Body random_body(Dice& dice, const CaseOptions& options) {
   Body body;
   const double root = std::sqrt(options.mass_ratio_max);
   const double length = dice.spread(1e-2, 1e1);
   body.inertia.mass_kg = dice.spread(1 / root, root);
-  // From second moments of the mass, so that the triangle inequality holds: needles and plates.
+  // Second moments of the mass satisfy the triangle inequality and include needles and plates.
   Vec3 squares;
   for (Eigen::Index i = 0; i < 3; ++i)
     squares[i] = dice.spread(1 / options.moment_ratio_max, 1) * length * length;
@@ -170,7 +168,7 @@ Case random_case(Dice& dice, const CaseOptions& options) {
   made.normal = dice.direction();
   const Real3 v = contact_velocity(made, made.a.twist, made.b.twist);
   if (dice.once_in(5)) {
-    // Grazing: the normal nearly across the velocity.
+    // Grazing: the normal is almost perpendicular to the velocity.
     const Real along = dot(v, real(made.normal)) / dot(v, v);
     const Real3 grazing = real(made.normal) - (along + dice.spread(1e-8, 1e-2) / norm(v)) * v;
     made.normal = rounded(1 / norm(grazing) * grazing);
@@ -220,8 +218,8 @@ Real relative_gain(const Case& made, const ImpactOutput& out) {
 
 namespace {
 
-/// The separation speed of an approach at u: raised to the floor, or, unless that is granted
-/// without regard to energy, as far as gain_at(w) is no gain.
+/// Separation speed for an approach at u. Raised to the floor if `is_granted`, else only while
+/// gain_at(w) is at most 0.
 template <class Gain>
 Real separation_speed(const ContactLaw& law, Real u, bool is_granted, const Gain& gain_at) {
   const Real slow = law.restitution * u;
@@ -237,7 +235,7 @@ Real separation_speed(const ContactLaw& law, Real u, bool is_granted, const Gain
   return low;
 }
 
-/// Against the slip; none where that turns.
+/// Impulse with friction against the slip. Nothing if the slip reverses.
 std::optional<Real3> slow_impulse_against_slip(const Case& made, Fault fault) {
   const Real3 n = real(made.normal);
   const Real3 v = contact_velocity(made, made.a.twist, made.b.twist);
@@ -269,7 +267,7 @@ ImpactOutput slow_impact(const Case& made, Fault fault) {
   const Real3 p1 = u / dot(n, response(made, n)) * n;
   Real3 q = solved(made, -1 * v) - p1;
   if (fault == Fault::uncoupled) q = across(q, n);
-  // For each separation speed the greatest kappa in the cone, which is convex.
+  // Find the greatest kappa in the convex cone for each separation speed.
   const auto impulse_at = [&](Real w) {
     const Real3 base = (1 + w / u) * p1;
     if (in_cone(base + q, n, made.law.friction)) return base + q;
@@ -298,7 +296,7 @@ ImpactOutput plain_newton_impact(const Case& made) {
   const Real3 slip = across(v, n);
   const Real3 direction = n - made.law.friction / norm(slip) * slip;
   const Real inverse_mass = dot(n, response(made, direction));
-  // Where friction jams the contact this law has no answer.
+  // If friction jams the contact, this law has no solution.
   if (inverse_mass <= 0) return output_of(made, {});
   return output_of(made, (1 + made.law.restitution) * u / inverse_mass * direction);
 }

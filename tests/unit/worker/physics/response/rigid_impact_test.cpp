@@ -1,5 +1,5 @@
-// Impacts of rigid bodies: the invariants of rigid_impact.h over random cases, and agreement with a
-// slow reference. Energy under an adversary is in energy_hunt_test.cpp.
+// Tests the invariants of rigid_impact.h on random cases and compares with a slow reference.
+// energy_hunt_test.cpp tests energy with an adversary.
 #include "worker/physics/response/rigid_impact.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +15,7 @@ namespace sleight::physics::rigid_impact_test {
 
 using namespace response_reference;
 
-/// Where twists and impulses of two outputs differ most, in the units of energy: the root of the
-/// kinetic energy of the difference over the energy.
+/// Greatest difference of twists and impulses: square root of its kinetic energy over the energy.
 Real difference(const Case& made, const ImpactOutput& left, const ImpactOutput& right) {
   const auto less = [](const Twist& a, const Twist& b) {
     return Twist{a.velocity_mps - b.velocity_mps,
@@ -26,7 +25,7 @@ Real difference(const Case& made, const ImpactOutput& left, const ImpactOutput& 
   return std::sqrt(apart / kinetic_energy(made, made.a.twist, made.b.twist));
 }
 
-/// 1/m + r^2 / (least moment), summed: bounds what K does to a rounding error of the impulse.
+/// Sum of 1/m + r^2 / (least moment). Bounds how K amplifies a rounding error of the impulse.
 Real inverse_mass_bound(const Case& made) {
   Real sum = 0;
   for (const Body* body : {&made.a, &made.b}) {
@@ -44,7 +43,6 @@ void expect_invariants(const Case& made) {
   ASSERT_NE(out.regime, ImpactRegime::unresolved);
   EXPECT_LE(relative_gain(made, out), 1e-13L);
 
-  // Separation.
   const Real3 n = real(made.normal);
   const Real3 p = real(out.impulse_ns);
   const Real rounding =
@@ -55,18 +53,17 @@ void expect_invariants(const Case& made) {
   const Real after = dot(contact_velocity(made, out.a, out.b), n);
   EXPECT_GE(after, -rounding);
   if (made.law.separation_speed_floor_mps == 0) {
-    // The guard may have taken some 1e-13 of the impulse.
+    // The guard can take 1e-13 of the impulse.
     expect_near(after, -made.law.restitution * before, rounding - 1e-12L * before);
   }
 
-  // Cone.
   const Real normal_impulse = dot(p, n);
   EXPECT_GE(normal_impulse, 0);
   expect_near(out.normal_impulse_ns, normal_impulse, 8 * k_epsilon * norm(p));
   EXPECT_LE(norm(p - normal_impulse * n),
             made.law.friction * normal_impulse * (1 + 1e-12L) + 8 * k_epsilon * norm(p));
 
-  // Momentum and angular momentum; a static partner takes the impulse as it is.
+  // Momentum and angular momentum. A static partner can take any impulse.
   const bool two = made.a.inertia.mass_kg > 0 && made.b.inertia.mass_kg > 0;
   const Real3 gained = made.a.inertia.mass_kg > 0 ? Real{-1} * p : p;
   const Real3 expected = two ? Real3{} : gained;
@@ -90,8 +87,7 @@ void expect_invariants(const Case& made) {
                  angular_momentum(made, made.a.twist, made.b.twist) - turn),
             16 * k_epsilon * angular_scale);
 
-  // Frictionless and elastic: what the impulse's rounding, seen through K,
-  // and the guard can take.
+  // Without friction and loss, the impulse's rounding (through K) and the guard can take energy.
   if (made.law.friction == 0 && made.law.restitution == 1) {
     const Real energy = kinetic_energy(made, made.a.twist, made.b.twist);
     const Real push = norm(p) * std::sqrt(inverse_mass_bound(made) / energy);
@@ -100,9 +96,9 @@ void expect_invariants(const Case& made) {
 }
 
 TEST(RigidImpact, KeepsItsInvariants) {
-  // Goal: energy, separation, cone and momenta. Method: random bodies with moments up to 1 : 1e4
-  // and contacts up to ten radii of gyration away, a third against static geometry, with grazing
-  // approach, e of 0 and 1, mu of 0 and 10 among them; judged in extended precision.
+  // Goal: energy, separation, cone and momenta are right. Method: judge random bodies in extended
+  // precision, with moments up to 1 : 1e4 and contacts up to ten radii of gyration away. A third
+  // hit static geometry. Cases include grazing approach, e of 0 and 1, and mu of 0 and 10.
   Dice dice(1);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {
@@ -112,8 +108,7 @@ TEST(RigidImpact, KeepsItsInvariants) {
 }
 
 TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
-  // Goal: as above where slow impacts are raised. Method: floors from far below to above all
-  // speeds.
+  // Goal: the same holds if slow impacts are raised. Method: use floors from low to high speeds.
   Dice dice(2);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {
@@ -123,7 +118,7 @@ TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
 }
 
 TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
-  // Goal: masses from 1e-6 to 1e6 kg against each other. Method: as above.
+  // Goal: the same holds for masses from 1e-6 to 1e6 kg. Method: as above.
   Dice dice(3);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(10'000, 50'000))) {
@@ -133,9 +128,9 @@ TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
 }
 
 TEST(RigidImpact, AgreesWithTheLawsDefinition) {
-  // Goal: the whitened closed form is the law. Method: the slow reference solves with K and
-  // bisects for kappa and for the raised speed; well-conditioned cases agree to 1e-11 of the root
-  // of the energy, and all regimes occur.
+  // Goal: the whitened closed form equals the law. Method: compare with the slow reference, which
+  // solves with K and bisects for kappa and the raised speed. Well-conditioned cases agree to 1e-11
+  // of the square root of the energy, and all regimes occur.
   Dice dice(4);
   int sticking = 0;
   int raised = 0;
@@ -158,8 +153,7 @@ TEST(RigidImpact, AgreesWithTheLawsDefinition) {
 }
 
 TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
-  // Goal: no wrong branch where conditioning is bad. Method: as above at ratios of 1e4; the
-  // reference itself loses digits there.
+  // Goal: bad conditioning causes no wrong branch. Method: as above, with ratios of 1e4.
   Dice dice(5);
   Real worst = 0;
   for (int i = 0; i < 10'000; ++i) {
@@ -170,8 +164,8 @@ TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
 }
 
 TEST(RigidImpact, AgreesWithSpheresInCentralImpacts) {
-  // Goal: both laws are one. Method: random spheres, one of three against static geometry, as rigid
-  // bodies in random orientations that touch at one point; twists agree to 1e-12.
+  // Goal: rigid bodies and spheres have the same law. Method: treat random spheres as rigid bodies
+  // that touch at one point; one in three hits static geometry. Twists agree to 1e-12.
   Dice dice(8);
   int sticking = 0;
   constexpr int k_cases = 20'000;
@@ -203,8 +197,7 @@ TEST(RigidImpact, AgreesWithSpheresInCentralImpacts) {
 }
 
 TEST(RigidImpact, SaysWhenItHasNoAnswer) {
-  // Goal: numerical failure is a typed result, and changes nothing. Method: an approach so fast
-  // that its energy overflows.
+  // Goal: a numerical failure is typed and changes nothing. Method: let the energy overflow.
   RigidImpactInput input;
   input.b.mass = rigid_mass({.mass_kg = 1, .principal_kgm2 = Vec3(1, 1, 1)});
   input.b.pose.position_m = Vec3(0.5, 0, 1);
@@ -217,9 +210,8 @@ TEST(RigidImpact, SaysWhenItHasNoAnswer) {
 }
 
 TEST(RigidImpact, HopsArePaidFromOtherMotion) {
-  // Goal: rigid_hop parts at least as fast as asked, or as half of the other motion's energy pays,
-  // keeps the energy, and leaves alone what parts faster. Method: random bodies that leave a
-  // contact.
+  // Goal: rigid_hop keeps the energy and parts bodies at the requested speed, or as fast as half of
+  // the other motion's energy allows. Faster bodies stay unchanged. Method: test random bodies.
   Dice dice(11);
   int paid = 0;
   int poor = 0;
@@ -249,7 +241,7 @@ TEST(RigidImpact, HopsArePaidFromOtherMotion) {
 }
 
 TEST(RigidImpact, LeavesSeparatingBodiesAlone) {
-  // Goal: no impulse without approach. Method: reverse the normal of random cases.
+  // Goal: bodies that don't approach get no impulse. Method: reverse the normal of random cases.
   Dice dice(9);
   for (int i = 0; i < 1000; ++i) {
     Case made = random_case(dice, {});

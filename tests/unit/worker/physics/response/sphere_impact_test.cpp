@@ -1,5 +1,5 @@
-// Impacts of spheres: the invariants of sphere_impact.h. Agreement with rigid bodies is in
-// rigid_impact_test.cpp, known answers in known_answers_test.cpp.
+// Tests the invariants of sphere_impact.h. rigid_impact_test.cpp compares with rigid bodies, and
+// known_answers_test.cpp with known answers.
 #include "worker/physics/response/sphere_impact.h"
 
 #include <gtest/gtest.h>
@@ -15,10 +15,10 @@ using namespace response_reference;
 
 struct Spheres {
   SphereImpactInput input;
-  Case made;  ///< the same, for the reference's mechanics
+  Case made;  ///< the same spheres for the reference
 };
 
-/// Approaching spheres, or one and static geometry on either side, that touch at the origin.
+/// Approaching spheres, or a sphere and static geometry in either order, that touch at the origin.
 Spheres random_spheres(Dice& dice) {
   Spheres spheres;
   Case& made = spheres.made;
@@ -43,7 +43,6 @@ Spheres random_spheres(Dice& dice) {
   }
   const Real3 v = contact_velocity(made, made.a.twist, made.b.twist);
   if (dot(v, real(made.normal)) > 0) {
-    // Send them the other way.
     for (Body* body : {&made.a, &made.b})
       body->twist.velocity_mps = -body->twist.velocity_mps;
   }
@@ -55,8 +54,8 @@ Spheres random_spheres(Dice& dice) {
 }
 
 TEST(SphereImpact, KeepsItsInvariants) {
-  // Goal: energy, separation, cone, momenta and the stick decision. Method: random spheres of
-  // masses 1e-6 to 1e6 kg and all moments, judged in extended precision.
+  // Goal: energy, separation, cone, momenta and the stick decision are right. Method: judge random
+  // spheres with masses of 1e-6 to 1e6 kg and all moments in extended precision.
   Dice dice(11);
   int sticking = 0;
   constexpr int k_cases = 100'000;
@@ -86,7 +85,7 @@ TEST(SphereImpact, KeepsItsInvariants) {
       ++sticking;
       EXPECT_LE(norm(after - dot(after, n) * n), 64 * k_epsilon * scale);
     } else {
-      // Slides on, the same way as before.
+      // The sphere continues to slide in the same direction.
       expect_near(across, made.law.friction * along,
                   1e-12L * made.law.friction * along + 8 * k_epsilon * norm(p));
       EXPECT_GE(dot(after - dot(after, n) * n, v - dot(v, n) * n), -64 * k_epsilon * scale * scale);
@@ -102,9 +101,9 @@ TEST(SphereImpact, KeepsItsInvariants) {
 }
 
 TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
-  // Goal: the rule for slow impacts. Method: a ball that comes down on the floor at 1 mm/s, with
-  // v_c = 10 mm/s. Sliding at 1 m/s pays for all of v_c; a ball without slip cannot pay and leaves
-  // as fast as it came; one whose slip suffices for a part gets that part, at constant energy.
+  // Goal: the rule for slow impacts holds. Method: a ball hits the floor at 1 mm/s with v_c = 10
+  // mm/s. A slide at 1 m/s pays for all of v_c. A ball without slip can't pay and leaves at its
+  // approach speed. If the slip pays for a part, the ball gets that part at constant energy.
   SphereImpactInput input{.mass_b = solid_sphere_mass(1, 0.01),
                           .law = {.restitution = 0.5, .friction = 0.3}};
   const auto leaves = [&](double slip_mps, double floor_mps) {
@@ -118,8 +117,8 @@ TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
   EXPECT_NEAR(leaves(1, 0.7e-3), 0.7e-3, 1e-17);
   EXPECT_NEAR(leaves(1, 0.3e-3), 0.5e-3, 1e-17);
 
-  // A slip of 2 mm/s, mu = 0.3: it would stick at w = 2 mm/s 2/7 / 0.3 - 1 mm/s = 0.905 mm/s, so it
-  // sticks, and w^2 = u^2 + (2/7) slip^2.
+  // With a slip of 2 mm/s and mu = 0.3 the ball sticks, since sticking begins at w = 2 mm/s 2/7 /
+  // 0.3 - 1 mm/s = 0.905 mm/s. So w^2 = u^2 + (2/7) slip^2.
   EXPECT_NEAR(leaves(2e-3, 1e-2), std::sqrt(1e-6 + 2.0 / 7 * 4e-6), 1e-17);
   const ImpactOutput out = sphere_impact(input);
   EXPECT_EQ(out.regime, ImpactRegime::sticking);
@@ -128,8 +127,8 @@ TEST(SphereImpact, FloorIsReachedIfSomeonePays) {
   made.b.twist = input.b;
   expect_near(relative_gain(made, out), 0, 1e-15L);
 
-  // With mu = 0.01 it slides: kappa = (u + w) c, c = mu / (2/7 slip) = 17.5 s/m, b = 2/7 slip^2 =
-  // 8/7e-6 J: w = u + 2 c b (1 - u c) / (1 + c^2 b), a little more than u.
+  // With mu = 0.01 the ball slides: kappa = (u + w) c, c = mu / (2/7 slip) = 17.5 s/m, b = 2/7
+  // slip^2 = 8/7e-6 J: w = u + 2 c b (1 - u c) / (1 + c^2 b), slightly more than u.
   input.law.friction = 0.01;
   const double w = 1e-3 + 35.0 * 8 / 7e6 * (1 - 0.0175) / (1 + 17.5 * 17.5 * 8 / 7e6);
   EXPECT_NEAR(leaves(2e-3, 1e-2), w, 1e-17);

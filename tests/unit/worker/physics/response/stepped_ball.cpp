@@ -14,7 +14,7 @@ using math::cross;
 using math::dot;
 using math::norm;
 
-/// Sweeps end when no impulse changes by more than this part of gravity's.
+/// Sweeps end when no impulse changes by more than this fraction of gravity's impulse.
 constexpr double k_settled = 1e-10;
 constexpr int k_sweeps_max = 2000;
 
@@ -38,7 +38,7 @@ SteppedBall::SteppedBall(const RoundBody& body, std::span<const LastingContact> 
 }
 
 double SteppedBall::sweep_loads() {
-  // All loads at once, since no plane may be left anyway.
+  // Solve for all loads at once, since the ball may leave no plane.
   Vec3 rates = Vec3::Zero();
   for (std::size_t i = 0; i < count_; ++i)
     rates[static_cast<int>(i)] = dot(twist_.velocity_mps, contacts_[i].plane.normal);
@@ -57,7 +57,7 @@ double SteppedBall::sweep_friction() {
     const Vec3& n = contact.plane.normal;
     Vec3 slip = twist_.velocity_mps + cross(twist_.angular_velocity_radps, -body_.radius_m * n);
     slip -= dot(slip, n) * n;
-    // An impulse at the surface moves that by 1 as part of the ball and 1/k by turning it.
+    // An impulse at the surface adds 1 to its velocity by translation and 1/k by rotation.
     const Vec3 wanted = contact.friction - slip / (1 + 1 / body_.gyration);
     const Vec3 change =
         within(wanted, contact.plane.friction * std::max(0.0, contact.load)) - contact.friction;

@@ -1,6 +1,5 @@
-// Goal: a query finds every box that overlaps, once, and no other. Method: random boxes of all
-// sorts (points, slabs, clusters, equal ones) against a test of each box; both trees of the same
-// boxes visit in the same order.
+// Goal: a query finds every overlapping box once, and no other box. Method: compare random boxes
+// (points, slabs, clusters, equal boxes) with a loop. Equal trees must visit in the same order.
 #include "worker/physics/scene/box_tree.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +19,7 @@ Box random_box(random::Stream& stream, double spread_m, double size_m) {
   Box box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto low = static_cast<float>(spread_m * (stream.uniform() - 0.5));
-    // One in four is flat along an axis.
+    // One box in four is flat along an axis.
     const double edge_m = stream.bits() % 4 == 0 ? 0 : size_m * stream.uniform();
     box.low_m[axis] = low;
     box.high_m[axis] = low + static_cast<float>(edge_m);
@@ -42,14 +41,14 @@ std::vector<std::uint32_t> overlapping(const std::vector<Box>& boxes, const Box&
   return found;
 }
 
-/// The number of boxes found in all.
+/// Returns the total number of boxes found.
 std::size_t expect_same(const std::vector<Box>& boxes, random::Stream& stream, double spread_m,
                         double size_m) {
   const BoxTree tree(boxes);
   const BoxTree again(boxes);
   std::size_t hits = 0;
   for (int query = 0; query < 50; ++query) {
-    // Now and then one of the boxes themselves, so that corners coincide.
+    // One query in five is one of the boxes, so that corners coincide.
     const Box box = query % 5 == 0 && !boxes.empty() ? boxes[stream.bits() % boxes.size()]
                                                      : random_box(stream, spread_m, size_m);
     std::vector<std::uint32_t> found = visited(tree, box);
@@ -77,7 +76,7 @@ TEST(BoxTree, FindsWhatOverlaps) {
 }
 
 TEST(BoxTree, TakesClustersAndEqualBoxes) {
-  // All boxes in one cell of the curve but one far away; then all boxes equal.
+  // All boxes but a distant one are in one cell of the curve. Then all boxes are equal.
   random::Stream stream = stream_of(1000);
   std::vector<Box> boxes;
   for (int i = 0; i < 300; ++i)

@@ -1,4 +1,4 @@
-// Friction from place to place: where it is which, and when a path comes over a border.
+// Tests friction that varies with place, and the times at which a path crosses a border.
 #include "worker/physics/scene/friction_map.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ random::Stream stream_of(std::uint64_t n) {
   return random::Stream({.seed = 20'261'128, .purpose = random::Purpose::prior}, n);
 }
 
-/// The last rectangle that holds a point of the plane z = 0, from the definition.
+/// Last rectangle that contains a point of the plane z = 0, by the definition.
 int last_at(const std::vector<FrictionRectangle>& rectangles, double u_m, double v_m) {
   int last = -1;
   for (std::size_t i = 0; i < rectangles.size(); ++i) {
@@ -35,7 +35,7 @@ Vec3 on_path(const MapPath& path, double s) {
 }
 
 TEST(FrictionMap, TellsTheLastRectangle) {
-  // Goal: friction at any point. Method: random maps against the definition, borders included.
+  // Goal: friction is right at any point, also on borders. Method: compare with the definition.
   for (std::uint64_t n = 0; n < 50; ++n) {
     random::Stream stream = stream_of(n);
     const auto rectangles = random_rectangles(stream, static_cast<int>(n * 3), 1);
@@ -59,8 +59,8 @@ TEST(FrictionMap, TellsTheLastRectangle) {
 }
 
 TEST(FrictionMap, FindsTheFirstBorder) {
-  // Goal: border_s. Method: random parabolas over random maps; the rectangle that counts stays the
-  // same up to the border, by dense sampling, and is another one after it.
+  // Goal: border_s is right. Method: sample random parabolas over random maps densely. The relevant
+  // rectangle stays the same up to the border and differs after the border.
   int met = 0;
   for (std::uint64_t n = 0; n < 2000; ++n) {
     random::Stream stream = stream_of(n);
@@ -82,14 +82,14 @@ TEST(FrictionMap, FindsTheFirstBorder) {
       ASSERT_EQ(last_after(border_s * (i + 0.5) / k_looks), first) << n << ", " << i;
     if (border_s == most_s) continue;
     ++met;
-    // A corner may be cut in a moment: then the first one is back soon.
+    // A path may cut a corner for a moment, after which the first rectangle applies again.
     ASSERT_NE(last_after(border_s + 1e-11), first) << n;
   }
   EXPECT_GT(met, 1000);
 }
 
 TEST(FrictionMap, RefusesWhatIsNone) {
-  // Goal: errors that say which rectangle, and what to give. Method: one of each.
+  // Goal: errors name the rectangle and what to change. Method: cause each error once.
   const auto error_of = [](const MapFrame& frame, std::vector<FrictionRectangle> rectangles) {
     const auto made = FrictionMap::make(frame, std::move(rectangles));
     return made ? std::string() : made.error();

@@ -12,7 +12,7 @@
 
 namespace sleight::physics::testing {
 
-/// Axes in a plane; the origin is its point next to the world's.
+/// Axes in a plane. The origin is the plane's point closest to the world's origin.
 inline MapFrame frame_on(const HalfSpace& plane) {
   const Vec3& n = plane.normal;
   const Vec3 along = std::fabs(n.z()) > 0.5 ? Vec3::UnitX() : Vec3::UnitZ();
@@ -20,8 +20,7 @@ inline MapFrame frame_on(const HalfSpace& plane) {
   return {.origin_m = plane.offset_m * n, .u = math::cross(v, n), .v = v};
 }
 
-/// So many rectangles over and beside one another, within size_m of the origin; some are of no
-/// friction.
+/// Rectangles over and beside each other within size_m of the origin. Some have no friction.
 inline std::vector<FrictionRectangle> random_rectangles(random::Stream& stream, int count,
                                                         double size_m) {
   std::vector<FrictionRectangle> rectangles;

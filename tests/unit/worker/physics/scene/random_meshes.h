@@ -26,8 +26,7 @@ struct Raw {
   std::vector<TriangleCorners> triangles;
 };
 
-/// n x n squares of an edge at heights up to `high_m`; one in three vertices stays at 0, and one
-/// square in two has the other diagonal.
+/// n x n squares at heights up to `high_m`. A third of the vertices is at 0; diagonals vary.
 inline Raw sheet(std::uint32_t n, double edge_m, double high_m, random::Stream& stream) {
   Raw raw;
   for (std::uint32_t y = 0; y <= n; ++y) {
@@ -50,7 +49,7 @@ inline Raw sheet(std::uint32_t n, double edge_m, double high_m, random::Stream& 
   return raw;
 }
 
-/// A ball of triangles whose corners are moved in and out: closed, with edges of every kind.
+/// A closed ball of triangles with corners moved in and out, so that it has edges of every kind.
 inline Raw star(random::Stream& stream, double roughness) {
   const ConvexPolyhedron ball = icosphere(1, 1).value();
   Raw raw;

@@ -1,4 +1,4 @@
-// Static geometry whose vertices are moved: StaticGeometry::refresh.
+// Tests StaticGeometry::refresh, which follows moved vertices.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using testing::vector_between;
 
 constexpr double k_radius_m = 0.05;
 
-/// Meshes of the ordinary run, and of the long one (SLEIGHT_SOAK=1); each is moved some times.
+/// Number of meshes: ordinary run, or long run (SLEIGHT_SOAK=1).
 std::uint64_t mesh_count() {
   return property::long_run() ? 8000 : 80;
 }
@@ -31,7 +31,7 @@ double between(random::Stream& stream, double low, double high) {
   return low + (high - low) * stream.uniform();
 }
 
-/// A mesh that is moved, behind another one, a polyhedron and a plane.
+/// A mesh whose vertices move, in a scene with another mesh, a polyhedron and a plane.
 struct Subject {
   Raw raw;
   MeshClosure closure = MeshClosure::may_be_open;
@@ -62,14 +62,12 @@ Subject subject_of(std::uint64_t n, random::Stream& stream) {
       std::swap(corners[0], corners[1]);
   }
   if (n / 4 % 3 != 0) subject.slack_m = n / 4 % 3 == 1 ? 0.01 : 0.1;
-  // Not in the middle of the world.
   const Vec3 shift_m = vector_between(stream, -0.5, 0.5);
   for (Vec3& vertex_m : subject.raw.vertices_m)
     vertex_m += shift_m;
   return subject;
 }
 
-/// Moves of one of many sorts.
 std::vector<VertexMove> random_moves(const Raw& raw, random::Stream& stream) {
   const auto count = static_cast<std::uint32_t>(raw.vertices_m.size());
   std::vector<VertexMove> moves;
@@ -84,7 +82,7 @@ std::vector<VertexMove> random_moves(const Raw& raw, random::Stream& stream) {
     }
   };
   switch (stream.bits() % 9) {
-    case 0:  // so little that nothing is near a limit
+    case 0:  // too little to come near a limit
       some([&](const Vec3& p) -> Vec3 { return p + vector_between(stream, -1e-6, 1e-6); });
       break;
     case 1:
@@ -94,17 +92,17 @@ std::vector<VertexMove> random_moves(const Raw& raw, random::Stream& stream) {
     case 3:  // beyond any slack
       some([&](const Vec3& p) -> Vec3 { return p + vector_between(stream, -0.15, 0.15); });
       break;
-    case 4: {  // into one plane: edges become flat, or stop to be
+    case 4: {  // into one plane: edges become flat or stop being flat
       const double z_m = raw.vertices_m[stream.bits() % count].z();
       some([&](const Vec3& p) { return Vec3(p.x(), p.y(), z_m); });
       break;
     }
-    case 5: {  // borders depend on the size of the whole
+    case 5: {  // borders depend on the size of the whole mesh
       const double scale = between(stream, 0.5, 1.2);
       all([&](const Vec3& p) -> Vec3 { return scale * p; });
       break;
     }
-    case 6: {  // a little of that
+    case 6: {  // a small change of size
       const double scale = between(stream, 0.999, 1.001);
       all([&](const Vec3& p) -> Vec3 { return scale * p; });
       break;
@@ -112,7 +110,7 @@ std::vector<VertexMove> random_moves(const Raw& raw, random::Stream& stream) {
     case 7:  // inside out
       all([&](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); });
       break;
-    default:  // nothing, and where it is
+    default:  // no move, or moves to the same place
       if (stream.bits() % 2 == 0) some([&](const Vec3& p) { return p; });
   }
   return moves;
@@ -137,7 +135,7 @@ void expect_equal_features(const StaticGeometry& used, const StaticGeometry& fre
   }
 }
 
-/// The corners of each of the mesh's features, in the order of static_geometry.h, invariant 1.
+/// Corners of each mesh feature, in the order of static_geometry.h, invariant 1.
 std::vector<std::vector<Vec3>> corners_of_features(const TriangleMesh& mesh, bool closed) {
   std::vector<std::vector<Vec3>> corners_m;
   const auto vertices_m = mesh.vertices_m();
@@ -152,7 +150,7 @@ std::vector<std::vector<Vec3>> corners_of_features(const TriangleMesh& mesh, boo
   return corners_m;
 }
 
-/// How far some corners' box is from where a centre may be, at least: 0 where they overlap.
+/// Least distance between the corners' box and the centre's range. 0 if they overlap.
 double distance_m(const CentreRange& centre, const std::vector<Vec3>& corners_m) {
   double square = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -174,8 +172,7 @@ struct Nearness {
   std::uint64_t differ = 0;
 };
 
-/// Lists of what is near random boxes. Bounding volumes that have slack left may add to a list what
-/// is out of reach, nothing else.
+/// Compares features near random boxes. Unused slack may only add features out of reach.
 void expect_near(const StaticGeometry& used, const StaticGeometry& fresh, const TriangleMesh& mesh,
                  bool closed, bool same_boxes, random::Stream& stream, Nearness& tally) {
   const auto corners_m = corners_of_features(mesh, closed);
@@ -215,7 +212,7 @@ void expect_near(const StaticGeometry& used, const StaticGeometry& fresh, const 
   }
 }
 
-/// Points about the mesh and far from it.
+/// Compares points near the mesh and far from it.
 void expect_same_solids(const StaticGeometry& used, const StaticGeometry& fresh,
                         const TriangleMesh& mesh, random::Stream& stream) {
   for (int i = 0; i < 30; ++i) {
@@ -239,9 +236,8 @@ bool within(std::span<const Vec3> places_m, std::span<const Vec3> homes_m, doubl
 }
 
 TEST(Refresh, IsAsNew) {
-  // Goal: after vertices have moved, features, regions, what is near and what is solid are those of
-  // a geometry that is made anew. Method: random moves of all sorts, of sheets, stars and hollows,
-  // with and without slack.
+  // Goal: after vertices move, features, regions, nearby features and solids equal those of a newly
+  // built geometry. Method: apply all sorts of moves to sheets, stars and hollows.
   Nearness tally;
   std::uint64_t kinds_changed = 0;
   std::uint64_t refused = 0;
@@ -286,9 +282,8 @@ TEST(Refresh, IsAsNew) {
 }
 
 TEST(Refresh, AFlatSolidIsTurnedInsideOutWithinItsSlack) {
-  // Goal: whether a solid is hollow is looked at again unless its slack is too small for that to
-  // change. Method: stars, thick and very flat ones, whose vertices are mirrored: of the flat ones
-  // none leaves its slack. Mirrored twice they are as before.
+  // Goal: a refresh decides again whether a solid is hollow, unless the slack is too small to
+  // change that. Method: mirror thick and very flat stars twice, the flat ones within their slack.
   for (const std::uint64_t n : property::cases(20)) {
     random::Stream stream({.seed = 34, .purpose = random::Purpose::scene}, n);
     const bool is_flat = n % 2 == 1;
@@ -314,9 +309,8 @@ TEST(Refresh, AFlatSolidIsTurnedInsideOutWithinItsSlack) {
 }
 
 TEST(Refresh, AVolumeThatIsKeptIsKeptByAnyMove) {
-  // Goal: where keeps_side says so, no move within the slack changes the volume's sign; and it says
-  // so for slacks that are not very small. Method: stars moved to corners of their vertices' slack,
-  // those that take away most of the volume among them.
+  // Goal: if keeps_side is true, no move within the slack changes the volume's sign. It is false
+  // only for large slacks. Method: move vertices of stars to corners of their slack.
   int kept = 0;
   for (const std::uint64_t n : property::cases(200)) {
     random::Stream stream({.seed = 35, .purpose = random::Purpose::scene}, n);
@@ -349,7 +343,7 @@ TEST(Refresh, AVolumeThatIsKeptIsKeptByAnyMove) {
 
 // ---- solids -------------------------------------------------------------------------------------
 
-/// How far a star's surface is from its middle along a way: the reference.
+/// Reference: distance from a star's middle to its surface in a direction.
 double surface_m(const TriangleMesh& mesh, const Vec3& middle_m, const Vec3& way) {
   double furthest_m = 0;
   for (const TriangleCorners& t : mesh.triangles()) {
@@ -367,9 +361,9 @@ double surface_m(const TriangleMesh& mesh, const Vec3& middle_m, const Vec3& way
 }
 
 TEST(Solids, AreWhereTheMeshIs) {
-  // Goal: what is solid is found exactly, also far outside of the mesh, where it is not looked at;
-  // inside out, all but the hollow is solid. Method: stars, whose surface is known along each way
-  // from the middle; points just in and out of it, in the box and far away.
+  // Goal: solids are found exactly, also far outside the mesh. If the mesh is inside out,
+  // everything but the hollow is solid. Method: stars have a known surface in each direction from
+  // the middle. Test points slightly inside and outside of the surface, in the box and far away.
   for (const std::uint64_t n : property::cases(20)) {
     random::Stream stream({.seed = 33, .purpose = random::Purpose::scene}, n);
     Raw raw = testing::star(stream, 0.4);

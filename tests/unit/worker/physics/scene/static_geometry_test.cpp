@@ -1,7 +1,7 @@
-// Goal: a sphere meets static geometry exactly where it touches it.
-// Method: the features of meshes and polyhedra against the distance to every triangle, for random
-// centres and for those above corners, edges and diagonals; what lies near a box against all
-// features. That nothing falls through whole simulations: penetration_test.cpp.
+// Goal: a sphere meets static geometry exactly where it touches it. Method: compare features of
+// meshes and polyhedra with the distance to every triangle, for random centres and centres above
+// corners, edges and diagonals. Compare the features near a box with all features.
+// (penetration_test.cpp tests that nothing falls through in whole simulations.)
 #include "worker/physics/scene/static_geometry.h"
 
 #include <gmock/gmock.h>
@@ -40,8 +40,7 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return math::norm(p - (a + part * along));
 }
 
-/// From the definition: over the inside if the foot of the perpendicular lies there, else the
-/// nearest side.
+/// By definition: distance to the plane if the foot is inside the triangle, else to a side.
 double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = math::cross(b - a, c - a);
   const auto left = [&](const Vec3& from, const Vec3& to) {
@@ -64,7 +63,7 @@ double distance_to_mesh(const TriangleMesh& mesh, const Vec3& p) {
 
 // ---- scenes -------------------------------------------------------------------------------------
 
-/// A body of each sort, so that features and pieces are there.
+/// A body of each sort, so that features and pieces exist.
 Scene scene_of(std::shared_ptr<const TriangleMesh> mesh) {
   Scene scene = scenes::bumpy_floor(2, 1).scene;
   scene.planes.clear();
@@ -76,7 +75,6 @@ Scene scene_of(std::shared_ptr<const TriangleMesh> mesh) {
 
 constexpr FeatureId k_none{UINT32_MAX};
 
-/// The feature in whose region a point lies, at the least distance.
 struct Closest {
   FeatureId feature = k_none;
   double distance_m = 1e300;
@@ -95,7 +93,7 @@ Closest closest_feature(const StaticGeometry& geometry, const Vec3& p) {
   return closest;
 }
 
-/// Also that the closest feature is found by way of the box around a sphere that touches it.
+/// Also expects to find the closest feature from the box around a sphere that touches it.
 void expect_closest(const StaticGeometry& geometry, const TriangleMesh& mesh, const Vec3& p) {
   const double expected_m = distance_to_mesh(mesh, p);
   const Closest closest = closest_feature(geometry, p);
@@ -104,7 +102,7 @@ void expect_closest(const StaticGeometry& geometry, const TriangleMesh& mesh, co
   Box box;
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
-    // Rounded outwards: the sphere lies in it.
+    // Rounded outwards, so that the box contains the sphere.
     constexpr float k_far = std::numeric_limits<float>::infinity();
     box.low_m[axis] = std::nextafter(static_cast<float>(p[i] - expected_m), -k_far);
     box.high_m[axis] = std::nextafter(static_cast<float>(p[i] + expected_m), k_far);
@@ -144,7 +142,7 @@ TEST(StaticGeometry, AClosedMeshIsMetWhereItIsClosestFromOutside) {
     for (int i = 0; i < 400; ++i) {
       const Vec3 p = vector_between(stream, -1.3, 1.3);
       if (geometry.solid_at(p) != nullptr) {
-        // Radii are drawn from 0.6 on, so this is a star: what is solid lies nearer than 1.
+        // Radii are at least 0.6, so this is a star and its solid part is within 1.
         EXPECT_LT(math::norm(p), 1);
         continue;
       }
@@ -158,8 +156,7 @@ TEST(StaticGeometry, AClosedMeshIsMetWhereItIsClosestFromOutside) {
 }
 
 TEST(StaticGeometry, NoCracksAboveCornersEdgesAndDiagonals) {
-  // Heights of nothing make every inner edge flat, and every inner corner one that is left out; a
-  // tilt makes all numbers inexact.
+  // Heights of 0 make all inner edges flat and leave out inner corners. A tilt adds rounding.
   for (std::uint64_t part = 200; part < 240; ++part) {
     random::Stream stream = stream_of(part);
     Raw raw = sheet(4, 0.1, part % 2 == 0 ? 0 : 0.05, stream);
@@ -236,7 +233,7 @@ TEST(StaticGeometry, PiecesAreTheTrianglesAndStayWhenMoved) {
   EXPECT_EQ(geometry.name_of_piece({0}), "plane 0");
   EXPECT_EQ(geometry.name_of_feature({1}), "mesh 'it'");
   EXPECT_EQ(geometry.material_of_feature({1}), MaterialId{1});
-  // What no body meets is not built.
+  // Features that no body can meet are not built.
   Scene spheres = scene;
   spheres.bodies.pop_back();
   EXPECT_EQ(StaticGeometry(spheres).piece_count(), 1U);
@@ -247,7 +244,7 @@ TEST(StaticGeometry, PiecesAreTheTrianglesAndStayWhenMoved) {
 }
 
 TEST(StaticGeometry, AssignedIsAsNew) {
-  // One object takes scenes of all sorts in turn and answers as a new one does.
+  // Reuse one object for scenes of all sorts. It must answer like a new object.
   StaticGeometry used(scenes::tray(4, 1).scene);
   random::Stream stream = stream_of(450);
   for (std::uint64_t seed = 1; seed < 6; ++seed) {
@@ -304,8 +301,7 @@ TEST(StaticGeometry, ErrorsNameTheMesh) {
 }
 
 TEST(StaticGeometry, AThinPlateIsMetOnItsOwnSides) {
-  // A ball above, and one below that is thrown up, at a plate thinner than they are: of what lies
-  // on the other side neither may notice anything.
+  // A ball above a thin plate, and a ball thrown up from below. Neither may meet the other side.
   const auto hull = [](double low_m, double high_m) {
     std::vector<Vec3> points_m;
     for (const double x : {-0.1, 0.1}) {

@@ -1,7 +1,7 @@
-// Goal: hulls are the convex hulls of their points, with faces that are whole polygons.
-// Method: known solids; random points against brute force (every point inside every face, Euler's
-// formula, each vertex needed, volumes by a formula of their own); inputs full of coplanar,
-// collinear and nearly equal points; every typed error.
+// Goal: hulls are the convex hulls of their points, with whole polygons as faces. Method: test
+// known solids, and random points against brute force (every point inside every face, Euler's
+// formula, each vertex necessary, volumes by another formula). Test inputs with many coplanar,
+// collinear and nearly equal points, and every typed error.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -56,7 +56,7 @@ double volume(const ConvexPolyhedron& p) {
   return sum;
 }
 
-// All that the header promises of the arrays.
+// Expects all that the header promises about the arrays.
 void expect_sound(const ConvexPolyhedron& p, std::span<const Vec3> points) {
   const double size = p.r_outer_m();
   ASSERT_EQ(p.vertices_m().size() + p.faces().size(), p.edges().size() + 2);
@@ -71,7 +71,7 @@ void expect_sound(const ConvexPolyhedron& p, std::span<const Vec3> points) {
       const Vec3& to = p.vertices_m()[sides[(i + 1) % sides.size()].vertex];
       ASSERT_NEAR(dot(face.normal, from), face.offset_m, 1e-11 * size);
       ASSERT_NEAR(dot(sides[i].inward, face.normal), 0, 1e-15);
-      // Anticlockwise seen from outside: inward is normal x direction.
+      // Anticlockwise from outside: inward is normal x direction.
       ASSERT_GT(dot(cross(face.normal, to - from), sides[i].inward), 0);
       for (const Side& other : sides)
         ASSERT_GE(dot(sides[i].inward, p.vertices_m()[other.vertex]),
@@ -147,7 +147,7 @@ TEST(ConvexHull, of_random_points_holds_them_and_needs_its_vertices) {
     if (on_sphere) {
       ASSERT_EQ(p.vertices_m().size(), count);
     }
-    // Vertices are given points in their order; without one of them the hull is smaller.
+    // Vertices are given points in their order. Without any vertex the hull is smaller.
     auto at = points.begin();
     for (const Vec3& v : p.vertices_m()) {
       at = std::find(at, points.end(), v);
@@ -167,8 +167,8 @@ TEST(ConvexHull, of_random_points_holds_them_and_needs_its_vertices) {
   }
 }
 
-// Grids of points on a box: many coplanar, collinear, interior and double points; turned and
-// shifted, so that they are coplanar to rounding only.
+// Grids of points on a box: many coplanar, collinear, interior and double points. A rotation and a
+// shift make them coplanar only to rounding.
 TEST(ConvexHull, merges_coplanar_faces_and_drops_what_is_no_corner) {
   for (const std::uint64_t i : property::cases(200)) {
     random::Stream stream = numbers(3, i);
@@ -197,14 +197,14 @@ TEST(ConvexHull, merges_coplanar_faces_and_drops_what_is_no_corner) {
   }
 }
 
-// Features around the tolerance must give a sound hull or the typed error, never a broken one.
+// Features of about the tolerance's size must give a sound hull or the typed error.
 TEST(ConvexHull, is_sound_or_refuses_when_features_are_tiny) {
   int refused = 0;
   const ConvexPolyhedron solid = cube(2).value();
   for (const std::uint64_t i : property::cases(3000)) {
     random::Stream stream = numbers(4, i);
     const double by = std::ldexp(1.0, -static_cast<int>(stream.bits() % 52));
-    // Three points about each corner, and in every second case points in line along the edges.
+    // Three points around each corner, and in every other case points along the edges.
     std::vector<Vec3> points;
     for (const Vec3& v : solid.vertices_m()) {
       for (int k = 0; k < 3; ++k)

@@ -1,6 +1,6 @@
-// Goal: masses, centres and inertias, principal axes and the body's frame.
-// Method: closed forms of boxes, prisms and tetrahedra; bodies cut into parts and turned give the
-// same; the declared symmetry is checked.
+// Goal: masses, centres, inertias, principal axes and the body's frame are right. Method: compare
+// with closed forms of boxes, prisms and tetrahedra. Bodies cut into parts and turned must give the
+// same result, and the declared symmetry is checked.
 #include "worker/physics/shape/mass_properties.h"
 
 #include <gtest/gtest.h>
@@ -39,8 +39,7 @@ double largest(const Mat3& m) {
 }
 
 TEST(MassProperties, of_known_solids) {
-  // Boxes: m/12 (b^2 + c^2); the tetrahedron of side s: m s^2 / 20; hexagonal prism about its axis:
-  // m (5/12) s^2.
+  // Box: m/12 (b^2 + c^2). Tetrahedron: m s^2 / 20. Hexagonal prism about its axis: m (5/12) s^2.
   const Parts boxes{box(Vec3(1, 2, 3)).value()};
   const MassProperties b = mass_properties(boxes, 2);
   EXPECT_NEAR(b.volume_m3, 6, 1e-14);
@@ -56,7 +55,7 @@ TEST(MassProperties, of_known_solids) {
 }
 
 TEST(MassProperties, of_parts_are_those_of_the_whole) {
-  // A box cut into eight unequal ones, turned and shifted as a whole.
+  // A box cut into eight unequal boxes, then turned and shifted as a whole.
   random::Stream stream = numbers(12, 0);
   for (int i = 0; i < 50; ++i) {
     const Vec3 sides(1, 2, 3);
@@ -80,7 +79,7 @@ TEST(MassProperties, of_parts_are_those_of_the_whole) {
     ASSERT_NEAR(sum.mass_kg, 12, 1e-13);
     ASSERT_LT(norm(sum.centre_m - shift), 1e-14);
     ASSERT_LT(largest(sum.inertia_kgm2 - whole.inertia_kgm2), 1e-12);
-    // And the body's frame finds the box again.
+    // The body's frame finds the whole box again.
     const auto body = in_body_frame(parts, 2, InertiaSymmetry::general);
     ASSERT_TRUE(body.ok());
     std::array<double, 3> moments{};
@@ -94,7 +93,7 @@ TEST(MassProperties, of_parts_are_those_of_the_whole) {
     ASSERT_LT(norm(again.centre_m), 1e-14);
     const Mat3 diagonal = body.value().inertia.principal_kgm2.asDiagonal();
     ASSERT_LT(largest(again.inertia_kgm2 - diagonal), 1e-12);
-    // The frame maps the body's vertices back to where they were.
+    // The frame maps the body's vertices back to their initial places.
     const Pose& frame = body.value().frame;
     for (std::size_t v = 0; v < 8; ++v) {
       const Vec3 back =
@@ -135,7 +134,7 @@ TEST(InBodyFrame, makes_declared_moments_exactly_equal) {
     ASSERT_EQ(m[0], m[1]);
     ASSERT_EQ(m[1], m[2]);
     ASSERT_EQ(body.value().frame.orientation.w(), 1);
-    // A prism along x comes to lie along z.
+    // The body's frame turns a prism along x to z.
     const Parts top{moved(regular_prism(5, 1, 3).value(), turn, shift)};
     const auto spun = in_body_frame(top, 3, InertiaSymmetry::axial);
     ASSERT_TRUE(spun.ok());
@@ -152,7 +151,7 @@ TEST(InBodyFrame, makes_declared_moments_exactly_equal) {
                          rotated(spun.value().frame.orientation, Vec3(0, 0, 1))),
                 0, 1e-13);
   }
-  // An upright prism and a cube that are declared axial keep their frame.
+  // An upright prism and a cube declared axial keep their frame.
   const auto upright =
       in_body_frame(Parts{regular_prism(6, 1, 3).value()}, 1, InertiaSymmetry::axial);
   EXPECT_LT(norm(rotated(upright.value().frame.orientation, Vec3(1, 0, 0)) - Vec3(1, 0, 0)), 1e-12);
@@ -168,15 +167,14 @@ TEST(InBodyFrame, refuses_what_is_declared_wrongly) {
   EXPECT_EQ(kind(in_body_frame(brick, 1, InertiaSymmetry::axial)), Kind::not_axial);
   EXPECT_EQ(kind(in_body_frame(brick, 0, InertiaSymmetry::general)), Kind::dimension_not_positive);
   EXPECT_EQ(kind(in_body_frame({}, 1, InertiaSymmetry::general)), Kind::no_parts);
-  // Just beyond the tolerance, and just within: a box's moments differ by the sides' difference.
+  // Moments differ by just more, and just less, than the tolerance, because the sides do.
   const auto nearly = [](double by) { return Parts{box(Vec3(1, 1, 1 + by)).value()}; };
   EXPECT_FALSE(in_body_frame(nearly(3e-9), 1, InertiaSymmetry::spherical).ok());
   EXPECT_TRUE(in_body_frame(nearly(3e-10), 1, InertiaSymmetry::spherical).ok());
 }
 
 TEST(SolidSphere, has_its_textbook_inertia) {
-  // I = 2/5 m r^2, here with m = 4/3 pi r^3 times 3; an icosphere of many faces comes close from
-  // below in both.
+  // I = 2/5 m r^2 with m = 4/3 pi r^3 times 3. A fine icosphere approaches both from below.
   const Inertia sphere = solid_ball_inertia(100.530964914873, 2);
   EXPECT_NEAR(sphere.principal_kgm2.x(), 160.849543863797, 1e-11);
   const MassProperties fine = mass_properties(Parts{icosphere(2, 3).value()}, 3);

@@ -1,4 +1,4 @@
-// Round pieces and solids: supports, profiles, masses, the bowling pin.
+// Tests round pieces and solids: supports, profiles, masses and the bowling pin.
 #include "worker/physics/shape/round_piece.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ class Dice {
   random::Stream stream_;
 };
 
-/// Some rings about any axis; with balls beside it, if asked for.
+/// Some rings about any axis, with balls beside it if requested.
 RoundDescription random_description(Dice& dice, bool balls) {
   RoundDescription description{.origin_m = dice.uniform(0, 0.1) * dice.direction(),
                                .axis = dice.direction(),
@@ -51,7 +51,7 @@ RoundDescription random_description(Dice& dice, bool balls) {
 }
 
 TEST(RoundPiece, ReachesAsFarAsItsPoints) {
-  // Goal: reach_m in any direction. Method: random pieces against dense points of their circles.
+  // Goal: reach_m is right in any direction. Method: compare with dense points of circles.
   for (std::uint64_t n = 0; n < 200; ++n) {
     Dice dice(n);
     const RoundDescription description = random_description(dice, n % 2 == 0);
@@ -78,9 +78,9 @@ TEST(RoundPiece, ReachesAsFarAsItsPoints) {
 }
 
 TEST(RoundPiece, HasTheProfileOfItsHull) {
-  // Goal: radius_at_m and the normals of straight parts. Method: random pieces of revolution
-  // against the least that supports of many directions allow at a height; along each flat's normal
-  // two discs reach as far, or a ring lies flat.
+  // Goal: radius_at_m and the normals of straight parts are right. Method: compare random pieces of
+  // revolution with the least radius that supports in many directions allow at a height. Along each
+  // flat's normal, two discs have the same reach or a ring is flat.
   for (std::uint64_t n = 0; n < 200; ++n) {
     Dice dice(n);
     const RoundDescription description = random_description(dice, false);
@@ -128,9 +128,8 @@ TEST(RoundPiece, HasTheProfileOfItsHull) {
 }
 
 TEST(RoundPiece, WhatAnotherFeatureHoldsIsLeftOut) {
-  // Goal: discs within discs, that touch them from inside at the top or anywhere, change nothing.
-  // Method: all pairs of rings on a grid of millimetres; the profile's arcs reach as far as all
-  // rings.
+  // Goal: a disc inside another changes nothing, even if it touches from inside. Method: test all
+  // pairs of rings on a grid of millimetres. The profile's arcs reach as far as all rings.
   for (int n = 0; n < 6 * 5 * 4 * 6 * 5 * 4; ++n) {
     const auto ring_of = [](int i) {
       return RoundRing{.height_m = 1e-3 * (i % 6),
@@ -156,7 +155,7 @@ TEST(RoundPiece, WhatAnotherFeatureHoldsIsLeftOut) {
 }
 
 TEST(RoundPiece, RefusesWhatIsNone) {
-  // Goal: errors. Method: one of each kind.
+  // Goal: errors are typed. Method: cause each kind once.
   using Kind = ShapeError::Kind;
   const auto kind_of = [](const RoundDescription& description) {
     const auto made = RoundPiece::make(description);
@@ -185,8 +184,9 @@ TEST(RoundPiece, RefusesWhatIsNone) {
 }
 
 TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
-  // Goal: masses, centres and moments. Method: closed forms of capsules and balls; cylinders and
-  // cones with hardly rounded edges against sharp ones, which differ by the edges' square.
+  // Goal: masses, centres and moments are right. Method: compare with closed forms of capsules and
+  // balls. Slightly rounded cylinders and cones differ from sharp ones by the square of the
+  // rounding radius.
   const double rho = 1000;
   {
     const double r = 0.03;
@@ -197,7 +197,7 @@ TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
     EXPECT_NEAR(solid.inertia.mass_kg, m_tube + m_ball, 1e-10);
     EXPECT_NEAR(solid.inertia.principal_kgm2.z(), 0.5 * m_tube * r * r + 0.4 * m_ball * r * r,
                 1e-13);
-    // Two half balls, whose centres are 3/8 r beyond the tube's ends.
+    // Two half balls, with centres 3/8 r beyond the tube's ends.
     const double across =
         m_tube * (r * r / 4 + l * l / 12) + m_ball * (0.4 * r * r + l * l / 4 + 0.375 * l * r);
     EXPECT_NEAR(solid.inertia.principal_kgm2.x(), across, 1e-12);
@@ -228,7 +228,7 @@ TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
     EXPECT_EQ(ball.inertia.symmetry, InertiaSymmetry::spherical);
   }
   {
-    // Steiner's formula, and moments that tend to those of the box.
+    // Steiner's formula. Moments approach those of the box.
     const RoundSolid solid = rounded_box({0.1, 0.06, 0.04}, 0.01, rho).value();
     const double a = 0.08;
     const double b = 0.04;
@@ -249,8 +249,8 @@ TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
 }
 
 TEST(RoundSolids, AHullReachesAsFarAsTheParts) {
-  // Goal: hull_of. Method: a pin's in random directions; what has no axis in common, one part alone
-  // and polyhedra have none.
+  // Goal: hull_of is right. Method: test a pin in random directions. Shapes without a common axis,
+  // single parts and polyhedra have no hull.
   const Compound pin{.parts = {}, .round_parts = bowling_pin(1.55).value().parts};
   const auto hull = hull_of(pin);
   ASSERT_TRUE(hull.has_value());
@@ -274,9 +274,9 @@ TEST(RoundSolids, AHullReachesAsFarAsTheParts) {
 }
 
 TEST(RoundSolids, ThePinIsThatOfTheRules) {
-  // Goal: a bowling pin's shape to 0.4 mm, its centre of mass at 147.2 mm and, at 1.55 kg, moments
-  // of 0.00193 and 0.0131 kg m^2. Method: the profile against the spline through the
-  // specification's diameters, and these themselves.
+  // Goal: a bowling pin has the right shape to 0.4 mm, its centre of mass at 147.2 mm and, at 1.55
+  // kg, moments of 0.00193 and 0.0131 kg m^2. Method: compare the profile with the specification's
+  // diameters and the spline through them.
   const RoundSolid pin = bowling_pin(1.55).value();
   EXPECT_NEAR(pin.foot_m, 0.1472, 2e-4);
   EXPECT_NEAR(pin.inertia.principal_kgm2.z(), 0.00193, 0.00001);

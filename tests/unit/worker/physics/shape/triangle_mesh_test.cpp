@@ -1,6 +1,6 @@
-// Goal: meshes are checked, their features are right, and moving vertices equals building anew.
-// Method: known solids turned into meshes; a hollow and a sheet for each kind of edge; random
-// heights on a grid moved many times, compared bit for bit; every typed error names its triangle.
+// Goal: meshes are checked, their features are right, and moving vertices equals a new build.
+// Method: convert known solids to meshes, use a hollow and a sheet for each kind of edge, and move
+// random heights on a grid many times, compared bit for bit. Every typed error names its triangle.
 #include "worker/physics/shape/triangle_mesh.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ Raw triangulated(const ConvexPolyhedron& p) {
   return raw;
 }
 
-// A sheet of n x n squares at z = 0, two triangles each, seen from above.
+// A sheet of n x n squares at z = 0 with two triangles each, facing up.
 Raw sheet(std::uint32_t n) {
   Raw raw;
   for (std::uint32_t y = 0; y <= n; ++y) {
@@ -88,7 +88,7 @@ TEST(TriangleMesh, derives_the_features_of_a_cube) {
           1e-15);
     }
   }
-  // The same cube as a hollow: turned inside out, its edges are concave and nothing is exposed.
+  // The same cube as a hollow: its edges are concave, and none is exposed.
   for (TriangleCorners& corners : raw.triangles)
     std::swap(corners[0], corners[1]);
   const TriangleMesh hollow = raw.build(MeshClosure::closed).value();
@@ -103,7 +103,7 @@ TEST(TriangleMesh, marks_boundaries_and_folds) {
   EXPECT_EQ(count(flat, EdgeKind::flat), flat.edges().size() - 12);
   EXPECT_TRUE(flat.exposed(0));
   EXPECT_FALSE(flat.exposed(5));
-  // Two triangles back to back: three edges, each as convex as can be.
+  // Two triangles back to back: three maximally convex edges.
   const Raw fold{.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
                  .triangles = {{0, 1, 2}, {0, 2, 1}}};
   EXPECT_EQ(count(fold.build(MeshClosure::closed).value(), EdgeKind::convex), 3U);
@@ -136,7 +136,7 @@ TEST(TriangleMesh, moved_equals_built_bit_for_bit) {
   }
   EXPECT_GT(count(mesh, EdgeKind::convex), 10U);
   EXPECT_GT(count(mesh, EdgeKind::concave), 10U);
-  // Moved back, all is as it was; the comparison can fail.
+  // Moving the vertices back restores everything. The comparison can fail.
   EXPECT_FALSE(std::equal(mesh.faces().begin(), mesh.faces().end(), at_first.faces().begin()));
   std::vector<VertexMove> home;
   for (std::uint32_t v = 0; v < raw.vertices.size(); ++v)
@@ -145,7 +145,7 @@ TEST(TriangleMesh, moved_equals_built_bit_for_bit) {
   expect_equal(mesh, at_first);
 }
 
-// A face as the definitions say, one number at a time.
+// A face by definition, one number at a time.
 MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
   MeshFace face;
   face.normal = math::normalized(cross(b - a, c - a));
@@ -159,9 +159,9 @@ MeshFace plain_face(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
-  // Goal: vector registers change no number, for whatever number of triangles. Method: sheets and
-  // balls of random corners, far from the origin too, when they are built and after moves, against
-  // the plain computation; what an edge says of itself likewise.
+  // Goal: vector registers change no number, for any number of triangles. Method: compare sheets
+  // and balls with random corners, also far from the origin, with the plain computation: faces and
+  // edges, when built and after moves.
   random::Stream stream({.seed = 23, .purpose = random::Purpose::prior}, 0);
   const auto random_place = [&](double size) -> Vec3 {
     const double x = stream.uniform();
@@ -203,9 +203,8 @@ TEST(TriangleMesh, two_faces_at_once_have_the_bits_of_one_at_a_time) {
 }
 
 TEST(TriangleMesh, a_face_that_is_too_thin_is_found_in_either_half) {
-  // Goal: the verdict on a move is that on a new mesh, whichever triangle of a pair is at fault.
-  // Method: each vertex of a sheet, put so near to a side that the height is just above the limit,
-  // just below it, or in the middle of nowhere.
+  // Goal: a move gets the same verdict as a new mesh, whichever triangle of a pair is at fault.
+  // Method: put each vertex of a sheet close to a side, with heights around the limit.
   const Raw raw = sheet(3);
   int refused = 0;
   for (std::uint32_t v = 0; v + 1 < raw.vertices.size(); ++v) {
@@ -230,10 +229,10 @@ TEST(TriangleMesh, a_face_that_is_too_thin_is_found_in_either_half) {
 }
 
 TEST(TriangleMesh, a_move_lists_what_it_concerns) {
-  // Goal: moved_triangles, moved_edges and moved_vertices are the triangles about the moved
-  // vertices, the edges of these, and their ends, each once; changed_edges those edges whose kind
-  // is another one; nothing after a move that is refused. Method: random moves, some of a vertex
-  // twice, against a search through all triangles; a sheet and a closed mesh.
+  // Goal: moved_triangles, moved_edges and moved_vertices are the triangles around moved vertices,
+  // their edges, and the ends of these, each once. changed_edges are the edges whose kind changed.
+  // A refused move has none. Method: compare random moves, some of a vertex twice, with a search
+  // through all triangles, for a sheet and a closed mesh.
   random::Stream stream({.seed = 22, .purpose = random::Purpose::prior}, 0);
   const auto sorted = [](std::span<const std::uint32_t> items) {
     std::vector<std::uint32_t> list(items.begin(), items.end());
@@ -252,7 +251,7 @@ TEST(TriangleMesh, a_move_lists_what_it_concerns) {
         const double rise_m = stream.bits() % 2 == 0 ? 0 : 0.1 * stream.uniform();
         moves.push_back({v, raw.vertices[v] + Vec3(0, 0, rise_m)});
       }
-      // The same vertices as before, at times.
+      // Sometimes move the same vertices again.
       if (i % 5 == 0) {
         ASSERT_FALSE(mesh.move_vertices(moves));
       }
@@ -300,7 +299,7 @@ TEST(TriangleMesh, a_bad_move_changes_nothing_and_says_why) {
   EXPECT_EQ(not_finite->kind, Kind::vertex_not_finite);
   EXPECT_EQ(not_finite->vertex, 6U);
   EXPECT_EQ(not_finite->triangle, 2U);
-  // Vertex 5 onto its neighbour 6, after a detour: the first triangle without area is number 2.
+  // Move vertex 5 onto its neighbour 6, after a detour. Triangle 2 is the first without area.
   const auto flat =
       mesh.move_vertices(std::vector<VertexMove>{{5, Vec3(0, 0, 5)}, {5, Vec3(2, 1, 0)}});
   ASSERT_TRUE(flat.has_value());

@@ -1,4 +1,4 @@
-// Bodies that start at rest: pins, a stack, an arch; what is refused, and what wakes them.
+// Tests bodies that start at rest (pins, a stack, an arch): which are refused, and what wakes them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,6 @@ Scene floor_scene(double size_m, double friction) {
   return testing::floor_scene(size_m, {.restitution = 0.3, .friction = friction});
 }
 
-/// A body of the hull of some points, where these are.
 BodyDescription hull_at(const std::string& name, const std::vector<Vec3>& points_m) {
   const ConvexPolyhedron polyhedron = convex_hull(points_m).value();
   const BodyShape shape = in_body_frame({&polyhedron, 1}, 1000, InertiaSymmetry::general).value();
@@ -67,7 +66,7 @@ Scene pins() {
   return scene;
 }
 
-/// A half circle of stones of mean radius 1 that lean on each other.
+/// A semicircle of stones of mean radius 1 that lean on each other.
 Scene arch(int count, double thickness, double friction) {
   Scene scene = floor_scene(0.2, friction);
   const double half = 0.5 * pi / count;
@@ -84,7 +83,7 @@ Scene arch(int count, double thickness, double friction) {
   return scene;
 }
 
-/// What happens in a minute.
+/// Expects no events for a minute.
 void expect_nothing_happens(const Scene& scene) {
   const RecordedRun run = testing::recorded(scene, 60);
   ASSERT_EQ(run.error, "");
@@ -98,7 +97,7 @@ void expect_nothing_happens(const Scene& scene) {
 }
 
 TEST(AtRest, PinsAStackAndAnArchStandForAMinute) {
-  // Goal: not one event. Method: counts.
+  // Goal: a scene at rest has no events. Method: count events.
   expect_nothing_happens(pins());
   Scene stack = floor_scene(0.1, 0.5);
   for (int i = 0; i < 3; ++i)
@@ -108,7 +107,7 @@ TEST(AtRest, PinsAStackAndAnArchStandForAMinute) {
   expect_nothing_happens(arch(15, 0.13, 0.7));
 }
 
-/// A cube of 10 cm that is turned about the vertical.
+/// A cube of 10 cm turned about the vertical.
 BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, double yaw_rad) {
   BodyDescription body = box_at(name, {0.1, 0.1, 0.1}, centre_m);
   body.start.pose.orientation = math::composed(math::quaternion_of_rotation_vector({0, 0, yaw_rad}),
@@ -117,10 +116,9 @@ BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, do
 }
 
 TEST(AtRest, TwentyCubesStandForAMinute) {
-  // Goal: a stack whose cubes lie askew, so that their edges cross, starts at rest and stays; one
-  // that is let go above itself comes to rest, and stays. Method: counts, and rest up to the end;
-  // cubes that are turned alike, which touch with a corner of each and two crossings, or each
-  // otherwise.
+  // Goal: a stack of askew cubes with crossing edges starts at rest and stays. Dropped from
+  // slightly above, it comes to rest and stays. Method: count events and test rest up to the end.
+  // The cubes turn alike, so that a corner of each and two crossings touch, or each differently.
   for (const bool alike : {true, false}) {
     Scene stack = floor_scene(0.1, 0.5);
     random::Stream stream = scenes::stream_of_scene(1, alike ? 0 : 1);
@@ -157,9 +155,8 @@ std::string refusal_of(const Scene& scene) {
 }
 
 TEST(AtRest, WhatIsNotInBalanceIsNamed) {
-  // Goal: an error names the body and what it lacks, and is the scene's fault. Method: an arch
-  // that is too thin, a block on a slope, one that leans too far, one in the air, one that overlaps
-  // another, and ones that may not start so.
+  // Goal: an error names the body and what is missing, and blames the scene. Method: test a thin
+  // arch, leaning, floating and overlapping blocks, and bodies that may not start at rest.
   const Scene thin = arch(15, 0.09, 0.7);
   EXPECT_NE(refusal_of(thin).find("stone"), std::string::npos) << refusal_of(thin);
   EXPECT_NE(refusal_of(thin).find("topple or fall"), std::string::npos) << refusal_of(thin);
@@ -199,8 +196,8 @@ TEST(AtRest, WhatIsNotInBalanceIsNamed) {
 }
 
 TEST(AtRest, ABallWakesThePinsThatItHits) {
-  // Goal: what starts at rest is like what came to rest: a blow wakes it, and what leans on what
-  // leaves wakes too. Method: a bowling ball into the pins; a stone knocked out of the arch.
+  // Goal: a blow wakes a body that starts at rest, and so does the departure of its support.
+  // Method: roll a bowling ball into the pins, and knock a stone out of the arch.
   Scene scene = pins();
   scene.bodies.push_back(
       {.name = "ball",
@@ -227,10 +224,9 @@ TEST(AtRest, ABallWakesThePinsThatItHits) {
 }
 
 TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
-  // Goal: edges that lie along each other cross nowhere, however they are turned and rounded.
-  // Method: two cubes that are turned alike, of which the upper one's centre is 1 mm beyond the
-  // lower one's edge, in 8,000 directions; and 1 mm inside of it. In some a crossing by rounding
-  // would hold it.
+  // Goal: parallel edges on each other never cross, however they are turned and rounded. Method: in
+  // 8,000 directions, stack two cubes that turn alike. The upper one's centre is 1 mm beyond the
+  // lower one's edge, or 1 mm inside. A crossing caused by rounding would hold some of them.
   random::Stream stream = scenes::stream_of_scene(2, 0);
   for (std::uint64_t i = 0; i < property::of_tier(500, 8000); ++i) {
     const double yaw_rad = scenes::between(stream, 0, 2 * pi);
@@ -246,8 +242,8 @@ TEST(AtRest, WhatToppledIsNotHeldByEdgesThatAreParallel) {
 }
 
 TEST(AtRest, ReplaysAreTheSame) {
-  // Goal: histories of such scenes. Method: other balls into the same pins, with and without the
-  // history of the first; and pins of which one stands elsewhere; and other balls into a wall.
+  // Goal: histories work for scenes that start at rest. Method: compare runs with and without a
+  // history: other balls into the same pins, pins with one elsewhere, and other balls into a wall.
   const auto differ_in_the_ball = [](const Scene& one, const Vec3& aside_m) {
     Scene other = one;
     other.bodies.back().start.pose.position_m += aside_m;

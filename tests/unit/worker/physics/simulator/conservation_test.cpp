@@ -1,4 +1,4 @@
-// Energy and momentum, from recordings.
+// Tests energy and momentum in recordings.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -25,7 +25,7 @@ std::uint64_t collisions_of(const Simulation& simulation) {
   return simulation.counts().collisions + simulation.counts().static_collisions;
 }
 
-/// The largest relative deviation of the kinetic energy from that at first.
+/// Largest relative deviation of the kinetic energy from its initial value.
 double drift_of(const Scene& scene, std::uint64_t collisions, double step_s) {
   Simulation simulation = begun(scene);
   const double at_first_j = simulation.kinetic_energy_j();
@@ -45,23 +45,23 @@ double drift_of(const Scene& scene, std::uint64_t collisions, double step_s) {
 }
 
 TEST(Conservation, AGasKeepsItsEnergy) {
-  // Goal: without loss, energy drifts by less than 1e-9 over 1e5 collisions. Method: run, look now
-  // and then. In gravity-free scenes all energy is kinetic.
+  // Goal: without loss, energy drifts by less than 1e-9 over 1e5 collisions. Method: run scenes
+  // without gravity, where all energy is kinetic, and measure it at intervals.
   EXPECT_LT(drift_of(scenes::hard_sphere_gas(108, 0.4, 1).scene, 100'000, 1), 1e-9);
   EXPECT_LT(drift_of(scenes::hard_sphere_gas(500, 0.1, 2).scene, 100'000, 1), 1e-9);
   EXPECT_LT(drift_of(scenes::boxed_spheres(64, 3).scene, 100'000, 20), 1e-9);
 }
 
 TEST(Conservation, PolyhedraKeepTheirEnergy) {
-  // Goal and method: as above, with exchange between translation and rotation; the number of
-  // collisions that the project promises in the long run.
+  // Goal: the same holds if translation and rotation exchange energy. The long run has the number
+  // of collisions that the project promises.
   const std::uint64_t collisions = property::long_run() ? 100'000 : 4'000;
   EXPECT_LT(drift_of(scenes::boxed_polyhedra(12, 1).scene, collisions, 20), 1e-9);
 }
 
 TEST(Conservation, APeriodicGasKeepsItsMomentum) {
-  // Goal: a collision gives both bodies opposite momenta. Method: sum before and after; the unit is
-  // the sum of sizes.
+  // Goal: a collision gives both bodies opposite momenta. Method: compare the total momentum before
+  // and after. The unit is the sum of the momenta's magnitudes.
   const scenes::Setting setting = scenes::hard_sphere_gas(256, 0.3, 4);
   Simulation simulation = begun(setting.scene);
   const auto momentum = [&]() -> Vec3 {
@@ -77,9 +77,9 @@ TEST(Conservation, APeriodicGasKeepsItsMomentum) {
   EXPECT_LT(math::norm(momentum() - before), 1e-9 * 256);
 }
 
-/// By how much each event changed the energy of the bodies that began a segment at it.
+/// Energy changes of the bodies that begin a segment at each event.
 struct EnergyChanges {
-  double largest_gain = 0;  ///< relative to the bodies' energy
+  double largest_gain = 0;  ///< relative to the energy of these bodies
   double total_loss_j = 0;
   EventKey where;
 };
@@ -114,16 +114,16 @@ EnergyChanges energy_changes_of(const RecordedRun& run) {
   return changes;
 }
 
-/// Energy at a height of 0 is motion alone, and may be tiny: heights are counted from below.
+/// Heights are measured from below: at height 0 the energy is only kinetic and can be tiny.
 Scene without_controls(Scene scene) {
   scene.controls.clear();
   return scene;
 }
 
 TEST(Conservation, EventsGainNoEnergy) {
-  // Goal: no event, whatever its friction and restitution, gains energy. Method: kinetic plus
-  // potential energy of the bodies of each event before and after, from recordings of every kind of
-  // scene; what users add is left out. In between, energy is kept by motion itself: see below.
+  // Goal: no event gains energy, for any friction and restitution. Method: compare the bodies'
+  // kinetic plus potential energy before and after each event, in recordings of every kind of scene
+  // without user controls. Another test covers the motion in between.
   double largest = 0;
   const auto look = [&](const Scene& scene, double duration_s, const std::string& name) {
     const RecordedRun run = testing::recorded(without_controls(scene), duration_s);
@@ -145,7 +145,7 @@ TEST(Conservation, EventsGainNoEnergy) {
 }
 
 TEST(Conservation, AGainIsSeen) {
-  // Goal: the comparison above can fail. Method: a user's push is such a gain.
+  // Goal: the comparison above can fail. Method: a control that pushes a body is such a gain.
   Scene scene = scenes::rain(5, 3).scene;
   scene.controls.assign(
       1, {.tick = Tick{} + ticks_after(0.3), .body = {0}, .velocity_change_mps = {0, 0, 10}});

@@ -1,4 +1,4 @@
-// Polyhedra and a cylinder thrown flat along a floor: Coulomb's friction says how far they slide.
+// Compares sliding distances of polyhedra and a cylinder on a floor with Coulomb's friction.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ struct Slider {
   std::string name;
   Compound shape;
   Inertia inertia;
-  double height_m = 0;  ///< of its centre, standing
+  double height_m = 0;  ///< of the centre, when standing
 };
 
 Slider of_polyhedron(const std::string& name, const ConvexPolyhedron& polyhedron,
@@ -44,7 +44,7 @@ std::vector<Slider> sliders() {
            round.inertia, 0.03}};
 }
 
-/// Thrown along x, standing on the floor, turned by the yaw.
+/// Throws the standing body along x, turned by the yaw.
 Scene thrown(const Slider& slider, double yaw, double speed_mps, const SurfaceLaw& law) {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -k_g_mps2};
@@ -62,9 +62,9 @@ Scene thrown(const Slider& slider, double yaw, double speed_mps, const SurfaceLa
 }
 
 TEST(CoulombStop, WhatIsThrownFlatSlidesAsFarAsCoulombSays) {
-  // Goal: v^2 / (2 mu g) to 2%, nearly straight, whatever the shape, the yaw, the friction and the
-  // speed. Method: throws until they rest, in closed form. With every impulse along Q of
-  // response/restitution.h they slide up to 17% too far.
+  // Goal: bodies slide v^2 / (2 mu g) to 2%, almost straight, for any shape, yaw, friction and
+  // speed. Method: throw bodies until they rest, and compare with the closed form. If every impulse
+  // were along Q of response/restitution.h, they would slide up to 17% too far.
   for (const Slider& slider : sliders()) {
     for (const double yaw : {0.0, 0.3, std::numbers::pi / 4}) {
       for (const double friction : {0.2, 0.3}) {

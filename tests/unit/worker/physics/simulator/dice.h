@@ -1,4 +1,4 @@
-// Random choices of a test, from a stream of its own.
+// A test's random choices, from a stream of its own.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,7 @@ struct Dice {
   }
   bool one_in(std::uint64_t count) { return below(count) == 0; }
   double within(double half) { return random::Uniform{.low = -half, .high = half}.draw(stream); }
-  /// A size from low to high, each order of magnitude as likely.
+  /// Returns a size from low to high, uniform in its logarithm.
   double between(double low, double high) { return low * std::pow(high / low, 0.5 + within(0.5)); }
   Vec3 vector_within(double half) {
     const double x = within(half);

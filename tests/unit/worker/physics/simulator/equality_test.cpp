@@ -1,4 +1,4 @@
-// Every way to run a scene gives the same recording, bit for bit.
+// Tests that every way to run a scene gives the same recording, bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +15,7 @@ namespace {
 
 using testing::TestScene;
 
-/// Scenes of the ordinary run; of the long one (SLEIGHT_SOAK=1) the number that the project
-/// promises.
+/// Number of scenes. The long run (SLEIGHT_SOAK=1) has the number that the project promises.
 std::uint64_t scene_count() {
   return property::long_run() ? 10'000 : property::of_tier(33, 300);
 }
@@ -64,8 +63,8 @@ std::array<Way, 5> ways() {
 }
 
 TEST(Equality, EveryWayGivesTheSameRecording) {
-  // Goal: algorithm, broad phase and queue change no bit. Method: random scenes
-  // of every kind against the reference, which predicts all pairs and has no bounding volumes.
+  // Goal: algorithm, broad phase and queue change no bit. Method: compare random scenes of every
+  // kind with the reference, which predicts all pairs and has no bounding volumes.
   std::uint64_t collisions = 0;
   const SimulationOptions reference =
       way(Algorithm::all_pairs, BroadPhaseKind::hierarchical_grid, QueueKind::tournament);
@@ -89,8 +88,8 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
 }
 
 TEST(Equality, OneWayMayTakeOverFromAnother) {
-  // Goal: go_on_with changes no bit either, in the middle of flights, contacts, rest and waiting
-  // starts. Method: scenes of every kind run in portions of random length, each in another way.
+  // Goal: go_on_with changes no bit, even during flights, contacts, rest and late starts. Method:
+  // run scenes of every kind in portions of random length, each in another way.
   for (const std::uint64_t n : property::cases(property::of_tier(22, 90))) {
     const TestScene scene = testing::any_scene(n);
     const Outcome expected = outcome_of(scene, {});
@@ -116,9 +115,9 @@ TEST(Equality, OneWayMayTakeOverFromAnother) {
 }
 
 TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
-  // Goal: what happened at the tick at which another way takes over doesn't happen again, at tick 0
-  // either, and an error stays one. Method: a control and samples at tick 0 of a scene whose only
-  // body starts later; a scene that fails at a later start.
+  // Goal: when another way takes over, events of the current tick don't happen again, not even at
+  // tick 0, and an error remains. Method: use a control and samples at tick 0 in a scene whose only
+  // body starts later, and a scene that fails at a late start.
   Scene scene = scenes::rain(1, 1).scene;
   scene.bodies[0].start_tick = Tick{1000};
   scene.controls.push_back({.tick = Tick{0}, .body = {0}});
@@ -146,8 +145,7 @@ TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
 }
 
 TEST(Equality, AnotherSeedIsAnotherRecording) {
-  // Goal: the comparison can fail. Method: digests of different seeds, and of one that ends a tick
-  // earlier.
+  // Goal: the comparison can fail. Method: compare other seeds, and a run that ends a tick earlier.
   const SimulationOptions options;
   TestScene scene{"rain", scenes::rain(20, 1)};
   const Outcome first = outcome_of(scene, options);
@@ -158,11 +156,10 @@ TEST(Equality, AnotherSeedIsAnotherRecording) {
 }
 
 TEST(Equality, ShiftedScenesGiveShiftedTicks) {
-  // Goal: time is exact (simulation.h, invariant 3). Method: start everything n ticks later and
-  // compare every segment.
+  // Goal: time is exact (simulation.h, invariant 3). Method: start everything n ticks later.
   for (const std::uint64_t n : property::cases(60)) {
     const TestScene scene = testing::any_scene(n);
-    // What starts at rest starts at tick 0.
+    // Bodies that start at rest must start at tick 0.
     if (std::ranges::any_of(scene.setting.scene.bodies, &BodyDescription::rests)) continue;
     TestScene shifted = scene;
     const TickCount shift = 123'456'789 + static_cast<TickCount>(n);

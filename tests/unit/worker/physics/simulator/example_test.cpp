@@ -1,4 +1,4 @@
-// The example of docs/SIMULATOR.md, as it stands there.
+// The example of docs/SIMULATOR.md, line by line.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -36,7 +36,7 @@ int bounce() {
 }
 
 TEST(Example, ABallBouncesAndRests) {
-  // Goal: what people copy from the documentation works. Method: the same lines.
+  // Goal: the example in the documentation works. Method: run the same lines.
   EXPECT_EQ(bounce(), 0);
 }
 

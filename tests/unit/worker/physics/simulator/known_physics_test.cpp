@@ -1,4 +1,4 @@
-// Motions whose outcome is known: bounces, exchanges, the pressure of hard spheres.
+// Motions with known outcomes: bounces, exchanges of velocity, the pressure of hard spheres.
 #include <gtest/gtest.h>
 
 #include "tests/scenes/shared/scenes.h"
@@ -26,7 +26,6 @@ Scene floor_scene(const SurfaceLaw& law) {
   return scene;
 }
 
-/// The segments that began by a collision.
 std::vector<Recording::Entry> bounces(const RecordedRun& run, std::uint32_t body) {
   std::vector<Recording::Entry> found;
   for (const Recording::Entry& entry : run.recording.segments({body})) {
@@ -36,9 +35,9 @@ std::vector<Recording::Entry> bounces(const RecordedRun& run, std::uint32_t body
 }
 
 TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
-  // Goal: times and heights of the first 20 bounces with restitution 0.8. Method: closed form; a
-  // ball touches k_touch_m above the floor, and each bounce is noticed up to a tick late, which
-  // makes each further one late by at most 2/e more ticks.
+  // Goal: the first 20 bounces with restitution 0.8 have the right times and heights. Method:
+  // compare with the closed form. A ball touches k_touch_m above the floor. Each bounce is detected
+  // up to a tick late, which delays each later bounce by up to 2/e more ticks.
   constexpr double k_restitution = 0.8;
   constexpr double k_radius_m = 0.02;
   constexpr double k_height_m = 1;
@@ -58,7 +57,7 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
     const auto ticks = static_cast<long double>(hits[n].cause.tick.value);
     const auto late = static_cast<double>(ticks - time_s * 0x1p30L);
     worst_ticks = std::max(worst_ticks, std::fabs(late));
-    // The height above the place of touch, from the velocity after the bounce.
+    // Height above the place of touch, from the velocity after the bounce.
     const double v = hits[n].segment.flight.velocity_mps.z();
     const double height_m =
         v * v / (2 * k_g_mps2) + hits[n].segment.flight.position_m.z() - k_radius_m - k_touch_m;
@@ -69,13 +68,13 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
   }
   std::printf("bounces: %.1f ticks off at most, heights %.1e\n", worst_ticks, worst_height);
   EXPECT_LT(worst_ticks, 3 * 20);
-  // v^2 at the touch is off by 2 g times the depth, at most a tick's travel of 4e-9 m.
+  // v^2 at the touch errs by 2 g times the depth, which is at most a tick's travel of 4e-9 m.
   EXPECT_LT(worst_height, 1e-6);
 }
 
 TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
-  // Goal: of five balls that all but touch, struck by one or two, as many leave at the other end,
-  // and the rest stand still. Method: gaps of twice k_touch_m, elastic.
+  // Goal: if one or two balls strike a row of five almost touching balls, the same number leaves at
+  // the other end and the rest stand still. Method: use elastic balls with gaps of twice k_touch_m.
   for (const std::size_t strikers : {1U, 2U, 3U}) {
     Scene scene;
     for (std::size_t i = 0; i < 5; ++i) {
@@ -93,9 +92,9 @@ TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
 }
 
 TEST(KnownPhysics, SimultaneousBlowsAreResolvedInTheOrderOfPairs) {
-  // Goal: event.h: at one tick the pair of lower ids is first, and the others are judged by what
-  // it left. Method: two balls hit the middle one from both sides at the same tick. Pair (0, 1),
-  // then (1, 2), then (0, 1) again, all at that tick, and both fly back.
+  // Goal: at one tick, the pair with lower ids collides first, and later pairs see its result
+  // (event.h). Method: two balls hit the middle ball from both sides at the same tick. Pairs (0,
+  // 1), (1, 2) and (0, 1) collide in this order, and both balls fly back.
   Scene scene;
   for (const double x : {-1.0, 0.0, 1.0})
     scene.bodies.push_back(ball({x, 0, 0}, {-x, 0, 0}));
@@ -117,8 +116,8 @@ TEST(KnownPhysics, SimultaneousBlowsAreResolvedInTheOrderOfPairs) {
   EXPECT_EQ(run.recording.segments({2}).back().segment.flight.velocity_mps, Vec3(1, 0, 0));
 }
 
-/// Compressibility p V / (N k T) of hard spheres from the momentum that collisions carry: its mean
-/// over blocks of time, and the standard error of that mean.
+/// Compressibility p V / (N k T) of hard spheres, from the momentum that collisions transfer: mean
+/// over blocks of time, and its standard error.
 struct Pressure {
   double mean = 0;
   double error = 0;
@@ -127,20 +126,20 @@ struct Pressure {
 Pressure pressure_of(std::uint32_t bodies, double packing, double block_s, int blocks,
                      std::uint64_t seed) {
   const Scene scene = scenes::hard_sphere_gas(bodies, packing, seed).scene;
-  // The lattice melts in the first blocks, which are left out.
+  // Skip the first blocks, in which the lattice melts.
   const int melting = blocks / 5 + 1;
   const RecordedRun run = testing::recorded(scene, block_s * (melting + blocks));
   EXPECT_EQ(run.error, "");
   double twice_energy_j = 0;
   for (const BodyDescription& body : scene.bodies)
     twice_energy_j += math::dot(body.start.twist.velocity_mps, body.start.twist.velocity_mps);
-  // Momentum as a whole is 0: 3 N - 3 degrees of freedom share the energy.
+  // Total momentum is 0, so 3 N - 3 degrees of freedom share the energy.
   const double kt_j = twice_energy_j / (3.0 * bodies - 3);
   std::vector<double> momenta_ns(static_cast<std::size_t>(melting + blocks));
   for (std::uint32_t body = 0; body < bodies; ++body) {
     const auto entries = run.recording.segments({body});
     for (std::size_t i = 1; i < entries.size(); ++i) {
-      if (entries[i].cause.lower != body) continue;  // each collision once
+      if (entries[i].cause.lower != body) continue;  // count each collision once
       const double s = seconds(entries[i].cause.tick - Tick{});
       const auto block = std::min(static_cast<std::size_t>(s / block_s), momenta_ns.size() - 1);
       momenta_ns[block] += math::norm(entries[i].segment.flight.velocity_mps -
@@ -160,12 +159,12 @@ Pressure pressure_of(std::uint32_t bodies, double packing, double block_s, int b
 }
 
 TEST(KnownPhysics, HardSpheresHaveTheirPressure) {
-  // Goal: collision rates and momenta of a gas in equilibrium. Method: the virial of collisions
-  // against N. Carnahan and K. Starling, "Equation of state for nonattracting rigid spheres", J.
-  // Chem. Phys. 51 (1969): Z = (1 + phi + phi^2 - phi^3)/(1 - phi)^3. Allowed: four standard errors
-  // of block means, and 3e-3 Z, which covers two systematic deviations: the formula's (up to 2e-3
-  // at packing 0.4, by the simulations that it was compared with), and that of 500 spheres against
-  // infinitely many, of the order Z/N = 2e-3 (the degrees of freedom are counted exactly).
+  // Goal: an equilibrium gas has the right collision rates and momenta. Method: compare the virial
+  // of collisions with N. Carnahan and K. Starling, "Equation of state for nonattracting rigid
+  // spheres", J. Chem. Phys. 51 (1969): Z = (1 + phi + phi^2 - phi^3)/(1 - phi)^3. The tolerance is
+  // four standard errors of block means plus 3e-3 Z. The latter covers two systematic deviations:
+  // the formula's (up to 2e-3 at packing 0.4, according to simulations), and that of 500 spheres
+  // from infinitely many, of the order Z/N = 2e-3.
   for (const double phi : {0.1, 0.3, 0.4}) {
     const double known =
         (1 + phi + phi * phi - phi * phi * phi) / ((1 - phi) * (1 - phi) * (1 - phi));

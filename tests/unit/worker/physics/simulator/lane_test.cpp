@@ -1,5 +1,4 @@
-// Balls on planes whose friction differs from place to place, against an integration that knows
-// nothing of pieces.
+// Compares balls on planes with varying friction with a numerical integration that has no pieces.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,14 +22,14 @@ struct Ball {
   double gyration = 0.4;  ///< k = I / (m r^2)
 };
 
-/// A ball on the plane z = 0, just above it.
+/// A ball slightly above the plane z = 0.
 Scene lane(const Ball& ball, const Twist& twist, const std::vector<FrictionRectangle>& rectangles,
            double friction_elsewhere) {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -k_g_mps2};
   scene.contacts = ContactTable(1, {.restitution = 0, .friction = friction_elsewhere});
   scene.slow = slow_contacts_of(2 * ball.radius_m, k_g_mps2);
-  // A slip is over at a tenth of this, which is to be less than what is compared.
+  // Slip ends at a tenth of this speed, which must be below the tolerance.
   scene.slow.separation_speed_mps = 1e-5;
   scene.planes.push_back({.name = "lane",
                           .outside = {.normal = {0, 0, 1}, .offset_m = 0},
@@ -56,8 +55,7 @@ const Segment& segment_at(const RecordedRun& run, Tick tick) {
   return *last;
 }
 
-/// A ball that slides and rolls, by fourth-order Runge-Kutta steps, halved where friction changes
-/// or slip ends.
+/// A ball that slides and rolls, by Runge-Kutta 4. Halves steps where friction or slip changes.
 class SteppedBall {
  public:
   struct State {
@@ -73,7 +71,7 @@ class SteppedBall {
       double step_s = std::min(k_longest_s, span_s - done_s);
       const double friction = friction_at(state);
       State next = stepped(state, friction, step_s);
-      // What changes in a step is found by halving.
+      // Halve the step to find the change within it.
       while (step_s > 1e-13 && (friction_at(next) != friction || ends(state, friction, step_s))) {
         step_s *= 0.5;
         next = stepped(state, friction, step_s);
@@ -93,7 +91,7 @@ class SteppedBall {
     return {s.vx - ball_.radius_m * s.wy, s.vy + ball_.radius_m * s.wx};
   }
   static bool slides(const Slip& slip) { return std::hypot(slip.x, slip.y) > 1e-11; }
-  /// Whether friction may end the slip within such a step.
+  /// Returns whether friction can end the slip within such a step.
   bool ends(const State& s, double friction, double step_s) const {
     const Slip slip = slip_of(s);
     return slides(slip) &&
@@ -145,10 +143,10 @@ class SteppedBall {
 };
 
 TEST(Lane, BallsRunAsAnIntegrationSays) {
-  // Goal: sliding over a map of friction, borders and the change to rolling, to 1e-6 m and 1e-6
-  // m/s. Method: random balls, throws and maps; from the first slide on against Runge-Kutta, a
-  // second and two seconds later; SLEIGHT_SOAK has more. The last speed is that of
-  // the closed form, whatever the map: v = (v0 + k r w) / (1 + k).
+  // Goal: sliding over a friction map is right to 1e-6 m and 1e-6 m/s, including borders and the
+  // change to rolling. Method: compare random balls, throws and maps with Runge-Kutta one and two
+  // seconds after the first slide. SLEIGHT_SOAK runs more. The final speed has a closed form for
+  // any map: v = (v0 + k r w) / (1 + k).
   int borders = 0;
   for (const std::uint64_t n : property::cases(property::long_run() ? 200 : 60)) {
     random::Stream stream({.seed = 20'261'128, .purpose = random::Purpose::prior}, n);
@@ -185,7 +183,7 @@ TEST(Lane, BallsRunAsAnIntegrationSays) {
       EXPECT_NEAR(place_m.y(), state.y, 1e-6) << n << " after " << second << " s";
       EXPECT_NEAR(place_m.z(), ball.radius_m, 2e-7);
     }
-    // In the end, if it got out of what is slippery.
+    // The final speed, if the ball leaves the slippery area.
     const Segment& last = segments.back().segment;
     if (last.mode != MotionMode::rolling) continue;
     const double r = ball.radius_m;
@@ -201,7 +199,7 @@ TEST(Lane, BallsRunAsAnIntegrationSays) {
 }
 
 TEST(Lane, AMapMustLieInItsPlane) {
-  // Goal: a map whose axes leave the plane is refused, by name. Method: one on a leaning plane.
+  // Goal: a map whose axes leave the plane is refused by name. Method: use a leaning plane.
   Scene scene = lane({}, {}, {}, 0.1);
   EXPECT_TRUE(Simulation::start(scene, {}).ok());
   scene.planes[0].outside.normal = Vec3(0.6, 0, 0.8);
@@ -211,9 +209,9 @@ TEST(Lane, AMapMustLieInItsPlane) {
 }
 
 TEST(Lane, AnUphillBorderTakesABoundedNumberOfEvents) {
-  // Goal: a ball that spins up a slope on rough ground and comes to smooth ground above falls back
-  // to the border again and again, and neither hangs there for ever nor gains energy. Method: the
-  // worst throw of some: which starts at the border without velocity.
+  // Goal: a spinning ball that climbs from rough to smooth ground returns to the border again and
+  // again, but doesn't hang there forever or gain energy. Method: use the worst of several throws,
+  // which starts at the border without velocity.
   const double lean = 0.1;
   for (const double speed_mps : {0.0, 1e-6, 1e-3, 0.1}) {
     const Ball ball;

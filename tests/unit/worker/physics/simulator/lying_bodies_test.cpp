@@ -1,4 +1,4 @@
-// Bodies that stay on planes: how many events they take, what ends their stay.
+// Tests bodies that stay on planes: their number of events, and what ends their stay.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ using testing::RecordedRun;
 
 constexpr double k_g_mps2 = 9.81;
 
-/// A box that stands on the floor, but for a micrometre.
+/// A box standing a micrometre above the floor.
 BodyDescription box_at(const Vec3& sides_m, double yaw, const Twist& twist) {
   const ConvexPolyhedron polyhedron = box(sides_m).value();
   const BodyShape shape = in_body_frame({&polyhedron, 1}, 1000, InertiaSymmetry::general).value();
@@ -43,8 +43,8 @@ const Segment& last_segment(const RecordedRun& run) {
 }
 
 TEST(LyingBodies, AnyThrowIsCaughtSoon) {
-  // Goal: what comes down tumbling bounces until it lies, then slides in pieces. Method: cubes
-  // dropped tilted, with speed; the last of their ways is no bounce, and they rest.
+  // Goal: a tumbling body bounces until it lies flat, then slides in pieces. Method: drop tilted
+  // cubes with speed. Their last motion is no bounce, and they rest.
   for (int i = 0; i < 20; ++i) {
     Scene scene = floor_scene(0.1, {.restitution = 0.4, .friction = 0.3});
     scene.bodies.push_back(box_at(
@@ -60,8 +60,7 @@ TEST(LyingBodies, AnyThrowIsCaughtSoon) {
 }
 
 TEST(LyingBodies, AWallEndsAStay) {
-  // Goal: a hit is an event like any other. Method: a cube slides into a wall, comes back and
-  // rests; it stays out of the wall.
+  // Goal: hitting a wall ends a stay. Method: a cube slides into a wall, returns and rests.
   Scene scene = floor_scene(0.1, {.restitution = 0.5, .friction = 0.1});
   scene.planes.push_back({.name = "wall", .outside = {.normal = {-1, 0, 0}, .offset_m = -0.5}});
   scene.bodies.push_back(box_at({0.1, 0.1, 0.1}, 0, {.velocity_mps = {2, 0, 0}}));
@@ -74,8 +73,8 @@ TEST(LyingBodies, AWallEndsAStay) {
 }
 
 TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
-  // Goal: on the face of a static block a box slides as on a plane, to its edge; it stays if its
-  // centre does, and falls if not. Method: throws that would end before and behind the edge.
+  // Goal: a box slides on the face of a static block as on a plane, up to the edge. It stays if its
+  // centre stays on the block, and falls otherwise. Method: throw boxes to both sides of the edge.
   for (const double way_m : {0.3, 0.45, 0.6}) {
     Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0.3});
     scene.convexes.push_back({.name = "table",
@@ -98,7 +97,7 @@ TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
     EXPECT_EQ(last_segment(run).mode, MotionMode::resting) << way_m;
     const Vec3 end_m = last_segment(run).flight.position_m;
     EXPECT_EQ(end_m.z() > 0.3, way_m < 0.5) << way_m;
-    // On the table's border it bounces, and friction is a little more.
+    // At the table's border the box bounces, which adds some friction.
     if (way_m > 0.5) continue;
     EXPECT_NEAR(end_m.x(), way_m, way_m < 0.4 ? 2e-3 : 2e-2);
     EXPECT_TRUE(way_m > 0.4 || events_of(run) <= 50) << events_of(run);
@@ -106,20 +105,20 @@ TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
 }
 
 TEST(LyingBodies, FrictionOfAMapBrakesFromItsBorderOn) {
-  // Goal: a plank that slides on ice to where it is rough stops as both say; while it lies on both
-  // each support has the friction of its place. Method: the work of friction, with the loads of a
-  // plank whose weight is spread by levers.
+  // Goal: a plank that slides from ice onto rough ground stops where both frictions predict, and
+  // each support has the friction of its place. Method: compare with the work of friction, with the
+  // weight distributed over the supports by levers.
   FrictionRectangle rough{
       .u_min_m = 1, .u_max_m = 100, .v_min_m = -10, .v_max_m = 10, .friction = 0.5};
   Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0});
   scene.planes[0].friction_map =
       std::make_shared<const FrictionMap>(FrictionMap::make({}, {rough}).value());
-  // Its height is next to nothing, so the loads of front and back are equal.
+  // The height is almost zero, so the front and the back carry equal loads.
   scene.bodies.push_back(box_at({0.4, 0.1, 0.002}, 0, {.velocity_mps = {1.5, 0, 0}}));
   const RecordedRun run = testing::recorded(scene, 3);
   ASSERT_EQ(run.error, "");
   ASSERT_EQ(last_segment(run).mode, MotionMode::resting);
-  // Half of the weight is on the rough from 0.8 m on, all of it from 1.2 m on.
+  // The rough ground carries half of the weight from 0.8 m on, and all of it from 1.2 m on.
   const double mu_g = 0.5 * k_g_mps2;
   const double left = 1.5 * 1.5 - 2 * (0.5 * mu_g) * 0.4;
   EXPECT_NEAR(last_segment(run).flight.position_m.x(), 1.2 + left / (2 * mu_g), 2e-3);
@@ -127,9 +126,8 @@ TEST(LyingBodies, FrictionOfAMapBrakesFromItsBorderOn) {
 }
 
 TEST(LyingBodies, APinRollsInItsCircle) {
-  // Goal: a lying pin rolls as a cone of 7.3 degrees, without loss, in at most 100 events a second
-  // at 0.4 m/s. Method: a pin put down level and rolling; once it lies, the circle's radius, its
-  // height and its speed.
+  // Goal: a lying pin rolls as a cone of 7.3 degrees without loss, with at most 100 events a second
+  // at 0.4 m/s. Method: put a pin down level and rolling. Test the circle's radius and the speed.
   Scene scene = floor_scene(0.12, {.restitution = 0.3, .friction = 0.5});
   const RoundSolid pin = bowling_pin(1.55).value();
   scene.bodies.push_back(
@@ -161,7 +159,7 @@ TEST(LyingBodies, APinRollsInItsCircle) {
   EXPECT_NEAR(math::norm(late.velocity_mps) / speed_mps, 1, 1e-6);
   const Vec3 axis = math::rotated(late.orientation, Vec3::UnitZ());
   EXPECT_NEAR(std::asin(std::fabs(axis.z())) * 180 / pi, 7.3, 0.1);
-  // It meets the plane where the circle's middle is; the distance from there to the centre's foot.
+  // The axis meets the plane at the circle's middle. Compute its distance from the centre's foot.
   const double rise = std::asin(std::fabs(axis.z()));
   const double radius_m = late.position_m.z() / std::tan(rise);
   const double angle = speed_mps / radius_m * seconds(late.begin - early.begin);
@@ -170,8 +168,7 @@ TEST(LyingBodies, APinRollsInItsCircle) {
 }
 
 TEST(LyingBodies, ACylinderRollsWithoutBounces) {
-  // Goal: what was 3,300 bounces a second is a piece, until something meets it. Method: counts of
-  // five seconds.
+  // Goal: a lying cylinder rolls in fewer than 10 events instead of 3,300 bounces a second.
   Scene scene = floor_scene(0.08, {.restitution = 0.3, .friction = 0.3});
   const RoundSolid solid = cylinder(0.04, 0.1, 0.001, 1000).value();
   scene.bodies.push_back(

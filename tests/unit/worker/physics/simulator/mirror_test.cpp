@@ -1,4 +1,4 @@
-// A scene in a mirror moves as the mirror image does.
+// Tests that a mirrored scene moves as the mirror image of the scene.
 #include <gtest/gtest.h>
 
 #include "tests/support/property.h"
@@ -11,9 +11,9 @@ namespace {
 
 using testing::RecordedRun;
 
-/// A reflection in the plane through the origin with a unit normal. Shapes are mirrored along their
-/// own x, which keeps principal axes: an image has the orientation q_n q' for the orientation q of
-/// the original, q' its mirror image along x and q_n what turns x's reflection into the normal's.
+/// Reflection in the plane through the origin with a unit normal. Shapes are mirrored along their
+/// own x axis, which keeps principal axes. The image of orientation q is q_n q', where q' is q
+/// mirrored along x and q_n maps the reflection along x to the one along the normal.
 class Mirror {
  public:
   explicit Mirror(const Vec3& normal) : normal_(normal) {
@@ -22,7 +22,7 @@ class Mirror {
     turn_ = Quat(math::dot(x, normal), axis.x(), axis.y(), axis.z());
   }
   Vec3 of(const Vec3& v) const { return v - (2 * math::dot(normal_, v)) * normal_; }
-  /// Of a pseudovector: angular velocities.
+  /// Mirrors a pseudovector, such as an angular velocity.
   Vec3 of_axial(const Vec3& v) const { return -of(v); }
   Quat of(const Quat& q) const { return math::composed(turn_, Quat(q.w(), q.x(), -q.y(), -q.z())); }
   Twist of(const Twist& twist) const {
@@ -79,7 +79,7 @@ double speed_of(const Twist& twist, double radius_m) {
   return math::norm(twist.velocity_mps) + radius_m * math::norm(twist.angular_velocity_radps);
 }
 
-/// The first moment at which some body collides for the n-th time; the recording's end if none.
+/// First tick at which some body has its n-th collision. The recording's end if none.
 Tick nth_collision_of_any(const RecordedRun& run, int n) {
   Tick first = run.recording.end();
   for (std::uint32_t body = 0; body < run.scene.bodies.size(); ++body) {
@@ -100,15 +100,14 @@ struct Agreement {
   std::uint64_t collisions = 0;
 };
 
-/// Compares at ticks in the middle between events, where a collision that comes a tick later in
-/// the image makes no difference of its own.
+/// Compares at ticks in the middle between events, where a collision a tick later doesn't matter.
 Agreement agreement_of(const RecordedRun& run, const RecordedRun& image, const Mirror& mirror) {
   const Tick end = std::min(nth_collision_of_any(run, 5), nth_collision_of_any(image, 5));
   Agreement agreement;
   for (std::uint32_t body = 0; body < run.scene.bodies.size(); ++body) {
     const Inertia& inertia = run.scene.bodies[body].inertia;
     const auto entries = run.recording.segments({body});
-    // Lengths are measured by how far the body has come, or its distance from the origin.
+    // Lengths are relative to the body's travel or its distance from the origin.
     const double radius_m =
         2 * std::sqrt(2.5 * inertia.principal_kgm2.maxCoeff() / inertia.mass_kg);
     for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -147,9 +146,9 @@ Agreement agreement_of(const RecordedRun& run, const RecordedRun& image, const M
 }
 
 TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
-  // Goal: results follow from geometry, not from the frame or the order of features: mirrored
-  // scenes agree to 1e-9 until the fifth collision of any body. Method: a plane through the axes,
-  // where rounding is mirrored too, and an oblique one, where it isn't.
+  // Goal: results depend on geometry, not on the frame or the order of features. Mirrored scenes
+  // agree to 1e-9 until the fifth collision of any body. Method: use a plane along the axes, where
+  // rounding is mirrored too, and an oblique plane, where it isn't.
   const Mirror along_x(Vec3(1, 0, 0));
   const Mirror oblique(math::normalized(Vec3(0.3, -0.8, 0.5)));
   std::uint64_t collisions = 0;
@@ -181,7 +180,7 @@ TEST(Mirror, ScenesAgreeUntilTheFifthCollision) {
 }
 
 TEST(Mirror, WrongImagesAreSeen) {
-  // Goal: the comparison can fail. Method: a mirror that forgets that spins are axial.
+  // Goal: the comparison can fail. Method: use a mirror that treats spins as ordinary vectors.
   const Mirror along_x(Vec3(1, 0, 0));
   Scene scene = scenes::rain(10, 1).scene;
   const RecordedRun run = testing::recorded(scene, 0.5);

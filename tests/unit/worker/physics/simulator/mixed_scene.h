@@ -1,4 +1,4 @@
-// A scene with what the list of scenes lacks: bodies of different kinds that meet one another.
+// A scene in which different kinds of bodies meet, which the list of scenes lacks.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -21,8 +21,7 @@ inline MixedSolid mixed_solid(std::vector<ConvexPolyhedron> parts, InertiaSymmet
   return {std::make_shared<const Compound>(Compound{.parts = std::move(body.parts)}), body.inertia};
 }
 
-/// Spheres, cubes, long boxes, prisms and angles of two boxes that fall between four leaning walls
-/// on a floor with a block in the middle.
+/// Spheres, cubes, boxes, prisms and angles fall between four leaning walls, onto a block.
 inline Scene mixed_scene(std::uint64_t seed) {
   random::Stream stream = scenes::stream_of_scene(seed, 0);
   Scene scene;

@@ -1,4 +1,4 @@
-// Spheres that stay on static geometry: what they do is known, and takes few events.
+// Tests spheres that stay on static geometry: their motion is known and takes few events.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -37,7 +37,7 @@ StaticPlane plane(const Vec3& normal, const Vec3& through_m = Vec3::Zero()) {
   return {.name = {}, .outside = {.normal = unit, .offset_m = math::dot(unit, through_m)}};
 }
 
-/// All but in touch: it falls by less than a micrometre.
+/// Almost in touch: the ball falls by less than a micrometre.
 constexpr double k_close_m = k_touch_m + 1e-7;
 
 MotionMode last_mode(const RecordedRun& run) {
@@ -48,7 +48,7 @@ Vec3 last_place(const RecordedRun& run) {
   return testing::place_at(run.recording.segments({0}).back().segment, run.recording.end());
 }
 
-/// Kinetic and potential energy over mass of a solid ball, whichever way it has turned.
+/// Kinetic and potential energy over mass of a solid ball, for any orientation.
 double energy_jpkg(const Scene& scene, std::uint32_t body, const Segment& segment, Tick tick) {
   const double radius_m = std::get<Sphere>(scene.bodies[body].shape).radius_m;
   const Twist twist = testing::twist_in(segment, scene.bodies[body].inertia, tick);
@@ -58,8 +58,8 @@ double energy_jpkg(const Scene& scene, std::uint32_t body, const Segment& segmen
 }
 
 TEST(Modes, AMarbleRollsDownASlope) {
-  // Goal: without bounces it rolls at 5/7 g sin(slope), in a handful of events. Method: slopes in
-  // two directions; the way from the place at which it rolls first, by the closed form.
+  // Goal: a ball without bounces rolls at 5/7 g sin(slope), in a handful of events. Method: for
+  // slopes in two directions, compare the distance since rolling began with the closed form.
   for (const Vec3& normal : {Vec3(0.3, 0, 1), Vec3(-0.1, 0.2, 1)}) {
     Scene scene = scene_with({.restitution = 0.5, .friction = 0.5});
     scene.planes.push_back(plane(normal));
@@ -73,7 +73,7 @@ TEST(Modes, AMarbleRollsDownASlope) {
     const Vec3 along = scene.gravity_mps2 - math::dot(scene.gravity_mps2, n) * n;
     const Vec3 off = rolling.flight.acceleration_mps2 - 5.0 / 7 * along;
     EXPECT_LT(math::norm(off), 1e-14);
-    // It began at once, at rest, and stays at its height above the slope.
+    // Rolling began at once, from rest, and the ball stays at its height above the slope.
     EXPECT_LT(seconds(rolling.flight.begin - Tick{}), 2e-3);
     const double height_m = math::dot(n, last_place(run)) - k_radius_m;
     EXPECT_GT(height_m, 0);
@@ -83,8 +83,7 @@ TEST(Modes, AMarbleRollsDownASlope) {
 }
 
 TEST(Modes, RollingFrictionStopsAMarble) {
-  // Goal: it stops after v^2 / (2 c g), rests, and nothing happens any more. Method: one that
-  // starts rolling.
+  // Goal: a rolling ball stops after v^2 / (2 c g), then rests without events.
   constexpr double k_c = 0.02;
   Scene scene = scene_with({.restitution = 0, .friction = 0.4, .rolling_friction = k_c});
   scene.planes.push_back(plane({0, 0, 1}));
@@ -98,8 +97,8 @@ TEST(Modes, RollingFrictionStopsAMarble) {
 }
 
 TEST(Modes, SeamsOfAFlatMeshAreNotFelt) {
-  // Goal: a marble that rolls over a floor of triangles moves as on a plane, in speed and height.
-  // Method: the sheet of scene bumpy_floor without its bumps, crossed at an angle.
+  // Goal: a marble rolls over a floor of triangles as over a plane, in speed and height. Method:
+  // cross the sheet of scene bumpy_floor, without bumps, at an angle.
   Scene scene = scene_with({.restitution = 0.5, .friction = 0.4});
   std::vector<Vec3> vertices_m;
   std::vector<TriangleCorners> triangles;
@@ -123,7 +122,7 @@ TEST(Modes, SeamsOfAFlatMeshAreNotFelt) {
                                 {-v.y() / k_radius_m, v.x() / k_radius_m, 0}));
   const RecordedRun run = testing::recorded(scene, 0.5);
   ASSERT_EQ(run.error, "");
-  // Some fourteen seams: two segments each.
+  // About fourteen seams with two segments each.
   EXPECT_GT(run.counts.modes, 10U);
   EXPECT_LT(run.recording.segments({0}).size(), 40U);
   const Vec3 expected = scene.bodies[0].start.pose.position_m + 0.5 * v;
@@ -145,9 +144,9 @@ std::shared_ptr<const ConvexPolyhedron> block(const Vec3& low_m, const Vec3& hig
 }
 
 TEST(Modes, AMarbleRollsOffATable) {
-  // Goal: at 0.5 m/s, above sqrt(g r) = 0.31 m/s, it leaves the edge level and flies on a
-  // parabola; at 0.1 m/s it goes round the edge and turns energy of height into speed. Method: the
-  // flight's first velocity; energy; both in few segments.
+  // Goal: at 0.5 m/s, above sqrt(g r) = 0.31 m/s, a marble leaves the edge level and flies on a
+  // parabola. At 0.1 m/s it rolls around the edge and converts height to speed. Method: test the
+  // flight's first velocity and the energy, both in few segments.
   for (const double speed_mps : {0.5, 0.1}) {
     Scene scene = scene_with({.restitution = 0.3, .friction = 0.6});
     scene.convexes.push_back(
@@ -165,7 +164,7 @@ TEST(Modes, AMarbleRollsOffATable) {
         energy_jpkg(scene, 0, entries.front().segment, entries.front().cause.tick);
     const double after = energy_jpkg(scene, 0, entries.back().segment, run.recording.end());
     EXPECT_LT(after, before + 1e-13);
-    // Impacts at the edge take some.
+    // Impacts at the edge take some energy.
     EXPECT_GT(after, before - 0.2 * k_g_mps2 * k_radius_m);
     if (speed_mps > 0.4) {
       EXPECT_LT(entries.size(), 10U);
@@ -176,9 +175,8 @@ TEST(Modes, AMarbleRollsOffATable) {
 }
 
 TEST(Modes, AMarbleRollsInAValley) {
-  // Goal: between two planes that make a right angle it rolls along them with the acceleration of a
-  // ball that turns about a nearer axis: g sin(slope) / (1 + 2/5 (r / d)^2), d = r / sqrt(2) its
-  // distance from the line of both contacts. Method: a groove that falls by 0.2.
+  // Goal: between two planes at a right angle, a ball rolls with g sin(slope) / (1 + 2/5 (r /
+  // d)^2), where d = r / sqrt(2) is its distance from the line of both contacts.
   Scene scene = scene_with({.restitution = 0.2, .friction = 0.5});
   const Vec3 along = math::normalized(Vec3(1, 0, -0.2));
   const Vec3 up = math::normalized(Vec3(0.2, 0, 1));
@@ -205,7 +203,7 @@ TEST(Modes, AMarbleRollsInAValley) {
 }
 
 TEST(Modes, AMarbleComesToRestInACorner) {
-  // Goal: three walls that lean outwards hold it; its spin dies and it rests, in few events.
+  // Goal: a ball held by three walls that lean outwards loses its spin and rests, in few events.
   Scene scene = scene_with({.restitution = 0.4, .friction = 0.4});
   for (const Vec3& n : {Vec3(1, 0, 0.7), Vec3(-0.5, 0.8, 0.6), Vec3(-0.4, -0.9, 0.7)})
     scene.planes.push_back(plane(n));
@@ -217,9 +215,9 @@ TEST(Modes, AMarbleComesToRestInACorner) {
 }
 
 TEST(Modes, AMarbleThatLeansOnARestingCubeTakesFewEvents) {
-  // Goal: a marble that rolls down against a cube neither stalls the simulation nor sinks into it.
-  // Method: a gentle slope with a cube on it, which friction holds; everything ends at rest or
-  // rolls away in a bounded number of events.
+  // Goal: a marble that rolls down against a cube neither stalls the simulation nor sinks into the
+  // cube. Method: put the cube on a gentle slope, where friction holds it. Everything ends at rest
+  // or rolls away in a bounded number of events.
   Scene scene = scene_with({.restitution = 0.3, .friction = 0.6});
   scene.planes.push_back(plane({0.1, 0, 1}));
   const Vec3 n = math::normalized(Vec3(0.1, 0, 1));
@@ -255,11 +253,11 @@ TEST(Modes, AMarbleThatLeansOnARestingCubeTakesFewEvents) {
 }
 
 TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
-  // Goal: over many random scenes of slopes, valleys, corners, a ridge and a pedestal: no event
-  // leaves a marble with more energy than it had when its segment began, unless another marble
-  // collides with it; on a plane it doesn't gain any meanwhile either, and over an edge no more
-  // than the load lifts it by (edge_motion.h); nothing jumps between segments, and no marble sinks
-  // into a plane. Method: all segments of scene marbles; the energy of a body alone.
+  // Goal: marbles gain no energy and never sink. No event leaves a marble with more energy than at
+  // its segment's begin, unless another marble collides with it. On a plane, it gains no energy
+  // during a segment either; over an edge, at most the energy of the load's lift (edge_motion.h).
+  // Places are continuous, and no marble sinks into a plane. Method: test each body's energy in all
+  // segments of scene marbles, with slopes, valleys, corners, a ridge and a pedestal.
   std::uint64_t staying = 0;
   double worst_gain = 0;
   double worst_lift = 0;
@@ -293,7 +291,7 @@ TEST(Modes, MarblesGainNoEnergyAndNeverSink) {
         if (i + 1 < entries.size()) {
           const Segment& next = entries[i + 1].segment;
           worst_jump_m = std::max(worst_jump_m, math::norm(place_m - next.flight.position_m));
-          // Alone, an event may not add energy either.
+          // An event without another marble may not add energy.
           const EventKey& cause = entries[i + 1].cause;
           const bool alone = cause.kind == EventKind::mode ||
                              (cause.kind == EventKind::collision && (cause.higher >> 31U) != 0);

@@ -1,4 +1,4 @@
-// The graph of watched pairs against a plain map.
+// Compares the graph of watched pairs with a plain map.
 #include "worker/physics/simulator/pair_graph.h"
 
 #include <gtest/gtest.h>
@@ -16,10 +16,9 @@ namespace sleight::physics {
 namespace {
 
 TEST(PairGraph, HasWhatAMapHas) {
-  // Goal: lists that grow, move into stretches that others have left, and shrink, keep each edge
-  // with what was predicted of it; a new one is void. Method: random pairs added, predicted,
-  // removed; now and then a body with nearly all others. All is compared with a map, with and
-  // without details.
+  // Goal: lists keep each edge and its prediction when they grow, shrink or move into unused space.
+  // A new edge has no prediction. Method: add, predict and remove random pairs and compare with a
+  // map, with and without details. Some bodies have almost all others as neighbours.
   constexpr std::uint32_t k_bodies = 90;
   for (const std::uint64_t seed : property::cases(property::long_run() ? 400 : 20)) {
     random::Stream stream({.seed = 71, .purpose = random::Purpose::scene}, seed);
@@ -29,7 +28,7 @@ TEST(PairGraph, HasWhatAMapHas) {
     const bool has_details = seed % 2 == 0;
     PairGraph graph;
     graph.reset(k_bodies, {.list = 16, .average = 4, .details = has_details});
-    // By body and other: the tick that its copy has, or k_never if that is void.
+    // Predicted tick by body and other body. k_never if the prediction is void.
     std::map<std::pair<std::uint32_t, std::uint32_t>, Tick> expected;
     std::uint32_t searches = 0;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> search_of;

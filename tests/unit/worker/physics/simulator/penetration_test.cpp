@@ -1,8 +1,8 @@
-// Bodies do not overlap, by geometry that the simulator has no part in.
+// Tests that bodies don't overlap, with geometry that is independent of the simulator.
 //
-// What is asked: a collision is the first tick at which a gap is at most k_touch_m = 1e-7 m, so no
-// clearance should fall below 0 by more than the rounding of this test's own geometry. Bodies that
-// touch without colliding may sink by k_approach_mps for as long as they touch, some 1e-9 m.
+// A collision is the first tick at which a gap is at most k_touch_m = 1e-7 m. So no clearance
+// should fall below 0 by more than the rounding of this test's geometry. Bodies that touch without
+// colliding may sink by k_approach_mps for as long as they touch, about 1e-9 m.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -20,10 +20,8 @@ namespace {
 using testing::PlainSolid;
 using testing::RecordedRun;
 
-/// How deep bodies may overlap.
 constexpr double k_depth_m = 1e-9;
 
-/// Reads clearances from a recording.
 class Overlaps {
  public:
   explicit Overlaps(const RecordedRun& run)
@@ -50,10 +48,10 @@ class Overlaps {
     }
   }
 
-  /// Puts a body where it was not.
+  /// Moves a body away from its recorded place.
   void shift(std::uint32_t body, const Vec3& by_m) { shift_[body] = by_m; }
 
-  /// The least clearance of all pairs and static geometry at a tick; `who` says whose.
+  /// Least clearance of all pairs and static geometry at a tick. `who` names the pair.
   double least(Tick tick, std::string& who) {
     placed_.assign(run_.scene.bodies.size(), {});
     double least_m = 1;
@@ -179,7 +177,7 @@ class Overlaps {
   std::vector<Placed> placed_;
 };
 
-/// Ticks of collisions, ascending, at most so many of them.
+/// Ticks of collisions in ascending order, at most count_max.
 std::vector<Tick> collision_ticks(const RecordedRun& run, std::size_t count_max) {
   std::vector<Tick> all;
   for (std::uint32_t body = 0; body < run.scene.bodies.size(); ++body) {
@@ -206,7 +204,6 @@ struct Deepest {
   }
 };
 
-/// Around collisions and at random ticks.
 Deepest deepest_of(const RecordedRun& run, std::size_t collisions, int random_ticks,
                    std::uint64_t seed) {
   Overlaps overlaps(run);
@@ -226,8 +223,8 @@ Deepest deepest_of(const RecordedRun& run, std::size_t collisions, int random_ti
 }
 
 TEST(Penetration, NoSceneHasBodiesThatOverlap) {
-  // Goal: bodies are kept apart. Method: scenes of every kind; clearances at
-  // random ticks and some ticks before and after recorded collisions.
+  // Goal: bodies don't overlap. Method: for scenes of every kind, compute clearances at random
+  // ticks and at ticks before and after recorded collisions.
   const std::uint64_t scenes = property::long_run() ? 600 : property::of_tier(27, 60);
   std::map<std::string, double> least_m;
   for (const std::uint64_t n : property::cases(scenes)) {
@@ -249,8 +246,8 @@ TEST(Penetration, NoSceneHasBodiesThatOverlap) {
 }
 
 TEST(Penetration, BodiesOfEveryShapeStayApart) {
-  // Goal: pairs that the scenes of the list lack: spheres with polyhedra, bodies of several parts,
-  // long boxes, prisms, spheres at edges of static geometry. Method: as above.
+  // Goal: pairs missing from the list of scenes don't overlap: spheres with polyhedra, bodies of
+  // several parts, long boxes, prisms, and spheres at static edges. Method: as above.
   double least_m = 1;
   for (const std::uint64_t seed :
        property::seeds(property::long_run() ? 200 : property::of_tier(3, 12))) {
@@ -266,7 +263,7 @@ TEST(Penetration, BodiesOfEveryShapeStayApart) {
 }
 
 TEST(Penetration, RestingBodiesDoNotSink) {
-  // Goal: what bounces by micrometres and goes to rest doesn't sink in. Method: a heap of grains.
+  // Goal: bodies that bounce by micrometres and come to rest don't sink. Method: heap of grains.
   const scenes::Setting setting = scenes::grain_heap(property::long_run() ? 60 : 10, 1);
   const RecordedRun run = testing::recorded(setting.scene, 1.5);
   ASSERT_EQ(run.error, "");
@@ -277,13 +274,12 @@ TEST(Penetration, RestingBodiesDoNotSink) {
 
 TEST(Penetration, IsSeenWhereBodiesWereShifted) {
   // Goal: the tests above can fail. Method: shift a body by a micrometre along each axis, both
-  // ways; one of these shifts goes towards what it touches by more than half of it.
+  // ways. One of these shifts has more than half of its length towards the touched body.
   constexpr double k_shift_m = 1e-6;
   for (const std::uint64_t n : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U, 9U}) {
     const testing::TestScene scene = testing::test_scene(n);
     const RecordedRun run = testing::recorded(scene.setting.scene, scene.setting.duration_s);
     ASSERT_EQ(run.error, "");
-    // A collision, and one of its bodies.
     std::optional<EventKey> collision;
     for (std::uint32_t body = 0; body < run.scene.bodies.size() && !collision; ++body) {
       for (const Recording::Entry& entry : run.recording.segments({body})) {
@@ -305,8 +301,8 @@ TEST(Penetration, IsSeenWhereBodiesWereShifted) {
 }
 
 TEST(Penetration, PlainGeometryKnowsOverlaps) {
-  // Goal: the reference is right where the answer is known. Method: two unit cubes face to face,
-  // corner to face and edge to edge; points in and around a cube.
+  // Goal: the reference is right for known answers. Method: test two unit cubes face to face,
+  // corner to face and edge to edge, and points in and around a cube.
   const ConvexPolyhedron cube = physics::cube(1).value();
   const PlainSolid fixed = testing::solid_at(cube, {});
   const auto at = [&](const Vec3& place_m, const Quat& turn) {
@@ -314,7 +310,7 @@ TEST(Penetration, PlainGeometryKnowsOverlaps) {
   };
   EXPECT_NEAR(at({1.25, 0.3, 0}, Quat::Identity()), 0.25, 1e-15);
   EXPECT_NEAR(at({0.75, 0.3, 0}, Quat::Identity()), -0.25, 1e-15);
-  // An edge along y, above the edge of the fixed cube along x: the half diagonals reach sqrt(1/2).
+  // An edge along y, above the fixed cube's edge along x. The half diagonals reach sqrt(1/2).
   const Quat tilt_x = math::quaternion_of_rotation_vector({std::atan(1.0), 0, 0});
   const Quat tilt_y = math::quaternion_of_rotation_vector({0, std::atan(1.0), 0});
   const PlainSolid lower = testing::solid_at(cube, {{0, 0, 0}, tilt_x});

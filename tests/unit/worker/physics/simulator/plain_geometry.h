@@ -1,4 +1,4 @@
-// Overlap of bodies by plain geometry that shares nothing with the distance library: separating
+// Overlap of bodies by plain geometry that shares no code with the distance library: separating
 // axes for polyhedra, distances to polygons for spheres.
 //
 // Thread safety: values and pure functions.
@@ -14,7 +14,6 @@
 
 namespace sleight::physics::testing {
 
-/// A convex polyhedron in the world's frame.
 struct PlainSolid {
   struct Polygon {
     Vec3 normal;
@@ -40,7 +39,7 @@ inline PlainSolid solid_at(const ConvexPolyhedron& polyhedron, const Pose& pose)
     PlainSolid::Polygon polygon;
     for (const Side& side : polyhedron.sides_of(face))
       polygon.corners_m.push_back(solid.corners_m[side.vertex]);
-    // The normal from the corners, not from the polyhedron's own.
+    // Compute the normal from the corners, independently of the polyhedron's own normal.
     Vec3 area = Vec3::Zero();
     for (std::size_t i = 2; i < polygon.corners_m.size(); ++i)
       area += math::cross(polygon.corners_m[i - 1] - polygon.corners_m[0],
@@ -52,7 +51,6 @@ inline PlainSolid solid_at(const ConvexPolyhedron& polyhedron, const Pose& pose)
   return solid;
 }
 
-/// A triangle as a solid of no thickness.
 inline PlainSolid solid_of_triangle(const std::array<Vec3, 3>& corners_m) {
   PlainSolid solid;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -67,7 +65,7 @@ inline PlainSolid solid_of_triangle(const std::array<Vec3, 3>& corners_m) {
   return solid;
 }
 
-/// The least of dot(axis, b - a) over the points of two solids; stops once it is below `enough`.
+/// Least dot(axis, b - a) over the points of two solids. Stops early at a value below `enough`.
 inline double clearance_along(const Vec3& axis, const PlainSolid& a, const PlainSolid& b,
                               double enough) {
   double highest = -std::numeric_limits<double>::infinity();
@@ -81,9 +79,9 @@ inline double clearance_along(const Vec3& axis, const PlainSolid& a, const Plain
   return lowest - highest;
 }
 
-/// Negative: how deep two solids overlap, the shortest shift that parts them. Positive: they don't;
-/// the value is at most their distance. Every axis of the theorem is tried: normals of faces and
-/// cross products of edges.
+/// Signed clearance of two solids. A negative value is minus their depth, the shortest shift that
+/// parts them. A positive value is at most their distance. Tries every axis of the theorem: face
+/// normals and cross products of edges.
 inline double clearance(const PlainSolid& a, const PlainSolid& b) {
   double best = -std::numeric_limits<double>::infinity();
   const auto offer = [&](const Vec3& axis) {
@@ -102,7 +100,7 @@ inline double clearance(const PlainSolid& a, const PlainSolid& b) {
       const double length = math::norm(axis);
       if (length < 1e-6 * math::norm(along_p) * math::norm(along_q)) continue;
       axis /= length;
-      // The clearance is at most that of these two edges.
+      // The clearance is at most the clearance of these two edges.
       const double edges_m = math::dot(axis, q[0] - p[0]);
       if (edges_m > best) offer(axis);
       if (-edges_m > best) offer(-axis);
@@ -117,7 +115,7 @@ inline double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return math::norm(p - (a + share * along));
 }
 
-/// Signed distance of a point to a solid, negative inside.
+/// Signed distance from a point to a solid, negative inside.
 inline double distance(const Vec3& p, const PlainSolid& solid) {
   double inside = -std::numeric_limits<double>::infinity();
   double outside = std::numeric_limits<double>::infinity();

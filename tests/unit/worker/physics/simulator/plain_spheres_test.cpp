@@ -1,4 +1,4 @@
-// Spheres that only fly: their segments are written when someone asks for them (Bodies::fly_on).
+// Tests spheres that only fly: their segments are written on request (Bodies::fly_on).
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -12,8 +12,7 @@
 namespace sleight::physics {
 namespace {
 
-/// Elastic spheres of two sizes between walls, one of which is set spinning meanwhile and another
-/// pushed.
+/// Elastic spheres of two sizes between walls. One sphere later gets a spin, and another a push.
 Scene spheres_in_a_box(std::uint64_t seed) {
   Scene scene = scenes::boxed_spheres(24, seed).scene;
   random::Stream stream = scenes::stream_of_scene(seed, 3);
@@ -43,7 +42,7 @@ End end_of(const Scene& scene, SimulationOptions options, int pieces) {
   for (int piece = 1; piece <= pieces; ++piece) {
     const auto error = simulation.run_until(Tick{} + ticks_after(4.0 * piece / pieces));
     EXPECT_FALSE(error) << error->message;
-    // Looked at in between, which writes segments.
+    // Reading the energy writes segments.
     if (piece % 2 == 0) end.energy_j = simulation.kinetic_energy_j();
   }
   for (std::uint32_t body = 0; body < scene.bodies.size(); ++body) {
@@ -56,9 +55,9 @@ End end_of(const Scene& scene, SimulationOptions options, int pieces) {
 }
 
 TEST(PlainSpheres, AreTheSameRecordedOrNot) {
-  // Goal: a segment that is written late is the one that a recording has. Method: spheres between
-  // walls, one of which begins to turn, by three algorithms, with and without a recording and a
-  // history, in one piece and in several that are looked at; all bits.
+  // Goal: a segment written late has the same bits as a recorded segment. Method: run spheres
+  // between walls with three algorithms, with and without a recording and a history, in one portion
+  // and in several with looks in between.
   for (const std::uint64_t seed : property::cases(property::long_run() ? 200 : 6)) {
     const Scene scene = spheres_in_a_box(seed + 1);
     SimulationOptions all_pairs;

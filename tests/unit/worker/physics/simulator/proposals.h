@@ -1,4 +1,4 @@
-// Random changes of scenes, as a sampler's proposals make them: one thing or some, early or late.
+// Random changes of scenes, like a sampler's proposals: one change or several, early or late.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 namespace sleight::physics::testing {
 
-/// A scene that proposals start from, and how large its changes are.
+/// Initial scene of the proposals, and the size of its changes.
 struct Subject {
   std::string name;
   Scene scene;
@@ -29,7 +29,7 @@ inline double reach_m(const BodyDescription& body) {
   return std::get<std::shared_ptr<const Compound>>(body.shape)->r_outer_m();
 }
 
-/// One body starts elsewhere, otherwise, later, not at all, or as it did at first.
+/// Changes a body's start, velocities or start time, removes the body, or restores its first start.
 inline void change_body(Scene& scene, const Subject& subject, Dice& dice) {
   const auto chosen = dice.below(scene.bodies.size());
   BodyDescription& body = scene.bodies[chosen];
@@ -41,7 +41,7 @@ inline void change_body(Scene& scene, const Subject& subject, Dice& dice) {
       body.start_tick = k_tick_max;
       break;
     case 1:
-      break;  // newly active, perhaps
+      break;  // restores the first start, and the body if it was removed
     case 2:
       body.start.twist.velocity_mps += dice.vector_within(subject.speed_mps);
       break;
@@ -56,7 +56,7 @@ inline void change_body(Scene& scene, const Subject& subject, Dice& dice) {
   }
 }
 
-/// A vertex of a mesh, a polyhedron or a plane is moved, or a plane's friction is another one.
+/// Moves a vertex of a mesh, a polyhedron or a plane, or changes a plane's friction.
 inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
   const double way_m = (dice.one_in(2) ? 0.05 : 0.4) * subject.size_m;
   const auto kind = dice.below(3);
@@ -83,7 +83,7 @@ inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
     auto hull = convex_hull(points_m);
     if (hull) convex.polyhedron = std::make_shared<const ConvexPolyhedron>(std::move(hull).value());
   } else if (!scene.planes.empty()) {
-    // Away from the bodies, mostly: else those that start beside it overlap it.
+    // Mostly away from the bodies, which would overlap the plane at their start otherwise.
     StaticPlane& plane = scene.planes[dice.below(scene.planes.size())];
     if (dice.one_in(2)) {
       random::Stream stream({.seed = dice.below(1000), .purpose = random::Purpose::prior}, 0);
@@ -94,7 +94,7 @@ inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
   }
 }
 
-/// A body is kicked at some time.
+/// Kicks a body at a random time, or removes a kick.
 inline void change_controls(Scene& scene, const Subject& subject, Dice& dice) {
   if (!scene.controls.empty() && dice.one_in(2)) {
     scene.controls.erase(scene.controls.begin() +
@@ -127,12 +127,11 @@ inline void change(Scene& scene, const Subject& subject, Dice& dice) {
   }
 }
 
-/// The n-th of an endless list of subjects: box of spheres, hourglass, heaps and walls that rest
-/// and wake.
+/// The n-th subject of an endless list: spheres in a box, an hourglass, heaps and walls that rest.
 inline Subject subject_of(std::uint64_t n) {
   const std::uint64_t seed = n / 8 + 1;
   if (n % 9 == 8 && seed % 3 == 2) {
-    // None starts at rest, as most changes of such a start would be refused.
+    // No body starts at rest, because most changes of such a start would be refused.
     const auto bodies = static_cast<std::uint32_t>(3 + seed / 3 % 9);
     Scene scene = scenes::wall(bodies, seed).scene;
     for (BodyDescription& body : scene.bodies) {
@@ -186,7 +185,7 @@ inline Subject subject_of(std::uint64_t n) {
       return {"rain " + std::to_string(bodies), scenes::rain(bodies, seed).scene, 1.5, 0.1, 1};
     }
     default: {
-      // Nobody rests, and a place is shared by images.
+      // No body rests, and images share places.
       const auto bodies = from_to(24, 60);
       return {"gas " + std::to_string(bodies), scenes::hard_sphere_gas(bodies, 0.1, seed).scene,
               0.5, 0.5, 1};

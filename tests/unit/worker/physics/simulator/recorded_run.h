@@ -1,4 +1,4 @@
-// Runs of scenes, and states read from their recordings without the simulator's own functions.
+// Runs scenes and reads states from their recordings without the simulator's functions.
 //
 // Thread safety: values and pure functions.
 #pragma once
@@ -22,7 +22,7 @@ struct RecordedRun {
   std::string error;
 };
 
-/// A floor for bodies of a size, level or falling towards x.
+/// A floor for bodies of a size, level or descending towards x.
 inline Scene floor_scene(double size_m, const SurfaceLaw& law, double slope_rad = 0) {
   constexpr double k_gravity_mps2 = 9.81;
   Scene scene;
@@ -33,7 +33,6 @@ inline Scene floor_scene(double size_m, const SurfaceLaw& law, double slope_rad 
   return scene;
 }
 
-/// A scene, run and recorded.
 inline RecordedRun recorded(const Scene& scene, double duration_s) {
   auto started = Simulation::start(scene, {});
   if (!started) return {scene, {}, {}, started.error().message};
@@ -48,7 +47,7 @@ inline Vec3 place_at(const Segment& segment, Tick tick) {
   return flight.position_m + s * flight.velocity_mps + (0.5 * s * s) * flight.acceleration_mps2;
 }
 
-/// The turn of a body whose angular velocity changes evenly, by many small steps.
+/// Orientation of a body with constant angular acceleration, by many small steps.
 inline Quat turn_in_contact(const Segment& segment, double s) {
   constexpr int k_steps = 20'000;
   const double h = s / k_steps;
@@ -62,8 +61,8 @@ inline Quat turn_in_contact(const Segment& segment, double s) {
   return turn;
 }
 
-/// The turn of a body whose angular velocity is constant, by the C library's sine. A body of other
-/// inertia is left to the motion library, which has tests of its own.
+/// Orientation of a body with constant angular velocity, by the C library's sine. Other inertias
+/// use the motion library, which has its own tests.
 inline Quat turn_at(const Segment& segment, const Inertia& inertia, Tick tick) {
   const FreeFlight& flight = segment.flight;
   if (segment.mode == MotionMode::resting) return flight.orientation;
@@ -79,7 +78,7 @@ inline Quat turn_at(const Segment& segment, const Inertia& inertia, Tick tick) {
                         flight.orientation);
 }
 
-/// In the world's frame.
+/// Twist in the world frame.
 inline Twist twist_in(const Segment& segment, const Inertia& inertia, Tick tick) {
   const FreeFlight& flight = segment.flight;
   const double s = static_cast<double>(tick.value - flight.begin.value) * 0x1p-30;
@@ -91,7 +90,7 @@ inline Twist twist_in(const Segment& segment, const Inertia& inertia, Tick tick)
   return twist;
 }
 
-/// Of motion, turning included.
+/// Kinetic energy, including rotation.
 inline double energy_of_motion_j(const Inertia& inertia, const Quat& orientation,
                                  const Twist& twist) {
   const Vec3 w = math::rotated(math::inverse(orientation), twist.angular_velocity_radps);
@@ -101,7 +100,6 @@ inline double energy_of_motion_j(const Inertia& inertia, const Quat& orientation
                 moments.y() * w.y() * w.y() + moments.z() * w.z() * w.z());
 }
 
-/// Kinetic and potential energy of a body in a segment.
 inline double energy_j(const Scene& scene, std::uint32_t body, const Segment& segment, Tick tick) {
   const Inertia& inertia = scene.bodies[body].inertia;
   return energy_of_motion_j(inertia, turn_at(segment, inertia, tick),

@@ -1,4 +1,4 @@
-// Coming to rest, staying there, and being woken.
+// Tests how bodies come to rest, stay at rest and wake.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -28,7 +28,7 @@ bool all_rest(const RecordedRun& run) {
   return true;
 }
 
-/// When the last body's last segment began.
+/// Time at which the last body's last segment began.
 double last_change_s(const RecordedRun& run) {
   Tick last{};
   for (std::uint32_t body = 0; body < run.scene.bodies.size(); ++body)
@@ -61,7 +61,7 @@ BodyDescription ball_at(const Vec3& place_m) {
           .start = {.pose = {.position_m = place_m, .orientation = Quat::Identity()}, .twist = {}}};
 }
 
-/// Runs on until all bodies rest, for at most so long, and then as long again.
+/// Runs until all bodies rest, for at most `within_s`, then for the same time again.
 void expect_rest(const Scene& scene, double within_s, const std::string& name) {
   auto started = Simulation::start(scene, {});
   ASSERT_TRUE(started.ok()) << name;
@@ -78,7 +78,6 @@ void expect_rest(const Scene& scene, double within_s, const std::string& name) {
       name.c_str(), last_change_s(run), static_cast<unsigned long long>(then.collisions),
       static_cast<unsigned long long>(then.static_collisions),
       static_cast<unsigned long long>(then.rest_decisions));
-  // It stays so, and nothing happens any more.
   const Pose before = simulation.pose({0}, simulation.now());
   ASSERT_FALSE(simulation.run_until(Tick{} + 2 * ticks_after(within_s)));
   EXPECT_EQ(simulation.kinetic_energy_j(), 0) << name;
@@ -90,8 +89,8 @@ void expect_rest(const Scene& scene, double within_s, const std::string& name) {
 }
 
 TEST(Resting, BodiesComeToRestInFinitelyManyEvents) {
-  // Goal: what has friction and loss comes to rest, stays there, and then costs nothing. Method: a
-  // ball, a cube, stacks, a heap; kinetic energy is exactly 0.
+  // Goal: bodies with friction and loss come to rest, stay at rest and then cost nothing. Method:
+  // test a ball, a cube, stacks and a heap. Kinetic energy is exactly 0.
   Scene ball = floor_scene({.restitution = 0.5, .friction = 0.4});
   ball.bodies.push_back(ball_at({0, 0, 0.1}));
   expect_rest(ball, 3, "ball");
@@ -104,12 +103,12 @@ TEST(Resting, BodiesComeToRestInFinitelyManyEvents) {
 }
 
 TEST(Resting, AHeapOfAHundredGrainsComesToRest) {
-  // Goal: as above, for the heap that the project names; a smaller one in the ordinary run.
+  // Goal: the heap that the project names comes to rest. The ordinary run has a smaller heap.
   const std::uint32_t grains = property::long_run() ? 100 : 40;
   expect_rest(scenes::grain_heap(grains, 1).scene, 5, "heap of " + std::to_string(grains));
 }
 
-/// Angle between the vertical and the nearest axis of a body's own frame.
+/// Angle between the vertical and the nearest axis of the body's frame.
 double tilt_rad(const Quat& q) {
   const Vec3 up = math::rotated(math::inverse(q), Vec3(0, 0, 1));
   const double along = up.cwiseAbs().maxCoeff();
@@ -117,9 +116,8 @@ double tilt_rad(const Quat& q) {
 }
 
 TEST(Resting, ACubeRestsOnAFace) {
-  // Goal: nothing freezes on its edge or corner. Method: cubes dropped with random orientations; at
-  // the end a face points down to within 1e-3 rad, 0.02 mm at the far edge; with coarse slow
-  // contacts to within 3e-3.
+  // Goal: no cube rests on its edge or corner. Method: drop cubes with random orientations. A face
+  // points down to 1e-3 rad (0.02 mm at the far edge), or to 3e-3 with coarse slow contacts.
   const std::uint64_t seeds = property::long_run() ? 2000 : 100;
   for (const bool coarse : {false, true}) {
     double worst_rad = 0;
@@ -142,8 +140,8 @@ TEST(Resting, ACubeRestsOnAFace) {
 }
 
 TEST(Resting, ACubeSetOnItsEdgeFallsOver) {
-  // Goal: slow toppling is not taken for rest. Method: a cube put down on an edge, and on a corner,
-  // tilted away from balance by a hundredth of a radian.
+  // Goal: slow toppling doesn't count as rest. Method: put a cube on an edge and on a corner, a
+  // hundredth of a radian from balance.
   const Quat on_edge = math::quaternion_of_rotation_vector({std::numbers::pi / 4 + 0.01, 0, 0});
   const Quat on_corner =
       math::composed(math::quaternion_of_rotation_vector({std::atan(std::sqrt(0.5)) + 0.01, 0, 0}),
@@ -163,8 +161,8 @@ TEST(Resting, ACubeSetOnItsEdgeFallsOver) {
 }
 
 TEST(Resting, NothingRestsOnASlopeThatIsTooSteep) {
-  // Goal: rest needs a balance of forces. Method: a cube on a slope of 20 degrees that friction
-  // 0.5 holds (its angle is 26.6) and 0.2 (11.3) doesn't; a ball is held by none.
+  // Goal: rest requires a balance of forces. Method: put a cube on a slope of 20 degrees, where
+  // friction 0.5 (26.6 degrees) holds it and 0.2 (11.3 degrees) doesn't. No friction holds a ball.
   const double angle = std::numbers::pi / 9;
   const Vec3 normal(std::sin(angle), 0, std::cos(angle));
   const Quat level = math::quaternion_of_rotation_vector({0, angle, 0});
@@ -179,10 +177,9 @@ TEST(Resting, NothingRestsOnASlopeThatIsTooSteep) {
         0.0101 * normal;
     const double along_m = way_m.x() / std::cos(angle);
     if (friction < std::tan(angle)) {
-      // Coulomb: g (sin - mu cos) t^2 / 2.
       const double known_m = 0.5 * 9.81 * (std::sin(angle) - friction * std::cos(angle));
-      // The law of impacts brakes a body that isn't a sphere along one direction for all of an
-      // impact, which is not quite that of its slip (rigid_impact.h): friction falls short.
+      // During an impact, friction on a body other than a sphere has one direction, which is not
+      // quite the slip's (rigid_impact.h). So friction is too small.
       EXPECT_GT(along_m, 0.95 * known_m);
       EXPECT_LT(along_m, 1.25 * known_m);
     } else {
@@ -205,8 +202,8 @@ Scene two_cubes() {
 }
 
 TEST(Resting, ASupporterThatIsPushedAwayWakesWhatItCarries) {
-  // Goal: what rests on a body wakes at the tick at which that moves. Method: knock the lower of
-  // two cubes away; the upper one falls to the floor and rests there.
+  // Goal: a resting body wakes at the tick at which its support moves. Method: knock away the lower
+  // of two cubes. The upper cube falls to the floor and rests.
   const Tick push = Tick{} + ticks_after(0.5);
   Scene scene = two_cubes();
   scene.controls.push_back({.tick = push, .body = {0}, .velocity_change_mps = {3, 0, 0}});
@@ -221,9 +218,9 @@ TEST(Resting, ASupporterThatIsPushedAwayWakesWhatItCarries) {
 }
 
 TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
-  // Goal: a body that wakes because its supporter moved wakes what lies on it only if it leaves its
-  // place. Method: the lowest of three cubes at rest is touched or knocked away; the middle one
-  // wakes at once in both cases, the top one only in the second, and then it comes down.
+  // Goal: a body woken by its support wakes the body on top only if it leaves its place. Method:
+  // touch the lowest of three resting cubes, or knock it away. The middle cube wakes at once in
+  // both cases. The top cube wakes and comes down only in the second case.
   const Tick push = Tick{} + ticks_after(0.5);
   for (const double speed_mps : {0.002, 3.0}) {
     Scene scene = two_cubes();
@@ -247,9 +244,9 @@ TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
 }
 
 TEST(Resting, NothingHangsInTheAir) {
-  // Goal: who sleeps while his supporter wakes and leaves comes down with it. Method: heaps of
-  // grains whose lowest ones are knocked about; at the end, all at rest, everybody is let go where
-  // nothing rests. In 30 ms what hangs falls by 4 mm; what stands bounces by micrometres.
+  // Goal: a sleeping body comes down with a support that wakes and leaves. Method: knock the lowest
+  // grains of heaps about. When all grains rest, restart them at their places without rest. In 30
+  // ms, a floating grain falls by 4 mm, and a supported grain bounces by micrometres.
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Scene scene = scenes::grain_heap(20, seed).scene;
     for (std::uint32_t body = 0; body < 5; ++body) {
@@ -265,7 +262,7 @@ TEST(Resting, NothingHangsInTheAir) {
     again.slow.rest_speed_mps = 0;
     for (std::uint32_t body = 0; body < again.bodies.size(); ++body) {
       const FreeFlight& flight = run.recording.segments({body}).back().segment.flight;
-      // Some rest within touch of the floor, where nothing may start.
+      // Raise all grains, because some rest within touch of the floor, where no body may start.
       again.bodies[body].start = {
           .pose = {flight.position_m + Vec3(0, 0, 2 * k_touch_m), flight.orientation}, .twist = {}};
       again.bodies[body].start_tick = {};
@@ -284,8 +281,8 @@ TEST(Resting, NothingHangsInTheAir) {
 }
 
 TEST(Resting, WhoeverRestsLaterIsNotLessCareful) {
-  // Goal: a longer rest time freezes nothing that a shorter one lets topple. Method: a cube whose
-  // centre is 0.3 mm beyond a table's edge, with rest times up to 20 times as long; it falls.
+  // Goal: if a cube topples with a short rest time, it also topples with a longer one. Method: put
+  // a cube's centre 0.3 mm beyond a table's edge, with rest times up to 20 times as long.
   for (const double times : {1.0, 5.0, 20.0}) {
     Scene scene = floor_scene({.restitution = 0.3, .friction = 0.5});
     scene.slow.rest_time_s *= times;
@@ -306,14 +303,14 @@ TEST(Resting, WhoeverRestsLaterIsNotLessCareful) {
 }
 
 TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
-  // Goal: a resting body takes a soft blow as static geometry does. Method: a ball that flies at a
-  // resting cube; the speed that the cube would get is below or above wake_speed_mps.
+  // Goal: a resting body reflects a soft blow like static geometry. Method: shoot a ball at a
+  // resting cube, so that the cube's speed would be below or above wake_speed_mps.
   Resting rule;
   Scene scene = floor_scene({.restitution = 0.5, .friction = 0.4});
   rule.reset({}, scene.slow, ticks_after(1));
   scene.bodies.push_back(cube_at({0, 0, 0.0101}));
   scene.bodies.push_back(ball_at({-0.05, 0, 0.012}));
-  // The cube and the ball have equal masses, 20 g: a jump of (1 + e) v against a fixed cube.
+  // Both weigh 20 g. The ball's velocity changes by (1 + e) v at a fixed cube.
   ASSERT_NEAR(scene.bodies[0].inertia.mass_kg, 0.02, 1e-12);
   for (const double share : {0.5, 2.0}) {
     Scene blow = scene;
@@ -325,7 +322,6 @@ TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
     const RecordedRun run = testing::recorded(blow, 0.52);
     ASSERT_EQ(run.error, "");
     EXPECT_EQ(mode_at(run, 0, start), MotionMode::resting);
-    // The pair has met, and the ball came back.
     ASSERT_GE(run.recording.segments({1}).size(), 2U);
     EXPECT_EQ(run.recording.segments({1})[1].cause.lower, 0U);
     EXPECT_LT(run.recording.segments({1})[1].segment.flight.velocity_mps.x(), share < 1 ? 0 : 1);
@@ -351,8 +347,8 @@ bool carries(const std::vector<TouchRecord>& contacts) {
 }
 
 TEST(CanCarry, OneContact) {
-  // Goal: one contact carries what is right above it. Method: below the centre, beside it, above;
-  // on a slope, where only friction helps, and the line of the weight must still go through it.
+  // Goal: one contact supports a body right above it. Method: test contacts in several directions.
+  // On a slope, friction is necessary and the line of the weight must pass through the contact.
   const Vec3 up(0, 0, 1);
   EXPECT_TRUE(carries({contact({0, 0, -0.01}, up, 0)}));
   EXPECT_FALSE(carries({contact({0.005, 0, -0.01}, up, 0)}));
@@ -366,8 +362,8 @@ TEST(CanCarry, OneContact) {
 }
 
 TEST(CanCarry, AnEdge) {
-  // Goal: two contacts carry what is above the line between them. Method: centre above the line, to
-  // its side, beyond its end.
+  // Goal: two contacts support a centre above the line between them. Method: test centres above the
+  // line, beside it and beyond its end.
   const auto edge = [](double x_m, double y_m) {
     const Vec3 up(0, 0, 1);
     return carries(
@@ -380,7 +376,7 @@ TEST(CanCarry, AnEdge) {
 }
 
 TEST(CanCarry, AFace) {
-  // Goal: three and four contacts carry what is above their polygon.
+  // Goal: three and four contacts support a centre above their polygon.
   const auto face = [](double x_m, double y_m, int corners) {
     const Vec3 up(0, 0, 1);
     std::vector<TouchRecord> contacts{contact({x_m - 0.01, y_m - 0.01, -0.01}, up, 0),
@@ -398,15 +394,14 @@ TEST(CanCarry, AFace) {
 }
 
 TEST(CanCarry, Wedges) {
-  // Goal: slanting contacts hold with friction or by their pair. Method: a groove without friction
-  // carries; walls that are upright need friction of their own and a squeeze, which they then can
-  // have; a ladder on a smooth floor slips.
+  // Goal: slanting contacts hold by friction or as a pair. Method: a groove needs no friction,
+  // upright walls need friction to squeeze the body, and a ladder on a smooth floor slips.
   const Vec3 left(-0.01, 0, 0);
   const Vec3 right(0.01, 0, 0);
   EXPECT_TRUE(carries({contact(left, {1, 0, 1}, 0), contact(right, {-1, 0, 1}, 0)}));
   EXPECT_FALSE(carries({contact(left, {1, 0, 0}, 0), contact(right, {-1, 0, 0}, 0)}));
   EXPECT_TRUE(carries({contact(left, {1, 0, 0}, 0.5), contact(right, {-1, 0, 0}, 0.5)}));
-  // A wedge that opens downwards only holds with more friction than its slope.
+  // A wedge that opens downwards holds only if its friction exceeds its slope.
   EXPECT_FALSE(carries({contact(left, {1, 0, -0.3}, 0), contact(right, {-1, 0, -0.3}, 0)}));
   EXPECT_FALSE(carries({contact(left, {1, 0, -0.3}, 0.2), contact(right, {-1, 0, -0.3}, 0.2)}));
   EXPECT_TRUE(carries({contact(left, {1, 0, -0.3}, 0.6), contact(right, {-1, 0, -0.3}, 0.6)}));
@@ -417,8 +412,8 @@ TEST(CanCarry, Wedges) {
 }
 
 TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
-  // Goal: what falls over isn't carried by the search's account either. Method: random contacts of
-  // a ball and of other bodies, of which every other lot is nearly in balance.
+  // Goal: the search also finds no support for bodies that fall over. Method: test random contacts
+  // of a ball and other bodies; every other set is almost in balance.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * stream.uniform();
@@ -432,7 +427,7 @@ TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
     for (std::size_t k = 0; k < count; ++k) {
       const double x = uniform(-0.5, 0.5) * (count == 2 ? 1 : spread);
       const double y = uniform(-1, 1) * spread;
-      // The second one is opposite of the first one, but for the spread.
+      // The second contact is opposite of the first, up to the spread.
       const double side = k == 0 ? 1 : -1;
       const Vec3 normal = math::normalized(Vec3(side * x, y, 1));
       const Vec3 arm_m =
@@ -444,7 +439,7 @@ TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
     falling += falls ? 1 : 0;
     carried += carries(once) ? 1 : 0;
   }
-  // Most of what isn't carried falls over.
+  // Most unsupported bodies fall over.
   EXPECT_GT(carried, 1'000);
   EXPECT_GT(falling, 0.9 * (20'000 - carried));
 }

@@ -1,4 +1,4 @@
-// Runs with and without an earlier one's history, and how they differ.
+// Runs with and without an earlier run's history, and their differences.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -17,7 +17,7 @@
 
 namespace sleight::physics::testing {
 
-/// Any way to run a scene that keeps its history.
+/// Random options for a run that keeps its history.
 inline SimulationOptions random_way(Dice& dice) {
   SimulationOptions options;
   options.keep_history = true;
@@ -65,7 +65,6 @@ inline std::uint64_t changes_of(const Counts& counts) {
          counts.modes + counts.rest_decisions;
 }
 
-/// Where two recordings part.
 inline std::string first_difference(const Recording& a, const Recording& b) {
   std::string found = "nowhere but at their ends";
   Tick first = k_never;
@@ -88,7 +87,7 @@ inline std::string first_difference(const Recording& a, const Recording& b) {
   return found;
 }
 
-/// Balls side by side on a floor, each at rest soon.
+/// Balls side by side on a floor, which soon rest.
 inline Scene balls_apart(std::uint32_t count) {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -9.81};

@@ -1,5 +1,4 @@
-// What is replayed makes no difference: simulations of scenes that differ in something, with the
-// history of the one before, against simulations of everything.
+// Tests that replay changes no result, with the history of a scene that differs in something.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +25,7 @@ using testing::Subject;
 constexpr std::uint64_t k_seed = 20261121;
 constexpr int k_steps = 20;
 
-/// Chains of proposals, each of k_steps.
+/// Number of chains, each of k_steps proposals.
 std::uint64_t chain_count() {
   return property::long_run() ? 100'000 / k_steps : property::of_tier(36, 64);
 }
@@ -34,12 +33,12 @@ std::uint64_t chain_count() {
 struct Tally {
   std::uint64_t runs = 0;
   std::uint64_t failed = 0;
-  std::uint64_t replayed = 0;   ///< events
-  std::uint64_t simulated = 0;  ///< the same of those with a history
-  std::uint64_t all = 0;        ///< of simulations of everything
+  std::uint64_t replayed = 0;   ///< replayed events
+  std::uint64_t simulated = 0;  ///< simulated events, in runs with a history
+  std::uint64_t all = 0;        ///< events of simulations from scratch
 };
 
-/// Proposals one after the other, each from the last one that was accepted.
+/// Makes proposals, each from the last accepted one.
 void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
   Scene accepted = subject.scene;
   std::shared_ptr<const History> history;
@@ -91,7 +90,7 @@ void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
       tally.simulated += changes_of(simulation.counts());
       tally.all += changes_of(expected.counts());
     }
-    // A proposal that is rejected leaves the history as it is.
+    // A rejected proposal leaves the history unchanged.
     if (!history || dice.one_in(2)) {
       history = simulation.history();
       ASSERT_NE(history, nullptr);
@@ -101,10 +100,10 @@ void run_chain(const Subject& subject, Dice& dice, Tally& tally) {
 }
 
 TEST(Reuse, ReplayingMakesNoDifference) {
-  // Goal: a reused simulation's result equals a fresh simulation bit for bit. Method: random
-  // scenes of every kind; in each, proposals one after the other (bodies that start elsewhere,
-  // faster, later, not at all or again, static geometry that moves, kicks, other laws), some
-  // accepted; each is simulated with the history of the last accepted one, in all ways, and whole.
+  // Goal: a simulation with a history equals a simulation from scratch, bit for bit. Method: in
+  // random scenes of every kind, make successive proposals: starts elsewhere, faster, later, never
+  // or again, moved static geometry, kicks, other laws. Accept some. Simulate each from scratch
+  // and, in all ways, with the history of the last accepted one.
   std::map<std::string, Tally> by_kind;
   const std::uint64_t count = chain_count();
   for (const std::uint64_t n : property::cases(count)) {
@@ -118,15 +117,14 @@ TEST(Reuse, ReplayingMakesNoDifference) {
     fmt::print("seed {}: {}: {} runs, {} failed; events: {} replayed, {} simulated, {} without\n",
                k_seed, kind, tally.runs, tally.failed, tally.replayed, tally.simulated, tally.all);
     if (!property::all_cases()) continue;
-    // Stacks of cubes that are off balance topple, all of them live: 1.96% are replayed.
+    // Unbalanced stacks of cubes topple with all cubes live; 1.96% of their events are replayed.
     EXPECT_GT(tally.replayed, tally.simulated / (kind == "cube_stack" ? 60 : 50)) << kind;
     EXPECT_LT(tally.failed, tally.runs / 2) << kind;
   }
 }
 
 TEST(Reuse, AWrongHistoryMakesADifference) {
-  // Goal: what is replayed is not simulated, so the property above can fail. Method: a history that
-  // claims to be of a scene of which it isn't.
+  // Goal: a replayed body is not simulated, so the test above can fail. Method: a wrong history.
   const Scene before = balls_apart(3);
   Scene after = before;
   after.bodies[1].start.twist.velocity_mps.x() = 0.1;
@@ -139,8 +137,8 @@ TEST(Reuse, AWrongHistoryMakesADifference) {
 }
 
 TEST(Reuse, OnlyWhatDiffersIsSimulated) {
-  // Goal: the point of it. Method: of balls apart one starts otherwise; the others are replayed
-  // to the last event; of the same scene nothing at all is simulated.
+  // Goal: a history saves work. Method: change the start of one of several separate balls. The
+  // others are replayed to the last event. For the same scene, nothing is simulated.
   const Scene before = balls_apart(8);
   const RunResult earlier = run(before, 2);
   Scene after = before;
@@ -155,8 +153,8 @@ TEST(Reuse, OnlyWhatDiffersIsSimulated) {
 }
 
 TEST(Reuse, AFailureComesAsItWould) {
-  // Goal: collisions are counted through what is replayed. Method: a ball bounces ever lower in a
-  // scene that doesn't say how that ends; histories that end before the simulation gives up.
+  // Goal: replayed collisions count too. Method: a ball bounces ever lower in a scene without an
+  // end for that. Its histories end before the simulation gives up.
   Scene scene = balls_apart(1);
   scene.slow = {};
   Simulation whole = Simulation::start(scene, {}).value();
@@ -176,14 +174,14 @@ TEST(Reuse, AFailureComesAsItWould) {
 }
 
 TEST(Reuse, WhatIsTheSameIsShared) {
-  // Goal: memory. Method: a kick late in a long fall; the histories have the same chunks before it.
-  // A proposal that is not accepted leaves the history as it was.
+  // Goal: histories share memory. Method: kick a ball late in a long fall. Both histories have the
+  // same chunks before the kick. A rejected proposal leaves the history unchanged.
   Scene scene = balls_apart(120);
   const RunResult earlier = run(scene, 2);
   const std::size_t chunks = earlier.history->chunks.size();
   ASSERT_GT(chunks, 3U);
   const auto second =
-      earlier.history->chunks[1];  // the first one holds tick 0, which start() looks at
+      earlier.history->chunks[1];  // the first chunk contains tick 0, which start() reads
   scene.controls.push_back(
       {.tick = Tick{} + ticks_after(1.5), .body = {7}, .velocity_change_mps = {0, 0, 0.3}});
   const RunResult reused = run(scene, 2, earlier.history);
@@ -193,9 +191,9 @@ TEST(Reuse, WhatIsTheSameIsShared) {
 }
 
 TEST(Reuse, MemoryIsBounded) {
-  // Goal: a simulation whose history would take too much goes on without. Method: a small limit,
-  // of what is simulated and of what is replayed; there is no history, and the recording is whole,
-  // or empty if none was asked for.
+  // Goal: a simulation whose history would exceed its limit continues without a history. Method:
+  // set a small limit for simulated and replayed events. There is no history, and the recording is
+  // complete, or empty if not requested.
   const Scene scene = balls_apart(20);
   SimulationOptions options;
   options.keep_history = true;
@@ -224,8 +222,7 @@ TEST(Reuse, MemoryIsBounded) {
   EXPECT_EQ(forgets.recording().segment_count(), 0U);
 }
 
-/// A tick in a history: of an event, of the first one of two within a microsecond, of a kick, or
-/// somewhat later.
+/// Tick of an event, of a pair of events within a microsecond, of a kick, or slightly later.
 Tick cut_in(const History& history, Dice& dice) {
   Tick tick{};
   if (dice.one_in(3) && !history.scene.controls.empty()) {
@@ -244,9 +241,8 @@ Tick cut_in(const History& history, Dice& dice) {
 }
 
 TEST(Reuse, ItGoesOnBeyondTheHistory) {
-  // Goal: at every event a history has all that goes on from there. Method: scenes of every kind,
-  // with kicks, most of them slow; histories that end right at an event, or somewhere; all bodies
-  // go live there.
+  // Goal: at every event, a history contains all state to continue from there. Method: cut
+  // histories of all kinds of scenes at an event or anywhere. All bodies go live at the cut.
   const std::uint64_t scenes = property::long_run() ? 2000 : property::of_tier(9, 32);
   for (const std::uint64_t n : property::cases(scenes)) {
     Subject subject = testing::subject_of(n);

@@ -1,5 +1,4 @@
-// Where reuse may go wrong: kicks, places, starts, sleepers and decisions about rest, in scenes
-// made for it.
+// Tests where reuse could go wrong: kicks, places, starts, sleepers and decisions about rest.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,8 +21,8 @@ using testing::run;
 using testing::RunResult;
 
 TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
-  // Goal: a kick that is replayed isn't done again by a body that goes live from it, as its way now
-  // leads to a place that differs. Method: a ball is kicked to a wall that has moved.
+  // Goal: a replayed kick isn't applied again to a body that goes live at that kick because its
+  // path now leads to a changed place. Method: kick a ball towards a wall that has moved.
   Scene before = balls_apart(2);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   before.controls.push_back(
@@ -41,8 +40,8 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
 }
 
 TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
-  // Goal: kicks at one tick come in the scene's order, which need not be that of bodies. Method:
-  // two such kicks, the later body's first; that one starts otherwise, or never in either scene.
+  // Goal: kicks at one tick come in the scene's order, which may differ from the bodies' order.
+  // Method: kick the highest body first. That body starts differently, or never in both scenes.
   Scene before = balls_apart(6);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   for (const std::uint32_t body : {5U, 2U, 4U, 1U}) {
@@ -65,7 +64,7 @@ TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
   }
 }
 
-/// A box of a half width about a place.
+/// A cube with half side `half_m` about a centre.
 std::shared_ptr<const ConvexPolyhedron> block(const Vec3& centre_m, double half_m) {
   std::vector<Vec3> corners_m;
   for (int corner = 0; corner < 8; ++corner) {
@@ -76,7 +75,7 @@ std::shared_ptr<const ConvexPolyhedron> block(const Vec3& centre_m, double half_
   return std::make_shared<const ConvexPolyhedron>(convex_hull(corners_m).value());
 }
 
-/// Balls, or cubes, above a floor, and a block far away from them.
+/// Balls or cubes above a floor, and a distant block.
 Scene beside_a_block(bool balls) {
   Scene scene = balls_apart(4);
   const Scene cubes = scenes::cube_drop(4, 1).scene;
@@ -86,8 +85,8 @@ Scene beside_a_block(bool balls) {
 }
 
 TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
-  // Goal: who met something that is gone goes live, as well as who meets something that has come.
-  // Method: a block under one body, and far away, in either order; balls and cubes.
+  // Goal: a body goes live if it met something that is gone, or meets something new. Method: put a
+  // block under a body, or far away, in either order, for balls and cubes.
   for (const bool balls : {true, false}) {
     const Scene away = beside_a_block(balls);
     for (std::uint32_t i = 0; i < away.bodies.size(); ++i) {
@@ -106,9 +105,9 @@ TEST(ReuseTraps, PlacesCountAsTheyWereAndAsTheyAre) {
 }
 
 TEST(ReuseTraps, StartsSeeWhatDiffers) {
-  // Goal: a start is no event of a history in which there was room, or none. Method: a body starts
-  // late, deep inside of a block that wasn't there: it is an error. One that drew its place again
-  // as a block was in its way takes its first one when that has gone, and the other way round.
+  // Goal: starts aren't replayed if their place has changed. Method: a body that starts late inside
+  // a new block is an error. A body that drew its place again because of a block takes its first
+  // place without the block, and the reverse.
   Scene away = beside_a_block(true);
   BodyDescription& late = away.bodies[1];
   late.start_tick = Tick{} + ticks_after(0.7);
@@ -133,7 +132,7 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
   EXPECT_EQ(run(around, 1, free.history).digest, drawn.digest);
   EXPECT_EQ(run(away, 1, drawn.history).digest, free.digest);
 
-  // The same when another body is in the way.
+  // The same with another body in the way.
   Scene alone = away;
   Scene two = away;
   two.bodies[0].start_tick = Tick{} + ticks_after(0.69);
@@ -147,10 +146,10 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
 }
 
 TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
-  // Goal: replay.h, invariant 3. Method: a pyramid of balls in a tray of planes comes to rest; then
-  // one after the other is kicked, late, or isn't there from the start; and the floor is lowered.
+  // Goal: waking never spreads to replayed bodies (replay.h, invariant 3). Method: a pyramid of
+  // balls rests in a tray of planes. Then kick a ball, start it late or never, or lower the floor.
   Scene before = balls_apart(0);
-  // With less friction than 0.53 it spreads for long.
+  // With friction below 0.53 the pyramid spreads for a long time.
   before.contacts =
       ContactTable(1, {.restitution = 0.5, .friction = 0.7, .rolling_friction = 0.05});
   for (const double side : {-1.0, 1.0}) {
@@ -197,7 +196,7 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
     without.bodies[i].start.pose.position_m.z() = 0.2;
     compare(without);
   }
-  // Who has woken without a blow, and left his place or not, is in the history as well.
+  // The history also stores which bodies woke without a blow, and whether they left their places.
   for (std::uint32_t i = 0; i < 9; ++i) {
     Scene kicked = before;
     kicked.controls.push_back(
@@ -214,7 +213,7 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
                                 .velocity_change_mps = {0, 0.02, 0.05}});
       EXPECT_EQ(run(twice, 4, woken.history).digest, run(twice, 4).digest);
     }
-    // A kick of the history, of one that is replayed, on whom rests one that is not.
+    // The history kicks a replayed body on which a live body rests.
     Scene otherwise = kicked;
     otherwise.bodies[8].start.twist.velocity_mps.x() = 0.05;
     EXPECT_EQ(run(otherwise, 4, woken.history).digest, run(otherwise, 4).digest);
@@ -224,7 +223,7 @@ TEST(ReuseTraps, SleepersAreWokenByTheirOwnKind) {
   compare(lower);
 }
 
-/// A body is dropped on another one, and when both are at rest a ball is shot at the lower one.
+/// Drops a body on another. When both rest, shoots a ball at the lower body.
 Scene dropped_on(std::uint64_t seed, double later_s, double shot_s) {
   Scene scene = scenes::cube_stack(2, seed).scene;
   scene.bodies[1].start_tick = Tick{} + ticks_after(later_s);
@@ -240,7 +239,6 @@ Scene dropped_on(std::uint64_t seed, double later_s, double shot_s) {
   return scene;
 }
 
-/// When a body first comes to rest.
 Tick first_rest(const Recording& recording, BodyId body) {
   for (const auto& [segment, cause] : recording.segments(body)) {
     if (segment.mode == MotionMode::resting) return cause.tick;
@@ -249,11 +247,10 @@ Tick first_rest(const Recording& recording, BodyId body) {
 }
 
 TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
-  // Goal: replay.h, invariants 2 to 4, where two bodies have met shortly before only one of them
-  // differs: one decides about rest and looks at the other, or rests on him. Method: a kick to
-  // either of two cubes on one another, in one scene alone, some time before or after the upper
-  // one's rest; whom it doesn't come to is simulated by his history, and must not be. Later
-  // the lower one is hit, and wakes who rests on him.
+  // Goal: invariants 2 to 4 of replay.h hold if two bodies met shortly before one of them changes:
+  // the other decides about rest, or rests on that body. Method: in one of two scenes, kick either
+  // of two stacked cubes shortly before or after the upper one's rest. The cube that isn't kicked
+  // must not stay replayed. Later, a hit on the lower cube wakes the upper one.
   int compared = 0;
   const std::uint64_t seeds = property::long_run() ? 40 : 2;
   for (const std::uint64_t seed : property::seeds(seeds)) {
@@ -265,8 +262,7 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
       const Tick rest = first_rest(settled.recording(), {1});
       if (rest == k_never) continue;
       const RunResult without = run(plain, end_s);
-      // A kick so slow that it only makes the body wait for its rest again, and right after it the
-      // history ends.
+      // A slow kick only makes the body wait for its rest again. The history ends right after it.
       for (const double before_ms : {0.5, 1.5, 2.5, 3.5}) {
         Scene nudged = plain;
         const Tick tick = rest - ticks_after(1e-3 * before_ms);
@@ -298,9 +294,9 @@ TEST(ReuseTraps, DecisionsAboutRestSeeWhoDiffers) {
 }
 
 TEST(ReuseTraps, AKickIsForWhoIsThereNow) {
-  // Goal: a kick of the history that can't be replayed, since who was woken by it isn't at rest any
-  // more, comes all the same. Method: a cube rests on another one, which is kicked; in the other
-  // scene a ball has just hit the part of the upper one that juts out, from below.
+  // Goal: a kick of the history happens even if it can't be replayed, because a body that it woke
+  // is no longer at rest. Method: kick a cube on which another rests. In the other scene, a ball
+  // has just hit the overhanging part of the upper cube from below.
   Scene after = scenes::cube_stack(2, 1).scene;
   after.bodies[0].start.pose.position_m = {0, 0, 0.0105};
   after.bodies[1].start.pose.position_m = {0.0085, 0, 0.031};

@@ -1,4 +1,4 @@
-// Round bodies: how they topple and come to rest; energy, overlaps.
+// Tests how round bodies topple and come to rest, their energy and their overlaps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ using testing::floor_scene;
 using testing::RecordedRun;
 
 constexpr double k_g_mps2 = 9.81;
-/// Of the kinetic energy on a circle: what the chord of a 32nd of a radian lacks in its middle.
+/// Share of the kinetic energy missing in the middle of a circle's chord over a 32nd of a radian.
 constexpr double k_chord_share = 1.0 / (64 * 64);
 
 BodyDescription body_of(const RoundSolid& solid, const StartState& start) {
@@ -45,8 +45,8 @@ Vec3 place_after(const RecordedRun& run, double span_s) {
 }
 
 TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
-  // Goal: let go at a tilt below that at which its centre of mass is above the rim's circle, a pin
-  // falls back on its foot, above it falls over, to 0.1 degree. Method: tilts on both sides.
+  // Goal: a tilted pin falls back on its foot up to the tilt at which its centre of mass is above
+  // the rim's circle, and falls over beyond, to 0.1 degree. Method: test tilts on both sides.
   const RoundSolid pin = bowling_pin(1.55).value();
   // The rim is the ring with the lowest centre.
   double circle_m = 0;
@@ -62,7 +62,7 @@ TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
   for (const double off : {-0.1, 0.1}) {
     const double tilt = balance + off * pi / 180;
     Scene scene = floor_scene(0.12, {.restitution = 0.4, .friction = 0.5});
-    // Its centre over the rim's circle's lowest point.
+    // Height of the centre above the lowest point of the rim's circle.
     const double height_m = depth_m * std::cos(tilt) + circle_m * std::sin(tilt) + rim_m + 1e-6;
     scene.bodies.push_back(
         body_of(pin, {.pose = {.position_m = {0, 0, height_m},
@@ -75,8 +75,8 @@ TEST(RoundBodies, APinTopplesAtTheTiltOfItsRim) {
 }
 
 TEST(RoundBodies, FlatOnesStayAndComeToRest) {
-  // Goal: a cylinder put down on its end, a coin on its face and a rounded box come to rest where
-  // they stand. Method: drops by a tenth of a millimetre.
+  // Goal: a cylinder on its end, a coin on its face and a rounded box come to rest where they
+  // stand. Method: drop them by a tenth of a millimetre.
   const RoundSolid solids[] = {
       cylinder(0.03, 0.08, 0.001, 1000).value(), coin(0.012, 0.002, 8000).value(),
       rounded_box({0.05, 0.04, 0.03}, 0.003, 1000).value(), bowling_pin(1.55).value()};
@@ -93,8 +93,8 @@ TEST(RoundBodies, FlatOnesStayAndComeToRest) {
 }
 
 TEST(RoundBodies, KeepEnergyWithoutLoss) {
-  // Goal: elastic and smooth bodies keep their energy, to 1e-9 of it. Method: some of each kind
-  // between six walls, without gravity, for thousands of collisions.
+  // Goal: elastic and smooth bodies keep their energy to 1e-9. Method: let some bodies of each kind
+  // collide thousands of times between six walls, without gravity.
   Scene scene = scenes::round_solids(12, 3).scene;
   scene.gravity_mps2 = Vec3::Zero();
   scene.slow = {};
@@ -119,11 +119,10 @@ TEST(RoundBodies, KeepEnergyWithoutLoss) {
 }
 
 TEST(RoundBodies, NeverGainEnergy) {
-  // Goal: with friction and loss nothing gains energy, slow contacts included. Method: scenes of
-  // all kinds; the sum of kinetic and potential energy at each look, against the least of all that
-  // came before. What rolls as a cone does so on a circle in pieces of a 32nd of a radian, each
-  // with the right velocities at its ends and the chord between them: there a look may see the
-  // square of half that angle less of its kinetic energy, and may later see it whole.
+  // Goal: with friction and loss, energy never increases, slow contacts included. Method: compare
+  // kinetic plus potential energy at each look with its least value so far. A body that rolls as a
+  // cone moves on chords over a 32nd of a radian. Within a chord, a look may miss a fraction of its
+  // kinetic energy, the square of half that angle, and a later look may see it again.
   for (const std::uint64_t seed :
        property::cases(property::long_run() ? 100 : property::of_tier(2, 6))) {
     const Scene scene = scenes::round_solids(10, seed + 1).scene;
@@ -153,8 +152,8 @@ TEST(RoundBodies, NeverGainEnergy) {
 }
 
 TEST(RoundBodies, DontOverlapByMoreThanTwoMicrometres) {
-  // Goal: penetration. Method: scenes of all kinds, looked at at random ticks; each pair, and
-  // each body and plane, is apart along some axis, by a plain computation of how far it reaches.
+  // Goal: round bodies overlap by at most two micrometres. Method: at random ticks, each pair, and
+  // each body and plane, is separated along some axis, by a plain computation of reach.
   double deepest_m = 0;
   int near = 0;
   for (const std::uint64_t seed :

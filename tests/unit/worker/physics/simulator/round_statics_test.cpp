@@ -1,4 +1,4 @@
-// Round bodies on triangles and polyhedra that don't move: how deep they get, and their energy.
+// Tests round bodies on static triangles and polyhedra: their depth and their energy.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace {
 
 using testing::RecordedRun;
 
-/// Round bodies of all kinds, and a block, over a random height field of triangles.
+/// Round bodies of all kinds, and a block, above a random height field of triangles.
 Scene round_bodies_on_bumps(std::uint64_t seed) {
   Scene scene = scenes::round_solids(8, seed).scene;
   const Scene bumps = scenes::bumpy_floor(1, seed).scene;
@@ -35,7 +35,7 @@ const Compound* compound_of(const BodyDescription& body) {
   return shape != nullptr ? shape->get() : nullptr;
 }
 
-/// Along the axis that the distance gives, by a plain computation of how far each reaches.
+/// Separation along the axis of the distance, by a plain computation of reach.
 double separation_m(const ConvexView& own, const PlacedPose& place, const MovingPiece& other,
                     Vec3* along = nullptr) {
   const Vec3 axis = closest_round(own, place, *other.view, other.pose).normal;
@@ -45,10 +45,9 @@ double separation_m(const ConvexView& own, const PlacedPose& place, const Moving
 }
 
 TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
-  // Goal: no round body is more than two micrometres deep in a triangle or in a block, and there is
-  // a floor for each. Method: scenes on random height fields, looked at at random ticks; the
-  // separation along the axis that the distance gives, by a plain computation of how far each
-  // reaches. A triangle has no inside, so only one whose face looks at the body's centre counts.
+  // Goal: no round body is more than two micrometres deep in a triangle or a block, and none falls
+  // through. Method: at random ticks, compute the separation along the distance's axis by plain
+  // reach. A triangle has no inside, so only triangles that face the body's centre count.
   double deepest_m = 0;
   int near_triangles = 0;
   int near_block = 0;
@@ -82,7 +81,7 @@ TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
           if (gap_m < 1e-5) ++(is_triangle ? near_triangles : near_block);
           deepest_m = std::max(deepest_m, -gap_m);
           if (gap_m > 1e-6) continue;
-          // Were it deeper, that would be seen.
+          // The test would notice a deeper body.
           PlacedPose pushed = place;
           pushed.position_m += 5e-6 * axis;
           ASSERT_LT(separation_m(own, pushed, other), -2e-6) << seed;
@@ -102,8 +101,8 @@ TEST(RoundStatics, NothingSinksIntoTrianglesAndBlocks) {
 }
 
 TEST(RoundStatics, NeverGainEnergyOnTriangles) {
-  // Goal: with friction and loss nothing gains energy on height fields. Method: the sum of kinetic
-  // and potential energy at each look.
+  // Goal: with friction and loss, energy never increases on height fields. Method: compare kinetic
+  // plus potential energy at each look.
   for (const std::uint64_t seed : property::cases(property::long_run() ? 100 : 4)) {
     const Scene scene = round_bodies_on_bumps(seed + 31);
     auto started = Simulation::start(scene, {});

@@ -1,4 +1,4 @@
-// Bad scenes are refused with an error of the right kind that names the body.
+// Tests that bad scenes are refused with an error of the right kind that names the body.
 #include <sstream>
 #include <string>
 
@@ -16,7 +16,7 @@ namespace {
 
 using Kind = SceneError::Kind;
 
-/// Two balls above a floor; the second has no name.
+/// Two balls above a floor. The second has no name.
 Scene good_scene() {
   Scene scene;
   scene.gravity_mps2 = {0, 0, -9.81};
@@ -32,7 +32,7 @@ Scene good_scene() {
   return scene;
 }
 
-/// Each part of `facts`, between bars, is in the message.
+/// Expects each part of `facts`, separated by bars, in the message.
 void expect_facts(const std::string& message, const std::string& facts) {
   std::istringstream parts(facts);
   for (std::string fact; std::getline(parts, fact, '|');)
@@ -46,8 +46,8 @@ struct Wrong {
 };
 
 TEST(SceneErrors, EachFaultIsNamed) {
-  // Goal: what is wrong with a scene is said in a typed error that names who, what and what is
-  // allowed. Method: a good scene is spoilt in one place.
+  // Goal: an invalid scene gives a typed error that names the culprit, the problem and the valid
+  // values. Method: make one change to a valid scene.
   const Wrong faults[] = {
       {Kind::bad_mass, "body 'ball': |mass|0 kg|1e-12|1000000000000 kg",
        [](Scene& s) { s.bodies[0].inertia.mass_kg = 0; }},
@@ -181,8 +181,7 @@ TEST(SceneErrors, EachFaultIsNamed) {
 }
 
 TEST(SceneErrors, StartsThatTouchAreRefused) {
-  // Goal: where "overlap" begins: at a gap of k_touch_m. Method: balls, and cubes, a little closer
-  // and a little further.
+  // Goal: an overlap begins at a gap of k_touch_m. Method: test slightly smaller and larger gaps.
   const auto compound = std::make_shared<const Compound>(Compound{.parts = {cube(0.04).value()}});
   for (const bool cubes : {false, true}) {
     for (const double gap_m : {-1e-3, 0.0, 0.9e-7, 1.1e-7}) {
@@ -198,8 +197,7 @@ TEST(SceneErrors, StartsThatTouchAreRefused) {
 }
 
 TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
-  // Goal: overlap is more than touching surfaces. Method: a small ball, and a small cube, in the
-  // middle of a large block.
+  // Goal: bodies also overlap without touching surfaces. Method: put small bodies into a block.
   for (const bool sphere : {true, false}) {
     Scene scene = good_scene();
     scene.convexes.push_back({.name = "block",
@@ -217,7 +215,7 @@ TEST(SceneErrors, ABodyInsideAStaticOneIsRefused) {
   }
 }
 
-/// The first ball lies on the floor, or flies across, when the second starts in its place.
+/// The first ball rests on the floor or flies across when the second starts in its place.
 Scene late_start(bool moving, Tick tick) {
   Scene scene = good_scene();
   scene.slow = {.separation_speed_mps = 0.002, .rest_speed_mps = 0.013, .rest_time_s = 0.004};
@@ -234,8 +232,8 @@ Scene late_start(bool moving, Tick tick) {
 }
 
 TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
-  // Goal: later starts are checked against where bodies are by then. Method: a resting and a moving
-  // obstacle; the same start is fine before the body came or after it went.
+  // Goal: late starts are checked against the bodies' places at that time. Method: use a resting
+  // and a moving obstacle. The same start is valid before the body comes and after it leaves.
   const Tick tick = Tick{} + ticks_after(0.5);
   for (const bool moving : {false, true}) {
     auto started = Simulation::start(late_start(moving, tick), {});
@@ -252,7 +250,7 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
     expect_facts(error->message, "body 1 can't start|at 0.5 s|overlaps body 'ball'|1e-07 m");
     EXPECT_FALSE(simulation.started({1}));
     EXPECT_EQ(simulation.now(), tick);
-    // It stays where it failed.
+    // The simulation stays where it failed.
     const auto again = simulation.run_until(tick + 2000);
     ASSERT_TRUE(again);
     EXPECT_EQ(again->message, error->message);
@@ -264,8 +262,8 @@ TEST(SceneErrors, ALaterStartOnABodyIsAnError) {
 }
 
 TEST(SceneErrors, StartsAreDrawnAgain) {
-  // Goal: a start that overlaps is drawn again, from the attempt alone, until it is free. Method:
-  // the n-th attempt is the first free one.
+  // Goal: an overlapping start is drawn again until it is free, as a function of the attempt only.
+  // Method: make the n-th attempt the first free one.
   for (const std::uint32_t free : {1U, 2U, 17U, 1000U}) {
     Scene scene = good_scene();
     std::vector<std::uint32_t> asked;
@@ -285,14 +283,14 @@ TEST(SceneErrors, StartsAreDrawnAgain) {
     ASSERT_EQ(asked.size(), free);
     for (std::uint32_t i = 0; i < free; ++i)
       EXPECT_EQ(asked[i], i + 1);
-    // The places tried leave no trace.
+    // Refused places leave no trace.
     ASSERT_EQ(simulation.recording().segments({1}).size(), 1U);
     EXPECT_EQ(simulation.recording().segments({1})[0].cause.kind, EventKind::start);
   }
 }
 
 TEST(SceneErrors, AThousandDrawsAreEnough) {
-  // Goal: the limit, and that way to say so. Method: no attempt is free; at once and later.
+  // Goal: too many attempts give an error. Method: make no attempt free, at the start and later.
   for (const double when_s : {0.0, 0.01}) {
     Scene scene = good_scene();
     scene.gravity_mps2 = Vec3::Zero();
@@ -312,8 +310,8 @@ TEST(SceneErrors, AThousandDrawsAreEnough) {
 }
 
 TEST(SceneErrors, DrawnStartsAreCheckedToo) {
-  // Goal: what start_again answers is as unsafe as what a user wrote. Method: NaN at the first
-  // attempt; a process that stops here has not checked it.
+  // Goal: results of start_again are checked like user input. Method: return NaN at the first
+  // attempt. A simulator without the check would stop the process.
   Scene scene = good_scene();
   scene.bodies[1].start = scene.bodies[0].start;
   scene.bodies[1].start_again = [&](std::uint32_t) {

@@ -1,4 +1,4 @@
-// Random scenes of every kind, small enough that the slow reference can run them.
+// Random scenes of every kind, small enough for the slow reference.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct TestScene {
   scenes::Setting setting;
 };
 
-/// The n-th of an endless list: kinds alternate, sizes and seeds vary. Without round bodies.
+/// The n-th scene of an endless list of alternating kinds and sizes. No round bodies.
 inline TestScene test_scene(std::uint64_t n) {
   const std::uint64_t seed = n / 9 + 1;
   switch (n % 9) {
@@ -29,7 +29,7 @@ inline TestScene test_scene(std::uint64_t n) {
       return scene;
     }
     case 2: {
-      // One in three in nearly the least period that is allowed: ten radii.
+      // One scene in three has almost the least valid period: ten radii.
       TestScene scene =
           seed % 3 == 0
               ? TestScene{"gas 24", scenes::hard_sphere_gas(24, 0.1, seed)}
@@ -77,7 +77,7 @@ inline TestScene test_scene(std::uint64_t n) {
   }
 }
 
-/// The same, but one in eleven of round bodies, or of bricks that start at rest.
+/// The same list, but one scene in eleven has round bodies or bricks that start at rest.
 inline TestScene any_scene(std::uint64_t n) {
   if (n % 11 != 10) return test_scene(n);
   const std::uint64_t seed = n / 11 + 1;

@@ -1,4 +1,4 @@
-// Several bodies that hold one another, or don't: a plank under a load, a wall.
+// Tests several bodies that support each other or fall: a plank under a load, a wall.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -36,9 +36,9 @@ bool rests(const RecordedRun& run, std::uint32_t body) {
 }
 
 TEST(Structures, APlankTipsUnderAGentleLoad) {
-  // Goal: a plank at rest over an edge tips when what is put on its free end is heavy enough, and
-  // holds it if not, without a blow that would wake it. Method: a plank of 1 that hangs over by
-  // half of its length less a tenth, and weights of some parts of it, put down from a micrometre.
+  // Goal: a resting plank over an edge tips under a heavy load on its free end and holds a light
+  // one, even if no blow wakes it. Method: put weights of 0.1 and 0.4 planks, from micrometres
+  // above, on a plank that extends over the edge by 0.4 of its length.
   for (const double load : {0.1, 0.4}) {
     Scene scene = floor_scene(0.05, {.restitution = 0.2, .friction = 0.6});
     scene.convexes.push_back({.name = "step",
@@ -52,7 +52,7 @@ TEST(Structures, APlankTipsUnderAGentleLoad) {
                                                                 {-1, 1, 0.2},
                                                                 {0, 1, 0.2}})
                                       .value())});
-    // Its centre lies 0.05 inside of the edge, its end 0.2 outside.
+    // The plank's centre is 0.05 inside of the edge, its end 0.2 outside.
     scene.bodies.push_back(box_at({0.5, 0.1, 0.02}, {-0.05, 0, 0.21 + 1e-6}));
     const Vec3 size(0.04, 0.04, 0.03);
     BodyDescription weight = box_at(size, {0.18, 0, 0.22 + 0.015 + 5e-6});
@@ -65,7 +65,7 @@ TEST(Structures, APlankTipsUnderAGentleLoad) {
     ASSERT_EQ(run.error, "");
     ASSERT_EQ(run.recording.segment_at({0}, Tick{} + ticks_after(0.5) - 1)->mode,
               MotionMode::resting);
-    // Moments about the edge: 0.05 against 0.18 of the load.
+    // Moments about the edge are 0.05 for the plank and 0.18 times the load.
     EXPECT_EQ(end_of(run, 1).z() < 0.2, load * 0.18 > 0.05) << load;
     EXPECT_TRUE(rests(run, 0));
     EXPECT_TRUE(rests(run, 1));
@@ -73,9 +73,9 @@ TEST(Structures, APlankTipsUnderAGentleLoad) {
 }
 
 TEST(Structures, AWallTakesTheMomentumOfABall) {
-  // Goal: a wall of bricks at rest doesn't bear a heavy ball that pushes it on and on by blows each
-  // of which a brick could bear: the ball's momentum is in bricks that fly, but for friction.
-  // Method: the momentum of all just after the hit, and a twentieth of a second later.
+  // Goal: a wall of resting bricks doesn't stop a heavy ball by many small blows that a single
+  // brick could resist. Except for friction, flying bricks carry the ball's momentum. Method:
+  // compare the total momentum just after the hit and a twentieth of a second later.
   Scene scene = floor_scene(0.1, {.restitution = 0.2, .friction = 0.5});
   const ConvexPolyhedron polyhedron = box({0.2, 0.1, 0.1}).value();
   const BodyShape brick = in_body_frame({&polyhedron, 1}, 1500, InertiaSymmetry::general).value();

@@ -1,4 +1,4 @@
-// Dice on spline surfaces, from the scene to rest.
+// Tests dice on spline surfaces, from the scene to rest.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ using testing::Relief;
 constexpr std::uint64_t k_seed = 20261122;
 constexpr double k_side_m = 0.016;
 
-/// The n-th of an endless list of throws, of 1 to 5 dice.
+/// The n-th of an endless list of throws of 1 to 5 dice.
 Scene throw_of(std::uint64_t n) {
   Dice dice(k_seed, n);
   const auto relief = static_cast<Relief>(n % testing::k_reliefs);
@@ -32,7 +32,7 @@ Scene throw_of(std::uint64_t n) {
       n, count, testing::table_surface(testing::random_table(n, relief, height_m), spacing_m));
 }
 
-/// Points all over a cube, much closer than those that it meets surfaces with.
+/// Points all over a cube, much denser than the cube's own lattice.
 std::vector<Vec3> dense_points(double side_m) {
   constexpr int k_steps = 24;
   std::vector<Vec3> points_m;
@@ -50,7 +50,6 @@ std::vector<Vec3> dense_points(double side_m) {
   return points_m;
 }
 
-/// The least height of a die above the surface at a tick.
 double least_gap_m(const RecordedRun& run, std::uint32_t body, SplineSurface& surface, Tick tick,
                    std::span<const Vec3> points_m, Vec3* where_m = nullptr) {
   const Segment& segment = *run.recording.segment_at({body}, tick);
@@ -68,7 +67,7 @@ double least_gap_m(const RecordedRun& run, std::uint32_t body, SplineSurface& su
   return least_m;
 }
 
-/// How much the surface bends down within a die's size of a place, by its definition.
+/// Greatest downward curvature of the surface within a die's size of a place, by definition.
 double bump_near(const StaticSurface& surface, const Vec3& place_m) {
   double most = 0;
   for (int i = -5; i <= 5; ++i) {
@@ -82,9 +81,9 @@ double bump_near(const StaticSurface& surface, const Vec3& place_m) {
 }
 
 TEST(SurfaceSimulation, DiceStayOnTheTable) {
-  // Goal: no bump pierces a die by more than what lies between its points (surface_controls.h).
-  // Method: throws of one die and of several; points all over them, six times as dense as those
-  // that meet the surface, at collisions, some ticks around them and random ticks.
+  // Goal: a bump pierces a die by at most the height that fits between its points
+  // (surface_controls.h). Method: throw one die or several. At collisions, some ticks around them
+  // and random ticks, test points six times as dense as the lattice.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double least_m = 1;
   for (const std::uint64_t n :
@@ -114,7 +113,7 @@ TEST(SurfaceSimulation, DiceStayOnTheTable) {
       const double allowed_m =
           0.25 * bump_near(run.scene.surfaces[0], where_m) * spacing_m * spacing_m + 1e-6;
       EXPECT_GT(deepest_m, -allowed_m) << "throw " << n << ", die " << body;
-      // Of several, one may stand on another.
+      // One of several dice may stand on another.
       if (run.scene.bodies.size() == 1) {
         EXPECT_LT(deepest_m, 1e-5) << "never came close";
       }
@@ -145,7 +144,6 @@ struct Outcome {
   return ::testing::AssertionSuccess();
 }
 
-/// RunResult in so many portions.
 Outcome outcome_of(const Scene& scene, const SimulationOptions& options, int portions) {
   Simulation simulation = Simulation::start(scene, options).value();
   for (int i = 1; i <= portions; ++i)
@@ -155,8 +153,8 @@ Outcome outcome_of(const Scene& scene, const SimulationOptions& options, int por
 }
 
 TEST(SurfaceSimulation, EveryWayGivesTheSame) {
-  // Goal: algorithm, broad phase, queue and where a run is interrupted change no bit, of the
-  // recording or of where surfaces were touched. Method: throws, against all pairs.
+  // Goal: algorithm, broad phase, queue and interruptions change no bit of the recording or of
+  // surface touches. Method: compare throws with the all-pairs reference.
   SimulationOptions reference;
   reference.algorithm = Algorithm::all_pairs;
   for (const std::uint64_t n :
@@ -180,7 +178,7 @@ TEST(SurfaceSimulation, EveryWayGivesTheSame) {
   }
 }
 
-/// Whether a die's centre is above what of it is near the surface, but for `tolerance_m`.
+/// Returns whether a die's centre is above its points near the surface, to `tolerance_m`.
 bool is_balanced(const RecordedRun& run, SplineSurface& surface, std::span<const Vec3> points_m,
                  double near_m, double tolerance_m) {
   const Segment& segment = run.recording.segments({0}).back().segment;
@@ -203,9 +201,9 @@ bool is_balanced(const RecordedRun& run, SplineSurface& surface, std::span<const
 }
 
 TEST(SurfaceSimulation, DiceLoseEnergyAndComeToRestBalanced) {
-  // Goal: no collision gains energy, whatever the fields at its place; all dice come to rest, on
-  // the table, and a die alone so that it would stay. Method: the bodies' energies before and after
-  // each event, and their last poses; restitution and friction anywhere from 0 to 1.
+  // Goal: no collision gains energy, for any fields at its place. All dice come to rest on the
+  // table, and a single die rests in balance. Method: compare the bodies' energies before and after
+  // each event and test their last poses, with restitution and friction from 0 to 1.
   const std::vector<Vec3> points_m = dense_points(k_side_m);
   double gain = 0;
   double highest_m = 0;
@@ -239,7 +237,7 @@ TEST(SurfaceSimulation, DiceLoseEnergyAndComeToRestBalanced) {
   EXPECT_LT(gain, 1e-12);
 }
 
-/// A control point near a place is another one: higher, lower, or bouncier.
+/// Makes a control point near a place higher, lower or bouncier.
 void change_control(Scene& scene, const Vec3& place_m, Dice& dice) {
   StaticSurface& surface = scene.surfaces[0];
   const auto& table = dynamic_cast<const testing::TableControls&>(*surface.controls);
@@ -256,8 +254,8 @@ void change_control(Scene& scene, const Vec3& place_m, Dice& dice) {
   surface.controls = table.with(point, control);
 }
 
-/// What a sampler of throws proposes: control points where dice touched first or last, anywhere
-/// near or far away; starts; or both.
+/// Proposes like a sampler of throws: changes control points at the first or last touches, anywhere
+/// near or far away, or starts, or both.
 void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dice) {
   const auto kind = dice.below(8);
   if (kind < 6) {
@@ -278,9 +276,9 @@ void change_throw(Scene& scene, std::span<const SurfaceTouch> touches, Dice& dic
 }
 
 TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
-  // Goal: after any change of control points and starts, a simulation with the history of the one
-  // before gives what one without gives, bit for bit, and simulates less. Method: chains of
-  // proposals, of which some are accepted, run in all ways and in portions.
+  // Goal: after any change of control points and starts, a simulation with the previous history
+  // equals one without, bit for bit, and simulates less. Method: run chains of proposals, some
+  // accepted, in all ways and in portions.
   constexpr int k_steps = 20;
   std::uint64_t replayed = 0;
   std::uint64_t simulated = 0;
@@ -335,7 +333,7 @@ TEST(SurfaceSimulation, AHistoryMakesNoDifference) {
 }
 
 TEST(SurfaceSimulation, FarChangesAreReplayed) {
-  // Goal: the point of it. Method: a control point a metre away, and one under the last touch.
+  // Goal: a history saves work. Method: change a control point far away, and under the last touch.
   Scene scene = throw_of(1);
   const testing::RunResult earlier = testing::run(scene, 2);
   Simulation simulation = Simulation::start(scene, {}).value();
@@ -355,7 +353,7 @@ TEST(SurfaceSimulation, FarChangesAreReplayed) {
   EXPECT_EQ(near.digest, testing::run(scene, 2).digest);
 }
 
-/// A die that falls flat onto a flat table whose fields change from the left to the right.
+/// A die falls flat onto a flat table whose fields change from left to right.
 Scene falls_flat(double x_m, double speed_mps) {
   auto table = testing::table_of([](GridIndex index) {
     return SurfaceControl{
@@ -369,9 +367,9 @@ Scene falls_flat(double x_m, double speed_mps) {
 }
 
 TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
-  // Goal: a die bounces and slides as the table is where it lands. Method: on the left a table that
-  // swallows and is slippery, on the right one that is neither: normal speeds of the contact point
-  // across the first collision, and the change along the table.
+  // Goal: a die bounces and slides by the table's fields at its place of landing. Method: the table
+  // absorbs and is slippery on the left, and does neither on the right. Compare normal speeds of
+  // the contact point across the first collision, and the change along the table.
   for (const double x_m : {-0.2, 0.2}) {
     const RecordedRun run = testing::recorded(falls_flat(x_m, 0.3), 0.2);
     ASSERT_EQ(run.error, "");
@@ -387,7 +385,7 @@ TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
     };
     const Vec3 before = point_mps(entries[0].segment);
     const Vec3 after = point_mps(entries[1].segment);
-    // Along a flat table nothing but friction pushes.
+    // Along a flat table, only friction acts.
     const Vec3 push_mps =
         entries[1].segment.flight.velocity_mps - velocity_at(entries[0].segment.flight, touch.tick);
     if (x_m < 0) {
@@ -401,8 +399,7 @@ TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
 }
 
 TEST(SurfaceSimulation, WrongScenesAreRefused) {
-  // Goal: what is wrong with a surface, or with what should meet it, is said in a typed error.
-  // Method: a good scene is spoilt in one place.
+  // Goal: invalid surfaces and bodies give typed errors. Method: make one change to a valid scene.
   struct Wrong {
     SceneError::Kind kind;
     const char* says;

@@ -1,7 +1,7 @@
-// A spline surface by its definition, for tests to compare with: the sum of control points times
-// basis functions, these by the recursion of Cox and de Boor and all in long double. Neither powers
-// of a place in a cell nor the size of a basis function's support are presupposed: the sum takes
-// eight times eight points, most of whose basis functions the recursion finds to be zero.
+// A spline surface by definition, as a reference: the sum of control points times basis functions,
+// all in long double. The recursion of Cox and de Boor computes the basis functions. The reference
+// presupposes neither powers of a place in a cell nor the support of a basis function: it sums
+// eight times eight points, and most of their basis functions are zero.
 //
 // Formulas: L. Piegl and W. Tiller, "The NURBS Book" (2nd edition, 1997), equations 2.5 and 2.7,
 // with a knot at every integer; there the basis function that is greatest at the knot i is
@@ -28,7 +28,7 @@ using Long = long double;
 /// Half the distance from 1 to the next double: the greatest relative error of one operation.
 inline constexpr double k_unit = 0x1p-53;
 
-/// Control points by a function; counts how often it is asked.
+/// Control points from a function. Counts the calls.
 class FunctionControls final : public SurfaceControls {
  public:
   using Function = std::function<SurfaceControl(GridIndex)>;
@@ -51,15 +51,14 @@ inline std::shared_ptr<FunctionControls> controls_of(FunctionControls::Function 
   return std::make_shared<FunctionControls>(std::move(function));
 }
 
-/// Heights by a function of the index, fields that never matter.
+/// Heights from a function of the index, with fields that never matter.
 inline std::shared_ptr<FunctionControls> heights_of(std::function<double(double, double)> height) {
   return controls_of([height = std::move(height)](GridIndex index) {
     return SurfaceControl{.height_m = height(index.i, index.j), .restitution = 0.5};
   });
 }
 
-/// Independent points without end: heights within +-height_m, restitution up to 1, friction up
-/// to 2.
+/// Infinitely many independent points: heights within +-height_m, restitution to 1, friction to 2.
 inline std::shared_ptr<FunctionControls> random_controls(std::uint64_t seed, double height_m) {
   return controls_of([seed, height_m](GridIndex index) {
     const auto i = static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.i));
@@ -76,8 +75,7 @@ inline StaticSurface surface_of(std::shared_ptr<const SurfaceControls> controls,
   return {.name = "sheet", .controls = std::move(controls), .spacing_m = spacing_m};
 }
 
-/// N_{k,degree} or its first or second derivative. Both factors of a derivative are 1 since the
-/// knots are 1 apart.
+/// N_{k,degree} or a derivative, whose factors are both 1 because knots are 1 apart.
 inline Long basis_function(std::int64_t k, int degree, Long t, int derivative) {
   const Long from_knot = t - static_cast<Long>(k);
   if (derivative > 0)
@@ -100,7 +98,7 @@ struct ReferencePlace {
   Long friction = 0;
 
   Long slope() const { return std::sqrt(slope_x * slope_x + slope_y * slope_y); }
-  /// The eigenvalues of the matrix of second derivatives: the greatest and least over directions.
+  /// Eigenvalues of the matrix of second derivatives: the greatest and the least over directions.
   Long second_most() const { return (xx + yy) / 2 + half_gap(); }
   Long second_least() const { return (xx + yy) / 2 - half_gap(); }
 
@@ -145,15 +143,15 @@ inline ReferencePlace reference_at(const StaticSurface& surface, Long x_m, Long 
   return sum;
 }
 
-/// By how much a height may be off, for heights within +-height_m: rounding in the sums, and the
-/// place in the grid, whose rounding grows with its index and moves heights by the slope (the
-/// difference of neighbours, up to 2 height_m per cell and axis).
+/// Bound on the error of a height, for heights within +-height_m. Includes rounding in the sums and
+/// of the place in the grid. The latter grows with the index and is multiplied by the slope, which
+/// is up to 2 height_m per cell and axis.
 inline double height_error_m(const StaticSurface& surface, double height_m, double x_m,
                              double y_m) {
   const double cells = (std::fabs(x_m) + std::fabs(y_m)) / surface.spacing_m;
   return k_unit * height_m * (16 + 4 * cells);
 }
-/// The same for slopes, with second differences of up to 4 height_m.
+/// Bound on the error of a slope, with second differences of up to 4 height_m.
 inline double slope_error(const StaticSurface& surface, double height_m, double x_m, double y_m) {
   const double cells = (std::fabs(x_m) + std::fabs(y_m)) / surface.spacing_m;
   return k_unit * height_m * (40 + 8 * cells) / surface.spacing_m;

@@ -1,7 +1,7 @@
-// Goal: heights, slopes and fields are those of the spline, at any place and whatever was asked
-// before, and nothing is made that nobody asked for. Method: random control points without end
-// against a sum over basis functions in long double (reference_surface.h); counts of the control
-// points asked for. Bounds: surface_bounds_test.cpp.
+// Goal: heights, slopes and fields are the spline's at any place, independent of earlier questions,
+// and only requested patches are built. Method: compare infinitely many random control points with
+// a sum over basis functions in long double (reference_surface.h), and count requested control
+// points. surface_bounds_test.cpp tests bounds.
 #include "worker/physics/surface/spline_surface.h"
 
 #include <gtest/gtest.h>
@@ -46,8 +46,7 @@ bool same(const SurfaceBounds& a, const SurfaceBounds& b) {
          a.bump_per_m == b.bump_per_m;
 }
 
-/// Calls take(surface, x_m, y_m) for places near the origin and far from it, on grids narrow
-/// and wide; some places are on lines of the grid.
+/// Calls take(surface, x_m, y_m) for near and far places on narrow and wide grids, and grid lines.
 template <class Take>
 void for_each_place(std::uint64_t seed, int per_reach, Take&& take) {
   Dice dice(seed, 0);
@@ -67,8 +66,8 @@ void for_each_place(std::uint64_t seed, int per_reach, Take&& take) {
 }
 
 TEST(SplineSurface, HasTheHeightsAndSlopesOfTheDefinition) {
-  // Goal: heights and slopes, at indices of both signs and up to a million. Method: the reference's
-  // sums, within the rounding that follows from the size of the heights and of the index.
+  // Goal: heights and slopes are right at indices of both signs and up to a million. Method:
+  // compare with the reference's sums, within the rounding for the sizes of heights and indices.
   int places = 0;
   for_each_place(1, 400, [&](const StaticSurface& surface, double x_m, double y_m) {
     SplineSurface spline(surface);
@@ -86,8 +85,8 @@ TEST(SplineSurface, HasTheHeightsAndSlopesOfTheDefinition) {
 }
 
 TEST(SplineSurface, HasTheFieldsOfTheDefinition) {
-  // Goal: restitution and friction. Method: as for heights; and they stay in their ranges, also
-  // where all points are at an end of them.
+  // Goal: restitution and friction are right. Method: as for heights. They must stay in their
+  // ranges, even if all points are at an end of a range.
   for_each_place(2, 200, [&](const StaticSurface& surface, double x_m, double y_m) {
     const SurfaceControl got = SplineSurface(surface).fields_at(x_m, y_m);
     const ReferencePlace expected = reference_at(surface, x_m, y_m);
@@ -100,9 +99,9 @@ TEST(SplineSurface, HasTheFieldsOfTheDefinition) {
 }
 
 TEST(SplineSurface, WeightsAreTheDefinitions) {
-  // Goal: weights say on which points a place hangs and how much. Method: none is negative, they
-  // sum to 1, times the points of support they make heights and fields; each is the height there of
-  // a surface with that one point raised.
+  // Goal: weights state how much a place depends on each point. Method: no weight is negative,
+  // their sum is 1, and weighted points give heights and fields. Each weight is the height of a
+  // surface with only that point raised.
   Dice dice(6, 0);
   for_each_place(6, 50, [&](const StaticSurface& surface, double x_m, double y_m) {
     SplineSurface spline(surface);
@@ -135,8 +134,8 @@ TEST(SplineSurface, WeightsAreTheDefinitions) {
 }
 
 TEST(SplineSurface, TakesPlacesThatRoundIntoTheNextCell) {
-  // Goal: just below a line the place in the cell rounds to 1; nothing leaves its range. Method:
-  // places closer to 0 than any bit of a cell.
+  // Goal: a place just below a grid line, where the place in the cell rounds to 1, keeps all values
+  // in range. Method: test places closer to 0 than any bit of a cell.
   const StaticSurface surface = surface_of(random_controls(7, k_height_m), 0.01);
   SplineSurface spline(surface);
   const SurfacePlace at_zero = spline.at(0, 0);
@@ -150,9 +149,8 @@ TEST(SplineSurface, TakesPlacesThatRoundIntoTheNextCell) {
 }
 
 TEST(SplineSurface, OfEqualPointsIsConstant) {
-  // Goal: the basis functions sum to 1 everywhere. Method: equal control points; what comes out is
-  // theirs but for rounding, slopes are 0 but for the same, and at the ends of the ranges exactly
-  // within.
+  // Goal: the sum of the basis functions is 1 everywhere. Method: with equal control points, the
+  // surface has their values and slopes of 0, to rounding. Extreme values stay exactly in range.
   Dice dice(8, 0);
   for (const SurfaceControl all : {SurfaceControl{0.3, 1, 0}, SurfaceControl{-17, 0, 0.7},
                                    SurfaceControl{1.0 / 3, 0.1, 1e-3}, SurfaceControl{}}) {
@@ -187,7 +185,7 @@ struct Answer {
 };
 
 Answer answer_of(SplineSurface& spline, const Question& q) {
-  // On one side the place before the bounds.
+  // On one side, ask for the place before the bounds.
   Answer answer;
   if (q.x_m < 0) answer.place = spline.at(q.x_m, q.y_m);
   answer.bounds = spline.bounds_in(q.x_m, q.x_m + q.width_m, q.y_m - q.width_m, q.y_m);
@@ -203,10 +201,9 @@ void expect_same(const Answer& a, const Answer& b) {
 }
 
 TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
-  // Goal: invariant 1, with so many patches that the table of patches grows several times. Method:
-  // the same questions in two orders, some twice in a row, and of surfaces that nothing was asked
-  // before: the same bits. Indices are near, far, and multiples of powers of two, as grids like
-  // them and as hashes don't.
+  // Goal: invariant 1 holds with so many patches that their table grows several times. Method:
+  // compare bits of answers to the same questions in two orders and on new surfaces. Indices are
+  // near, far, and multiples of powers of two, which are common in grids and bad for hashes.
   constexpr double k_spacing_m = 0.01;
   const StaticSurface surface = surface_of(random_controls(9, k_height_m), k_spacing_m);
   Dice dice(9, 0);
@@ -238,8 +235,8 @@ TEST(SplineSurface, AnswersDoNotDependOnWhatWasAskedBefore) {
 }
 
 TEST(SplineSurface, MakesOnlyThePatchesAskedFor) {
-  // Goal: the size of a table costs nothing; each point that a patch hangs on is asked for once.
-  // Method: a table of 10,000 x 10,000 points in a flat apron, and counts of what it was asked for.
+  // Goal: a large table costs nothing, and each point of a patch is requested once. Method: count
+  // the requests to a table of 10,000 x 10,000 points in a flat apron.
   constexpr double k_spacing_m = 0.005;
   const auto table = controls_of([](GridIndex at) {
     const bool inside = at.i >= 0 && at.i < 10'000 && at.j >= 0 && at.j < 10'000;
@@ -265,7 +262,7 @@ TEST(SplineSurface, MakesOnlyThePatchesAskedFor) {
   };
   std::ranges::for_each(asked, hang_on);
   EXPECT_EQ(table->calls(), points.size());
-  // A rectangle makes what it touches, lines included, and asking again makes nothing.
+  // A rectangle builds the patches that it touches, lines included. Asking again builds nothing.
   spline.bounds_in(10, 10 + 3.5 * k_spacing_m, 10, 10);
   spline.bounds_in(10, 10 + 3.5 * k_spacing_m, 10, 10);
   spline.at(10 + 2.2 * k_spacing_m, 10);
@@ -276,8 +273,8 @@ TEST(SplineSurface, MakesOnlyThePatchesAskedFor) {
 }
 
 TEST(SplineSurface, OutlivesPointsThatFail) {
-  // Goal: what fails while a patch is made leaves nothing half made. Method: control points that
-  // throw at the first question of each patch.
+  // Goal: an exception while a patch is built leaves no incomplete patch. Method: use control
+  // points that throw at the first request of each patch.
   const auto points = random_controls(11, k_height_m);
   bool fails = false;
   const auto failing = controls_of([&](GridIndex index) {
@@ -297,8 +294,8 @@ TEST(SplineSurface, OutlivesPointsThatFail) {
 }
 
 TEST(SplineSurfaceDeathTest, RefusesPlacesBeyondItsIndices) {
-  // Goal: a place whose patch has no index is a bug that is told, not a wrong patch; up to there
-  // places have heights. Method: the last patches on both sides, the next ones, infinity and NaN.
+  // Goal: a place without a valid patch index is a reported bug; all other places have heights.
+  // Method: test the last patches on both sides, the next ones, infinity and NaN.
   SplineSurface spline(surface_of(random_controls(12, k_height_m), 0.5));
   constexpr double k_cells = k_patch_index_max;
   for (const double column : {k_cells, -k_cells}) {

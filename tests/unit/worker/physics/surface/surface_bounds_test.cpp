@@ -1,7 +1,6 @@
-// Goal: what bounds_in says holds at every place of a rectangle, rounding included, and is not
-// idle. Method: rectangles of all sizes over rough and smooth control points, at many places
-// against heights and slopes as they are computed and against the definition's, its eigenvalues of
-// second derivatives included.
+// Goal: bounds_in holds at every place of a rectangle, rounding included, and is not too loose.
+// Method: for random rectangles over rough and smooth control points, compare with computed heights
+// and slopes and with the definition, including eigenvalues of second derivatives.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +32,7 @@ SurfaceBounds bounds_in(SplineSurface& spline, const Rectangle& r) {
   return spline.bounds_in(r.x_low_m, r.x_high_m, r.y_low_m, r.y_high_m);
 }
 
-/// Across up to so many patches; one in four is thin, one in eight a place.
+/// A rectangle with sides up to size_m. One side in four has length 0.
 Rectangle random_rectangle(Dice& dice, double reach_m, double size_m) {
   const auto length_m = [&] { return dice.one_in(4) ? 0.0 : size_m * dice.stream.uniform(); };
   Rectangle r;
@@ -44,7 +43,6 @@ Rectangle random_rectangle(Dice& dice, double reach_m, double size_m) {
   return r;
 }
 
-/// The greatest that was found at the places of a rectangle.
 struct Found {
   double top_m = -1e300;
   double slope = 0;
@@ -65,7 +63,7 @@ struct Found {
   }
 };
 
-/// Looks at the corners, at lines of the grid between them, and at random places.
+/// Examines the corners, grid lines between them, and random places.
 Found found_in(SplineSurface& spline, const StaticSurface& surface, const Rectangle& r, int places,
                Dice& dice) {
   const auto coordinate = [&](double low_m, double high_m) {
@@ -86,7 +84,7 @@ Found found_in(SplineSurface& spline, const StaticSurface& surface, const Rectan
   return found;
 }
 
-/// Smooth waves some sixteen cells long.
+/// Smooth waves about sixteen cells long.
 std::shared_ptr<const SurfaceControls> waves(double height_m) {
   return heights_of([height_m](double i, double j) {
     return height_m * (std::sin(0.4 * i + 0.1 * j) + 0.5 * std::cos(0.15 * i - 0.35 * j));
@@ -94,9 +92,9 @@ std::shared_ptr<const SurfaceControls> waves(double height_m) {
 }
 
 TEST(SurfaceBounds, HoldInEveryRectangle) {
-  // Goal: no place of a rectangle is beyond its bounds, and over smooth ground, in rectangles of
-  // about a patch, they are attained but for a share that control points between places explain.
-  // Method: random rectangles of a place up to some hundred patches.
+  // Goal: no place of a rectangle exceeds its bounds. Over smooth ground and rectangles of about a
+  // patch, values reach the bounds up to a share explained by control points between places.
+  // Method: test random rectangles from a point to some hundred patches.
   for (const bool rough : {true, false}) {
     for (const double spacing_m : {1e-3, 0.0037, 0.125, 1.0}) {
       Dice dice(21, rough ? 0 : 1);
@@ -114,8 +112,8 @@ TEST(SurfaceBounds, HoldInEveryRectangle) {
             << ", " << found.hollow_per_m << ' ' << bounds.hollow_per_m << ", " << found.bump_per_m
             << ' ' << bounds.bump_per_m;
         if (rough) continue;
-        // Points two cells away from a lone place count too: slopes are up to 0.6 amplitudes per
-        // cell, curvatures to 0.24, which themselves change by a third or so over two cells.
+        // Points two cells away from a single place count too. Slopes reach 0.6 amplitudes per cell
+        // and curvatures 0.24, and change by about a third over two cells.
         EXPECT_LT(bounds.top_m - found.top_m, 1.1 * height_m);
         EXPECT_LT(bounds.slope - found.slope, 0.3 * height_m / spacing_m);
         EXPECT_LT(bounds.hollow_per_m - found.hollow_per_m,
@@ -127,8 +125,8 @@ TEST(SurfaceBounds, HoldInEveryRectangle) {
 }
 
 TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
-  // Goal: the test above can fail, by each of the four. Method: bounds that are a half too low, and
-  // the bounds of another rectangle.
+  // Goal: each of the four bounds can fail the test above. Method: use bounds that are a half too
+  // low, and another rectangle's bounds.
   const StaticSurface surface = surface_of(waves(0.001), 0.01);
   SplineSurface spline(surface);
   Dice dice(22, 0);
@@ -146,9 +144,8 @@ TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
 }
 
 TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
-  // Goal: a rectangle's bounds are the greatest over its patches, one by one; a bump elsewhere
-  // doesn't enter. Method: each patch asked alone; and flat ground with one point raised, which
-  // sixteen patches hang on.
+  // Goal: a rectangle's bounds are the greatest of its patches. Method: compare with each patch
+  // alone. Use flat ground with one raised point, which affects sixteen patches.
   Dice dice(25, 0);
   constexpr double k_spacing_m = 0.25;
   const StaticSurface surface = surface_of(random_controls(25, 1), k_spacing_m);
@@ -193,10 +190,10 @@ TEST(SurfaceBounds, AreOfThePatchesTouchedAndNoOthers) {
 }
 
 TEST(SurfaceBounds, HoldWithHeightsThatDrownDifferences) {
-  // Goal: "rounding included", where it is all there is. Method: heights near 1 that differ by a
-  // few of their last bits, flat, tilted and rough: places where computed slopes are rounding, and
-  // heights are as high as their points; and deep points in the row and column that weigh least at
-  // a patch's far corner.
+  // Goal: bounds include rounding where nothing else matters. Method: use heights near 1 that
+  // differ by their last bits, on flat, tilted and rough ground. There, computed slopes are
+  // rounding errors and heights equal their points. Also use deep points in the row and column with
+  // least weight at a patch's far corner.
   Dice dice(26, 0);
   for (int n = 0; n < 20'000; ++n) {
     const std::uint64_t seed = dice.below(1U << 30U);

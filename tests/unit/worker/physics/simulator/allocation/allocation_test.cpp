@@ -1,6 +1,6 @@
-// Goal: the event loop allocates nothing once its lists have grown.
-// Method: this program's operator new counts; after a quarter of a run the count stays as it is.
-// A program of its own, since operator new belongs to all of a program.
+// Goal: the event loop allocates nothing once its lists have grown. Method: count calls of operator
+// new; the count stays constant after a quarter of a run. This test is a program of its own because
+// operator new belongs to a whole program.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -62,9 +62,9 @@ TEST(Allocation, TheEventLoopAllocatesNothing) {
 }
 
 TEST(Allocation, SurfacesAllocateForPatchesAndTouchesOnly) {
-  // Goal: searches on surfaces allocate nothing once the patches near are made; the list of touches
-  // grows by doubling. Method: a die that bounces in its place without loss; four doublings are
-  // 16 times as many touches as in the first quarter.
+  // Goal: searches on surfaces allocate nothing once nearby patches exist, except that the list of
+  // touches doubles. Method: bounce a die in place without loss. Four doublings are 16 times as
+  // many touches as in the first quarter.
   Scene scene = testing::thrown_dice(1, 1,
                                      testing::table_surface(testing::table_of([](GridIndex) {
                                                               return SurfaceControl{
@@ -79,7 +79,7 @@ TEST(Allocation, SurfacesAllocateForPatchesAndTouchesOnly) {
 }
 
 TEST(Allocation, IsSeen) {
-  // Goal: the count can rise. Method: recording with too little room.
+  // Goal: the count can rise. Method: record with too little room.
   SimulationOptions options;
   options.segments_reserved = 1;
   EXPECT_GT(allocations_after_warm_up(scenes::boxed_spheres(20, 1).scene, 100, options), 0U);
