@@ -38,7 +38,7 @@ request::DirectionRequest read(const Catalogue& catalogue, const std::string& te
 }
 
 TEST(Catalogue, ListsItsWorldsInOrder) {
-  // Goal: help and errors list worlds alphabetically, each with a line about it. Method: sorted.
+  // Goal: help and errors list worlds alphabetically, with a line about each.
   const Catalogue catalogue;
   const std::vector<request::WorldBinding> worlds = catalogue.bindings();
   ASSERT_FALSE(worlds.empty());
@@ -52,11 +52,11 @@ TEST(Catalogue, ListsItsWorldsInOrder) {
 }
 
 TEST(Catalogue, WorkerFollowsTheRequest) {
-  // Goal: every key that decides results of a unit reaches the worker. Method: the catalogue's
-  // worker and one made by hand give the same; with another value of any key it would differ.
+  // Goal: every key that affects a unit's results reaches the worker. Method: compare the
+  // catalogue's worker with one built by hand. Another value of any key would change the results.
   const Catalogue catalogue;
   const request::DirectionRequest request = read(catalogue, k_request);
-  read(catalogue, "[world]\nname = \"ball_2d\"\n");  // what is read later changes nothing
+  read(catalogue, "[world]\nname = \"ball_2d\"\n");  // a later read must change nothing
   const auto worker = catalogue.world_of(request).make_worker(request);
   worlds::ball_2d::Parameters parameters;
   parameters.world.restitution = 0.5;
@@ -77,8 +77,8 @@ TEST(Catalogue, WorkerFollowsTheRequest) {
 }
 
 TEST(Catalogue, PlanFollowsTheRequest) {
-  // Goal: chains, rounds and all three stop rules reach the plan. Method: totals, and the first
-  // unit of a plan that must wait for a round's end.
+  // Goal: chains, rounds and all three stop rules reach the plan. Method: compare totals, and the
+  // first unit of a plan that must wait for a round's end.
   const Catalogue catalogue;
   request::DirectionRequest request = read(catalogue, k_request);
   EXPECT_EQ(make_plan(request, catalogue.world_of(request))->scans_total(), 3U * 30U);
@@ -92,8 +92,8 @@ TEST(Catalogue, PlanFollowsTheRequest) {
 }
 
 TEST(Catalogue, UnitsHaveTheRequestsSeed) {
-  // Goal: the seed reaches whatever draws numbers, in each method, through its units. Method: all
-  // units of a short run of each, with and without annealing.
+  // Goal: the seed reaches all random draws of each method through its units. Method: run all units
+  // of a short run, with and without annealing.
   const Catalogue catalogue;
   request::DirectionRequest request = read(catalogue, k_request);
   const auto worker = catalogue.world_of(request).make_worker(request);
@@ -119,9 +119,9 @@ TEST(Catalogue, UnitsHaveTheRequestsSeed) {
 }
 
 TEST(Catalogue, WhatItChoosesReadsBack) {
-  // Goal: what serves a request without a sampler goes with whatever stop rules it has, and repeats
-  // the run exactly when read again. Method: each subset of the rules, for a short and a long word
-  // and the other worlds; a request that is refused is refused for its rules alone.
+  // Goal: the default sampler for a request accepts all of its stop rules. Reading the normalised
+  // request again repeats the run. Method: test each subset of the rules, for a short word, a long
+  // word and the other worlds. Only the rules themselves can make a request invalid.
   const Catalogue catalogue;
   const std::vector<std::pair<std::string, bool>> worlds{
       {"name = \"spelling\"\nword = \"HI\"", true},

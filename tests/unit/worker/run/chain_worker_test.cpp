@@ -18,7 +18,7 @@ namespace {
 using worlds::ball_2d::Ball2d;
 using BallWorker = ChainWorker<Ball2d>;
 
-/// A target whose states can't travel.
+/// A target whose states have no encoding.
 struct Unnamed : Ball2d {
   using Ball2d::Ball2d;
   base::Bytes encode(const State&) const = delete;
@@ -28,7 +28,7 @@ static_assert(World<Ball2d>);
 static_assert(sampling::Target<Unnamed> && !World<Unnamed>);
 static_assert(!World<int>);
 
-/// A world in which every other state is forbidden: what -inf does on the way to a record.
+/// A world in which every other state is forbidden, to test how -inf reaches the records.
 struct Counter {
   using State = std::uint64_t;
   using Outcome = std::uint64_t;
@@ -69,7 +69,6 @@ plan::Unit unit(std::uint32_t chain, std::uint64_t first, std::uint32_t scans, d
           .inverse_temperatures = {beta}};
 }
 
-/// A run of one chain from its start, in units of the given sizes.
 template <class Worker>
 plan::UnitResult run_in_units(const Worker& worker, std::uint32_t chain,
                               const std::vector<std::uint32_t>& sizes) {
@@ -84,7 +83,7 @@ plan::UnitResult run_in_units(const Worker& worker, std::uint32_t chain,
   return all;
 }
 
-/// Equal records and states. There are no NaNs in these worlds, so == compares bits but for the
+/// Expects equal records and states. These worlds have no NaN, so == compares bits except for the
 /// sign of zero, which the outcome's bytes would show.
 void expect_equal(const plan::UnitResult& a, const plan::UnitResult& b) {
   ASSERT_EQ(a.scans.size(), b.scans.size());
@@ -103,8 +102,8 @@ BallWorker ball_worker(std::uint32_t iterations_per_scan = 1, std::uint64_t thin
 }
 
 TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
-  // Goal: the stored results of a chain are the same for any cuts. Method: 200 random cuts of 300
-  // scans, against one unit, for two worlds and several options.
+  // Goal: a chain's stored results don't depend on how the chain is cut into units. Method: compare
+  // 200 random cuts of 300 scans with one unit, for two worlds and several options.
   constexpr std::uint64_t k_seed = 5;
   constexpr std::uint32_t k_scans = 300;
   const auto check = [&](const auto& worker) {
@@ -132,8 +131,8 @@ TEST(ChainWorker, ResultsDoNotKnowHowUnitsAreCut) {
 }
 
 TEST(ChainWorker, IsPure) {
-  // Goal: the same unit gives the same result, also from several threads at once, and leaves no
-  // trace. Method: four threads run units of different chains, each twice, in different orders.
+  // Goal: equal units give equal results, also in several threads at once, and leave no trace.
+  // Method: four threads run units of different chains, each twice, in different orders.
   const BallWorker worker = ball_worker();
   std::vector<plan::UnitResult> reference;
   for (std::uint32_t chain = 0; chain < 6; ++chain)
@@ -152,8 +151,8 @@ TEST(ChainWorker, IsPure) {
 }
 
 TEST(ChainWorker, WalksByIterationsFromOne) {
-  // Goal: scan s is iterations (s - 1) k + 1 .. s k of Algorithm 2.1. Method: the same steps by
-  // hand; which numbers a chain draws is part of an archive's meaning.
+  // Goal: scan s is iterations (s - 1) k + 1 .. s k of Algorithm 2.1. Method: compute the same
+  // steps by hand. The meaning of an archive includes which random numbers a chain draws.
   const Ball2d ball({});
   const sampling::ChainStreams streams{
       .seed = 11, .chain = base::ChainId{4}, .replica = base::ReplicaId{0}};
@@ -168,9 +167,8 @@ TEST(ChainWorker, WalksByIterationsFromOne) {
 }
 
 TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
-  // Goal: a unit runs at its own beta; at 0 each scan is another draw from the prior, with a
-  // lineage of its own; records hold log p_c at beta = 1 all the same. Method: a world in which
-  // half of all states are forbidden.
+  // Goal: a unit runs at its own beta. At beta 0 each scan is a new prior draw with its own
+  // lineage, but records still contain log p_c at beta = 1. Method: forbid half of all states.
   const ChainWorker<Counter> worker(Counter{}, {});
   const base::Bytes start = Counter{}.encode(100);
   std::uint64_t forbidden = 0;
@@ -188,8 +186,8 @@ TEST(ChainWorker, UsesTheUnitsInverseTemperature) {
 }
 
 TEST(ChainWorker, CountsByKind) {
-  // Goal: proposals and acceptances are counted under their kind. Method: in this world kind 1
-  // always advances the state by two and is always accepted from allowed states.
+  // Goal: proposals and acceptances are counted by kind. Method: in this world, kind 1 always
+  // advances the state by two and is always accepted from allowed states.
   const ChainWorker<Counter> worker(Counter{}, {.iterations_per_scan = 50});
   const plan::UnitResult result = worker.run(unit(0, 1, 20), Counter{}.encode(0));
   double before = 0;
@@ -203,14 +201,14 @@ TEST(ChainWorker, CountsByKind) {
 }
 
 TEST(ChainWorkerDeathTest, MisuseIsABug) {
-  // Goal: a unit of no scans stops the process. Method: one.
+  // Goal: a unit of no scans stops the process.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const BallWorker worker = ball_worker();
   EXPECT_DEATH((void)worker.run(unit(0, 0, 0), {}), "check failed");
 }
 
 TEST(ChainWorker, DamagedStateIsAnErrorWithAdvice) {
-  // Goal: what a damaged run store hands over is no bug of ours. Method: no bytes, too few bytes.
+  // Goal: bytes from a damaged run store give an error. Method: decode no bytes and too few bytes.
   const BallWorker worker = ball_worker();
   EXPECT_THROW((void)worker.run(unit(0, 1, 1), {}), base::Error);
   EXPECT_THROW((void)worker.run(unit(0, 1, 1), base::Bytes(39)), base::Error);

@@ -9,7 +9,7 @@ namespace {
 
 using failing::FailingBall;
 
-/// Counts what the simulator was asked and how it failed, beside what chains say of it.
+/// Counts simulations and their failures, independently of the chains' records.
 struct Counted : FailingBall {
   explicit Counted(plan::FailureCounts& failures) : FailingBall({}), failures_(&failures) {}
   Outcome simulate(const State& state) const {
@@ -37,9 +37,9 @@ plan::FailureCounts counts_of(const plan::UnitResult& result) {
 }
 
 TEST(Failures, AreNeverSamplesAndAllCounted) {
-  // Goal: no state of a chain is one whose simulation fails, and records count each failure by
-  // kind. Method: chains at inverse temperatures 0 to 1, and one with excursions; states simulated
-  // again; counts against those of the simulator itself.
+  // Goal: no state of a chain has a failing simulation, and records count failures by kind. Method:
+  // simulate the states of chains at inverse temperatures 0 to 1, and of a chain with excursions,
+  // again. Compare counts with the simulator's own.
   for (const double beta : {0.0, 0.3, 1.0}) {
     for (const bool excursions : {false, true}) {
       plan::FailureCounts asked;
@@ -59,8 +59,8 @@ TEST(Failures, AreNeverSamplesAndAllCounted) {
 }
 
 TEST(Failures, ComeBackWhole) {
-  // Goal: the first failed simulations of a unit come back with their scan, and each one's state
-  // fails as it says. Method: a long unit; states simulated again.
+  // Goal: a unit returns its first failed simulations with their scans, and each state fails in the
+  // recorded way. Method: run a long unit and simulate the states again.
   const ChainWorker<FailingBall> worker(FailingBall({}), {});
   const plan::UnitResult result = worker.run(unit_of(4, 3000, 1), {});
   ASSERT_EQ(result.failed.size(), plan::k_failed_told_max);
@@ -77,8 +77,8 @@ TEST(Failures, ComeBackWhole) {
 }
 
 TEST(Failures, DoNotKnowHowUnitsAreCut) {
-  // Goal: records, failures included, are the same for any cut, with samples held or not. Method:
-  // one unit against units of 7 scans, each from bytes.
+  // Goal: records, including failures, don't depend on cuts or held samples. Method: compare one
+  // unit with units of 7 scans, each started from bytes.
   const ChainWorkerOptions options{.iterations_per_scan = 3};
   const ChainWorker<FailingBall> whole(FailingBall({}), options);
   const plan::UnitResult expected = whole.run(unit_of(5, 700, 1), {});
@@ -105,8 +105,7 @@ TEST(Failures, DoNotKnowHowUnitsAreCut) {
 }
 
 TEST(Failures, DrawsFromThePriorAreDrawnAgain) {
-  // Goal: a draw at inverse temperature 0 is the first of its stream that doesn't fail. Method: the
-  // stream by hand.
+  // Goal: a draw at inverse temperature 0 is the first of its stream that doesn't fail.
   const ChainWorker<FailingBall> worker(FailingBall({}), {});
   const plan::UnitResult result = worker.run(unit_of(6, 1000, 0), {});
   const FailingBall ball({});
@@ -130,7 +129,6 @@ TEST(Failures, DrawsFromThePriorAreDrawnAgain) {
   EXPECT_GT(again, 10U);
 }
 
-/// Every simulation fails.
 struct Hopeless : FailingBall {
   using FailingBall::FailingBall;
   Outcome simulate(const State& state) const {
@@ -143,7 +141,7 @@ struct Hopeless : FailingBall {
 };
 
 TEST(Failures, ThatNeverEndAreAnError) {
-  // Goal: a world of which no draw succeeds ends with a reason instead of drawing for ever.
+  // Goal: a world without a valid draw gives an error instead of drawing forever.
   const ChainWorker<Hopeless> worker(Hopeless(worlds::ball_2d::Parameters{}), {});
   try {
     worker.run(unit_of(6, 1, 1), {});
@@ -155,8 +153,7 @@ TEST(Failures, ThatNeverEndAreAnError) {
 }
 
 TEST(Failures, OfAStoredStateAreABug) {
-  // Goal: a state that once was a sample and fails now is refused, not gone on with. Method: the
-  // bytes of a state that fails.
+  // Goal: a state that was once a sample but fails now is refused. Method: run from its bytes.
   const FailingBall ball({});
   const ChainWorker<FailingBall> worker(ball, {});
   const plan::UnitResult result = worker.run(unit_of(6, 3000, 1), {});
@@ -166,7 +163,7 @@ TEST(Failures, OfAStoredStateAreABug) {
 }
 
 TEST(Failures, StartsThatOverlapAreSamplesAtInverseTemperatureZero) {
-  // Goal: such a start is drawn from the prior like any other, and counted. Method: prior draws.
+  // Goal: a failing start is drawn again from the prior, and counted.
   const ChainWorker<FailingBall> worker(FailingBall({}), {});
   const plan::UnitResult result = worker.run(unit_of(7, 5000, 0), {});
   std::uint64_t counted = 0;

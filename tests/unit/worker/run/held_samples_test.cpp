@@ -1,5 +1,4 @@
-// What a worker does with the samples that it holds: runs from them, counts what they spare, and
-// knows how large they are.
+// Tests the samples that a worker holds: runs from them, spared simulations and their size.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -46,10 +45,9 @@ worlds::spelling::Parameters two_bins() {
   return parameters;
 }
 
-/// How many simulations were made, by whichever copy of a world.
+/// Number of simulations, shared by all copies of a world.
 using Count = std::shared_ptr<std::atomic<std::uint64_t>>;
 
-/// A world that counts its simulations.
 template <class W>
 struct Counted : W {
   template <class Parameters>
@@ -70,7 +68,7 @@ struct Counted : W {
 static_assert(World<Counted<Ball2d>> && World<Counted<Spelling>>);
 static_assert(sampling::HasSurrogate<Counted<Spelling>>);
 
-/// A unit at random temperatures, one for all scans or one each, with an excursion or without.
+/// A unit with random inverse temperatures, one for all scans or one each. May have an excursion.
 plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,
                        random::Stream& stream) {
   const auto below = [&](std::uint64_t count) {
@@ -93,7 +91,7 @@ plan::Unit random_unit(const plan::ReplicaKey& replica, std::uint64_t first,
   return made;
 }
 
-/// A replica on its way, and whether a worker holds its newest sample.
+/// A replica, and whether a worker holds its newest sample.
 struct Replica {
   std::uint64_t next = 0;
   std::uint64_t lineage = 0;
@@ -101,8 +99,8 @@ struct Replica {
   bool held = false;
 };
 
-/// Six replicas by turns, in random units. A worker runs from what it holds where it does; another
-/// one, which holds nothing, from bytes.
+/// Runs six replicas by turns in random units. One worker runs from held samples if it can. Another
+/// worker holds nothing and runs from bytes.
 template <class MakeWorld>
 void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions options) {
   const auto held_count = std::make_shared<std::atomic<std::uint64_t>>(0);
@@ -136,10 +134,10 @@ void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions op
     ASSERT_EQ(result->unit, given.unit);
     ASSERT_EQ(result->scans, given.scans);
     ASSERT_EQ(result->state_after, given.state_after);
-    // What was held spares the simulation of the state before, and nothing else.
+    // A held sample spares only the simulation of the state before.
     EXPECT_EQ(given.simulations - result->simulations, !next.starts && replica.held ? 1U : 0U);
     replica.held = true;
-    // Now and then a result is lost on its way: what is held is then of another scan.
+    // Lose a result now and then, so that the held sample belongs to another scan.
     if (turn % 7 == 3) {
       replica.held = false;
       continue;
@@ -155,10 +153,10 @@ void expect_held_equals_given(const MakeWorld& make_world, ChainWorkerOptions op
 }
 
 TEST(HeldSamples, GiveWhatBytesGive) {
-  // Goal: run_from_held is run with the state's bytes, bit for bit, and has nothing exactly where
-  // the worker doesn't hold the sample; simulations counts those of the target and no others, with
-  // that of a state which wasn't held. Method: worlds that count theirs, against a worker without a
-  // cache; at all temperatures, with excursions, with a surrogate, with several iterations a scan.
+  // Goal: run_from_held gives the same bits as run with the state's bytes, and nothing exactly if
+  // the worker doesn't hold the sample. `simulations` counts the target's simulations, including
+  // that of a state that wasn't held. Method: compare with a worker without a cache, in worlds that
+  // count simulations, at all temperatures, with excursions, a surrogate and several iterations.
   expect_held_equals_given(
       [](Count count) { return Counted<Ball2d>(worlds::ball_2d::Parameters{}, std::move(count)); },
       {.iterations_per_scan = 2});
@@ -172,8 +170,8 @@ TEST(HeldSamples, GiveWhatBytesGive) {
 }
 
 TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
-  // Goal: a worker whose memory is full gives up what it ran longest ago, and says so. Method: room
-  // for three balls; five replicas; without room for any, nothing is held.
+  // Goal: a worker with full memory evicts the sample that it ran longest ago, and holds() reports
+  // that. Method: use room for three of five replicas, and room for none.
   const ChainWorker<Ball2d> roomy(Ball2d({}), {});
   (void)roomy.run(unit(key(0), 0, 3), {});
   const std::size_t one = roomy.cache_use().bytes;
@@ -193,7 +191,7 @@ TEST(HeldSamples, AreGivenUpWithinTheirBytes) {
 }
 
 TEST(HeldSamplesDeathTest, MisuseIsABug) {
-  // Goal: what starts has no sample before it, and a unit has scans. Method: one of each.
+  // Goal: a unit that starts has no sample before it, and a unit without scans is a bug.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const ChainWorker<Ball2d> worker(Ball2d({}), {});
   EXPECT_DEATH((void)worker.run_from_held(unit(key(0), 0, 1)), "check failed");
@@ -202,11 +200,10 @@ TEST(HeldSamplesDeathTest, MisuseIsABug) {
 }
 
 TEST(HeldSamples, OwnedBytesCoverAllArrays) {
-  // Goal: what a world says that a sample owns is no less than its arrays take, those of the
-  // surrogate's outcome and of its history included, whatever came of it, and not much more than
-  // these and the history's own objects. Method: draws from the prior, with the capacities that
-  // their arrays have; one that is impossible, so that its outcome has no arrays; arrays with room
-  // to spare.
+  // Goal: the size that a world reports for a sample covers all of the sample's arrays, including
+  // the surrogate's outcome and the history, for any outcome. It is not much larger than these
+  // arrays plus the history's objects. Method: compare with the capacities of prior draws' arrays,
+  // including impossible draws, whose outcome has no arrays, and arrays with spare room.
   worlds::spelling::Parameters parameters = two_bins();
   parameters.world.drop_interval_s = 0.001;
   const Spelling world(parameters);
@@ -235,7 +232,7 @@ TEST(HeldSamples, OwnedBytesCoverAllArrays) {
   int with_history = 0;
   for (int draw = 0; draw < 50; ++draw) {
     Spelling::State state = world.draw_prior(stream);
-    if (draw % 5 == 4) {  // all drop at one place, too soon after one another
+    if (draw % 5 == 4) {  // drop all balls at one place, too soon after each other
       std::ranges::fill(state.drops_m, state.drops_m[0]);
       std::ranges::fill(state.active, std::uint8_t{1});
     }

@@ -1,4 +1,4 @@
-// Samples held between units: what is taken, what is given up, and that results don't show it.
+// Tests samples held between units: what is taken or evicted, and that results stay the same.
 #include "worker/run/sample_cache.h"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ plan::ReplicaKey key(std::uint32_t chain, std::uint32_t replica = 0) {
   return {base::ChainId{chain}, base::ReplicaId{replica}};
 }
 
-/// What a cache counts for a sample besides its bytes.
+/// Bytes that a cache counts for a sample besides its own.
 template <class Sample>
 std::size_t bytes_besides() {
   SampleCache<Sample> cache(k_plenty);
@@ -34,7 +34,7 @@ std::size_t bytes_besides() {
   return cache.use().bytes;
 }
 
-/// What a cache should be: a plain list of what is held, oldest first.
+/// Reference cache: a plain list of held samples, oldest first.
 class PlainCache {
  public:
   using Sample = std::shared_ptr<int>;
@@ -91,9 +91,9 @@ class PlainCache {
 
 constexpr std::uint64_t k_steps = 20'000;
 
-/// Random puts and takes of samples of random sizes: the first step at which a cache differs from
-/// the plain list, in what it gives, what it says of itself, or how many samples live; k_steps if
-/// none does. `use` is what the plain list counted.
+/// Makes random puts and takes of samples of random sizes. Returns the first step at which the
+/// cache differs from the plain list in results, reported use or number of live samples, or k_steps
+/// if none. `use` is the plain list's count.
 template <class Cache>
 std::uint64_t first_difference(plan::CacheUse& use) {
   const std::size_t besides = bytes_besides<PlainCache::Sample>();
@@ -113,7 +113,7 @@ std::uint64_t first_difference(plan::CacheUse& use) {
     if (below(2) == 0) {
       auto sample = std::make_shared<int>(static_cast<int>(step));
       all.emplace_back(sample);
-      // Now and then about as much as there is room for.
+      // Sometimes use almost the whole room.
       const std::size_t bytes = below(20) == 0 ? bytes_max - besides - 2 + below(4) : below(200);
       plain.put(replica, scan, sample, bytes);
       cache.put(replica, scan, std::move(sample), bytes);
@@ -134,8 +134,8 @@ std::uint64_t first_difference(plan::CacheUse& use) {
 using RightCache = SampleCache<PlainCache::Sample>;
 
 TEST(SampleCache, IsAPlainListWithinItsBytes) {
-  // Goal: bounded in bytes, least recently put first out, counted rightly. Method: against a plain
-  // list, random puts and takes from a printed seed; every kind of thing happens often.
+  // Goal: the cache is bounded in bytes, evicts the least recently put sample first, and counts
+  // correctly. Method: compare random puts and takes (the seed is printed) with a plain list.
   plan::CacheUse use;
   EXPECT_EQ(first_difference<RightCache>(use), k_steps) << "seed " << k_seed;
   EXPECT_GT(use.hits, 1000U);
@@ -143,7 +143,7 @@ TEST(SampleCache, IsAPlainListWithinItsBytes) {
   EXPECT_GT(use.evictions, 1000U);
 }
 
-/// Has room for one byte more than it should.
+/// Has room for one byte too many.
 struct LooseCache : RightCache {
   explicit LooseCache(std::size_t bytes_max) : RightCache(bytes_max + 1), right_max(bytes_max) {}
   plan::CacheUse use() const {
@@ -154,7 +154,7 @@ struct LooseCache : RightCache {
   std::size_t right_max;
 };
 
-/// Takes samples for smaller than they are.
+/// Underestimates the size of samples.
 struct LightCache : RightCache {
   using RightCache::RightCache;
   void put(const plan::ReplicaKey& replica, std::uint64_t scan, PlainCache::Sample sample,
@@ -163,7 +163,7 @@ struct LightCache : RightCache {
   }
 };
 
-/// Keeps what it has given away.
+/// Keeps samples that it has given away.
 struct FondCache : RightCache {
   using RightCache::RightCache;
   std::optional<PlainCache::Sample> take(const plan::ReplicaKey& replica, std::uint64_t scan) {
@@ -175,7 +175,7 @@ struct FondCache : RightCache {
 };
 
 TEST(SampleCache, PropertyFindsWrongCaches) {
-  // Goal: the property above can fail. Method: caches with one small mistake each.
+  // Goal: the property above can fail. Method: use caches with one small mistake each.
   plan::CacheUse use;
   EXPECT_LT(first_difference<LooseCache>(use), k_steps);
   EXPECT_LT(first_difference<LightCache>(use), k_steps);
@@ -183,8 +183,7 @@ TEST(SampleCache, PropertyFindsWrongCaches) {
 }
 
 TEST(SampleCache, IsSharedByThreads) {
-  // Goal: no sample goes to two, and each take is counted once. Method: four threads that put and
-  // take the same keys.
+  // Goal: each sample is taken once, and each take is counted once. Method: four threads.
   SampleCache<std::unique_ptr<int>> cache(8 * (100 + bytes_besides<std::unique_ptr<int>>()));
   std::atomic<int> taken = 0;
   std::vector<std::thread> threads;
@@ -207,8 +206,8 @@ TEST(SampleCache, IsSharedByThreads) {
 }
 
 TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
-  // Goal: `starts` alone says that there is no state before, at any scan: the draw and its lineage
-  // are that scan's; and a first scan 0 that doesn't start goes on. Method: units at scan 20.
+  // Goal: only `starts` means that there is no state before, at any scan; the draw and its lineage
+  // then belong to that scan. A first scan 0 that doesn't start continues.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball, {});
   const plan::Unit unit{.replica = key(2, 5),
@@ -237,8 +236,8 @@ TEST(ChainWorker, StartsAtTheScanThatItsUnitSays) {
 }
 
 TEST(ChainWorker, KeepsStatesFromTheFirstDrawOn) {
-  // Goal: thin counts from the first draw; before it only satisfied states at inverse temperature 1
-  // are kept, and hot ones as hot_thin says. Method: 60 scans, the first draw at 25.
+  // Goal: thinning starts at the first draw, here at scan 25 of 60. Before that, only satisfied
+  // states at inverse temperature 1 are kept, and hot states by hot_thin.
   const worlds::ball_2d::Ball2d ball({});
   const ChainWorker<worlds::ball_2d::Ball2d> worker(ball,
                                                     {.thin = 4, .first_draw = 25, .hot_thin = 6});
