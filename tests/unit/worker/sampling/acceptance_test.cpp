@@ -8,7 +8,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// Whether a ratio accepts for every, or no, uniform number in (0, 1).
+/// Returns whether a ratio accepts for every number in (0, 1), or for none.
 bool always(double log_ratio) {
   return std::log(1 - 0x1p-53) < log_ratio;
 }
@@ -17,7 +17,7 @@ bool never(double log_ratio) {
 }
 
 TEST(TemperedLogDensity, WeighsTheConstraintAlone) {
-  // Goal: log p_w + beta log p_c, with p_c^0 = 1 also where p_c = 0. Method: values by hand.
+  // Goal: the density is log p_w + beta log p_c, and p_c^0 = 1 even if p_c = 0.
   EXPECT_EQ(tempered_log_density(-2, -8, 1), -10);
   EXPECT_EQ(tempered_log_density(-2, -8, 0.25), -4);
   EXPECT_EQ(tempered_log_density(-2, -8, 0), -2);
@@ -26,7 +26,7 @@ TEST(TemperedLogDensity, WeighsTheConstraintAlone) {
 }
 
 TEST(LogAcceptanceRatio, IsLine7) {
-  // Goal: log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)). Method: values by hand.
+  // Goal: the ratio is log of p(A_c) q(A_i|A_c) / (p(A_i) q(A_c|A_i)).
   EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 1, 0), -5);
   EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 0.5, 0), -3.5);
   EXPECT_EQ(log_acceptance_ratio(-1, -2, -3, -5, 1, 7), 2);
@@ -35,9 +35,9 @@ TEST(LogAcceptanceRatio, IsLine7) {
 }
 
 TEST(LogAcceptanceRatio, NeverEntersZeroDensity) {
-  // Goal: a candidate of zero density is refused whatever the rest says, a NaN of infinities
-  // included. Method: zero by the constraint, by the prior, by both, from states with and without
-  // density, with any finite or infinite proposal ratio that an honest proposal may give.
+  // Goal: a candidate of zero density is always rejected, even if infinities give NaN. Method: let
+  // constraint, prior or both be zero, from states with and without density, with any finite or
+  // infinite ratio of a valid proposal.
   for (const double q : {-5.0, 0.0, 5.0}) {
     EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -3, -k_infinity, 1, q)));
     EXPECT_TRUE(never(log_acceptance_ratio(-1, -2, -k_infinity, -2, 1, q)));
@@ -49,19 +49,19 @@ TEST(LogAcceptanceRatio, NeverEntersZeroDensity) {
 }
 
 TEST(LogAcceptanceRatio, LeavesZeroDensityByThePrior) {
-  // Goal: from a start that breaks a hard constraint every candidate is weighed by the prior alone.
-  // Method: candidates with and without constraint density have one ratio, that of the priors.
+  // Goal: from a start that breaks a hard constraint, only the prior decides. Method: candidates
+  // with and without constraint density have the ratio of the priors.
   for (const double candidate_constraint : {-k_infinity, -3.0, 0.0}) {
     EXPECT_EQ(log_acceptance_ratio(-1, -k_infinity, -4, candidate_constraint, 1, 0.5), -2.5);
     EXPECT_TRUE(always(log_acceptance_ratio(-4, -k_infinity, -1, candidate_constraint, 1, 0)));
   }
-  // At beta = 0 the constraint is not asked at all.
+  // At beta = 0 the constraint is not evaluated.
   EXPECT_EQ(log_acceptance_ratio(-1, -k_infinity, -4, -k_infinity, 0, 0), -3);
 }
 
 TEST(ChainStreams, DifferByEveryField) {
-  // Goal: seeds, chains, replicas, purposes and iterations never share numbers. Method: the first
-  // word of each neighbour.
+  // Goal: seeds, chains, replicas, purposes and iterations never share random numbers. Method:
+  // compare the first words of neighbours.
   const ChainStreams base{.seed = 1, .chain = base::ChainId{2}, .replica = base::ReplicaId{3}};
   const auto word = [](const ChainStreams& streams, random::Purpose purpose, std::uint64_t at) {
     return streams.at(purpose, at).bits();

@@ -33,9 +33,9 @@ const std::vector<double>& row(const std::vector<ChainPart::Row>& rows, std::str
 }
 
 TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
-  // Goal: temperatures, sizes, lanes and starts of units. Method: by hand, in units of one scan and
-  // of as many as may be: an ascent's first draw goes with the scans after it, sizes never change
-  // within a unit, and no unit goes on into the next ascent.
+  // Goal: units have the right temperatures, sizes, lanes and starts. Method: compare by hand, in
+  // units of one scan and of maximum length. An ascent's first draw shares a unit with the next
+  // scans. Sizes never change within a unit, and no unit continues into the next ascent.
   AnnealedImportance part(burn_in(), 2, 2);
   const std::vector<double> betas{0, 0.05, 0.1, 0.25, 0.4, 0.7, 1};
   ASSERT_EQ(part.schedule().size(), betas.size());
@@ -49,7 +49,7 @@ TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
     std::uint32_t scans;
     std::vector<double> scales;
   };
-  // 3 scans at the first size, 4 at the second (of the levels 0.4 and 1).
+  // 3 scans at the first size, 4 at the second (of levels 0.4 and 1).
   const std::vector<Expected> expected{{0, 0, 3, {2}},  {1, 0, 3, {2}}, {0, 3, 4, {3}},
                                        {1, 3, 4, {3}},  {0, 7, 3, {2}}, {1, 7, 3, {2}},
                                        {0, 10, 2, {3}}, {1, 10, 2, {3}}};
@@ -74,8 +74,8 @@ TEST(AnnealedImportance, ScheduleIsTheLaddersWithStepsBetween) {
 }
 
 TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
-  // Goal: log weights, their order, and what they sum up to. Method: made-up densities, some of
-  // them zero; sums over plain doubles, draw by draw.
+  // Goal: log weights, their order and their sums are right. Method: compare made-up densities,
+  // some of them zero, with sums over plain doubles, draw by draw.
   for (const std::uint64_t index : property::cases(50)) {
     Dice dice(k_seed, index);
     const auto lanes = static_cast<std::uint32_t>(1 + dice.below(4));
@@ -85,7 +85,6 @@ TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
     std::vector<std::vector<plan::ScanRecord>> seen(lanes);
     std::vector<plan::Unit> running;
     while (part.scans() < end) {
-      // In any order.
       while (const auto unit = part.next_unit(end, static_cast<std::uint32_t>(1 + dice.below(9))))
         running.push_back(*unit);
       const std::size_t which = dice.below(running.size());
@@ -152,7 +151,7 @@ TEST(AnnealedImportance, WeightsAreThoseOfTheFormula) {
 }
 
 TEST(WeightSummary, OfNothingOfOneOfZerosAndOfEqualWeights) {
-  // Goal: the ends of what may come. Method: by hand; logs that no double could hold as numbers.
+  // Goal: extreme weights are right, even if exp of their logs overflows.
   EXPECT_TRUE(std::isnan(summary_of({}).log_mean.value));
   EXPECT_EQ(summary_of({}).effective_size, 0);
   const WeightSummary one = summary_of(std::vector{-3.0});
@@ -167,7 +166,7 @@ TEST(WeightSummary, OfNothingOfOneOfZerosAndOfEqualWeights) {
   EXPECT_NEAR(equal.log_mean.value, -2000, 1e-12);
   EXPECT_NEAR(equal.log_mean.error, 0, 1e-6);
   EXPECT_NEAR(equal.effective_size, 4, 1e-12);
-  // A single one that counts: (sum w)^2 / sum w^2 = 1, relative error sqrt(4/3 (1 - 1/4)) = 1.
+  // A single nonzero weight: (sum w)^2 / sum w^2 = 1, relative error sqrt(4/3 (1 - 1/4)) = 1.
   const WeightSummary single = summary_of(std::vector{-k_infinity, 5.0, -k_infinity, -k_infinity});
   EXPECT_NEAR(single.log_mean.value, 5 - std::log(4.0), 1e-12);
   EXPECT_NEAR(single.log_mean.error, 1, 1e-12);

@@ -19,8 +19,7 @@ std::uint64_t Dice::below(std::uint64_t count) {
   return random::UniformInteger{.count = count}.draw(stream_);
 }
 
-// A draw from the prior has no proposals, so sizes that it goes with for the scans after it are not
-// its own.
+// A draw from the prior has no proposals, so the unit's proposal scales don't apply to it.
 plan::Unit alone(const plan::Unit& unit, std::uint32_t nth, std::uint64_t lineage) {
   plan::Unit one = unit;
   one.first_scan = base::ScanIndex{unit.first_scan.value + nth};
@@ -78,7 +77,6 @@ void AnySession::expect_next(const plan::Unit& unit) const {
   EXPECT_GE(unit.scans, 1U);
   const std::size_t betas = unit.inverse_temperatures.size();
   EXPECT_TRUE(betas == 1 || betas == unit.scans);
-  // A replica starts once, and goes on where it was.
   const auto known = next_scan_.find(unit.replica);
   EXPECT_EQ(unit.starts, known == next_scan_.end());
   if (known == next_scan_.end()) return;
@@ -111,7 +109,7 @@ bool AnySession::hand_out(std::uint32_t scans_max) {
 
 namespace {
 
-/// Whether the swap after a member's last scan is with a level that isn't of its block.
+/// Returns whether the swap after a member's last scan is with a level outside the block.
 bool left(const plan::LadderPart& part, const plan::UnitResult& member) {
   const auto at =
       std::ranges::find(part.inverse_temperatures, member.scans.back().inverse_temperature);
@@ -122,7 +120,7 @@ bool left(const plan::LadderPart& part, const plan::UnitResult& member) {
                      *partner >= part.first_level + part.inverse_temperatures.size());
 }
 
-/// Expects that results are as a block allows them, and counts what they have.
+/// Expects results within the block's limits, and counts their properties.
 void check_and_count(const plan::Block& block, const std::vector<plan::UnitResult>& results,
                      BlockShapes& shapes) {
   std::uint64_t scans = 0;
@@ -175,7 +173,7 @@ bool AnySession::hand_out_block(Dice& dice, BlockShapes& shapes) {
     shapes.annealing += block->members.front().inverse_temperatures.size() > 1 ? 1 : 0;
   }
 
-  // Some states are given, some not; what the worker doesn't hold either keeps all from running.
+  // Give some states. A missing state that the worker doesn't hold either prevents the run.
   const RecordingWorker& worker = workers_[dice.below(workers_.size())];
   const BlockRunner runner(worker, clock_);
   std::vector<plan::GivenState> all;
@@ -230,7 +228,7 @@ void AnySession::run_in_blocks(Dice& dice, BlockShapes& shapes, std::uint64_t st
 }
 
 void AnySession::run(Dice& dice, std::uint64_t steps, const std::function<bool()>& hand_out) {
-  // Some sessions keep much in flight, some little; some cut small.
+  // Sessions differ in how many units are in flight and in unit size.
   const std::uint64_t odds = 1 + dice.below(6);
   for (; steps > 0 && !plan_.finished(); --steps) {
     const bool hands_out = running_.empty() || !dice.once_in(odds);
@@ -273,7 +271,6 @@ void AnySession::replay(const ScanRuns& stored, Dice& dice) {
 
 std::uint64_t scans_at_stop(const StopRule& stop, std::uint64_t round_scans, std::uint64_t before,
                             const ScanRuns& runs) {
-  // When each lineage of each chain first satisfied at inverse temperature 1.
   std::map<std::pair<std::uint32_t, std::uint64_t>, std::uint64_t> first;
   for (const auto& [place, run] : runs) {
     if (!run.record.satisfied || run.record.inverse_temperature != 1 || place.scan < before)

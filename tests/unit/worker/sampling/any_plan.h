@@ -1,5 +1,4 @@
-// A plan driven scan by scan by a worker of numbers, in any order: for tests that hold for every
-// method. What was handed out and what came of it is kept by place.
+// Drives any plan in any order, with a worker of made-up numbers. Records units and results.
 #pragma once
 
 #include <array>
@@ -22,7 +21,7 @@
 
 namespace sleight::sampling {
 
-/// Random choices of a test, from a seed that is printed.
+/// Random choices of a test, from a printed seed.
 class Dice {
  public:
   Dice(std::uint64_t seed, std::uint64_t index);
@@ -33,8 +32,8 @@ class Dice {
   random::Stream stream_;
 };
 
-/// HashedWorker, scan by scan: how units are cut changes nothing. A third of all excursions are
-/// accepted; results hang on their temperatures too.
+/// HashedWorker, scan by scan, so that cuts of units change nothing. Accepts a third of all
+/// excursions. Results also depend on the excursions' temperatures.
 class ScanByScan final : public plan::UnitWorker {
  public:
   explicit ScanByScan(const HashedWorker::Options& options) : hashed_(options) {}
@@ -51,17 +50,17 @@ struct Place {
 };
 
 struct ScanRun {
-  plan::Unit unit;  ///< as if it had been handed out alone
+  plan::Unit unit;  ///< as if handed out alone
   plan::ScanRecord record;
   base::Bytes state_after;
   friend bool operator==(const ScanRun&, const ScanRun&) = default;
 };
 using ScanRuns = std::map<Place, ScanRun>;
 
-/// The nth scan of a unit, as a unit of its own.
+/// Returns the nth scan of a unit as a unit of its own.
 plan::Unit alone(const plan::Unit& unit, std::uint32_t nth, std::uint64_t lineage);
 
-/// Runs units scan by scan and keeps what came of each: so it holds the states that it made.
+/// Runs units scan by scan and records the results, so that it holds the states that it computed.
 class RecordingWorker final : public plan::UnitWorker {
  public:
   explicit RecordingWorker(const plan::UnitWorker& worker) : worker_(worker) {}
@@ -75,18 +74,17 @@ class RecordingWorker final : public plan::UnitWorker {
   mutable ScanRuns made_;
 };
 
-/// What the blocks of a test had in them, counted.
 struct BlockShapes {
   std::uint64_t of_several = 0;  ///< blocks with more than one member
-  std::uint64_t staggered = 0;   ///< whose members began at different scans
-  std::uint64_t whole = 0;       ///< of whole ladders that all went on to the round's end
-  std::uint64_t cut = 0;         ///< that the limit ended
-  std::uint64_t went_on = 0;     ///< members that made more than one scan
-  std::uint64_t swapped = 0;     ///< scans of members at another level than the one before
-  std::uint64_t left = 0;        ///< members that stopped where a level outside is the partner
+  std::uint64_t staggered = 0;   ///< blocks whose members began at different scans
+  std::uint64_t whole = 0;       ///< blocks of whole ladders that reached the round's end
+  std::uint64_t cut = 0;         ///< blocks ended by the limit
+  std::uint64_t went_on = 0;     ///< members with more than one scan
+  std::uint64_t swapped = 0;     ///< members' scans at another level than the previous scan
+  std::uint64_t left = 0;        ///< members that stopped because their partner is outside
   std::uint64_t annealing = 0;   ///< units that anneal
-  std::uint64_t held = 0;        ///< states that weren't given
-  std::uint64_t lacking = 0;     ///< blocks that couldn't run for want of a state
+  std::uint64_t held = 0;        ///< states that weren't given but held
+  std::uint64_t lacking = 0;     ///< blocks that couldn't run because a state was missing
 };
 
 class AnySession {
@@ -94,19 +92,18 @@ class AnySession {
   AnySession(plan::Plan& plan, const plan::UnitWorker& worker)
       : plan_(plan), workers_{RecordingWorker(worker), RecordingWorker(worker)} {}
 
-  /// One unit of one scan after another.
   void run_serially();
-  /// Units of random lengths that complete in random order; so many steps at most.
+  /// Runs units of random lengths that complete in random order, for at most `steps` steps.
   void run_randomly(Dice& dice, std::uint64_t steps = UINT64_MAX);
-  /// Blocks of random sizes on two workers, with states given or held; the results of members, each
-  /// by itself, are consumed in random order.
+  /// Runs blocks of random sizes on two workers, with states given or held. Consumes the members'
+  /// results separately, in random order.
   void run_in_blocks(Dice& dice, BlockShapes& shapes, std::uint64_t steps = UINT64_MAX);
-  /// How a runner runs a block, where that is to be wrong.
+  /// Function that runs blocks instead of the runner's, to test faulty runners.
   using RunBlock = std::function<std::vector<plan::UnitResult>(
       const BlockRunner&, const plan::Block&, std::span<const plan::GivenState>)>;
   void run_blocks_by(RunBlock run) { run_block_ = std::move(run); }
   void complete_all(Dice& dice);
-  /// Whole replicas in random order (or theirs), in random batches.
+  /// Consumes whole replicas in random or stored order, in random batches.
   void replay(const ScanRuns& stored, Dice& dice);
 
   const ScanRuns& runs() const { return runs_; }
@@ -119,7 +116,7 @@ class AnySession {
   void run(Dice& dice, std::uint64_t steps, const std::function<bool()>& hand_out);
   bool hand_out(std::uint32_t scans_max);
   bool hand_out_block(Dice& dice, BlockShapes& shapes);
-  /// Expects that a unit is what comes next of its replica.
+  /// Expects that the unit continues its replica.
   void expect_next(const plan::Unit& unit) const;
   base::Bytes state_before(const plan::Unit& unit) const;
   void takes(const RecordingWorker& worker, plan::UnitResult result);
@@ -134,18 +131,18 @@ class AnySession {
   RunBlock run_block_ = &BlockRunner::run;
 };
 
-/// Where a run must stop, by the rules as they are written, from the results of a longer one:
+/// Scan at which a run must stop, by the plain rules, from the results of a longer run. The first
 /// `before` scans of each chain belong to no round.
 std::uint64_t scans_at_stop(const StopRule& stop, std::uint64_t round_scans, std::uint64_t before,
                             const ScanRuns& runs);
 
-/// Expects that a plan, asked every so many scans, tells the solutions that the parts of its draws
-/// count, each when its part is over, with log_p = log_p_of(chain, scan).
+/// Expects that a plan, asked in steps of `step` scans, reports exactly the solutions counted by
+/// its parts of draws, with log_p = log_p_of(chain, scan). They appear when their part is over.
 void expect_told_as_counted(
     const plan::Plan& plan, std::uint64_t step,
     const std::function<double(std::uint32_t chain, std::uint64_t scan)>& log_p_of);
 
-/// Bit for bit, NaN included.
+/// Compares bit for bit, NaN included.
 void expect_equal(const plan::Report& a, const plan::Report& b);
 
 }  // namespace sleight::sampling

@@ -1,5 +1,4 @@
-// Parallel tempering, by units and in blocks, against the lockstep reference, bit for bit, however
-// blocks are cut.
+// Compares parallel tempering, by units and in blocks, with the lockstep reference, bit for bit.
 #include "worker/sampling/block_runner.h"
 
 #include <fmt/format.h>
@@ -26,7 +25,7 @@ constexpr std::uint64_t k_scans_max = 260;
 std::uint64_t cases() {
   return property::of_tier(40, k_cases);
 }
-constexpr std::uint64_t k_longest = 2 * k_scans_max;  ///< of a run by other rules
+constexpr std::uint64_t k_longest = 2 * k_scans_max;  ///< of a run with other rules
 
 struct Case {
   ParallelTemperingOptions options;
@@ -65,8 +64,8 @@ std::uint64_t end_of_round(const Case& given, std::uint32_t round) {
   return ladder.anneal_scans + scans_through_round(ladder.round_scans, round);
 }
 
-/// The end of the first round whose last scan has no state that descends from a search's find; none
-/// among so many scans.
+/// End of the first round whose last scan has no state that descends from a search's find. Nothing
+/// if there is none within the scans.
 std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<SlowLadder>& all,
                                          std::uint64_t scans) {
   if (!given.options.ladder.starts_by_search) return given.options.ladder.anneal_scans;
@@ -87,7 +86,7 @@ std::optional<std::uint64_t> burnt_in_at(const Case& given, const std::vector<Sl
   return std::nullopt;
 }
 
-/// Lineages that satisfied at inverse temperature 1 within these scans.
+/// Number of lineages that satisfied at inverse temperature 1 within these scans.
 std::uint64_t solutions_between(const SlowLadder& ladder, std::uint64_t first, std::uint64_t end) {
   std::set<std::uint64_t> lineages;
   for (const auto& [place, result] : ladder.results) {
@@ -99,7 +98,7 @@ std::uint64_t solutions_between(const SlowLadder& ladder, std::uint64_t first, s
   return lineages.size();
 }
 
-/// Where the run must stop, from all results, by the rules as they are written.
+/// Scan at which the run must stop, from all results, by the plain rules.
 std::uint64_t stop_of(const Case& given, const std::vector<SlowLadder>& all) {
   const StopRule& stop = given.options.stop;
   const auto burnt_in = burnt_in_at(given, all, k_longest);
@@ -114,7 +113,6 @@ std::uint64_t stop_of(const Case& given, const std::vector<SlowLadder>& all) {
   }
 }
 
-/// What all ladders of a case must come to.
 struct Expected {
   std::uint64_t end = 0;
   std::optional<std::uint64_t> burnt_in{};
@@ -146,7 +144,7 @@ Expected expected_of(const Case& given) {
   return run;
 }
 
-/// The rounds that are told are those after the burn-in.
+/// Expects that the reported rounds are those after the burn-in.
 void expect_rounds_after(const plan::Report& report, const std::vector<SlowLadder>& expected,
                          std::uint64_t burnt_in) {
   std::size_t rounds = 0;
@@ -188,7 +186,6 @@ void expect_end(const ParallelTempering& plan, const AnySession& session,
   expect_rounds_after(plan.report(), expected.ladders, expected.burnt_in.value_or(expected.end));
 }
 
-/// What ladders of a test had in them.
 struct LadderShapes {
   std::uint64_t burn_ins = 0;
   std::uint64_t grew = 0;
@@ -210,10 +207,10 @@ struct LadderShapes {
 };
 
 TEST(BlockRunner, EqualsTheLockstepReference) {
-  // Goal: units, records, states, rounds, solutions and the stop are those of the reference, by
-  // units and in blocks, however these are cut, wherever they run and in whatever order their
-  // members' results arrive. Method: random cases with ladders that grow and shrink, started by a
-  // search or not, several random sessions of each; what blocks and ladders had in them is counted.
+  // Goal: units, records, states, rounds, solutions and the stop equal the reference's, by units
+  // and in blocks. Cuts, workers and the order of members' results don't matter. Method: run random
+  // cases with ladders that grow and shrink, with and without searches, in several random sessions
+  // each. Count what blocks and ladders contained.
   BlockShapes shapes;
   LadderShapes ladders;
   for (const std::uint64_t index : property::cases(cases())) {
@@ -259,18 +256,17 @@ ParallelTemperingOptions small_ladder(std::uint32_t levels) {
   return options;
 }
 
-/// The block of a whole ladder that has made its first scan, and the states before.
+/// The block of a whole ladder after its first scan, and the states before.
 struct SecondScan {
   plan::Block block;
   std::vector<plan::GivenState> states;
 };
 
-/// `worker` runs the first scan.
 SecondScan second_scan(std::uint32_t levels, std::uint32_t scans_max,
                        const plan::UnitWorker& worker) {
   ParallelTempering plan(small_ladder(levels));
   std::map<plan::ReplicaKey, base::Bytes> states;
-  // All are handed out before any comes back, so none has its second scan yet.
+  // Hand out all units before any result, so that none has its second scan yet.
   std::vector<plan::UnitResult> firsts;
   while (const auto unit = plan.next_unit(1))
     firsts.push_back(worker.run(*unit, {}));
@@ -285,7 +281,6 @@ SecondScan second_scan(std::uint32_t levels, std::uint32_t scans_max,
   return made;
 }
 
-/// Each unit takes a second.
 class SlowWorker final : public plan::UnitWorker {
  public:
   SlowWorker(const plan::UnitWorker& worker, base::ManualClock& clock)
@@ -303,9 +298,9 @@ class SlowWorker final : public plan::UnitWorker {
 };
 
 TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
-  // Goal: each member has a scan at least, all together no more than the limit beyond that and, if
-  // nothing else ends them, no fewer; the time is shared out by scans, and simulations are counted.
-  // Method: a ladder of six with every limit up to 70, smaller ones put in by hand.
+  // Goal: each member runs at least one scan, and all together run as many as the limit unless
+  // something else ends them. Time is shared by scans, and simulations are counted. Method: run a
+  // ladder of six with every limit up to 70, and smaller ladders by hand.
   constexpr std::uint32_t k_levels = 6;
   const ScanByScan numbers({.seed = 5, .roughness = {5}});
   base::ManualClock clock;
@@ -330,7 +325,7 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
     EXPECT_DOUBLE_EQ(clock.now_s() - begin_s, scans);
   }
 
-  // Three in the middle lose a side with each scan, whatever the limit is.
+  // Three middle levels lose one level with each scan, for any limit.
   plan::LadderPart& part = *second.block.ladder;
   const std::uint32_t first = 2;
   second.block.members = {second.block.members.begin() + first, second.block.members.begin() + 5};
@@ -339,14 +334,14 @@ TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
   part.inverse_temperatures = {part.inverse_temperatures.begin() + first,
                                part.inverse_temperatures.begin() + 5};
   part.proposal_scales.resize(3);
-  // After scan 1 levels 3 and 4 swap and level 2 with one outside; after scan 2 that is level 4
-  // with 5, and 3 waits for the one at 2.
+  // After scan 1, levels 3 and 4 swap and level 2's partner is outside. After scan 2, level 4's
+  // partner 5 is outside, and level 3 waits for level 2.
   std::uint32_t scans = 0;
   for (const plan::UnitResult& result : runner.run(second.block, second.states))
     scans += result.unit.scans;
   EXPECT_EQ(scans, 5U);
 
-  // At the end of the round nobody goes on.
+  // No member continues beyond the end of the round.
   part.end_scan = 2;
   for (const plan::UnitResult& result : runner.run(second.block, second.states))
     EXPECT_EQ(result.unit.scans, 1U);
@@ -372,9 +367,9 @@ double half_ratio(const SwapPair& pair) {
 }
 
 TEST(BlockRunner, WrongSwapsAreNoticed) {
-  // Goal: a runner that decides swaps otherwise than the plan can't feed it: the plan sees records
-  // of other temperatures than it gave. Method: wrong partners, numbers, ratios and seeds, one at a
-  // time, with results that often leave swaps to chance; and the right formulas, which pass.
+  // Goal: a plan rejects results of a runner that decides swaps differently, because their
+  // temperatures differ from the plan's. Method: use wrong partners, numbers, ratios and seeds, one
+  // at a time, with results that often leave swaps to chance. The right formulas pass.
   ParallelTemperingOptions options = small_ladder(6);
   options.ladder.seed = 11;
   const ScanByScan numbers({.seed = 11, .roughness = {3}});

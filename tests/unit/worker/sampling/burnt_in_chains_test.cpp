@@ -1,5 +1,5 @@
-// What holds for every method: orders of delivery, blocks, stored results, stop rules, draws. With
-// burn-ins and with simulated annealing before.
+// Tests properties of every method: orders of delivery, blocks, stored results, stop rules and
+// draws, with burn-in and simulated annealing.
 #include "worker/sampling/burnt_in_chains.h"
 
 #include <fmt/format.h>
@@ -45,7 +45,7 @@ struct Case {
   HashedWorker::Options worker;
 
   bool burns_in() const { return method != Method::plain && method != Method::parallel; }
-  /// Scans that belong to no round of the stop rule.
+  /// Scans before the rounds of the stop rule.
   std::uint64_t before() const {
     return ladder.anneal_scans +
            (burns_in() ? scans_through_round(ladder.round_scans, burn_in_rounds) : 0);
@@ -79,8 +79,7 @@ Case random_case(Dice& dice, std::uint64_t index) {
   return made;
 }
 
-/// Now and then ladders of parallel tempering start from searches, whose finds have to be
-/// forgotten.
+/// Lets some ladders of parallel tempering start from searches, whose finds must be forgotten.
 Case from_searches(Case given, Dice& dice) {
   if (given.method != Method::parallel || !dice.once_in(2)) return given;
   given.ladder.starts_by_search = true;
@@ -124,7 +123,7 @@ StopRule after(std::uint64_t scans) {
   return {.scans = scans, .rounds = {}, .independent_solutions = {}};
 }
 
-/// Records at inverse temperature 1 that are draws, and the fewest that a chain has.
+/// Number of draws (records at inverse temperature 1), and the least number per chain.
 std::uint64_t draws_of(const Case& given, const ScanRuns& runs) {
   std::vector<std::uint64_t> draws(given.chains, 0);
   for (const auto& [place, run] : runs) {
@@ -145,7 +144,6 @@ void expect_same_moment(const plan::Plan& a, const plan::Plan& b) {
   expect_equal(a.report(), b.report());
 }
 
-/// What a plan has told, asked whenever one likes.
 struct Decided {
   std::uint64_t scans = 0;
   std::vector<plan::Solution> solutions{};
@@ -171,10 +169,9 @@ struct Decided {
 };
 
 TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
-  // Goal: units, results, stop, draws and report are the same however units and blocks are cut and
-  // in whatever order they complete; and the stop is where the rules say. Method: random cases of
-  // all methods; serially, and in random sessions by units and by blocks; the stop and the draws
-  // recounted from a longer run.
+  // Goal: units, results, stop, draws and report don't depend on how units and blocks are cut or in
+  // which order they complete, and the stop obeys the rules. Method: compare serial runs with
+  // random sessions by units and by blocks. Count the stop and the draws again from a longer run.
   std::set<std::pair<std::uint64_t, bool>> stops;  // by method: whether solutions ended it
   std::vector<BlockShapes> shapes(k_methods);
   for (const std::uint64_t index : property::cases(cases())) {
@@ -224,9 +221,9 @@ TEST(EveryMethod, DoesNotKnowTheOrderOfDelivery) {
 }
 
 TEST(EveryMethod, GoesOnFromAnyStoredResults) {
-  // Goal: a fresh plan that consumes stored results replica by replica is where the stopped one is,
-  // and goes on to the same end, by units or by blocks. Method: stop at a random moment, with what
-  // was in flight lost or kept; replay in the store's order or another.
+  // Goal: a fresh plan that consumes stored results replica by replica equals the stopped plan, and
+  // reaches the same end. Method: stop at a random moment, with results in flight lost or stored.
+  // Replay in the store's order or another, then run by units or by blocks.
   BlockShapes shapes;
   for (const std::uint64_t index : property::cases(2 * cases())) {
     Dice dice(k_seed, k_cases + index);
@@ -258,10 +255,10 @@ TEST(EveryMethod, GoesOnFromAnyStoredResults) {
 }
 
 TEST(EveryMethod, DecidesTheSameInAnySteps) {
-  // Goal: solutions and rounds that a plan tells between two frontiers are a function of the
-  // results up to these: whenever it is asked, together they are what a quiet run tells at its end;
-  // each solution is a satisfied scan at inverse temperature 1, and all that are counted are told.
-  // Method: random sessions that are asked at random moments, dead ones and those after them too.
+  // Goal: the solutions and rounds that a plan reports between two frontiers are a function of the
+  // results up to the frontiers. Together they equal a quiet run's report. Each solution is a
+  // satisfied scan at inverse temperature 1, and all counted solutions are reported. Method: ask
+  // random sessions, including stopped and resumed ones, at random moments.
   std::set<Method> methods;
   for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, 5 * k_cases + index);
@@ -309,8 +306,8 @@ TEST(EveryMethod, DecidesTheSameInAnySteps) {
 }
 
 TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
-  // Goal: what a plan learns from the stored scans below N is what the run asked for N scans
-  // learns. Method: whole runs, cut at a random N, in the burn-in too.
+  // Goal: a plan that consumes the stored scans below N equals a run of N scans. Method: cut whole
+  // runs at a random N, sometimes in the burn-in.
   for (const std::uint64_t index : property::cases(cases())) {
     Dice dice(k_seed, 3 * k_cases + index);
     const Case given = from_searches(random_case(dice, index), dice);
@@ -337,8 +334,9 @@ TEST(EveryMethod, CutAtAnyScanIsTheRunOfThatManyScans) {
 }
 
 TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
-  // Goal: where the total is told it is told beforehand and stays, annealing included, and ends as
-  // what was consumed. Method: chains and ladders of four fixed levels, asked at every step.
+  // Goal: a plan that reports its total reports it at the start, including annealing, and the total
+  // stays constant and equals the consumed scans at the end. Method: ask at every step, for chains
+  // and for ladders of four fixed levels.
   for (const Method method : {Method::plain, Method::parallel}) {
     Dice dice(k_seed, 5 * k_cases);
     Case given = random_case(dice, 0);
@@ -361,9 +359,8 @@ TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
 }
 
 TEST(BurntInChains, BurnInIsParallelTempering) {
-  // Goal: before its end a burn-in is the run of as many rounds of parallel tempering. Method:
-  // both, with the same options; every place of the one is in the other, and the ladders' tables
-  // agree.
+  // Goal: a burn-in equals the same number of rounds of parallel tempering. Method: run both with
+  // the same options. They must have the same places and the same tables of ladders.
   for (const std::uint64_t index : property::cases(20)) {
     Dice dice(k_seed, 6 * k_cases + index);
     Case given = random_case(dice, 2 + index % 3);
@@ -391,8 +388,8 @@ TEST(BurntInChains, BurnInIsParallelTempering) {
 }
 
 TEST(Annealing, GoesFromThePriorInEqualSteps) {
-  // Goal: scan s of n anneals a replica at s / n of the inverse temperature that it has then; plain
-  // chains go to 1. Method: every place of a run, against that.
+  // Goal: scan s of n anneals a replica at s / n of its inverse temperature; plain chains anneal
+  // towards 1. Method: compare every place of a run.
   for (const std::uint64_t index : property::cases(30)) {
     Dice dice(k_seed, 7 * k_cases + index);
     Case given = random_case(dice, index);

@@ -17,7 +17,7 @@ namespace sleight::sampling::free_islands_test {
 
 constexpr std::uint64_t k_cases = 200;
 
-/// What islands of a run say, by number: lognormal with this spread, or nothing.
+/// Results of a run's islands by number: lognormal with this spread, or nothing.
 struct World {
   std::uint64_t seed = 0;
   double log_sd = 1;
@@ -29,7 +29,7 @@ struct World {
   }
 };
 
-/// The rule as it is written, over all islands at once: where the pilot ends, and where the batch.
+/// Reference: the rule for the ends of pilot and batch, applied to all islands at once.
 struct Reference {
   std::uint64_t pilot = 0;
   std::uint64_t end = 0;
@@ -74,7 +74,7 @@ std::vector<plan::ScanRecord> run(const World& world, const plan::Unit& unit) {
   return records;
 }
 
-/// Until it has finished, with units of any size that complete in any order.
+/// Runs the plan to its end, with units of any size that complete in any order.
 void run_randomly(FreeIslands& plan, const World& world, Dice& dice) {
   const std::uint64_t most = 1 + dice.below(200);
   std::vector<plan::Unit> running;
@@ -129,10 +129,9 @@ void expect_end(const FreeIslands& plan, const World& world, const Reference& ex
 }
 
 TEST(FreeIslands, EndsWhereTheIslandsSay) {
-  // Goal: which islands there are, and which of them tell the odds, is a function of what they say:
-  // not of the order in which they come, of how units are cut, or of what an earlier session has
-  // stored beyond the end. Method: random islands, errors and sessions, against the rule written
-  // down a second time.
+  // Goal: the set of islands, and of islands that yield the odds, is a function of their results,
+  // independent of order, cuts of units and stored results beyond the end. Method: compare random
+  // islands, errors and sessions with a second implementation of the rule.
   std::uint64_t extended = 0;
   std::uint64_t long_pilots = 0;
   for (const std::uint64_t index : property::cases(k_cases)) {
@@ -144,7 +143,7 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
     long_pilots += expected.pilot > 32 ? 1 : 0;
     FreeIslands plan({.seed = index, .log_error = log_error});
     if (dice.once_in(3)) {
-      // Of each lane what a session with another end stored, beyond this end too.
+      // Add, for each lane, what a session with another end stored, also beyond this end.
       for (std::uint32_t lane = 0; lane < plan::k_island_lanes; ++lane) {
         const auto scans = static_cast<std::uint32_t>(dice.below(3));
         if (scans == 0) continue;
@@ -167,8 +166,8 @@ TEST(FreeIslands, EndsWhereTheIslandsSay) {
 }
 
 TEST(FreeIslands, ACutEndsThereAndTellsTheOddsOnlyWhole) {
-  // Goal: the request in an archive repeats it: a run that is bounded by the islands which another
-  // one had, or had got to, reports the same. Method: bounded at the end, and before it.
+  // Goal: the request in an archive repeats it: a run limited to another run's final or
+  // intermediate number of islands reports the same. Method: limit at the end, and before it.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(13, index);
     const World world = random_world(index, dice);
@@ -186,8 +185,7 @@ TEST(FreeIslands, ACutEndsThereAndTellsTheOddsOnlyWhole) {
 }
 
 TEST(FreeIslands, WhatNeverSatisfiesEnds) {
-  // Goal: a run ends although no island has anything, without a batch. Method: islands that all
-  // died.
+  // Goal: a run in which all islands die ends without a batch.
   FreeIslands plan({.seed = 1, .log_error = 0.1});
   const World world{.dead = 1};
   Dice dice(17, 0);

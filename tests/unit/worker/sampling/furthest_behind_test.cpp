@@ -1,4 +1,4 @@
-// Who runs next, against a search through all chains.
+// Compares the choice of the next chain with a search through all chains.
 #include "worker/sampling/furthest_behind.h"
 
 #include <gtest/gtest.h>
@@ -14,17 +14,16 @@ namespace sleight::sampling::furthest_behind_test {
 
 constexpr std::uint64_t k_seed = 20261121;
 
-/// Chains that have something to give, so often, until they move.
+/// Chains that can give a number of times until they move.
 struct Chains {
   std::vector<std::uint64_t> scans;
-  std::vector<std::uint64_t> gifts;  ///< left
+  std::vector<std::uint64_t> gifts;  ///< remaining gifts
 
   std::optional<std::size_t> give(std::size_t chain, std::uint64_t horizon) {
     if (gifts[chain] == 0 || scans[chain] >= horizon) return std::nullopt;
     --gifts[chain];
     return chain;
   }
-  /// Whose turn it is.
   std::optional<std::size_t> expected(std::uint64_t horizon) const {
     std::optional<std::size_t> best;
     for (std::size_t chain = 0; chain < scans.size(); ++chain) {
@@ -40,9 +39,9 @@ struct Chains {
 };
 
 TEST(FurthestBehind, IsWhoASearchFinds) {
-  // Goal: the chain with the fewest scans that has something, the lowest number among equals; none
-  // if none has; least() and going() likewise. Method: 200 random histories of one to nine chains
-  // that move, give and run dry under a horizon that grows, against a search.
+  // Goal: first() finds the chain with the fewest scans that can give, the lowest number among
+  // equals, or none. least() and going() are right too. Method: compare with a search in 200 random
+  // histories of one to nine chains that move, give and run dry under a growing horizon.
   int given = 0;
   int dry = 0;
   for (const std::uint64_t history : property::cases(200)) {
@@ -85,8 +84,8 @@ TEST(FurthestBehind, IsWhoASearchFinds) {
 }
 
 TEST(FurthestBehind, AsksNobodyTwiceInVain) {
-  // Goal: a chain that had nothing is asked again when it moves or the question changes, and not
-  // before. Method: chains without anything, whose askings are counted.
+  // Goal: a chain that had nothing to give is asked again only when it moves or the question
+  // changes. Method: count the calls for chains that never give.
   constexpr std::size_t k_chains = 1000;
   FurthestBehind order(k_chains);
   std::size_t asked = 0;
@@ -109,7 +108,7 @@ TEST(FurthestBehind, AsksNobodyTwiceInVain) {
 }
 
 TEST(FurthestBehind, RefusesWhatCannotBe) {
-  // Goal: no chains at all, and one that goes back, stop the program. Method: death tests.
+  // Goal: zero chains, and a chain that goes back, stop the program. Method: death tests.
   EXPECT_DEATH(FurthestBehind(0), "check failed");
   FurthestBehind order(2);
   order.moved(1, 5);

@@ -1,4 +1,4 @@
-// Where a run of independent chains stops, against a reference that knows all results beforehand.
+// Compares the stop of independent chains with a reference that knows all results in advance.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace sleight::sampling::independent_chains_property_test {
 
 constexpr std::uint64_t k_seed = 271828;
 constexpr std::uint64_t k_cases = 400;
-/// Every run ends before this scan: each case has a rule that sees to it.
+/// Every run ends before this scan, because each case has a rule that ensures it.
 constexpr std::uint64_t k_scans_max = 400;
 
 struct Case {
@@ -84,7 +84,7 @@ bool has_enough_solutions(const Case& given, std::uint64_t scans) {
   return wanted && solved.size() >= *wanted;
 }
 
-/// The reference: where the run must stop, from all results, by the rules as they are written.
+/// Reference: the scan at which the run must stop, from all results, by the plain rules.
 std::uint64_t end_of(const Case& given) {
   const StopRule& stop = given.options.stop;
   std::uint64_t round_end = 0;
@@ -106,13 +106,12 @@ class Session {
 
   IndependentChains& plan() { return plan_; }
 
-  /// Takes in what an earlier session stored of a chain, in batches.
+  /// Consumes an earlier session's stored results of a chain, in batches.
   void replay(std::uint32_t chain, std::uint64_t scans) {
     while (consumed_[chain] < scans)
       consume(chain, std::min(scans - consumed_[chain], 1 + dice_.below(50)));
   }
 
-  /// Until the plan has finished.
   void run() {
     while (!plan_.finished()) {
       if (!dice_.once_in(3) || running_.empty()) {
@@ -133,7 +132,7 @@ class Session {
       ASSERT_FALSE(running_.empty()) << "nothing runs, nothing is handed out, not finished";
       return;
     }
-    // It is within its bounds, continues its chain, and no idle chain is further behind.
+    // The unit is within bounds and continues its chain, and no idle chain is further behind.
     const std::uint32_t chain = unit->replica.chain.value;
     ASSERT_LT(chain, consumed_.size());
     ASSERT_EQ(unit->first_scan.value, consumed_[chain]);
@@ -176,7 +175,7 @@ class Session {
   std::vector<plan::Unit> running_;
 };
 
-/// How many islands of a chain the archive's odds count; none where it doesn't say.
+/// Number of islands per chain that the archive's odds count. Nothing if it isn't reported.
 std::optional<double> odds_until_island(const plan::Report& report, std::uint32_t chains) {
   for (const plan::Table& table : report.tables) {
     if (table.name != "odds_until_island") continue;
@@ -186,7 +185,7 @@ std::optional<double> odds_until_island(const plan::Report& report, std::uint32_
   return std::nullopt;
 }
 
-/// Islands of the first round tell the odds, where solutions could end the run and it is whole.
+/// Expects the end. Islands of a complete first round yield the odds if solutions can end a run.
 void expect_end(Session& session, const Case& given, std::uint64_t end) {
   EXPECT_TRUE(session.plan().finished());
   EXPECT_EQ(session.plan().scans_common(), end);
@@ -203,9 +202,9 @@ void expect_end(Session& session, const Case& given, std::uint64_t end) {
 }
 
 TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
-  // Goal: the stop is a function of the results: not of how units are cut nor of the order in which
-  // they complete, and nothing is computed beyond it. Method: random results and rules, several
-  // random sessions of each, against the reference.
+  // Goal: the stop is a function of the results, independent of cuts and of the order of
+  // completion, and nothing is computed beyond it. Method: compare random results and rules, with
+  // several random sessions each, with the reference.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(index);
     const Case given = random_case(dice);
@@ -222,9 +221,8 @@ TEST(IndependentChainsProperty, StopsWhereTheResultsSay) {
 }
 
 TEST(IndependentChainsProperty, StopsThereWhateverMoreIsStored) {
-  // Goal: results of a session that had a later stop and stored more move no stop (invariant 3 of
-  // Plan). Method: random lengths of each chain, beyond the end too,
-  // replayed in batches; then run on.
+  // Goal: stored results of a session with a later stop don't move the stop (invariant 3 of Plan).
+  // Method: replay random lengths of each chain in batches, also beyond the end, then resume.
   for (const std::uint64_t index : property::cases(k_cases)) {
     Dice dice(k_cases + index);
     const Case given = random_case(dice);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t k_largest = std::numeric_limits<std::uint64_t>::max();
 
-/// By scans, rounds and independent solutions, as far as given.
+/// A stop rule by scans, rounds and independent solutions, as far as given.
 StopRule stop_at(std::optional<std::uint64_t> scans, std::optional<std::uint32_t> rounds = {},
                  std::optional<std::uint64_t> solutions = {}) {
   return {.scans = scans, .rounds = rounds, .independent_solutions = solutions};
@@ -30,8 +30,7 @@ plan::Unit unit(std::uint32_t chain, std::uint64_t first, std::uint32_t scans) {
 }
 
 TEST(ScansThroughRound, IsTheSumOfDoublingRounds) {
-  // Goal: round r has round_scans 2^(r-1) scans; sums beyond 64 bits are the largest count. Method:
-  // add them up one by one.
+  // Goal: round r has round_scans 2^(r-1) scans, and sums beyond 64 bits saturate.
   for (const std::uint64_t round_scans : {std::uint64_t{1}, std::uint64_t{3}, std::uint64_t{64},
                                           std::uint64_t{1'000'000}, k_largest / 3, k_largest}) {
     std::uint64_t sum = 0;
@@ -45,9 +44,8 @@ TEST(ScansThroughRound, IsTheSumOfDoublingRounds) {
 }
 
 TEST(IndependentChains, ManyChainsStayFast) {
-  // Goal: 65,536 chains cost little each, also when all are handed out at once. Method: two units
-  // of each, with as many units outstanding as there are chains; a cost that grows with their
-  // square would take minutes, more than the test has.
+  // Goal: 65,536 chains cost little each. Method: run two units of each, with one outstanding unit
+  // per chain. A cost quadratic in the chains would exceed the test's time limit.
   constexpr std::uint32_t k_chains = 65'536;
   IndependentChains chains({.chains = k_chains, .round_scans = 1, .stop = stop_at({}, 2, 1)});
   for (int round = 0; round < 2; ++round) {
@@ -63,8 +61,7 @@ TEST(IndependentChains, ManyChainsStayFast) {
 }
 
 TEST(IndependentChainsDeathTest, MisuseIsABug) {
-  // Goal: a plan without an end, and results that don't continue a chain, stop the process. Method:
-  // each of them.
+  // Goal: a plan without an end, and results that don't continue a chain, stop the process.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(IndependentChains({.chains = 2, .stop = stop_at({})}), "check failed");
   EXPECT_DEATH(IndependentChains({.chains = 0, .stop = stop_at(1)}), "check failed");

@@ -1,4 +1,4 @@
-// The thinned record of replicas' levels.
+// Tests the thinned record of the replicas' levels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,9 +11,9 @@ namespace sleight::sampling {
 namespace {
 
 TEST(IndexProcess, KeepsWhatTheNumberOfScansSays) {
-  // Goal: never more than the bound and, once there are as many scans, at least half of it, evenly
-  // spaced, whatever the first scan; the levels are those that were given. Method: after each of
-  // 10,000 scans against all that were added; of two replicas one is hotter in every third scan.
+  // Goal: the record never exceeds the bound. Once there are as many scans as the bound, it has at
+  // least half as many entries, evenly spaced, for any first scan, with the right levels. Method:
+  // compare with all scans after each of 10,000. One of two replicas is hotter every third scan.
   for (const std::uint64_t first : {0U, 1U, 777U}) {
     IndexProcess process;
     std::uint64_t stride = 1;

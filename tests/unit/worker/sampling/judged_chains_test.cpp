@@ -17,11 +17,12 @@
 
 namespace sleight::sampling::judged_chains_test {
 
-/// Chains whose two values start at 0 and forget it: "helped" counts up to some mean, "log_p" is
+/// Chains whose two values start at 0 and forget their start. "helped" rises to a mean; "log_p" is
 /// normal about 0. Scans are pure functions of (seed, chain, tour's begin, scan).
 struct World {
   std::uint64_t seed = 1;
-  double forgets = 0.2;  ///< of what a value lacks, in each scan; 0: chains never leave their start
+  double forgets =
+      0.2;  ///< share of the missing value gained per scan; 0: chains never leave their start
   double satisfied = 0.2;
 
   plan::ScanRecord record(std::uint32_t chain, std::uint64_t begin, std::uint64_t scan) const {
@@ -50,7 +51,6 @@ JudgedChainsOptions options(std::optional<std::uint64_t> scans,
           .independent_solutions = solutions};
 }
 
-/// What a plan came to: scans, draws and solutions.
 struct End {
   std::uint64_t scans = 0;
   std::vector<std::uint64_t> parts{};
@@ -67,8 +67,8 @@ End end_of(const JudgedChains& plan) {
   return end;
 }
 
-/// Hands units to so many workers, who return in any order, until the plan is done or so many have
-/// come back. Where a chain's unit starts is its present tour's begin.
+/// Hands units to `workers` workers, who return in any order, until the plan is done or
+/// `results_max` results have come back. A unit's start is its chain's current tour's begin.
 void work(JudgedChains& plan, const World& world, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -94,9 +94,9 @@ void work(JudgedChains& plan, const World& world, std::size_t workers, random::S
 }
 
 TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
-  // Goal: tours, draws and solutions are functions of the results: of no number of workers, no
-  // order, no interruption; a cut has what the run had up to there. Method: random runs, one after
-  // another brought to where an earlier one stood; each against a run by one worker.
+  // Goal: tours, draws and solutions are functions of the results, independent of workers, order
+  // and interruption. A cut run has what the whole run had up to the cut. Method: compare random
+  // runs, cut runs and replayed runs with a run by one worker.
   for (const std::uint64_t i : property::cases(60)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const World world{.seed = i,
@@ -126,7 +126,7 @@ TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
     work(together, world, 1 + random::UniformInteger{.count = 6}.draw(stream), stream);
     EXPECT_EQ(end_of(together), end_of(alone));
 
-    // Ended by scans, also in a tour's midst: what was judged before stays.
+    // A run ended by scans, even in the middle of a tour, keeps what was judged before.
     const std::uint64_t cut =
         1 + random::UniformInteger{.count = alone.scans_common()}.draw(stream);
     JudgedChains shorter(options(cut, {}));
@@ -140,7 +140,7 @@ TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
     }
     EXPECT_EQ(end_of(shorter), expected);
 
-    // Replayed chain by chain, as from a run store, it is where the first one was.
+    // Replay chain by chain, as from a run store.
     JudgedChains replayed(options({}, wanted));
     std::map<std::uint32_t, std::vector<plan::ScanRecord>> stored;
     std::vector<std::uint64_t> begins{0};
@@ -159,8 +159,8 @@ TEST(JudgedChains, ComeToTheSameHoweverTheyAreRun) {
 }
 
 TEST(JudgedChains, CountASatisfyingScanOfEachChainOfEachTour) {
-  // Goal: a solution is a satisfying scan among the draws, any of them, one of a chain and tour.
-  // Method: runs with many tours; the places of counted scans among the satisfying ones.
+  // Goal: a solution is any satisfying scan among the draws, one per chain and tour. Method: run
+  // many tours and examine the places of counted scans.
   const World world{.forgets = 0.5, .satisfied = 0.3};
   JudgedChains plan(options({}, 400));
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
@@ -184,8 +184,8 @@ TEST(JudgedChains, CountASatisfyingScanOfEachChainOfEachTour) {
 }
 
 TEST(JudgedChains, ChainsThatNeverLeaveTheirStartNeverBurnIn) {
-  // Goal: a kernel that brings in no helped ball fails the judge, however well its chains agree.
-  // Method: such chains for many rounds; the same with a value that starts at no end pass.
+  // Goal: a kernel that never produces a helped ball fails the judge, even if all chains agree.
+  // Method: run such chains for many rounds. They pass if the value doesn't start at one end.
   const World stuck{.forgets = 0};
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
   JudgedChains plan(options(4000, {}));
@@ -203,8 +203,8 @@ TEST(JudgedChains, ChainsThatNeverLeaveTheirStartNeverBurnIn) {
 }
 
 TEST(JudgeValue, SeesDriftsAndChainsThatDisagree) {
-  // Goal: what has not forgotten its start fails. Method: 8 chains of 200 draws: of one
-  // distribution; drifting all together; each about a mean of its own; constant.
+  // Goal: chains that haven't forgotten their start fail. Method: judge 8 chains of 200 draws: with
+  // one distribution, with a common drift, with different means, and constant.
   random::Stream stream({.seed = 2, .purpose = random::Purpose::scene}, 0);
   std::vector<double> starts{0};
   const auto judged = [&](auto&& value, bool starts_at_one_end = true) {
@@ -224,7 +224,7 @@ TEST(JudgeValue, SeesDriftsAndChainsThatDisagree) {
   EXPECT_TRUE(judged([](std::size_t, double) { return 0.0; }, false).passes);
   EXPECT_FALSE(
       judged([](std::size_t chain, double) { return static_cast<double>(chain); }, false).passes);
-  // Chains may start at one value or another of those at the end: only a third one has left it.
+  // With starts at 0 and 1, chains with only the values 0 and 1 never leave their start.
   const auto bit = [&](std::size_t, double) { return normal() > 0 ? 1.0 : 0.0; };
   EXPECT_TRUE(judged(bit).passes);
   starts = {0, 1};

@@ -9,7 +9,7 @@
 namespace sleight::sampling {
 namespace {
 
-const double k_grown = std::exp(2.1);  ///< the factor of a size all of whose proposals are accepted
+const double k_grown = std::exp(2.1);  ///< size factor if all proposals are accepted
 
 LadderOptions options_of(bool levels_chosen) {
   return {.seed = 1,
@@ -23,8 +23,8 @@ LadderOptions options_of(bool levels_chosen) {
           .anneal_scans = 7};
 }
 
-/// A whole round whose swaps are all accepted, or none. Of 100 proposals of the first two kinds
-/// none, all and 30 are accepted at the three levels, and of 49 of the third none.
+/// A whole round in which all swaps are accepted, or none. For the first two kinds, the three
+/// levels accept none, all and 30 of 100 proposals. For the third kind, none of 49 is accepted.
 RoundReport round_of(const LadderOptions& options, bool swaps) {
   RoundReport round = first_round(options);
   for (std::uint64_t scan = 0; scan < options.round_scans; ++scan) {
@@ -43,9 +43,9 @@ RoundReport round_of(const LadderOptions& options, bool swaps) {
 }
 
 TEST(LadderRound, LearnsSizesLevelByLevel) {
-  // Goal: a size is multiplied by exp(3 (acceptance - 0.3)), the hottest level goes with its
-  // neighbour, kinds without a size and those hardly proposed stay; a round begins where the last
-  // one ends, twice as long, with nothing in it. Method: by hand.
+  // Goal: a size is multiplied by exp(3 (acceptance - 0.3)). The hottest level uses its neighbour's
+  // factor. Kinds without a size or with few proposals stay. A round begins empty at the last one's
+  // end and is twice as long. Method: compare by hand.
   const RoundReport round = round_of(options_of(false), true);
   EXPECT_EQ(round.first_scan, 7U);
   const RoundReport next = next_round(options_of(false), round);
@@ -66,9 +66,8 @@ TEST(LadderRound, LearnsSizesLevelByLevel) {
 }
 
 TEST(LadderRound, ReadsSizesOffWhereTheNewLevelsAre) {
-  // Goal: there are as many levels as twice the barrier and one, and the logarithm of a size is
-  // straight between the old ones. Method: by hand, without any rejection and with all swaps
-  // rejected, which is a barrier of 2.
+  // Goal: the number of levels is twice the barrier plus one, and a size's logarithm is linear
+  // between old levels. Method: accept all swaps, and reject all swaps (a barrier of 2).
   for (const auto& [swaps, levels] : {std::pair{true, 2U}, {false, 5U}}) {
     const RoundReport next = next_round(options_of(true), round_of(options_of(true), swaps));
     ASSERT_EQ(next.ladder().size(), levels);
@@ -81,7 +80,7 @@ TEST(LadderRound, ReadsSizesOffWhereTheNewLevelsAre) {
 }
 
 TEST(Tuned, StaysWithinBounds) {
-  // Goal: no size runs away. Method: all rejected, and all accepted, for a hundred rounds.
+  // Goal: no size diverges. Method: reject or accept all proposals for a hundred rounds.
   const KindCounts counts{.proposed = {60, 60}, .accepted = {0, 60}};
   std::vector<double> scales{1, 1};
   for (int round = 0; round < 100; ++round)

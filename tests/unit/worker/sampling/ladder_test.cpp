@@ -1,4 +1,4 @@
-// Ladders: spacing, barriers and predictions as functions of rejection rates.
+// Tests ladders: spacing, barriers and predictions as functions of rejection rates.
 #include "worker/sampling/ladder.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace sleight::sampling::ladder_test {
 
 constexpr std::uint64_t k_seed = 161803;
 
-/// Rejection rates of a barrier that is known: differences of a smooth curve.
+/// Rejection rates for a known barrier: differences of a smooth curve.
 std::vector<double> differences(const std::vector<double>& ladder, double (*barrier)(double)) {
   std::vector<double> rates;
   for (std::size_t i = 0; i + 1 < ladder.size(); ++i)
@@ -33,7 +33,7 @@ double bend(double beta) {
   return 2 * beta + std::sin(3 * beta) / 2;
 }
 
-/// Fine levels that lie closer where it is hot.
+/// Fine levels that are denser at hot temperatures.
 std::vector<double> uneven(std::uint32_t levels) {
   std::vector<double> ladder;
   for (std::uint32_t i = 0; i < levels; ++i)
@@ -42,7 +42,7 @@ std::vector<double> uneven(std::uint32_t levels) {
 }
 
 TEST(FirstLadder, LiesCloserWhereItIsHot) {
-  // Goal: from 0 to 1, ascending, with growing steps. Method: every size.
+  // Goal: first_ladder ascends from 0 to 1 with growing steps, for every size.
   EXPECT_EQ(first_ladder(2), (std::vector<double>{0, 1}));
   for (std::uint32_t levels = k_levels_min; levels <= k_levels_max; ++levels) {
     const std::vector<double> ladder = first_ladder(levels);
@@ -55,8 +55,8 @@ TEST(FirstLadder, LiesCloserWhereItIsHot) {
 }
 
 TEST(FirstLadder, IsAPowerOfEvenSteps) {
-  // Goal: each level is (i / (levels - 1))^power, the hottest one above 0. Method: std::pow; equal
-  // steps by hand.
+  // Goal: each level is (i / (levels - 1))^power, and the hottest level can be above 0. Method:
+  // compare with std::pow, and with equal steps by hand.
   EXPECT_EQ(first_ladder(5, 1), (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
   EXPECT_EQ(first_ladder(7), first_ladder(7, 6));
   for (const std::uint32_t power : {1U, 2U, 3U, 6U, 12U}) {
@@ -70,7 +70,7 @@ TEST(FirstLadder, IsAPowerOfEvenSteps) {
 }
 
 TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
-  // Goal: known numbers, and bounds for barriers that no ladder can serve.
+  // Goal: levels_for returns known numbers, and bounds for barriers that no ladder can serve.
   EXPECT_EQ(levels_for(0), 2U);
   EXPECT_EQ(levels_for(0.5), 2U);
   EXPECT_EQ(levels_for(0.51), 3U);
@@ -81,15 +81,15 @@ TEST(LevelsFor, AreTwiceTheBarrierAndOne) {
 }
 
 TEST(Barrier, IsTheSumOfRejections) {
-  // Goal: 0 at the hottest level, all at the coolest. Method: numbers that add up exactly.
+  // Goal: the cumulative barrier is 0 at the hottest level and the total at the coolest.
   EXPECT_EQ(cumulative_barrier(std::vector{0.5, 0.25, 0.125}),
             (std::vector{0.0, 0.5, 0.75, 0.875}));
 }
 
 TEST(LocalBarrier, IsTheSlope) {
-  // Goal: the local barrier is the cumulative one's slope: exact on a straight line, close on a
-  // smooth curve, and never negative. Method: known curves on a fine uneven ladder; the error of a
-  // three-point slope is of the second order in the spacing, at most 1/40.
+  // Goal: the local barrier is the slope of the cumulative barrier: exact for a straight line,
+  // close for a smooth curve, never negative. Method: use known curves on a fine uneven ladder. The
+  // error of a three-point slope is of second order in the spacing, which is at most 1/40.
   const std::vector<double> ladder = uneven(41);
   const std::vector<double> line =
       local_barrier(ladder, differences(ladder, [](double beta) { return 2.5 * beta; }));
@@ -103,9 +103,9 @@ TEST(LocalBarrier, IsTheSlope) {
 }
 
 TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
-  // Goal: between the new levels the barrier grows by equal parts. Method: curves with a closed
-  // form, one with an infinite slope at 0, on fine ladders; a monotone cubic through 200 points is
-  // that close. Fewer and more levels than there were.
+  // Goal: the barrier grows equally between new levels. Method: use curves with a closed form, one
+  // with an infinite slope at 0, on fine ladders, to fewer and to more levels. A monotone cubic
+  // through 200 points is accurate enough.
   const std::vector<double> ladder = uneven(200);
   for (const auto& barrier : {square_root, logarithm, bend}) {
     for (const std::uint32_t levels : {2U, 3U, 8U, 33U, 250U}) {
@@ -119,7 +119,7 @@ TEST(Respaced, CutsAKnownBarrierIntoEqualParts) {
 }
 
 TEST(Respaced, IsAtRestWhenAllRejectionsAreEqual) {
-  // Goal: the best ladder stays. Method: equal rates, uneven levels; to rounding.
+  // Goal: the best ladder stays, to rounding. Method: use equal rates on uneven levels.
   for (const double rate : {0.0, 1e-6, 0.3, 0.5, 1.0}) {
     const std::vector<double> ladder{0, 1e-9, 0.01, 0.5, 0.501, 1};
     const std::vector<double> same = respaced(ladder, std::vector<double>(5, rate), 6);
@@ -129,10 +129,9 @@ TEST(Respaced, IsAtRestWhenAllRejectionsAreEqual) {
 }
 
 TEST(Respaced, IsALadderWhateverTheRates) {
-  // Goal: ascending without ties from 0 to 1, for any rates, 0 and 1 among them, over many rounds
-  // that feed on each other. Method: random rates and sizes, each ladder respaced from the one
-  // before. A hard constraint, all of whose barrier lies at the hot end, is the worst: there levels
-  // crowd at 0.
+  // Goal: levels ascend from 0 to 1 without ties for any rates, including 0 and 1, over many
+  // rounds. Method: space random ladders again and again with random rates and sizes. The worst
+  // case is a hard constraint with the whole barrier at the hot end, which crowds levels near 0.
   for (const std::uint64_t index : property::cases(200)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const bool hard = index % 4 == 0;
@@ -155,15 +154,15 @@ TEST(Respaced, IsALadderWhateverTheRates) {
 }
 
 TEST(PredictedRoundTripRate, IsTheFormula) {
-  // Goal: 1 / (2 + 2 sum r / (1 - r)) (Syed et al. 2022, corollary 2). Method: by hand; a conveyor
-  // that never stops makes a trip every second scan, one that is cut makes none.
+  // Goal: the rate is 1 / (2 + 2 sum r / (1 - r)) (Syed et al. 2022, corollary 2). Method: compare
+  // by hand. Without rejections a trip takes two scans; with a rate of 1 there are no trips.
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.0, 0.0, 0.0}), 0.5);
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.5, 0.75}), 1 / (2 + 2 * (1.0 + 3.0)));
   EXPECT_EQ(predicted_round_trip_rate(std::vector{0.5, 1.0}), 0);
 }
 
 TEST(Interpolated, IsStraightBetweenLevels) {
-  // Goal: exact at levels, straight between them, the ends included.
+  // Goal: interpolation is exact at levels and linear between them, the ends included.
   const std::vector<double> ladder{0, 0.25, 1};
   const std::vector<double> values{4, 2, 5};
   EXPECT_EQ(interpolated(ladder, values, 0), 4);

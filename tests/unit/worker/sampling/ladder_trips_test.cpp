@@ -1,5 +1,4 @@
-// Index processes by hand: who is at which temperature, which lineages begin, what counts as a
-// round trip, a restart and an independent solution.
+// Tests by hand who is at which temperature, lineages, round trips, restarts and solutions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +11,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// A ladder that is driven by hand: in each scan everyone's result is a function of (inverse
-/// temperature, scan).
+/// A ladder driven by hand: every result is a function of (inverse temperature, scan).
 class Played {
  public:
   using Score = std::function<plan::ScanRecord(double beta, std::uint64_t scan)>;
@@ -61,22 +59,23 @@ plan::ScanRecord satisfied_with(double log_constraint) {
   return record;
 }
 
-/// Equal densities swap always: a conveyor. Everything satisfies.
+/// Equal densities always swap, like a conveyor. Everything satisfies.
 plan::ScanRecord always_swaps(double /*beta*/, std::uint64_t /*scan*/) {
   return satisfied_with(-1);
 }
 
-/// The cooler, the better: nobody ever swaps.
+/// Cooler replicas have higher densities, so no pair ever swaps.
 plan::ScanRecord never_swaps(double beta, std::uint64_t /*scan*/) {
   return satisfied_with(1e6 * beta);
 }
 
 TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
-  // Goal: all counts of a ladder that is easily played by hand. Method: swaps at even scans alone,
-  // so replica 0 is at levels 0 1 1 0 0 1 1 0 0, replica 1 at 1 0 0 1 1 0 0 1 1.
-  //   restarts     scan 1 (0), 3 (1), 5 (0), 7 (1)
-  //   round trips  scan 3 (0), 5 (1), 7 (0): replica 1 begins at the cool end, which counts not
-  //   solutions    scan 0 (1's start), 1, 3, 5, 7: a lineage counts once, though it stays for two
+  // Goal: all counts are right for a ladder that is easy to follow by hand. Method: replicas swap
+  // only at even scans, so replica 0 is at levels 0 1 1 0 0 1 1 0 0, replica 1 at 1 0 0 1 1 0 0
+  // 1 1.
+  //  restarts     scan 1 (0), 3 (1), 5 (0), 7 (1)
+  //  round trips  scan 3 (0), 5 (1), 7 (0); replica 1's start at the cool end doesn't count
+  //  solutions    scan 0 (1's start), 1, 3, 5, 7; a lineage counts once, though it stays for two
   Played played(fixed({0, 1}), 9, always_swaps);
   EXPECT_EQ(played.betas(0), (std::vector<double>{0, 1, 1, 0, 0, 1, 1, 0, 0}));
   EXPECT_EQ(played.betas(1), (std::vector<double>{1, 0, 0, 1, 1, 0, 0, 1, 1}));
@@ -104,8 +103,8 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
 }
 
 TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
-  // Goal: a trip counts in the round in which it ends, parity and replicas go on over round ends.
-  // Method: the two levels of above in rounds of 2, 4, 8 scans: trips at scans 3 and 5, 7, ...
+  // Goal: a trip counts in the round in which it ends, and parity and replicas continue across
+  // rounds. Method: use the two levels above in rounds of 2, 4 and 8 scans.
   Played played(fixed({0, 1}, 2), 14, always_swaps);
   const std::vector<RoundReport>& rounds = played.run().rounds();
   ASSERT_EQ(rounds.size(), 4U);
@@ -122,10 +121,10 @@ TEST(LadderTrips, GoOnOverTheEndsOfRounds) {
 }
 
 TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
-  // Goal: more levels: who is there stays the coolest, in order; new replicas start from the prior
-  // in the round's first scan; fewer: the hottest go and never come back. Method: two levels that
-  // never swap in round one (barrier 1: three levels), three that never swap (barrier 2: five),
-  // five that always do (barrier 0: two).
+  // Goal: if levels are added, existing replicas stay the coolest, in order, and new replicas start
+  // from the prior in the round's first scan. If levels are removed, the hottest replicas leave for
+  // good. Method: two levels that never swap (barrier 1: three levels), three that never swap
+  // (barrier 2: five), then five that always swap (barrier 0: two).
   LadderOptions options = fixed({0, 1}, 4);
   options.levels_chosen = true;
   Played played(options, 40, [](double beta, std::uint64_t scan) {
@@ -138,14 +137,14 @@ TEST(LadderTrips, GrowingLaddersBeginAtTheHotEnd) {
   ASSERT_EQ(rounds[2].counts.size(), 5U);
   ASSERT_EQ(rounds[3].counts.size(), 2U);
   EXPECT_EQ(played.run().replicas(), 5U);
-  // Replica 1 is the coolest, 0 next to it, 2 the hottest of three; then 3 and 4 above.
+  // Replica 1 is the coolest, then 0, and 2 is the hottest of three. Then 3 and 4 are above.
   EXPECT_EQ(played.betas(1)[11], 1);
   EXPECT_EQ(played.betas(0)[4], rounds[1].statistics.ladder()[1]);
   EXPECT_EQ(played.betas(2)[0], 0);
   EXPECT_EQ(played.betas(2)[8], rounds[2].statistics.ladder()[2]);
   EXPECT_EQ(played.betas(3)[0], 0);
   EXPECT_EQ(played.betas(4)[0], rounds[2].statistics.ladder()[1]);
-  // Those that are gone have no level, and those to come aren't known yet.
+  // Removed replicas have no level, and future replicas are unknown.
   const std::vector<IndexProcess::Moment>& moments = played.run().index_process().moments();
   ASSERT_EQ(moments.size(), 40U);
   EXPECT_EQ(moments[3].level, (std::vector<std::uint16_t>{0, 1}));

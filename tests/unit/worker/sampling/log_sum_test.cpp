@@ -1,4 +1,4 @@
-// Sums of exponentials against sums in wider arithmetic, and beyond any arithmetic's range.
+// Compares sums of exponentials with sums in wider arithmetic, and tests sums beyond any range.
 #include "worker/sampling/log_sum.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace sleight::sampling::log_sum_test {
 constexpr std::uint64_t k_seed = 577215;
 
 TEST(LogSum, IsNothingAtFirst) {
-  // Goal: the sum of nothing is 0, its mean is unknown; zeros count as numbers.
+  // Goal: an empty sum is 0 and its mean is unknown. Zeros count as numbers.
   LogSum sum;
   EXPECT_EQ(sum.log_sum(), k_log_zero);
   EXPECT_TRUE(std::isnan(sum.log_mean()));
@@ -30,8 +30,8 @@ TEST(LogSum, IsNothingAtFirst) {
 }
 
 TEST(LogSum, EqualsASumInWiderArithmetic) {
-  // Goal: every order of sizes, zeros among them. Method: random numbers over a range that a long
-  // double holds, against the plain sum; 1000 roundings of 1e-16.
+  // Goal: the sum is right for any order of sizes, including zeros. Method: compare random numbers
+  // in the range of a long double with the plain sum, to 1000 roundings of 1e-16.
   for (const std::uint64_t index : property::cases(50)) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, index);
     const double range = index % 2 == 0 ? 3 : 5000;
@@ -49,8 +49,8 @@ TEST(LogSum, EqualsASumInWiderArithmetic) {
 }
 
 TEST(LogSum, HoldsWhatNoDoubleHolds) {
-  // Goal: numbers far beyond exp's range, rising and falling. Method: the greatest alone counts;
-  // equal ones add up.
+  // Goal: numbers far beyond exp's range are summed correctly, rising and falling. Method: the
+  // largest dominates, and equal numbers add up.
   for (const double first : {-1e6, 1e6}) {
     LogSum sum;
     sum.add(first);
@@ -62,8 +62,7 @@ TEST(LogSum, HoldsWhatNoDoubleHolds) {
 }
 
 TEST(LogSum, AddsSums) {
-  // Goal: parts give the whole, empty and zero parts included. Method: numbers dealt to three parts
-  // of which one is of zeros and one empty.
+  // Goal: parts add up to the whole. Method: use three parts, one with only zeros and one empty.
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 1000);
   LogSum whole;
   LogSum parts[4];

@@ -14,7 +14,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// Which starts find something, and which finds still satisfy once they are relaxed.
+/// Which starts find something, and which finds still satisfy after relaxation.
 struct Odds {
   std::uint64_t seed = 0;
   double of_start = 0;
@@ -29,14 +29,14 @@ struct Odds {
   }
 };
 
-/// The state of a find is its start's number.
+/// A find's state is the number of its start.
 base::Bytes state_of(std::uint64_t start) {
   base::ByteWriter writer;
   writer.put(start);
   return writer.take();
 }
 
-/// Runs a plan's units as a worker does, with what each chain started from.
+/// Runs a plan's units like a worker, and records each chain's start.
 class Runs {
  public:
   Runs(const Odds& odds, std::uint32_t relax_scans) : odds_(odds), relax_scans_(relax_scans) {}
@@ -76,8 +76,7 @@ std::uint64_t below(std::uint64_t count, random::Stream& stream) {
 
 using Log = std::map<plan::ReplicaKey, std::vector<plan::ScanRecord>>;
 
-/// So many workers, whose results come in any order, until nothing is left or so many came, which
-/// are kept in the log.
+/// Lets `workers` workers return results in any order until nothing is left or enough are logged.
 void work(plan::Plan& plan, Runs& runs, std::size_t workers, random::Stream& stream, Log& log,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -109,10 +108,9 @@ struct Takes {
 };
 
 TEST(RelaxedFinds, TakesAreTheSameWhoeverRelaxes) {
-  // Goal: chain k starts from find k; the takes are the first chains whose last states satisfy,
-  // never another scan's; and prior draws are all made, each once. So many workers, cut units,
-  // arrivals and sessions change nothing. Method: random ones of each, against the starts counted
-  // one by one.
+  // Goal: chain k starts from find k, the takes are the first chains whose last state satisfies,
+  // and each prior draw is made once. Workers, cuts of units, order and sessions change nothing.
+  // Method: compare random runs with a count of the starts one by one.
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const Odds odds{.seed = i,
@@ -144,7 +142,6 @@ TEST(RelaxedFinds, TakesAreTheSameWhoeverRelaxes) {
     EXPECT_FALSE(finds.gave_up);
     EXPECT_EQ(done.scans_common(), 0U);
 
-    // One by one: chains in the order of finds.
     std::uint32_t chain = 0;
     std::uint64_t takes = 0;
     for (std::uint64_t start = 0; takes < asked.wanted; ++start) {
@@ -159,8 +156,7 @@ TEST(RelaxedFinds, TakesAreTheSameWhoeverRelaxes) {
 }
 
 TEST(RelaxedFinds, GivesUpWhereNothingLasts) {
-  // Goal: a run ends where no find satisfies once it is relaxed, and where nothing is found.
-  // Method: each.
+  // Goal: a run ends if no find satisfies after relaxation, and if nothing is found.
   for (const Odds& odds : {Odds{.of_start = 1.1}, Odds{.of_chain = 1.1}}) {
     random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
     const Takes asked{.wanted = 3, .scans = 4};
@@ -176,7 +172,7 @@ TEST(RelaxedFinds, GivesUpWhereNothingLasts) {
 }
 
 TEST(WithPriorDraws, TakesTurnsOnceNothingIsSearched) {
-  // Goal: a search is not kept waiting, and neither chains nor prior draws are, afterwards. Method:
+  // Goal: the search never waits, and afterwards neither chains nor prior draws wait. Method: check
   // the order in which one worker gets units.
   const Takes asked{.wanted = 2, .scans = 5};
   Runs runs({.of_start = 1.1, .of_chain = 1.1}, asked.scans);

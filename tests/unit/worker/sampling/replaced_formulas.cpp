@@ -4,7 +4,7 @@
 
 #include "common/random/stream.h"
 
-// What the library's sources say, under other names.
+// The library's sources under other names.
 #define even_odd_partner right_even_odd_partner
 #define log_swap_ratio right_log_swap_ratio
 #define swap_number right_swap_number
@@ -39,7 +39,7 @@ Replaced::~Replaced() {
   present() = before_;
 }
 
-// In the place of the library's.
+// Replacements of the library's functions.
 std::optional<std::uint32_t> even_odd_partner(std::uint32_t level, std::uint64_t scan,
                                               std::uint32_t levels) {
   return present().partner(level, scan, levels);

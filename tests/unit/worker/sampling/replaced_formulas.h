@@ -1,10 +1,10 @@
-// Formulas of tempering (worker/sampling/swap.h, temperature_steps.h) replaced by wrong ones, for a
-// while: tests that must notice.
+// Temporarily replaces formulas of tempering (worker/sampling/swap.h, temperature_steps.h) by wrong
+// ones, which tests must detect.
 //
-// A test program that has replaced_formulas.cpp among its sources defines these functions itself,
-// so the linker leaves the library's objects of the same functions out. They do what the library's
-// sources say, which are compiled into them as right_..., unless one is replaced. A formula that is
-// added to the sources and not here is defined twice, which the linker refuses.
+// A test program that compiles replaced_formulas.cpp defines these functions itself, so the linker
+// omits the library's objects with the same functions. Unless replaced, they call the library's
+// sources, compiled into the program as right_... If those sources gain a formula that is missing
+// here, the linker reports a duplicate definition.
 // Not thread-safe.
 #pragma once
 
@@ -33,7 +33,7 @@ struct Formulas {
   decltype(&right_excursion_log_weight) excursion_log_weight = right_excursion_log_weight;
 };
 
-/// As long as it lives, these are the formulas. They may nest.
+/// Replaces the formulas during its lifetime. May nest.
 class Replaced {
  public:
   explicit Replaced(const Formulas& formulas);

@@ -20,9 +20,8 @@ const std::vector<std::vector<double>> k_shares{
     {0.5, 0.3, 0.2}, {0.1, 0.9}, {0.25, 0, 0.4, 0.35}, {1, 0, 0}, {1}, {0.02, 0.38, 0.2, 0.2, 0.2}};
 
 TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
-  // Goal: each of the next particles descends from m with probability W_m, and the number of m's
-  // descendants is the whole number below or above count W_m. Method: 20,000 draws; shares within 5
-  // standard errors.
+  // Goal: each next particle descends from m with probability W_m, and m has count W_m descendants,
+  // rounded down or up. Method: 20,000 draws; shares agree within 5 standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     const std::size_t count = shares.size();
@@ -49,9 +48,9 @@ TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
 }
 
 TEST(Resampling, ConditionalDrawsAreThoseWithTheFirstFromTheFirst) {
-  // Goal: resampled_with_first has the distribution of resampled given that place 0 descends from
-  // particle 0. Method: 20,000 draws of each, the others thrown away; the shares of each outcome
-  // agree within 5 standard errors.
+  // Goal: resampled_with_first has the distribution of resampled, given that place 0 descends from
+  // particle 0. Method: make 20,000 draws of each and drop the ones that don't satisfy this. Shares
+  // of each outcome agree within 5 standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     std::map<Ancestors, std::array<int, 2>> counts;
@@ -77,14 +76,14 @@ TEST(Resampling, ConditionalDrawsAreThoseWithTheFirstFromTheFirst) {
 }
 
 TEST(Resampling, SizesOfWeights) {
-  // Goal: equal weights are worth their number, one that has all is worth one. Method: by hand.
+  // Goal: the effective size of equal weights is their number, and that of a single weight is one.
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0.25, 0.25, 0.25, 0.25}), 4);
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0, 1, 0}), 1);
   EXPECT_DOUBLE_EQ(effective_size(std::vector<double>{0.5, 0.5, 0}), 2);
 }
 
 TEST(IslandWeights, MeansGoIntoZ) {
-  // Goal: Z is the product of mean weights, dead particles counted. Method: by hand.
+  // Goal: Z is the product of mean weights, including dead particles.
   IslandWeights weights(4);
   EXPECT_DOUBLE_EQ(weights.log_z(), 0);
   weights.add(0, std::log(3.0));

@@ -16,18 +16,17 @@ namespace {
 
 constexpr std::uint64_t k_tour = 6;
 
-/// Chains of two states by an independence sampler that proposes the heavy one seldom: half of the
-/// target's mass, one proposal in ten. A scan is a pure function of (chain, scan, state before).
+/// Chains of two states by an independence sampler that rarely proposes the heavy state (half of
+/// the target, one proposal in ten). A scan is a pure function of (chain, scan, state before).
 struct World {
   static constexpr double k_heavy_proposed = 0.1;
-  static constexpr double k_heavy_weight = 9;  ///< so that p_w p_c is even
+  static constexpr double k_heavy_weight = 9;  ///< makes p_w p_c equal for both states
 
   static random::Stream stream(std::uint32_t chain, std::uint64_t scan) {
     return random::Stream(
         {.seed = 5, .chain = base::ChainId{chain}, .purpose = random::Purpose::proposal}, scan);
   }
 
-  /// Whether the state is the heavy one, before and after a scan.
   struct State {
     bool is_heavy = false;
     std::uint64_t lineage = 0;
@@ -40,7 +39,7 @@ struct World {
     return {.is_heavy = proposed, .lineage = plan::lineage_from({}, scan)};
   }
 
-  /// That a chain is at the heavy state after so many scans from its start.
+  /// Probability of the heavy state after `scans` scans from a start.
   static double heavy_after(std::uint64_t scans) {
     double heavy = k_heavy_proposed;
     for (std::uint64_t scan = 0; scan < scans; ++scan)
@@ -50,7 +49,6 @@ struct World {
   }
 };
 
-/// Carries a plan out with so many workers, who return in any order.
 class Work {
  public:
   explicit Work(std::uint64_t seed)
@@ -79,7 +77,7 @@ class Work {
   static double log_p_of(std::uint32_t chain, std::uint64_t scan) {
     return -static_cast<double>(3 * scan + chain);
   }
-  /// By chain and scan, whether it was at the heavy state.
+  /// Whether each chain was at the heavy state, by chain and scan.
   const std::map<std::uint32_t, std::vector<World::State>>& states() const { return states_; }
 
  private:
@@ -91,7 +89,7 @@ class Work {
       states.push_back(World::after(unit.replica.chain.value, unit.first_scan.value + nth,
                                     unit.starts && nth == 0, before));
       plan::ScanRecord& record = records.emplace_back();
-      // Two in three satisfy, whatever the state.
+      // Two of three scans satisfy, in either state.
       random::Stream satisfies(
           {.seed = 6, .chain = unit.replica.chain, .purpose = random::Purpose::counted},
           unit.first_scan.value + nth);
@@ -116,9 +114,8 @@ RestartedChainsOptions options(std::optional<std::uint64_t> scans,
 }
 
 TEST(RestartedChains, CountsTheLastScanOfATour) {
-  // Goal: solutions are in the proportions of a chain that is that old, of which the ones that
-  // begin a lineage are far off. Method: 20,000 solutions against the chain's exact law, and what
-  // counting first visits would give.
+  // Goal: solutions have the distribution of a chain of that age, far from that of states that
+  // begin a lineage. Method: compare 20,000 solutions with the exact law, and count first visits.
   RestartedChains plan(options({}, 20000));
   Work work(1);
   work.carry_out(plan, 4);
@@ -156,8 +153,8 @@ TEST(RestartedChains, CountsTheLastScanOfATour) {
 }
 
 TEST(RestartedChains, EndAlikeHoweverTheyAreRun) {
-  // Goal: where a run ends and what it counts is a function of the results; asked for so many scans
-  // it counts the same. Method: by one and by five workers; then the scans of that.
+  // Goal: a run's end and counts are functions of the results, also if the scans are given. Method:
+  // run with one and with five workers, then with the resulting number of scans.
   RestartedChains alone(options({}, 7));
   Work(2).carry_out(alone, 1);
   RestartedChains many(options({}, 7));
@@ -179,8 +176,7 @@ TEST(RestartedChains, EndAlikeHoweverTheyAreRun) {
 }
 
 TEST(RestartedChains, AToursBeginningIsNoDraw) {
-  // Goal: an archive that is cut within a tour has the draws of whole ones. Method: two and a
-  // third.
+  // Goal: an archive cut within a tour has the draws of whole tours. Method: cut after 2 1/3 tours.
   RestartedChains plan(options(2 * k_tour + 2, {}));
   Work(5).carry_out(plan, 2);
   EXPECT_TRUE(plan.finished());

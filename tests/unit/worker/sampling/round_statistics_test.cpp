@@ -1,4 +1,4 @@
-// What a round says against the same numbers computed from all its scans at once.
+// Compares a round's statistics with the same numbers computed from all scans at once.
 #include "worker/sampling/round_statistics.h"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ RoundStatistics statistics_of(const Scans& scans, std::uint64_t wanted) {
   return statistics;
 }
 
-/// The header's formulas, as they stand, in plain arithmetic.
+/// The header's formulas in plain arithmetic.
 double plain_log_z(const Scans& scans) {
   double log_z = 0;
   for (std::size_t i = 0; i + 1 < k_ladder.size(); ++i) {
@@ -57,8 +57,7 @@ double plain_log_satisfied(const Scans& scans) {
   return plain_log_z(scans) + std::log(sum / static_cast<double>(scans.size()));
 }
 
-/// Leaves out each part in turn: part p of the round's `wanted` scans are those with 20 s / wanted
-/// rounding down to p.
+/// Leaves out each part in turn. Part p contains the scans s with floor(20 s / wanted) = p.
 double plain_jackknife(const Scans& scans, std::uint64_t wanted, double (*value)(const Scans&)) {
   std::vector<double> values;
   for (std::uint64_t part = 0; part < k_batches; ++part) {
@@ -79,8 +78,8 @@ double plain_jackknife(const Scans& scans, std::uint64_t wanted, double (*value)
 }
 
 TEST(RoundStatistics, EqualsDirectComputation) {
-  // Goal: rejections, log Z, log P(satisfied) and their errors are the header's formulas. Method:
-  // random arrays of whole rounds and of rounds cut short, of lengths that 20 doesn't divide.
+  // Goal: rejections, log Z, log P(satisfied) and their errors follow the header's formulas.
+  // Method: compare random arrays of whole and shortened rounds, of lengths not divisible by 20.
   for (const auto& [count, wanted] : {std::pair<std::uint64_t, std::uint64_t>{100, 100},
                                       {64, 64},
                                       {37, 64},
@@ -113,8 +112,8 @@ TEST(RoundStatistics, EqualsDirectComputation) {
 }
 
 TEST(RoundStatistics, SaysWhereItCannotSay) {
-  // Goal: a round of one part has no error; one without solutions has log P = -infinity and no
-  // error; broken starts at the coolest level are no solutions.
+  // Goal: a round of one part has no error. A round without solutions has log P = -infinity and no
+  // error. Broken starts at the coolest level are no solutions.
   const std::vector<LevelScan> scan(4, {.log_constraint = -1, .satisfied = false});
   std::vector<LevelScan> broken = scan;
   broken.back() = {.log_constraint = -k_infinity, .satisfied = true};
@@ -129,12 +128,12 @@ TEST(RoundStatistics, SaysWhereItCannotSay) {
 }
 
 TEST(RoundStatistics, ErrorsAreRightForIndependentDraws) {
-  // Goal: the jackknife's error is the estimate's spread. Method: 2000 rounds of 400 scans with
-  // exact independent draws at each level of a Gaussian prior N(0, 1) and constraint exp(-x^2 / 2
-  // (1 / 0.5^2)), satisfied when |x| < 0.4; z-scores of log Z and log P. With 20 parts z has
-  // Student's distribution with 19 degrees of freedom: variance 19/17 and kurtosis 3.4; so over
-  // 2000 the mean is within 5 x 1.06 / sqrt(2000) = 0.12 of 0 (a bias of half a variance is
-  // within), and the variance within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
+  // Goal: the jackknife's error matches the estimate's spread. Method: 2000 rounds of 400 scans
+  // with exact independent draws at each level of a Gaussian prior N(0, 1) and constraint exp(-x^2
+  // / 2 (1 / 0.5^2)), satisfied when |x| < 0.4; z-scores of log Z and log P. With 20 parts z has
+  // Student's distribution with 19 degrees of freedom: variance 19/17 and kurtosis 3.4. So over
+  // 2000 rounds the mean is within 5 x 1.06 / sqrt(2000) = 0.12 of 0 (which includes a bias of half
+  // a variance), and the variance within 5 x sqrt(2.4 / 2000) = 17% of 19/17.
   constexpr double k_precision = 4;
   const double log_z = -0.5 * std::log(1 + k_precision);
   const double log_satisfied = std::log(std::erf(0.4 / std::sqrt(2.0)));

@@ -17,7 +17,7 @@
 namespace sleight::sampling {
 namespace {
 
-/// A search whose starts find something with a probability of their own.
+/// A search whose starts succeed with a given probability.
 struct Starts {
   std::uint64_t seed = 0;
   double odds = 0;
@@ -25,7 +25,7 @@ struct Starts {
     random::Stream stream({.seed = seed, .purpose = random::Purpose::search}, start);
     return stream.uniform() < odds;
   }
-  /// Starts up to and with the n-th find.
+  /// Number of starts up to and including the n-th find.
   std::uint64_t until(std::uint64_t n) const {
     std::uint64_t start = 0;
     for (std::uint64_t found = 0; found < n; ++start)
@@ -45,8 +45,8 @@ std::vector<plan::ScanRecord> results(const Starts& starts, const plan::Unit& un
   return records;
 }
 
-/// Hands out to so many workers, whose results come in any order, until nothing is left or so many
-/// results have come. What was out is lost then.
+/// Hands units to `workers` workers, who return in any order, until nothing is left or a number of
+/// results have come. Units still in flight are lost then.
 void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random::Stream& stream,
           std::uint64_t results_max = UINT64_MAX) {
   std::vector<plan::Unit> out;
@@ -67,9 +67,9 @@ void work(SearchLanes& lanes, const Starts& starts, std::size_t workers, random:
 }
 
 TEST(SearchLanes, FindTheSameWhoeverSearches) {
-  // Goal: a search ends with exactly the finds asked for, those of the first starts; so many
-  // workers, cut units, arrivals and sessions change nothing, and a raised number extends it.
-  // Method: random ones of each, against the starts counted one by one.
+  // Goal: a search ends with exactly the requested finds, from the first starts. Workers, cuts of
+  // units, order and sessions change nothing, and a higher number extends the search. Method:
+  // compare random runs with a count of the starts one by one.
   for (const std::uint64_t i : property::cases(300)) {
     random::Stream stream({.seed = i, .purpose = random::Purpose::scene}, 0);
     const Starts starts{.seed = i, .odds = 0.3 + 0.7 * stream.uniform()};
@@ -80,7 +80,7 @@ TEST(SearchLanes, FindTheSameWhoeverSearches) {
     work(lanes, starts, workers, stream,
          in_sessions ? random::UniformInteger{.count = 400}.draw(stream) : UINT64_MAX);
     if (in_sessions) {
-      // A fresh plan goes on from what was stored: each lane's results without a gap.
+      // A fresh plan resumes from the stored results of each lane up to its first gap.
       SearchLanes again(i, wanted + 5);
       const std::uint64_t per_lane = (lanes.starts() + 32) / plan::k_search_lanes;
       for (std::uint32_t lane = 0; lane < plan::k_search_lanes && per_lane > 0; ++lane) {
@@ -98,7 +98,7 @@ TEST(SearchLanes, FindTheSameWhoeverSearches) {
     EXPECT_FALSE(lanes.finds().gave_up);
     EXPECT_EQ(lanes.finds().found, wanted);
     EXPECT_GE(lanes.starts(), starts.until(wanted));
-    // They are told by their starts, in whatever steps.
+    // Ask for the finds in any steps; each has its start.
     EXPECT_EQ(lanes.starts_done(), starts.until(wanted));
     const std::uint64_t half = lanes.starts_done() / 2;
     std::vector<plan::Find> told = lanes.finds_between(0, half);
@@ -113,8 +113,8 @@ TEST(SearchLanes, FindTheSameWhoeverSearches) {
 }
 
 TEST(SearchLanes, HardlySearchesTooMuch) {
-  // Goal: of starts that all find something none is made in vain, and no more are out than finds
-  // are missing. Method: one worker asks for as much as there is.
+  // Goal: if every start succeeds, no start is wasted: never more are in flight than finds are
+  // missing. Method: let one worker request all units.
   SearchLanes lanes(1, 5);
   std::vector<plan::Unit> out;
   while (const auto unit = lanes.next_unit(100))
@@ -128,8 +128,8 @@ TEST(SearchLanes, HardlySearchesTooMuch) {
 }
 
 TEST(SearchLanes, GivesUpWhenNothingIsFound) {
-  // Goal: what can't be found ends a search after k_starts_in_vain_max starts in a row, and not
-  // before. Method: starts that never find anything, and some that do so at last.
+  // Goal: a search ends after k_starts_in_vain_max failed starts in a row, and not before. Method:
+  // use starts that never succeed, and starts that succeed late.
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
   SearchLanes lanes(1, 5);
   work(lanes, {.odds = 0}, 3, stream);
@@ -151,9 +151,8 @@ TEST(SearchLanes, GivesUpWhenNothingIsFound) {
 }
 
 TEST(SearchLanes, SaysWhatTheyAreStuckAt) {
-  // Goal: a search that gives up names the stage that the best of its last starts were stuck at,
-  // and no stage where all stood. Method: starts in vain with more and fewer stages, a find among
-  // them.
+  // Goal: a search that gives up names the stage at which the best of its last starts failed, or no
+  // stage if all failed alike. Method: fail with more and fewer stages, with a find in between.
   const auto stuck_at = [](std::uint32_t furthest_before_find, std::uint32_t furthest_after) {
     SearchLanes lanes(1, 5, {"ball 1", "ball 2", "ball 3"});
     for (std::uint64_t scan = 0; !lanes.finished(); ++scan) {
@@ -176,7 +175,6 @@ TEST(SearchLanes, SaysWhatTheyAreStuckAt) {
   EXPECT_EQ(stuck_at(1, 3), "");
 }
 
-/// One chain of three scans.
 class ThreeScans final : public plan::Plan {
  public:
   std::optional<plan::Unit> next_unit(std::uint32_t) override {
@@ -203,8 +201,8 @@ class ThreeScans final : public plan::Plan {
 };
 
 TEST(SearchFirst, SearchesAndThenGoesOn) {
-  // Goal: the search comes first, the plan after it is itself, and each gets its own results.
-  // Method: a chain of three scans behind a search for two.
+  // Goal: the search runs first and the plan after it is unchanged; each receives its own results.
+  // Method: run a chain of three scans after a search for two finds.
   SearchFirst plan(SearchLanes(1, 2), std::make_unique<ThreeScans>());
   std::vector<bool> searched;
   while (const auto unit = plan.next_unit(1)) {
@@ -226,7 +224,7 @@ TEST(SearchFirst, SearchesAndThenGoesOn) {
 }
 
 TEST(SearchFirst, MayBeAll) {
-  // Goal: without a plan after it a search is a whole run. Method: one find ends it.
+  // Goal: a search without a plan after it is a whole run. Method: let one find end it.
   SearchFirst plan(SearchLanes(1, 1), nullptr);
   EXPECT_TRUE(plan.finds().is_all);
   EXPECT_FALSE(plan.finished());

@@ -44,9 +44,8 @@ const std::vector<double>& row(const std::vector<ChainPart::Row>& rows, std::str
 }
 
 TEST(SimulatedTempering, MovesByTheFormula) {
-  // Goal: levels, counts, draws and round trips are those of the formula in the header. Method:
-  // 20,000 scans of made-up densities, some of them zero; the same walk in plain numbers, w_i = 1 /
-  // Z_i as products of ratios.
+  // Goal: levels, counts, draws and round trips follow the header's formula. Method: compare 20,000
+  // scans of made-up densities, some of them zero, with the same walk in plain numbers.
   const std::vector<double> steps{-0.3, -1.5, -0.8};
   const BurnIn burn_in = burn_in_of(steps);
   SimulatedTempering part(burn_in);
@@ -74,7 +73,7 @@ TEST(SimulatedTempering, MovesByTheFormula) {
                               .proposal_scales = burn_in.scales[level],
                               .excursion = {}};
     ASSERT_EQ(*unit, expected);
-    // Nothing of no density is reached at the levels above the prior.
+    // States without density occur only at the prior's level.
     const double l = level == 0 && dice.once_in(4)
                          ? -k_infinity
                          : -6 * static_cast<double>(dice.below(1000)) / 1000 * (3.5 - level);
@@ -127,9 +126,8 @@ TEST(SimulatedTempering, MovesByTheFormula) {
 }
 
 TEST(SimulatedTempering, WalksOnWhereAStepOfLogZIsNotKnown) {
-  // Goal: where the burn-in saw no density at a level, so that log Z there is -infinity, the levels
-  // above are walked all the same, and that level is not. Method: such a step at the prior; states
-  // that have density.
+  // Goal: if the burn-in saw no density at a level, so that log Z is -infinity there, the walk
+  // skips this level but visits those above. Method: let the prior's step have no density.
   SimulatedTempering part(burn_in_of({-k_infinity, -1.5, -0.8}));
   for (std::uint64_t scan = 70; scan < 2070; ++scan) {
     const plan::Unit unit = part.next_unit(5000, 1).value();

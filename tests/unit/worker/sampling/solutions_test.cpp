@@ -17,8 +17,8 @@ plan::ScanRecord record_of(std::uint64_t lineage, double beta, bool satisfied) {
 }
 
 TEST(Solutions, CountEachLineageOnce) {
-  // Goal: a lineage counts at the first scan at which it satisfies at inverse temperature 1, and
-  // scans are in order whoever comes first. Method: by hand, lanes out of step.
+  // Goal: a lineage counts at its first satisfying scan at inverse temperature 1. Scans are in
+  // order, whichever chain reports first. Method: report by hand, with lanes out of step.
   Solutions solutions;
   solutions.add(3, record_of(7, 1, false));
   solutions.add(4, record_of(7, 0.9, true));
@@ -36,8 +36,8 @@ TEST(Solutions, CountEachLineageOnce) {
 }
 
 TEST(Solutions, OfChainsAreInOneOrder) {
-  // Goal: what several chains' scans decide comes by scan, then chain, then lineage, in whatever
-  // order it came to be known. Method: by hand; a chain that has none yet.
+  // Goal: decisions of several chains are ordered by scan, chain and lineage, in any order of
+  // arrival. Method: report by hand; one chain has no decision yet.
   Solutions early;
   Solutions late;
   plan::ScanRecord dense = record_of(3, 1, true);

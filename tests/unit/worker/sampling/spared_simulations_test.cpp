@@ -1,4 +1,4 @@
-// Simulations that are not made since their result is known.
+// Tests simulations that are skipped because their result is known.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,12 +14,12 @@ constexpr std::size_t k_places = 8;
 constexpr std::uint64_t k_steps = 4000;
 constexpr std::uint64_t k_seed = 20'260'512;
 
-/// Places 2 and 5 break the constraint. Place 7 has no prior density: it is proposed in vain.
+/// Places 2 and 5 break the constraint. Place 7 has no prior density.
 constexpr std::array<double, k_places> k_log_prior{-1.5,  -2.5,  -1.25, -3.5,
                                                    -2.25, -1.75, -4,    -k_infinity};
 constexpr std::array<double, k_places> k_log_constraint{0,    2,           -k_infinity, 4,
                                                         -1.5, -k_infinity, 7,           7};
-/// Some are the value itself, some far above it, one says nothing.
+/// Some bounds equal the value, some are far above, and one is +infinity.
 constexpr std::array<double, k_places> k_at_most{0, 2.5, -0.5, 4, k_infinity, -k_infinity, 7.5, 7};
 
 struct Plain {
@@ -30,8 +30,8 @@ struct Comparable {
   friend bool operator==(const Comparable&, const Comparable&) = default;
 };
 
-/// A walk over places. Kind 0 goes anywhere and isn't symmetric; kind 1 proposes the present state,
-/// with a ratio that not every draw accepts.
+/// A walk over places. Kind 0 is asymmetric and reaches any place. Kind 1 proposes the current
+/// state, with a ratio that not every draw accepts.
 template <class S>
 struct Walk {
   using State = S;
@@ -71,7 +71,7 @@ ChainStreams streams_of(std::uint32_t chain) {
   return {.seed = k_seed, .chain = base::ChainId{chain}, .replica = base::ReplicaId{0}};
 }
 
-/// What Algorithm 2.1 says of a step, by simulating always: the reference.
+/// Reference: a step of Algorithm 2.1 that always simulates.
 template <class S>
 StepReport plain_step(const Walk<S>& target, double beta, const ChainStreams& streams,
                       std::uint64_t step, Sample<Walk<S>>& current) {
@@ -91,7 +91,7 @@ struct Tally {
   std::uint64_t simulated = 0, accepted = 0, same = 0, same_accepted = 0, out_of_zero = 0;
 };
 
-/// Runs a chain beside the reference. `expected(report, same)` says whether it needs a simulation.
+/// Runs a chain beside the reference. `expected(report, same)`: whether a simulation is necessary.
 template <class T, class Expected>
 Tally compare(double beta, std::uint32_t chain, const Expected& expected) {
   using S = typename T::State;
@@ -133,7 +133,6 @@ Tally compare(double beta, std::uint32_t chain, const Expected& expected) {
   return tally;
 }
 
-/// Whether the bound leaves a candidate any chance, as probabilities.
 template <class S>
 bool has_a_chance(double beta, std::uint64_t step, std::uint32_t chain, const Sample<Walk<S>>& from,
                   const Proposal<S>& proposal) {
@@ -145,8 +144,8 @@ bool has_a_chance(double beta, std::uint64_t step, std::uint32_t chain, const Sa
 }
 
 TEST(SparedSimulations, ATargetThatKnowsNothingSimulatesAll) {
-  // Goal: without operator== and without a bound nothing is spared, not even a candidate of no
-  // prior density. Method: chains beside the reference, at four inverse temperatures.
+  // Goal: without operator== and without a bound no simulation is skipped, even for a candidate
+  // without prior density. Method: run chains beside the reference at four inverse temperatures.
   for (const double beta : k_betas) {
     const Tally tally =
         compare<Walk<Plain>>(beta, 1, [](auto, const auto&, const auto&, auto) { return true; });
@@ -155,8 +154,8 @@ TEST(SparedSimulations, ATargetThatKnowsNothingSimulatesAll) {
 }
 
 TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
-  // Goal: with operator== the chain is the same and such candidates cost nothing; they are still
-  // judged by their ratio. Method: as above; out of a start of zero density too.
+  // Goal: with operator== the chain is the same, and equal candidates cost no simulation but are
+  // still judged by their ratio. Method: as above, also from a start of zero density.
   std::uint64_t out_of_zero = 0;
   for (const double beta : k_betas) {
     for (std::uint32_t chain = 0; chain < 6; ++chain) {
@@ -166,7 +165,7 @@ TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
           });
       EXPECT_EQ(tally.simulated, k_steps - tally.same);
       EXPECT_GT(tally.same, k_steps / 5);
-      // Some ratios lie below 1, and not all of them are accepted.
+      // Some ratios are below 1, and not all of these are accepted.
       EXPECT_GT(tally.same_accepted, tally.same / 2);
       EXPECT_LT(tally.same_accepted, tally.same);
       out_of_zero += tally.out_of_zero;
@@ -176,9 +175,9 @@ TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
 }
 
 TEST(SparedSimulations, ACandidateThatTheBoundRejectsIsNotSimulated) {
-  // Goal: with a bound the chain is the same, and a simulation is made exactly where a constraint
-  // density at the bound would be accepted: at beta 0, and out of zero density, exactly of those
-  // that are. Method: as above, with the ratio as probabilities.
+  // Goal: with a bound the chain is the same. A simulation runs exactly if a constraint density at
+  // the bound would be accepted. At beta 0, and from zero density, it runs exactly for accepted
+  // candidates. Method: as above, with the ratio in probabilities.
   for (const double beta : k_betas) {
     std::uint64_t simulated = 0;
     std::uint64_t accepted = 0;

@@ -9,8 +9,8 @@
 namespace sleight::sampling {
 namespace {
 
-/// A lock of six digits below ten. A digit is promising if it differs from the last one; after a 7
-/// nothing is. A solution begins with an even digit.
+/// A lock of six digits below ten. A digit is promising if it differs from the last digit; nothing
+/// is promising after a 7. A solution begins with an even digit.
 struct Lock {
   using Prefix = std::vector<std::uint64_t>;
   std::uint32_t digits = 6;
@@ -43,8 +43,8 @@ random::Stream stream_of(std::uint64_t number) {
 }
 
 TEST(StageSearch, FindsSolutionsBeyondDeadEnds) {
-  // Goal: what is found is a solution, and a stage from which nothing follows is taken back.
-  // Method: 500 searches of a lock with dead ends; every stage of what is found is promising.
+  // Goal: a find is a solution, and a stage without promising successors is taken back. Method:
+  // search a lock with dead ends 500 times. Every stage of a find must be promising.
   const Lock lock;
   SearchEffort effort;
   int found = 0;
@@ -66,8 +66,8 @@ TEST(StageSearch, FindsSolutionsBeyondDeadEnds) {
 }
 
 TEST(StageSearch, SpendsItsTriesAndGivesUp) {
-  // Goal: limits are those stated. Method: a lock without a solution, one whose second stage is
-  // always a dead end, and no tries at all.
+  // Goal: the documented limits hold. Method: use a lock without a solution, a lock whose second
+  // stage is always a dead end, and zero tries.
   SearchEffort effort;
   random::Stream stream = stream_of(0);
   const Lock unsolvable{.has_dead_ends = false, .has_a_solution = false};

@@ -14,7 +14,7 @@ std::uint64_t none(std::uint64_t /*scan*/) {
 }
 
 TEST(StopJudge, CountsRoundsFromAfterTheScansBefore) {
-  // Goal: scans count everything, rounds and solutions what comes after `before`. Method: by hand.
+  // Goal: the scan limit counts all scans; rounds and solutions count only those after `before`.
   const StopRule scans{.scans = 100, .rounds = {}, .independent_solutions = {}};
   EXPECT_EQ(StopJudge(scans, 10, 35).end(), 100U);
   EXPECT_EQ(StopJudge(scans, 10, 200).end(), 100U);
@@ -29,8 +29,8 @@ TEST(StopJudge, CountsRoundsFromAfterTheScansBefore) {
 }
 
 TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
-  // Goal: nothing beyond a round's end is handed out before it is judged, with what satisfied
-  // before it; the first end with enough is the run's. Method: rounds end at 17, 37 and 77.
+  // Goal: no scan beyond a round's end is handed out before the round is judged. The first round's
+  // end with enough solutions is the run's end. Method: rounds end at 17, 37 and 77.
   const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 3};
   StopJudge judge(rule, 10, 7);
   EXPECT_EQ(judge.horizon(), 17U);
@@ -39,7 +39,7 @@ TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
   EXPECT_EQ(judge.horizon(), 17U);
   judge.judge(17, [](std::uint64_t scan) -> std::uint64_t { return scan == 17 ? 2 : 99; });
   EXPECT_EQ(judge.horizon(), 37U);
-  // Over two ends at once, as after a replay.
+  // Judge two ends at once, as after a replay.
   judge.judge(80, [](std::uint64_t scan) -> std::uint64_t { return scan == 77 ? 3 : 2; });
   EXPECT_EQ(judge.end(), 77U);
   EXPECT_EQ(judge.horizon(), 77U);
@@ -48,8 +48,7 @@ TEST(StopJudge, JudgesSolutionsAtRoundEnds) {
 }
 
 TEST(StopJudge, SomeScansAreMadeInAnyCase) {
-  // Goal: where solutions end a run, its first round is made whatever comes of it, or less where
-  // scans end it before; other rules ask for no results. Method: each.
+  // Goal: if solutions end a run, its first round is run anyway, unless scans end it earlier.
   const StopRule by_solutions{.scans = {}, .rounds = {}, .independent_solutions = 1};
   EXPECT_EQ(StopJudge(by_solutions, 10, 7).scans_in_any_case(), 17U);
   const StopRule either{.scans = 12, .rounds = {}, .independent_solutions = 1};
@@ -59,7 +58,7 @@ TEST(StopJudge, SomeScansAreMadeInAnyCase) {
 }
 
 TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
-  // Goal: no endless loop. Method: the largest count reached without a solution.
+  // Goal: no endless loop. Method: reach the largest count without a solution.
   const StopRule rule{.scans = {}, .rounds = {}, .independent_solutions = 1};
   StopJudge judge(rule, std::uint64_t{1} << 60U, 7);
   judge.judge(StopJudge::k_no_end, none);
@@ -67,7 +66,7 @@ TEST(StopJudge, ComesToAnEndWhereRoundsGrowBeyondAllCounts) {
 }
 
 TEST(StopJudgeDeathTest, WantsARuleAndARound) {
-  // Goal: misuse is a bug. Method: no rule; rounds of no scans.
+  // Goal: misuse is a bug. Method: use no rule, and rounds of no scans.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(StopJudge({.scans = {}, .rounds = {}, .independent_solutions = {}}, 10),
                "check failed");

@@ -1,5 +1,4 @@
-// Surrogate transitions on a world of six states whose surrogate guesses badly, against its exact
-// distribution.
+// Compares surrogate transitions on six states, with a bad surrogate, with the exact distribution.
 #include "worker/sampling/surrogate_transition.h"
 
 #include <fmt/format.h>
@@ -24,10 +23,10 @@ constexpr Row k_prior{0.1, 0.25, 0.2, 0.15, 0.2, 0.1};
 /// State 3 breaks the constraint.
 constexpr Row k_log_constraint{-0.2, -1.5, 0, -k_infinity, -0.7, -1};
 constexpr Row k_guess{-1.2, 0, -0.9, -0.5, -0.1, -2};
-/// What only the simulation gets right of each state: two parts, a bit each.
+/// Two parts of each state, a bit each, which only the simulation gets right.
 constexpr std::array<std::uint32_t, k_states> k_parts{0b01, 0b00, 0b11, 0b10, 0b11, 0b01};
 
-/// Steps to a neighbour in a ring, more often clockwise.
+/// A step to a neighbour in a ring, more often clockwise.
 Proposal<std::size_t> stepped(std::size_t state, random::Stream& stream) {
   constexpr double k_clockwise = 0.7;
   const bool clockwise = stream.uniform() < k_clockwise;
@@ -44,7 +43,6 @@ std::size_t drawn(const Row& weights, random::Stream& stream) {
   return state;
 }
 
-/// What the ring's surrogate and the ring itself have in common.
 struct RingPart {
   using State = std::size_t;
   using Outcome = std::size_t;
@@ -64,7 +62,7 @@ struct GuessedRing : RingPart {
                         const Outcome& /*of_from*/) const {
     return state;
   }
-  /// Better where anchored parts are still there.
+  /// Higher density if the anchored parts still exist.
   double log_constraint(const Outcome& outcome) const {
     return k_guess[outcome] + 0.8 * std::popcount(anchor & k_parts[outcome]);
   }
@@ -100,7 +98,7 @@ struct Ring : RingPart {
 };
 static_assert(HasSurrogate<Ring>);
 
-/// Forgets that the way back must have the same anchor.
+/// A faulty ring: ignores that the way back must have the same anchor.
 struct ForgetfulRing : Ring {
   double log_anchor_probability(const Anchor& /*anchor*/, const Outcome& /*outcome*/,
                                 const Outcome& /*guessed*/, double /*keep*/) const {
@@ -119,7 +117,7 @@ Row target_at(double beta) {
   return weights;
 }
 
-/// The p-value of exact draws, each moved once, having their distribution still.
+/// p-value for the distribution of exact draws after one move each.
 template <class World, class Move>
 double p_of(const World& world, double beta, const Move& move) {
   constexpr std::uint64_t k_draws = 100'000;
@@ -134,7 +132,7 @@ double p_of(const World& world, double beta, const Move& move) {
     EXPECT_EQ(sample.log_constraint, k_log_constraint[sample.state]);
     EXPECT_EQ(sample.log_prior, world.log_prior(sample.state));
   }
-  if (!property::all_cases()) return 1;  // of one case there is nothing to say
+  if (!property::all_cases()) return 1;  // a single case proves nothing
   std::vector<int> observed;
   std::vector<double> probabilities;
   for (std::size_t state = 0; state < k_states; ++state) {
@@ -159,8 +157,8 @@ double p_of_transition(const World& world, double beta, double keep, std::uint32
 }
 
 TEST(SurrogateTransition, KeepsTheDistribution) {
-  // Goal: contract C3, whatever is anchored and however long the walk. Method: exact draws of six
-  // states, moved once; p below 1e-6 fails.
+  // Goal: contract C3 holds for any anchor and any length of the walk. Method: move exact draws of
+  // six states once. A p-value below 1e-6 fails.
   for (const double beta : {0.4, 1.0}) {
     for (const double keep : {0.0, 0.5, 0.9, 1.0}) {
       for (const std::uint32_t steps : {1U, 4U})
@@ -171,14 +169,14 @@ TEST(SurrogateTransition, KeepsTheDistribution) {
 }
 
 TEST(SurrogateTransition, NeedsTheAnchorsProbabilities) {
-  // Goal: the test above can fail. Method: without them it does.
+  // Goal: the test above can fail. Method: use the faulty ring.
   if (!property::all_cases()) GTEST_SKIP() << "asks all cases together";
   for (const double keep : {0.5, 1.0})
     EXPECT_LT(p_of_transition(ForgetfulRing{}, 1, keep, 4), 1e-9) << keep;
 }
 
 TEST(SurrogateTransition, WeighsWhatTheGuessesLeave) {
-  // Goal: the ratio's formula, terms and zero densities. Method: by hand.
+  // Goal: the ratio's formula is right for all terms and zero densities. Method: compare by hand.
   EXPECT_DOUBLE_EQ(log_surrogate_ratio({.inverse_temperature = 0.5,
                                         .current = 1,
                                         .current_guess = 2,
@@ -195,8 +193,8 @@ TEST(SurrogateTransition, WeighsWhatTheGuessesLeave) {
 }
 
 TEST(Iteration, KeepsTheDistribution) {
-  // Goal: the mixture of walks and single steps does, and steps of Algorithm 2.1 where none are
-  // asked for. Method: as above, by what is asked for.
+  // Goal: a mixture of walks and single steps is valid, and so are steps of Algorithm 2.1 if
+  // neither is requested. Method: as above.
   for (const auto& [walk, single] : {std::pair{0U, 0U}, {3U, 0U}, {0U, 3U}, {4U, 2U}}) {
     Ring ring;
     ring.steps = {.walk = walk, .single = single, .walk_kind = 1, .single_kind = 2};
@@ -209,8 +207,8 @@ TEST(Iteration, KeepsTheDistribution) {
 }
 
 TEST(SurrogateTransition, LeavesAStartWithoutDensity) {
-  // Goal: a replica whose start breaks a hard constraint walks on, whatever is anchored. Method:
-  // one step out of state 3, many times; it is left, and not simulated for nothing.
+  // Goal: a replica whose start breaks a hard constraint still moves, for any anchor. Method: make
+  // one step from state 3 many times. The state is left, and no simulation is wasted.
   for (const double keep : {0.0, 0.5, 1.0}) {
     int left = 0;
     for (std::uint64_t i = 1; i <= 100; ++i) {
@@ -229,7 +227,7 @@ TEST(SurrogateTransition, LeavesAStartWithoutDensity) {
   }
 }
 
-/// Knows a bound, and that lost parts are impossible.
+/// A ring with a bound, in which lost parts are impossible.
 struct StrictGuess : GuessedRing {
   double log_constraint(const Outcome& outcome) const {
     return (anchor & ~k_parts[outcome]) != 0 ? -k_infinity : GuessedRing::log_constraint(outcome);
@@ -249,8 +247,8 @@ struct BoundedRing : UnboundedRing {
 static_assert(BoundsConstraint<BoundedRing> && !BoundsConstraint<UnboundedRing>);
 
 TEST(SurrogateTransition, SparesSimulationsExactly) {
-  // Goal: a bound changes nothing but what is simulated, and guesses of no density keep the
-  // distribution. Method: two rings step by step, the bound being the truth; exact draws.
+  // Goal: a bound only changes which simulations run, and guesses of zero density keep the
+  // distribution. Method: compare with a ring whose bound is the truth, and move exact draws.
   std::uint64_t spared = 0;
   std::uint64_t rejected = 0;
   for (const double keep : {0.0, 0.5, 1.0}) {
@@ -282,8 +280,7 @@ TEST(SurrogateTransition, SparesSimulationsExactly) {
 }
 
 TEST(Iteration, ReportsEachStepAndTransition) {
-  // Goal: who counts proposals sees the surrogate's, and the transitions that led anywhere as kinds
-  // of their own. Method: numbers by kind.
+  // Goal: counts contain the surrogate's proposals, and successful transitions by their own kinds.
   Ring ring;
   ring.steps = {.walk = 4, .single = 3, .walk_kind = 1, .single_kind = 2};
   const ChainStreams streams{.seed = random::k_test_seed, .chain = {}, .replica = {}};

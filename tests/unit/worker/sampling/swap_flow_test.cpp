@@ -30,7 +30,7 @@ FlowLevels ladder_of(std::uint32_t levels) {
   return ladder;
 }
 
-/// log p_c of a replica's state after a scan; without density now and then.
+/// log p_c of a replica's state after a scan. Sometimes without density.
 double density(std::uint32_t replica, std::uint64_t scan) {
   random::Stream stream({.seed = k_seed,
                          .chain = {},
@@ -41,7 +41,7 @@ double density(std::uint32_t replica, std::uint64_t scan) {
   return u < 0.1 ? -std::numeric_limits<double>::infinity() : -6 * u;
 }
 
-/// By scan and level: the replica. All levels in step.
+/// Replica by scan and level, if all levels run in step.
 using Seating = std::vector<std::vector<std::uint32_t>>;
 Seating lockstep(const FlowLevels& ladder) {
   std::vector<std::uint32_t> at(ladder.levels);
@@ -76,9 +76,9 @@ std::vector<std::uint32_t> ready(const SwapFlow& flow) {
 }
 
 TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
-  // Goal: replicas go where they would if all levels made scan after scan together, whichever runs
-  // ahead. Method: 200 ladders of 2 to 9 levels, at each step a random seat that may run; everyone
-  // who goes on is where the lockstep has it. Some order lets a replica run four scans ahead.
+  // Goal: replicas move as if all levels ran scan after scan together, whichever level runs ahead.
+  // Method: in 200 ladders of 2 to 9 levels, run a random seat at each step. Each replica must be
+  // where lockstep has it. Some orders let a replica run four scans ahead.
   std::uint64_t ahead_most = 0;
   for (std::uint64_t index = 0; index < 200; ++index) {
     SCOPED_TRACE(fmt::format("seed {}, case {}", k_seed, index));
@@ -90,7 +90,7 @@ TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
       flow.sit(level, level, 0);
     std::uint64_t goings = 0;
     for (std::vector<std::uint32_t> may = ready(flow); !may.empty(); may = ready(flow)) {
-      // Half of the time the one that is furthest ahead.
+      // Half of the time, choose the level furthest ahead.
       std::uint32_t level = may[below(stream, may.size())];
       if (below(stream, 2) == 0)
         level = *std::ranges::max_element(may, {}, [&](auto l) { return flow.seat(l).scan; });
@@ -106,16 +106,16 @@ TEST(SwapFlow, EqualsTheLevelsInStepInAnyOrder) {
         ahead_most = std::max(ahead_most, flow.seat(level).scan - std::min(flow.seat(level).scan,
                                                                            flow.seat(other).scan));
     }
-    // All come to the last scan: nobody waits for ever.
+    // All levels reach the last scan, so no level waits forever.
     EXPECT_EQ(goings, (k_scans - 1) * ladder.levels);
   }
   EXPECT_GE(ahead_most, 4U);
 }
 
 TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
-  // Goal: of a part of a ladder, replicas go as in the whole one, and leave exactly where their
-  // partner is outside, so that the part's sides lose a level with each scan. Method: all parts of
-  // a ladder of eight, begun at several scans; how many go on to each scan.
+  // Goal: in a part of a ladder, replicas move as in the whole ladder, and leave exactly when their
+  // partner is outside. So the part's sides lose a level with each scan. Method: test all parts of
+  // a ladder of eight from several scans. Count how many continue to each scan.
   const FlowLevels ladder = ladder_of(8);
   const Seating expected = lockstep(ladder);
   for (std::uint32_t first = 0; first < 8; ++first) {
@@ -129,7 +129,7 @@ TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
         SwapFlow flow(part);
         for (std::uint32_t level = 0; level < size; ++level)
           flow.sit(level, expected[begin][first + level], begin);
-        // Levels here that have a replica at the scan: none, or a stretch.
+        // Levels of the part with a replica at this scan: a contiguous range, or none.
         std::uint32_t low = 0;
         std::uint32_t high = size;
         for (std::uint64_t scan = begin; scan + 1 < k_scans; ++scan) {
@@ -157,8 +157,8 @@ TEST(SwapFlow, APartLosesThoseWhosePartnerIsOutside) {
 }
 
 TEST(SwapFlowDeathTest, MisuseIsABug) {
-  // Goal: a scan is told once, of a replica that is there. Method: twice; of an empty seat; levels
-  // that the ladder doesn't have.
+  // Goal: a scan is reported once, by an existing replica. Method: report twice, report an empty
+  // seat, and use levels that the ladder doesn't have.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   SwapFlow flow(ladder_of(3));
   EXPECT_DEATH(flow.made(0, 0), "check failed");

@@ -18,8 +18,8 @@ double ratio(double beta, double cooler_beta, double l, double cooler_l) {
 }
 
 TEST(LogSwapRatio, IsTheRatioOfTheSwappedDensities) {
-  // Goal: log of p_b(x_c) p_c(x_b) / (p_b(x_b) p_c(x_c)). Method: the four densities by hand, for
-  // states that the swap brings nearer and farther.
+  // Goal: the ratio is log of p_b(x_c) p_c(x_b) / (p_b(x_b) p_c(x_c)). Method: compute the four
+  // densities by hand, for swaps that improve or worsen the states.
   for (const auto& [l, cooler_l] : {std::pair{-1.5, -4.0}, {-4.0, -1.5}, {0.0, 7.0}, {2.0, 2.0}}) {
     const double by_hand = 0.2 * cooler_l + 0.7 * l - (0.2 * l + 0.7 * cooler_l);
     EXPECT_NEAR(ratio(0.2, 0.7, l, cooler_l), by_hand, 1e-15);
@@ -27,8 +27,8 @@ TEST(LogSwapRatio, IsTheRatioOfTheSwappedDensities) {
 }
 
 TEST(LogSwapRatio, KnowsStatesWithoutDensity) {
-  // Goal: what breaks a hard constraint is never made cooler, unless neither has density; no NaN,
-  // at the ladder's hot end either. Method: every combination.
+  // Goal: a state that breaks a hard constraint never gets cooler, unless neither state has
+  // density. No result is NaN, even at the hot end. Method: test every combination.
   for (const double beta : {0.0, 0.3}) {
     EXPECT_EQ(ratio(beta, 1, -k_infinity, -2), -k_infinity);
     EXPECT_EQ(ratio(beta, 1, -2, -k_infinity), k_infinity);
@@ -37,8 +37,8 @@ TEST(LogSwapRatio, KnowsStatesWithoutDensity) {
 }
 
 TEST(EvenOddPartner, PairsTheLevelsOfTheScansParity) {
-  // Goal: after scan s the levels i and i+1 with i + s even are partners, and nobody else is.
-  // Method: the pairs listed, for ladders of several lengths and scans of both parities.
+  // Goal: after scan s, exactly levels i and i+1 with i + s even are partners. Method: list the
+  // pairs for ladders of several lengths and scans of both parities.
   for (const std::uint32_t levels : {2U, 3U, 4U, 7U}) {
     for (const std::uint64_t scan : {0U, 1U, 2U, 1001U}) {
       std::set<std::pair<std::uint32_t, std::uint32_t>> expected;
@@ -57,7 +57,7 @@ TEST(EvenOddPartner, PairsTheLevelsOfTheScansParity) {
 }
 
 TEST(SwapNumber, IsAnotherAtEachPlace) {
-  // Goal: no two swaps share a number. Method: neighbours of a place in each field.
+  // Goal: no two swaps share a random number. Method: test neighbours of a place in each field.
   const SwapPlace place{.seed = 3, .chain = base::ChainId{1}, .level = 2, .scan = 7};
   SwapPlace seed = place;
   SwapPlace chain = place;
@@ -75,8 +75,8 @@ TEST(SwapNumber, IsAnotherAtEachPlace) {
 }
 
 TEST(Swaps, AreAsFrequentAsTheRatio) {
-  // Goal: a pair swaps with probability min(1, ratio). Method: 10,000 scans each of a pair with
-  // ratio 0.3, of one above 1, and of one whose hotter state has no density; five standard errors.
+  // Goal: a pair swaps with probability min(1, ratio). Method: 10,000 scans each of pairs with
+  // ratio 0.3, ratio above 1, and no density at the hotter state, within five standard errors.
   const auto count = [](const SwapPair& pair) {
     int swapped = 0;
     for (std::uint64_t scan = 0; scan < 10'000; ++scan)

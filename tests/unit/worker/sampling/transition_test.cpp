@@ -1,4 +1,4 @@
-// One Metropolis-Hastings step on a world of five states, against its exact transition matrix.
+// Compares one Metropolis-Hastings step on five states with its exact transition matrix.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,13 +18,11 @@ using Row = std::array<double, k_states>;
 using Matrix = std::array<Row, k_states>;
 
 constexpr Row k_prior{0.1, 0.3, 0.2, 0.15, 0.25};
-/// State 3 breaks the constraint.
 constexpr Row k_log_constraint{-0.2, -1.5, 0, -k_infinity, -0.7};
 constexpr double k_clockwise = 0.7;
 constexpr double k_fresh = 0.25;
 
-/// States in a ring. Kind 0 steps to a neighbour, more often clockwise; kind 1 draws afresh from
-/// the prior. Neither is symmetric.
+/// A ring. Kind 0 steps to a neighbour, more often clockwise; kind 1 draws from the prior.
 struct Ring {
   using State = std::size_t;
   using Outcome = std::size_t;
@@ -63,7 +61,7 @@ double density(std::size_t state, double beta) {
   return k_prior[state] * (beta == 0 ? 1 : std::pow(constraint, beta));
 }
 
-/// Algorithm 2.1's acceptance as probabilities, not logarithms; from zero density by the prior.
+/// Algorithm 2.1's acceptance as a probability. From zero density, only the prior counts.
 double acceptance(std::size_t from, std::size_t to, double q_ratio, double beta) {
   const double now = density(from, beta);
   if (now == 0) return std::min(1.0, k_prior[to] / k_prior[from] * q_ratio);
@@ -88,8 +86,8 @@ Matrix exact_transitions(double beta) {
 }
 
 TEST(Transitions, OracleIsInDetailedBalance) {
-  // Goal: the matrix that the next test compares with leaves p_w p_c^beta invariant. Method:
-  // detailed balance between every pair of states, rows that add up to 1, no way into state 3.
+  // Goal: the matrix that the next test compares with leaves p_w p_c^beta invariant. Method: check
+  // detailed balance of every pair, row sums of 1, and no way into state 3.
   for (const double beta : {0.0, 0.5, 1.0}) {
     const Matrix matrix = exact_transitions(beta);
     for (std::size_t i = 0; i < k_states; ++i) {
@@ -106,9 +104,9 @@ TEST(Transitions, OracleIsInDetailedBalance) {
 }
 
 TEST(Transitions, AreTheExactOnes) {
-  // Goal: a step moves from each state to each other with exactly the probability of Algorithm 2.1,
-  // and out of zero density by the prior. Method: 200,000 steps from each state at three inverse
-  // temperatures, chi-square against the exact row; what is impossible never happens.
+  // Goal: a step has exactly the transition probabilities of Algorithm 2.1, and of the prior from
+  // zero density. Method: compare 200,000 steps from each state at three inverse temperatures with
+  // the exact row by chi-square. Impossible steps never happen.
   constexpr std::uint64_t k_steps = 200'000;
   const Ring ring;
   for (const double beta : {0.0, 0.5, 1.0}) {
@@ -144,8 +142,7 @@ TEST(Transitions, AreTheExactOnes) {
 }
 
 TEST(Transitions, StartIsADrawFromThePrior) {
-  // Goal: initialize draws from p_w with the streams of its chain. Method: 100,000 chains,
-  // chi-square against the prior.
+  // Goal: initialize draws from p_w with its chain's streams. Method: chi-square of 100,000 chains.
   const Ring ring;
   std::vector<int> counts(k_states, 0);
   for (std::uint32_t chain = 0; chain < 100'000; ++chain) {

@@ -1,5 +1,5 @@
-// Goal: people are told why chains have not mixed, and not alarmed where they have. Method: chains
-// of each sort, and the exact sentences.
+// Goal: reports explain why chains have not mixed, and give no false alarm. Method: check the exact
+// sentences for chains of each sort.
 #include "worker/sampling/diagnostics/convergence.h"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ std::vector<std::string> complaints_of(const OwnedChains& draws) {
 }
 
 TEST(Convergence, collects_the_measures) {
-  // Goal: each field is the measure of its name. Method: two chains of four known draws.
+  // Goal: each field contains its measure. Method: use two chains of four known draws.
   const OwnedChains draws{.values = {1, 2, 3, 4, 5, 5, 5, 5}, .chains = 2, .draws = 4};
   const Convergence found = convergence_of(draws.view());
   EXPECT_EQ(found.chains, 2U);
@@ -58,8 +58,8 @@ TEST(Complaints, are_none_of_what_is_the_same_everywhere) {
 }
 
 TEST(Complaints, are_none_of_mixed_chains_of_two_values) {
-  // Goal: no tail is no fault, in either of its ways. Method: 0 and 1, as often (the distances from
-  // the median are equal, so R-hat's tail is NaN) and 3 in 10 (the 0.95 quantile is the greatest).
+  // Goal: a missing tail is no fault. Method: use equally many 0 and 1 (equal distances from the
+  // median make the tail's R-hat NaN), and 3 in 10 (the 0.95 quantile is the maximum).
   OwnedChains even = made({});
   for (std::size_t i = 0; i < even.values.size(); i += 2) {
     const bool up = even.values[i] > 0;
@@ -85,8 +85,8 @@ TEST(Complaints, name_shifted_chains) {
 }
 
 TEST(Complaints, name_chains_that_never_move) {
-  // Goal: said in words, whether R-hat is infinite, some 1e15 or finite. Method: all chains at
-  // values of their own, of lengths at which the means are and are not rounded; one of four.
+  // Goal: the sentence is right for an infinite R-hat, one of about 1e15, and a finite one. Method:
+  // give each chain its own value, with exact or rounded means. Then let one of four chains differ.
   const auto own = [](double, std::size_t chain) { return 0.1 * static_cast<double>(chain); };
   for (const std::size_t draws : {64U, 1000U, 1024U, 2000U}) {
     const std::vector<std::string> found = complaints_of(changed(made({.draws = draws}), own));
@@ -109,7 +109,7 @@ TEST(Complaints, name_what_cannot_be_judged) {
 }
 
 TEST(Complaints, keep_to_the_thresholds) {
-  // Goal: each limit is where the header says. Method: a convergence at the limit and just past it.
+  // Goal: each limit is the documented one. Method: test convergences at and just past the limit.
   const Convergence at{.chains = 4,
                        .draws = 1000,
                        .r_hat_bulk = 1,

@@ -1,6 +1,6 @@
-// Goal: the measures are R's, without R at hand. Method: six arrays of whole-number arithmetic,
-// and what posterior 1.4.0 (R 4.2.2) gives for x <- outer(0:(draws-1), 0:(chains-1), f), printed by
-// sprintf("%.17g"), in the order of `measures`. Many more arrays are in tests/posterior.
+// Goal: the measures equal R's, without running R. Method: compare with the results of posterior
+// 1.4.0 (R 4.2.2) for six integer arrays x <- outer(0:(draws-1), 0:(chains-1), f). sprintf("%.17g")
+// printed the numbers in the order of `measures`. tests/posterior compares more.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -59,21 +59,21 @@ TEST(Golden, rising_in_an_odd_number_of_draws) {
 }
 
 TEST(Golden, short_chains_that_rise_to_their_end) {
-  // f = d + (d*d + c) %% 5: the sum of autocorrelations ends where the lags do.
+  // f = d + (d*d + c) %% 5: the sum of autocorrelations ends at the last lag.
   expect_golden(outer(3, 15, [](int d, int c) { return d + (d * d + c) % 5; }),
                 {1.7018115226619348, 13.103844909525414, 31.75679347826086, 12.313318433941273,
                  17.698996655518396, 1.3213920041172225});
 }
 
 TEST(Golden, ties) {
-  // f = (d*d + c*d) %% 5: the greatest value is above the 0.95 quantile, so there is no tail.
+  // f = (d*d + c*d) %% 5: the maximum is above the 0.95 quantile, so there is no tail.
   expect_golden(outer(3, 25, [](int d, int c) { return (d * d + c * d) % 5; }),
                 {1.0576567708702127, 127.00250479259009, k_na, 124.76125237143344,
                  133.72793974305134, 0.13833165878934037});
 }
 
 TEST(Golden, three_draws_are_transposed) {
-  // f = (3*d + 2*c + d*c) %% 7: what posterior makes of halves of one draw (split_in_halves).
+  // f = (3*d + 2*c + d*c) %% 7: posterior's result for halves of one draw (split_in_halves).
   expect_golden(outer(4, 3, [](int d, int c) { return (3 * d + 2 * c + d * c) % 7; }),
                 {0.87715026984727928, 4, k_na, 4, 4, 1.075730900224108});
 }

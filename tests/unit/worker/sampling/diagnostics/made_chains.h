@@ -1,4 +1,4 @@
-// Chains for tests: seeded draws of known sorts.
+// Seeded chains with known properties.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,6 @@ inline OwnedChains made(const Made& how) {
   return draws;
 }
 
-/// f(value, chain) in place of every value.
 template <class F>
 OwnedChains changed(OwnedChains draws, const F& f) {
   for (std::size_t i = 0; i < draws.values.size(); ++i)

@@ -1,4 +1,4 @@
-// Where the measures have no answer. Their numbers are golden_test.cpp's, which has R's.
+// Tests cases in which the measures are undefined. golden_test.cpp compares values with R.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ using testing::changed;
 using testing::made;
 
 TEST(Nan, is_the_answer_where_there_is_none) {
-  // Goal: each documented reason for NaN. Method: one array for each.
+  // Goal: each documented reason for NaN gives NaN. Method: use one array for each reason.
   const OwnedChains draws = made({.chains = 2, .draws = 21});
   const auto with = [&](std::size_t at, double value) {
     OwnedChains other = draws;
@@ -29,7 +29,7 @@ TEST(Nan, is_the_answer_where_there_is_none) {
     EXPECT_TRUE(std::isnan(ess_tail(spoilt.view())));
     EXPECT_EQ(std::isnan(r_hat(spoilt.view())), std::isnan(bad)) << "infinities have ranks";
     EXPECT_EQ(std::isnan(ess_bulk(spoilt.view())), std::isnan(bad));
-    // The middle draw of 21 is in no half.
+    // The middle draw of 21 belongs to neither half.
     EXPECT_FALSE(std::isnan(ess_mean(with(10, bad).view())));
     EXPECT_TRUE(std::isnan(mcse_mean(with(10, bad).view())));
   }
@@ -45,7 +45,7 @@ TEST(Nan, is_the_answer_where_there_is_none) {
 }
 
 TEST(Shapes, must_fit) {
-  // Goal: a view whose numbers don't fit its shape is refused. Method: one draw too few.
+  // Goal: a view with a wrong number of values is refused. Method: leave out one draw.
   const std::vector<double> five(5, 1.0);
   EXPECT_DEATH(r_hat({.values = five, .chains = 2, .draws = 3}), "check failed");
   EXPECT_DEATH(ess_mean({.values = {}, .chains = 1, .draws = 0}), "check failed");
