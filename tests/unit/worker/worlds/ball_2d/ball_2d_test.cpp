@@ -22,8 +22,7 @@ using testing::stream_of;
 constexpr std::uint64_t k_seed = 77;
 
 TEST(Ball2d, DefaultsAreTheThesis) {
-  // Goal: a request that gives no numbers is the example of thesis 2.4.1. Method: read
-  // one.
+  // Goal: a request without numbers is the example of thesis 2.4.1.
   const std::array worlds{request_binding()};
   const auto request =
       request::read_request("[world]\nname = \"ball_2d\"\n[stop]\nscans = 1\n", "r", worlds);
@@ -45,8 +44,8 @@ TEST(Ball2d, DefaultsAreTheThesis) {
 }
 
 TEST(Ball2d, LogPriorIsTheSumOfNormalDensities) {
-  // Goal: log p_w is normalised and counts the world's collisions alone. Method: Boost's density,
-  // for several numbers of collisions.
+  // Goal: log p_w is normalised and counts only the world's collisions. Method: compare with
+  // Boost's density, for several numbers of collisions.
   for (const std::uint32_t collisions : {1U, 5U, k_collisions_max}) {
     Parameters parameters;
     parameters.world.collisions = collisions;
@@ -64,8 +63,8 @@ TEST(Ball2d, LogPriorIsTheSumOfNormalDensities) {
 }
 
 TEST(Ball2d, PriorDrawsAreNormal) {
-  // Goal: each normal is drawn from N(0, sd), independent of the others; what isn't used is zero.
-  // Method: 20,000 draws; chi-square of each normal and of products' signs, which tell dependence.
+  // Goal: normals are independent draws from N(0, sd), and unused normals are zero. Method: test
+  // 20,000 draws by chi-square: each normal, and signs of products, which reveal dependence.
   const Ball2d ball({});
   constexpr int k_cells = 20;
   const boost::math::normal oracle(0, Parameters{}.world.normal_sd_rad);
@@ -92,8 +91,7 @@ TEST(Ball2d, PriorDrawsAreNormal) {
 }
 
 TEST(Ball2d, ConstraintIsInDiameters) {
-  // Goal: log p_c = -1/2 ((x/D - target)/sigma)^2; satisfied within the tolerance, its edge
-  // included. Method: landings by hand.
+  // Goal: log p_c = -1/2 ((x/D - target)/sigma)^2, and the tolerance includes its edge.
   Parameters parameters;
   parameters.world.diameter_m = 0.5;
   parameters.constraint = {
@@ -109,9 +107,9 @@ TEST(Ball2d, ConstraintIsInDiameters) {
 }
 
 TEST(Ball2d, ProposalIsAlgorithm22) {
-  // Goal: each normal is changed with probability 1/2 by a uniform offset within 5 degrees, on its
-  // own; the ratio is 1 and the kind 0. Method: 20,000 proposals; chi-square of the 32 subsets of
-  // changed normals and of the offsets in 20 cells.
+  // Goal: each normal changes with probability 1/2, independently, by a uniform offset within 5
+  // degrees. The ratio is 1 and the kind 0. Method: test 20,000 proposals by chi-square: the 32
+  // subsets of changed normals, and offsets in 20 cells.
   const Ball2d ball({});
   const double half_width = Parameters{}.proposal.change_half_width_rad;
   std::vector<int> subsets(32, 0);
@@ -141,7 +139,7 @@ TEST(Ball2d, ProposalIsAlgorithm22) {
 }
 
 TEST(Ball2d, StatesComeBack) {
-  // Goal: states travel bit for bit. Method: random states of several sizes, a negative zero.
+  // Goal: encoding keeps every bit. Method: random states of several sizes, and a negative zero.
   for (const std::uint32_t collisions : {1U, 5U, k_collisions_max}) {
     Parameters parameters;
     parameters.world.collisions = collisions;
@@ -159,8 +157,8 @@ TEST(Ball2d, StatesComeBack) {
 }
 
 TEST(Ball2d, RefusesWhatIsNoState) {
-  // Goal: bytes of another length, or with an angle that is no number, are refused. Method: every
-  // length up to twice the right one; NaN and infinities in each place.
+  // Goal: bytes of a wrong length, or with an angle that isn't finite, are refused. Method: test
+  // every length up to twice the right one, and NaN and infinities in each place.
   const Ball2d ball({});
   for (std::size_t size = 0; size <= 80; ++size)
     EXPECT_EQ(ball.decode(base::Bytes(size)).has_value(), size == 40) << size;

@@ -1,4 +1,4 @@
-// The closed-form hops against a ball that is stepped through time.
+// Compares the closed-form hops with a ball stepped through time.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 namespace sleight::worlds::ball_2d {
 namespace {
 
-/// A ball stepped by fixed intervals, which knows a collision when it sees the centre below the
-/// table, and finds its moment by halving the interval. Velocities turn in the frame of the tilted
-/// surface. Nothing here is the simulator's but the numbers of the world.
+/// A ball stepped by fixed intervals. It detects a collision when its centre is below the table,
+/// and bisects the interval to find the time. Velocities change in the frame of the tilted surface.
+/// Shares no code with the simulator, only the world's numbers.
 class SteppedBall {
  public:
   SteppedBall(const WorldParameters& world, double step_s) : world_(world), step_s_(step_s) {
@@ -20,7 +20,7 @@ class SteppedBall {
   }
 
   void collide(double tilt_rad) {
-    // Along the surface and along its normal: the first stays, the second turns and shrinks.
+    // Along the surface, the velocity stays. Along its normal, it reverses and shrinks.
     const double along = vx_ * std::cos(tilt_rad) - vz_ * std::sin(tilt_rad);
     double away = vx_ * std::sin(tilt_rad) + vz_ * std::cos(tilt_rad);
     if (away < 0) away = -world_.restitution * away;
@@ -28,7 +28,7 @@ class SteppedBall {
     vz_ = -along * std::sin(tilt_rad) + away * std::cos(tilt_rad);
   }
 
-  /// Until the ball is down again; not at all when it doesn't rise from the table.
+  /// Steps until the ball is down again. Does nothing if the ball doesn't rise from the table.
   void fly() {
     if (z_m_ <= 0 && vz_ <= 0) return;
     while (true) {
@@ -70,8 +70,8 @@ class SteppedBall {
 };
 
 TEST(MotionOracle, HopsAreThoseOfASteppedBall) {
-  // Goal: the simulation is the model of thesis 2.4.1. Method: random worlds and normals, mild and
-  // wild ones (tilts beyond 90 degrees too), stepped in a hundredth of the fall's time.
+  // Goal: the simulation is the model of thesis 2.4.1. Method: step random worlds and normals, mild
+  // and wild (tilts beyond 90 degrees), in a hundredth of the fall's time.
   constexpr std::uint64_t k_seed = 31;
   std::uint64_t moved = 0;
   for (const std::uint64_t index : property::cases(300)) {
@@ -89,7 +89,7 @@ TEST(MotionOracle, HopsAreThoseOfASteppedBall) {
     }
     const Landing landing = simulate_landing(world, normals);
     const double size_m = world.drop_height_diameters * world.diameter_m;
-    // Moments are found to a part in 1e13 of a hop; grazing collisions magnify that.
+    // Times are accurate to 1e-13 of a hop; grazing collisions magnify the error.
     EXPECT_NEAR(landing.x_m, ball.x_m(), 1e-8 * size_m);
     EXPECT_NEAR(landing.time_s, ball.time_s(), 1e-8 * fall_s);
     if (std::abs(landing.x_m) > 0.01 * size_m) ++moved;

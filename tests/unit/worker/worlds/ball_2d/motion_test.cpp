@@ -22,10 +22,10 @@ using testing::stream_of;
 constexpr std::uint64_t k_seed = 2024;
 
 TEST(Motion, OneBounceByHand) {
-  // Goal: the landing after one collision. Method: the closed form. The ball falls by h, arrives at
-  // u = sqrt(2 g h) and leaves a surface of tilt t with
-  //   v_x = (1 + e) u sin t cos t        v_z = u ((1 + e) cos^2 t - 1),
-  // hence lands at x = 4 h (1 + e) sin t cos t ((1 + e) cos^2 t - 1), or where it is when v_z <= 0.
+  // Goal: the landing after one collision is right. Method: compare with the closed form. The ball
+  // falls by h, arrives at u = sqrt(2 g h) and leaves a surface of tilt t with
+  //  v_x = (1 + e) u sin t cos t        v_z = u ((1 + e) cos^2 t - 1).
+  // It lands at x = 4 h (1 + e) sin t cos t ((1 + e) cos^2 t - 1), or stays in place if v_z <= 0.
   WorldParameters world;
   world.collisions = 1;
   for (const double e : {0.2, 0.70710678118654752, 1.0}) {
@@ -47,8 +47,8 @@ TEST(Motion, OneBounceByHand) {
 }
 
 TEST(Reflected, ATableOnlyPushes) {
-  // Goal: a normal that faces away, or lies across, leaves the velocity as it is, bit for bit.
-  // Method: both by hand, and a motion that meets such a normal.
+  // Goal: a normal that faces away or is perpendicular doesn't change any bit of the velocity.
+  // Method: test both by hand, and a motion that meets such a normal.
   EXPECT_EQ(reflected({0.3, 2.5}, {0, 1}, 0.5), math::Vec2(0.3, 2.5));
   EXPECT_EQ(reflected({0.3, 0}, {0, 1}, 0.5), math::Vec2(0.3, 0));
   EXPECT_EQ(reflected({3, -4}, {0.8, 0.6}, 0.5), math::Vec2(3, -4));
@@ -63,8 +63,8 @@ TEST(Reflected, ATableOnlyPushes) {
 }
 
 TEST(Motion, LandingIsTheMotionsLanding) {
-  // Goal: both simulations are one. Method: random worlds and normals, equal bits; the number of
-  // hops; hops follow one another in time and space.
+  // Goal: both simulations give the same bits. Method: compare random worlds and normals and the
+  // number of hops. Hops must follow each other in time and space.
   for (const std::uint64_t index : property::cases(1000)) {
     random::Stream stream = stream_of(k_seed, index);
     const WorldParameters world = random_world(stream);

@@ -1,4 +1,4 @@
-// Balls and normals for the tests of this folder.
+// Balls and normals for tests.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ inline random::Stream stream_of(std::uint64_t seed, std::uint64_t index) {
   return random::Stream({.seed = seed, .purpose = random::Purpose::prior}, index);
 }
 
-/// Normals of a world, independent normal with a standard deviation.
+/// Independent normally distributed normals with a given standard deviation.
 inline NormalAngles random_normals(const WorldParameters& world, double sd_rad,
                                    random::Stream& stream) {
   NormalAngles normals{};
@@ -25,7 +25,6 @@ inline NormalAngles random_normals(const WorldParameters& world, double sd_rad,
   return normals;
 }
 
-/// A world with every number drawn from a wide range.
 inline WorldParameters random_world(random::Stream& stream) {
   WorldParameters world;
   world.diameter_m = 0.01 + stream.uniform();
@@ -36,7 +35,6 @@ inline WorldParameters random_world(random::Stream& stream) {
   return world;
 }
 
-/// Speed of the first impact.
 inline double impact_speed(const WorldParameters& world) {
   return std::sqrt(2 * world.gravity_mps2 * world.drop_height_diameters * world.diameter_m);
 }

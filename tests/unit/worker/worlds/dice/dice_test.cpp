@@ -1,4 +1,4 @@
-// Throws of dice: what comes of them, and that it is the same from what is known.
+// Tests outcomes of throws, and that they are the same when computed from a known state.
 #include "worker/worlds/dice/dice.h"
 
 #include <fmt/format.h>
@@ -27,8 +27,8 @@ Goal goal_of(std::variant<Place, Region, FaceDirection, Turn, Velocity, RestBefo
 }
 
 TEST(Dice, ComeToRestOnTheTable) {
-  // Goal: throws end at rest, with some face of each die up, its centre half a side above the
-  // bumps, some way along. Method: prior draws with a goal for a face, whose distance is the tilt.
+  // Goal: throws end at rest after some distance, with a face up and the centre half a side above
+  // the bumps. Method: simulate prior draws with a goal for a face, whose distance is the tilt.
   Parameters parameters;
   parameters.goals = {goal_of(FaceDirection{.face = 6}, 0.2, 0.3)};
   const Dice world(parameters);
@@ -46,8 +46,8 @@ TEST(Dice, ComeToRestOnTheTable) {
 }
 
 TEST(Dice, ContactsShareTheirWeights) {
-  // Goal: shares of control points are ascending, at most 4/9 each and 1 together, and 1 where all
-  // collisions are on the table; plausibility is the sum of their densities. Method: prior draws.
+  // Goal: shares of control points ascend, are at most 4/9 each, and add up to at most 1, or
+  // exactly 1 if all collisions are on the table. Plausibility is the sum of their densities.
   const Dice world(testing::all_random(2));
   for (std::uint64_t number = 0; number < 10; ++number) {
     const State state = state_of(world, number);
@@ -70,9 +70,9 @@ TEST(Dice, ContactsShareTheirWeights) {
 }
 
 TEST(Dice, HeightsThatTheyMetAreCounted) {
-  // Goal: each control point that collisions hung on is counted once by its height, and enters the
-  // sum of squares; nothing where heights aren't random. Method: prior draws, one point of which
-  // is far up or down, against counting by edges; a flat table.
+  // Goal: each control point that affects collisions counts once by its height, and enters the sum
+  // of squares. Constant heights don't count. Method: compare prior draws, with one point far up or
+  // down, with a count by edges, and a flat table.
   Parameters parameters;
   const Dice world(parameters);
   const double sd_m = parameters.world.table.height_sd_m;
@@ -110,8 +110,7 @@ TEST(Dice, HeightsThatTheyMetAreCounted) {
 }
 
 TEST(Dice, WithoutRoomHaveNoAnimation) {
-  // Goal: dice that start in one place are no throw: zero density, no goal met. Method: two on top
-  // of each other.
+  // Goal: dice that start in one place have zero density and meet no goal.
   Parameters parameters;
   DieStart start;
   start.position_sd_m = {0, 0, 0};
@@ -129,7 +128,7 @@ TEST(Dice, WithoutRoomHaveNoAnimation) {
 }
 
 TEST(Dice, ThatStillMoveSatisfyNothing) {
-  // Goal: at the time limit goals are measured, and not satisfied. Method: a limit in the air.
+  // Goal: at a time limit, goals are measured but not satisfied. Method: set it during flight.
   Parameters parameters;
   parameters.world.time_max_s = 0.05;
   parameters.goals = {goal_of(Place{}, 10, 10)};
@@ -143,9 +142,8 @@ TEST(Dice, ThatStillMoveSatisfyNothing) {
 }
 
 TEST(Dice, AreSeenAtTheTimesOfGoals) {
-  // Goal: goals see dice in flight, before their start and long after they rest. Method: where a
-  // die is at 0.03 s by its parabola; a second die that starts later; places at the end and at 5.9
-  // s.
+  // Goal: goals see dice in flight, before their start and long after they rest. Method: compare a
+  // die at 0.03 s with its parabola. Test a second die that starts later, at the end and at 5.9 s.
   Parameters parameters;
   parameters.world.dice.assign(2, DieStart{});
   parameters.world.dice[1].position_m.y() = 0.1;
@@ -186,9 +184,9 @@ void expect_same(const Outcome& a, const Outcome& b) {
 }
 
 TEST(Dice, ReplaysMakeNoDifference) {
-  // Goal: what comes of a candidate is the same from what is known of a similar state as from
-  // nothing, for proposals of every kind, one after the other. Method: chains of one die and of
-  // four, which take each second candidate; 40 times longer with SLEIGHT_SOAK=1.
+  // Goal: a candidate has the same outcome computed from a similar state as from scratch, for
+  // proposals of every kind. Method: run chains of one die and of four that accept every second
+  // candidate, 40 times longer with SLEIGHT_SOAK=1.
   const std::uint64_t longer = property::long_run() ? 40 : 1;
   for (const std::uint32_t dice : {1U, 4U}) {
     Parameters parameters = testing::all_random(dice);

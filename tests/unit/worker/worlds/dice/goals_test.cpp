@@ -1,4 +1,4 @@
-// Goals of dice on poses made by hand, and numberings found afterwards.
+// Tests goals of dice on constructed poses, and numberings chosen after the throw.
 #include "worker/worlds/dice/goals.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ double distance(const Goal& goal, const DieView& die, double rest_s = 1) {
 }
 
 TEST(DiceGoals, MeasureDistances) {
-  // Goal: each sort of goal measures what goals.h says. Method: poses whose distances are known.
+  // Goal: each sort of goal has the measure in goals.h. Method: use poses with known distances.
   DieView die{.position_m = {3, 4, 9}};
   EXPECT_EQ(distance(goal_of(Place{.centre_m = {0, 0}}), die), 5);
   EXPECT_EQ(distance(goal_of(Region{.low_m = {0, 0}, .high_m = {3, 5}}), die), 0);
@@ -53,14 +53,14 @@ TEST(DiceGoals, MeasureDistances) {
   EXPECT_NEAR(distance(face_up(4), die), 180 * k_degree_rad - 0.3, 1e-15);
   EXPECT_NEAR(distance(yaw_of(1, 0.2), die), 0.2, 1e-15);
   EXPECT_NEAR(distance(goal_of(Turn{}), die), 0.3, 1e-15);
-  // Of a rotation, not of a quaternion's sign.
+  // The measure depends on the rotation, not on a quaternion's sign.
   die.orientation =
       Quat(-die.orientation.w(), -die.orientation.x(), -die.orientation.y(), -die.orientation.z());
   EXPECT_NEAR(distance(goal_of(Turn{}), die), 0.3, 1e-15);
 }
 
 TEST(DiceGoals, LookAtTheirTimes) {
-  // Goal: a goal with a time sees the die as it was then. Method: three times and two dice.
+  // Goal: a goal with a time sees the die at that time. Method: test three times and two dice.
   std::vector<Goal> goals(4, goal_of(Place{}));
   goals[0].at_s = 2;
   goals[1].at_s = 0.5;
@@ -78,8 +78,8 @@ TEST(DiceGoals, LookAtTheirTimes) {
 }
 
 TEST(DiceGoals, AreGaussianAndMetWithinTolerances) {
-  // Goal: log p_c is the sum of -d^2 / 2 sigma^2, at most 0; met are all within tolerances. Method:
-  // two goals about their tolerances.
+  // Goal: log p_c is the sum of -d^2 / 2 sigma^2, and goals are met if all are within tolerance.
+  // Method: test two goals around their tolerances.
   const std::vector<Goal> goals{goal_of(Place{.centre_m = {1, 0}}, 2, 3),
                                 goal_of(RestBefore{.time_s = 0}, 0.5, 1)};
   const Judgement near = judge(goals, Numbering::free, view({}, 1), {});
@@ -93,9 +93,9 @@ TEST(DiceGoals, AreGaussianAndMetWithinTolerances) {
 }
 
 TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
-  // Goal: whichever of its 24 ways a die lies, some numbering meets its goals of faces, the least
-  // of those that do; there are as many as numberings_that_meet says. Method: all 24 orientations,
-  // turned a bit, and goals with one face, two, and all.
+  // Goal: in each of its 24 orientations, a die meets its goals of faces by the smallest suitable
+  // numbering, and numberings_that_meet counts these. Method: turn all 24 orientations slightly,
+  // with goals for one face, two, and all.
   const Quat bit = math::quaternion_of_rotation_vector({0.03, -0.02, 0.04});
   struct Case {
     std::vector<Goal> goals;
@@ -129,15 +129,15 @@ TEST(DiceGoals, OneNumberingOfFourOrOneMeetsFaces) {
       }
       EXPECT_EQ(meet, one.meet);
       EXPECT_EQ(judgement.numberings[0], least);
-      // The sum over numberings, directly.
+      // Compute the sum over numberings directly.
       EXPECT_NEAR(judgement.log_constraint, std::log(sum), 1e-12);
     }
   }
 }
 
 TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
-  // Goal: only what no throw can meet is called a contradiction. Method: random dice, and pairs of
-  // goals that lie by random shares of their tolerances beside what these dice did.
+  // Goal: only goals that no throw can meet are a contradiction. Method: take random dice, and
+  // pairs of goals at random shares of their tolerances from the dice's results.
   constexpr double k_side_m = 0.016;
   for (const std::uint64_t draw : property::cases(2000)) {
     random::Stream stream = testing::stream_of(6, draw);
@@ -178,7 +178,6 @@ TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
     for (Goal* one : {&a, &b})
       one->tolerance = distance(*one, die) * (1 + 1e-9) + 1e-12;
     EXPECT_EQ(contradiction_of(a, b, k_side_m), "");
-    // Two dice that lie side by side.
     const Vec3 away(k_side_m * std::cos(number(0, 6.3)), k_side_m, 0);
     if (first > 1) continue;
     die.position_m += away;
@@ -190,8 +189,7 @@ TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
 }
 
 TEST(DiceGoals, MarginalsAreDirectSums) {
-  // Goal: the same for any orientation, with several dice. Method: random ones; exponentials by the
-  // standard library.
+  // Goal: the same holds for several dice in any orientation. Method: use the library's exp.
   std::vector<Goal> goals{face_up(2), yaw_of(1, 0.4), face_up(6)};
   goals[2].die = 1;
   for (const std::uint64_t draw : property::cases(200)) {

@@ -1,4 +1,4 @@
-// Faces of a die and its 24 numberings.
+// Tests the faces of a die and its 24 numberings.
 #include "worker/worlds/dice/numbering.h"
 
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@ namespace sleight::worlds::dice {
 namespace {
 
 TEST(Numbering, IsThatOfADie) {
-  // Goal: with numbering 0 opposite faces add up to 7, and 1, 2, 3 go round anticlockwise. Method:
-  // normals; their triple product seen from outside.
+  // Goal: in numbering 0, opposite faces add up to 7, and 1, 2, 3 are anticlockwise from outside.
+  // Method: compute normals and their triple product.
   const auto normal = [](std::uint32_t face) { return vector_of(direction_of_face(face, 0)); };
   for (std::uint32_t face = 1; face <= 6; ++face)
     EXPECT_EQ(normal(face), Vec3(-normal(7 - face))) << face;
@@ -20,8 +20,8 @@ TEST(Numbering, IsThatOfADie) {
 }
 
 TEST(Numbering, RotationsAreAllTwentyFour) {
-  // Goal: the rotations are distinct, proper, and move faces as the table of faces says. Method:
-  // each quaternion turns each face's normal of numbering 0 into that of the numbering.
+  // Goal: the rotations are distinct and proper, and move faces as the table of faces states.
+  // Method: each quaternion maps each face's normal of numbering 0 to that of the numbering.
   std::set<std::vector<int>> seen;
   for (std::uint32_t s = 0; s < k_numberings; ++s) {
     const Quat q = rotation_of_numbering(s);
@@ -40,8 +40,7 @@ TEST(Numbering, RotationsAreAllTwentyFour) {
 }
 
 TEST(Numbering, OrientationsHaveTheirFaceUp) {
-  // Goal: the orientation that a request asks for by a face has that on top, at any yaw. Method:
-  // turn its normal.
+  // Goal: a requested face is on top at any yaw. Method: rotate the face's normal.
   for (std::uint32_t face = 1; face <= 6; ++face) {
     for (const double yaw_rad : {0.0, 1.0, -2.5}) {
       const Quat q = orientation_with_face_up(face, yaw_rad);

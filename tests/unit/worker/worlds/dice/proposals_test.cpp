@@ -1,5 +1,4 @@
-// What proposals change, and by which ratios. That they keep the distribution is tested in
-// tests/statistical.
+// Tests proposals' changes and ratios. tests/statistical tests that they keep the distribution.
 #include "worker/worlds/dice/proposals.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +13,6 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Proposals of one kind only.
 Parameters only(Kind kind, Parameters parameters) {
   ProposalParameters& p = parameters.proposal;
   p.change_all = kind == Kind::change_all ? 1 : 0;
@@ -30,8 +28,7 @@ State state_of(const Parameters& parameters, std::uint64_t number) {
   return draw_state(parameters.world, stream);
 }
 
-/// Of a state's orientation, velocity, spin and place, how many numbers differ; the orientation
-/// counts as one.
+/// Number of differing values in velocity, spin and place, plus one for a different orientation.
 int differing(const DieThrow& a, const DieThrow& b) {
   int count = a.orientation.coeffs() == b.orientation.coeffs() ? 0 : 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -43,7 +40,7 @@ int differing(const DieThrow& a, const DieThrow& b) {
 }
 
 TEST(DiceProposals, ReflectAtTheEnds) {
-  // Goal: steps over an end come back from it, however far they go. Method: known values.
+  // Goal: steps over an end of a range are reflected, however far they go.
   const Range range{0.25, 0.75};
   EXPECT_EQ(reflected(0.5, range), 0.5);
   EXPECT_EQ(reflected(0.875, range), 0.625);
@@ -54,8 +51,8 @@ TEST(DiceProposals, ReflectAtTheEnds) {
 }
 
 TEST(DiceProposals, ChangeAllAndDieAreDraws) {
-  // Goal: an independence draw's ratio is that of the densities. Method: of all, with overrides in
-  // the state; of one die of three.
+  // Goal: an independence draw has the ratio of the densities. Method: draw all dice, with
+  // overrides in the state, and one die of three.
   const Parameters parameters = only(Kind::change_all, testing::all_random(3));
   State state = state_of(parameters, 0);
   set_override(state.overrides, {{1, 1}, {.height_m = 1e-3, .restitution = 0.4, .friction = 0.5}});
@@ -80,9 +77,8 @@ TEST(DiceProposals, ChangeAllAndDieAreDraws) {
 }
 
 TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
-  // Goal: one component changes, never a fixed one, and each random one has its turn; sizes follow
-  // the scale. Method: many proposals about one state, whose heights above the table and vertical
-  // velocities are fixed.
+  // Goal: one random component changes, never a fixed one, and each has its turn. Step sizes follow
+  // the scale. Method: make many proposals from a state with fixed heights and vertical velocities.
   const Parameters parameters = only(Kind::change_start, testing::all_random(2));
   const State state = state_of(parameters, 1);
   std::array<int, 10> turns{};
@@ -103,7 +99,7 @@ TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
       turns[6 + k] += before.spin_radps[axis] != after.spin_radps[axis] ? 1 : 0;
     }
     turns[9] += before.orientation.coeffs() != after.orientation.coeffs() ? 1 : 0;
-    // A thousandth of the size: the same draw, a thousandth of the step.
+    // A thousandth of the scale: the same draw gives a thousandth of the step.
     random::Stream again = testing::stream_of(5, draw);
     const std::array<double, k_kinds> scales{1, 1, 1e-3, 1, 1};
     const auto small = propose(parameters, state, {}, scales, again);
@@ -117,8 +113,8 @@ TEST(DiceProposals, ChangeStartChangesOneRandomComponent) {
 }
 
 TEST(DiceProposals, ChangeControlChangesOneFieldOfOnePoint) {
-  // Goal: any point of the table, any of its random fields, within their ranges. Method: many
-  // proposals on a table of four by three points, one after the other.
+  // Goal: any field of any point of the table can change, within its range. Method: make many
+  // successive proposals on a table of four by three points.
   Parameters parameters = only(Kind::change_control, testing::all_random());
   parameters.world.table.columns = 4;
   parameters.world.table.rows = 3;
@@ -148,9 +144,8 @@ TEST(DiceProposals, ChangeControlChangesOneFieldOfOnePoint) {
 }
 
 TEST(DiceProposals, ChangeContactFollowsTheShares) {
-  // Goal: points are chosen as often as their shares say, the apron's share proposes nothing; the
-  // bound is no less than the ratio, and no way back is impossible. Method: three shares that add
-  // up to 3/4.
+  // Goal: points are chosen by their shares, and the apron's share proposes nothing. The ratio
+  // never exceeds its bound, and each step has a way back. Method: three shares add up to 3/4.
   const Parameters parameters = only(Kind::change_contact, testing::all_random());
   const State state = state_of(parameters, 3);
   const ContactShares contacts{{{-3, 0}, 0.125}, {{0, 2}, 0.375}, {{5, 5}, 0.25}};
@@ -185,8 +180,8 @@ TEST(DiceProposals, ChangeContactFollowsTheShares) {
 }
 
 TEST(DiceState, DensityIsThatOfTheStartsAndOfWhatIsOverridden) {
-  // Goal: log p_w is as state.h says. Method: a fresh draw; overrides that are the key's own
-  // points, and others; a fixed component that differs.
+  // Goal: log p_w is the formula in state.h. Method: test a fresh draw, overrides equal to the
+  // key's own points, other overrides, and a fixed component that differs.
   Parameters parameters = testing::all_random();
   const State state = state_of(parameters, 4);
   const double fresh = log_density_of(parameters.world, state);

@@ -1,4 +1,4 @@
-// Tables of random control points.
+// Tests tables of random control points.
 #include "worker/worlds/dice/random_table.h"
 
 #include <gtest/gtest.h>
@@ -19,8 +19,8 @@ TableParameters table_of() {
 }
 
 TEST(RandomTable, IsAFunctionOfKeyAndPlace) {
-  // Goal: a point is the same whenever, in whichever order and by whom it is asked for, and another
-  // one with another key or in another place. Method: two tables, asked there and back.
+  // Goal: a point depends only on its key and place, not on when or in which order it is read.
+  // Method: read two tables in both orders.
   const TableParameters parameters = table_of();
   const RandomTable one(parameters, 7, {});
   const RandomTable same(parameters, 7, {});
@@ -33,7 +33,7 @@ TEST(RandomTable, IsAFunctionOfKeyAndPlace) {
     EXPECT_NE(other.at({i, -i}).height_m, same.at({i, -i}).height_m);
     EXPECT_NE(one.at({i, 1 - i}).height_m, one.at({i, -i}).height_m);
   }
-  // A larger table has the same points where both have any.
+  // A larger table has the same points where both have points.
   TableParameters larger = parameters;
   larger.columns = 1000;
   EXPECT_EQ(RandomTable(larger, 7, {}).at({3, 3}), one.at({3, 3}));
@@ -42,7 +42,7 @@ TEST(RandomTable, IsAFunctionOfKeyAndPlace) {
 TEST(RandomTable, DrawsItsDistributions) {
   // Goal: heights are normal, restitution and friction uniform, neighbours and fields independent.
   // Method: chi-square of 40,000 points over twenty equally likely cells each, and of pairs of
-  // neighbours; fails once in 10^4 runs by chance each.
+  // neighbours. Each fails by chance once in 10^4 runs.
   const TableParameters parameters = table_of();
   constexpr int k_cells = 20;
   const auto cell = [](double p) {
@@ -80,8 +80,8 @@ TEST(RandomTable, DrawsItsDistributions) {
 }
 
 TEST(RandomTable, CostsNothingWhereNobodyLooks) {
-  // Goal: a table of a hundred million points is made as soon as one of ten. Method: make it, and
-  // ask for its corners and for a place on its surface.
+  // Goal: a table of a hundred million points costs as little as one of ten. Method: create one,
+  // and read its corners and a place on its surface.
   TableParameters parameters = table_of();
   parameters.columns = 10'000;
   parameters.rows = 10'000;
@@ -95,8 +95,8 @@ TEST(RandomTable, CostsNothingWhereNobodyLooks) {
 }
 
 TEST(RandomTable, HasAnApron) {
-  // Goal: off the table all is flat and of the ranges' means. Method: just beyond each side, of an
-  // even and an odd number of points.
+  // Goal: the surroundings of the table are flat and have the ranges' means. Method: read points
+  // just beyond each side, for even and odd numbers of points.
   TableParameters parameters = table_of();
   parameters.columns = 4;
   parameters.rows = 3;
@@ -114,7 +114,7 @@ TEST(RandomTable, HasAnApron) {
 }
 
 TEST(RandomTable, ConstantFieldsAreConstant) {
-  // Goal: fields without uncertainty have their value, and no density. Method: the default.
+  // Goal: fields without uncertainty have their value and no density.
   const TableParameters parameters = Parameters{}.world.table;
   const SurfaceControl point = control_of_key(parameters, 5, {0, 0});
   EXPECT_EQ(point.restitution, 0.5);
@@ -126,8 +126,7 @@ TEST(RandomTable, ConstantFieldsAreConstant) {
 }
 
 TEST(RandomTable, OverridesTakeTheirPlaces) {
-  // Goal: an override counts in its place alone, and lists stay in order. Method: set some, one of
-  // them twice.
+  // Goal: an override affects only its place, and lists stay in order. Method: set some, one twice.
   const TableParameters parameters = table_of();
   Overrides overrides;
   for (const GridIndex index :
@@ -151,8 +150,8 @@ TEST(RandomTable, OverridesTakeTheirPlaces) {
 }
 
 TEST(RandomTable, SaysWhatChanged) {
-  // Goal: tables of one key differ where overrides do; of others nothing is said. Method: lists
-  // with points added, taken away and changed.
+  // Goal: tables with one key differ where overrides differ; tables with different keys aren't
+  // compared. Method: add, remove and change points in lists.
   const TableParameters parameters = table_of();
   const auto point = [](double height_m) {
     return SurfaceControl{.height_m = height_m, .restitution = 0.5, .friction = 0.5};

@@ -1,4 +1,4 @@
-// The keys of a request for dice.
+// Tests the keys of a request for dice.
 #include "worker/worlds/dice/request.h"
 
 #include <gmock/gmock.h>
@@ -28,14 +28,14 @@ Parameters parameters_of(const std::string& keys) {
   return request.ok() ? request::parameters_of<Parameters>(request.value()) : Parameters();
 }
 
-/// The first diagnostic; empty if there is none.
+/// The first diagnostic. Empty if none.
 std::string complaint(const std::string& keys) {
   const auto request = read(keys);
   return request.ok() ? "" : to_string(request.error().front());
 }
 
 TEST(DiceRequest, DefaultsAreOneDieWithoutGoals) {
-  // Goal: no keys, the parameters' own defaults. Method: read it.
+  // Goal: a request without keys has the default parameters.
   Parameters parameters = parameters_of("");
   const Parameters defaults;
   EXPECT_EQ(parameters.world.side_m, defaults.world.side_m);
@@ -51,7 +51,7 @@ TEST(DiceRequest, DefaultsAreOneDieWithoutGoals) {
 }
 
 TEST(DiceRequest, DiceStandSideBySide) {
-  // Goal: a number of dice, or a table for each, whose places have defaults. Method: both.
+  // Goal: the dice key accepts a number of dice, or a table for each, with default places.
   const Parameters three = parameters_of("dice = 3");
   ASSERT_EQ(three.world.dice.size(), 3U);
   EXPECT_DOUBLE_EQ(three.world.dice[0].position_m.y(), -k_dice_apart_m);
@@ -72,7 +72,7 @@ TEST(DiceRequest, DiceStandSideBySide) {
 }
 
 TEST(DiceRequest, GoalsAreArraysOfTables) {
-  // Goal: each sort of goal is read with its units. Method: one of each; canonical text.
+  // Goal: each sort of goal is read with its units. Method: compare the canonical text.
   const std::string keys =
       "dice = 2\ntime_max_s = 4\n[constraint]\nnumbering = \"fixed\"\n"
       "[[constraint.place]]\nx_mm = 30\ny_mm = -20\nsigma_mm = 4\ntolerance_mm = 8\nat_s = 1.5\n"
@@ -113,8 +113,7 @@ TEST(DiceRequest, GoalsAreArraysOfTables) {
 }
 
 TEST(DiceRequest, NormalisedStartsReadBack) {
-  // Goal: the request that an archive holds, which has every key, can be read and gives the same
-  // starts. Method: each way to orient a start.
+  // Goal: the request stored in an archive gives the same starts, for each way to orient a start.
   for (const std::string start :
        {"x_mm = 1", "orientation = \"uniform\"", "orientation = \"fixed\"",
         "orientation = \"fixed\"\nup = 2\nyaw_deg = 30",
@@ -136,7 +135,7 @@ TEST(DiceRequest, NormalisedStartsReadBack) {
 }
 
 TEST(DiceRequest, SlipsAreNamed) {
-  // Goal: what can't be is said with its key and what to do. Method: one slip each.
+  // Goal: errors name the key and what to do. Method: make one mistake at a time.
   EXPECT_THAT(complaint("dice = 21"), HasSubstr("from 1 to 20"));
   EXPECT_THAT(complaint("dice = 2\n[[world.die]]\nx_mm = 1"),
               HasSubstr("must be 1, the number of [[world.die]] tables"));
@@ -174,7 +173,7 @@ TEST(DiceRequest, SlipsAreNamed) {
   const auto slip = read("[[constraint.face]]\nup = 2\n[[constraint.face]]\nup = 7");
   ASSERT_FALSE(slip.ok());
   EXPECT_EQ(slip.error().size(), 1U);
-  // Equal but for rounding.
+  // Equal to rounding.
   EXPECT_EQ(complaint(here + "1\nx_mm = 30\n" + here + "1\nx_mm = 34"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\n" + here + "2\nx_mm = 5"), "");
   EXPECT_EQ(complaint("dice = 2\n" + here + "1\nat_s = 0.5\n" + here + "2\nat_s = 0.5"), "");
@@ -184,8 +183,8 @@ TEST(DiceRequest, SlipsAreNamed) {
 }
 
 TEST(DiceRequest, FreeNumberingNeedsAnyStartAndOneTime) {
-  // Goal: dice are numbered after the throw only where that is right. Method: fixed starts, goals
-  // at two times; with fixed numbering both go, and so do other goals.
+  // Goal: dice are numbered after the throw only if that is valid. Method: use fixed starts, and
+  // goals at two times. Both are valid with fixed numbering, and so are other goals.
   const std::string fixed_start = "[[world.die]]\norientation = \"fixed\"\nup = 1\n";
   const std::string face = "[[constraint.face]]\nup = 6\n";
   const std::string other_time = "[[constraint.yaw]]\nface = 2\nat_s = 0.2\n";

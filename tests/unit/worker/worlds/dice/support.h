@@ -1,4 +1,4 @@
-// Worlds and states for the tests of this folder.
+// Dice worlds and states for tests.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ inline random::Stream stream_of(std::uint64_t seed, std::uint64_t index) {
   return random::Stream({.seed = seed, .purpose = random::Purpose::prior}, index);
 }
 
-/// A table all of whose fields are random, and so many dice.
+/// A table with all fields random, and `dice` dice.
 inline Parameters all_random(std::uint32_t dice = 1) {
   Parameters parameters;
   parameters.world.table.restitution = {0.3, 0.7};

@@ -1,5 +1,4 @@
-// Dice in stages: what a map of throws is worth, and that prefixes are what a whole simulation
-// says.
+// Tests dice in stages: the quality of a map of throws, and prefixes against whole simulations.
 #include "worker/worlds/dice/throw_stages.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +19,7 @@ Goal place_of(std::uint32_t die, double x_m, double y_m) {
   return {.die = die, .wanted = Place{{x_m, y_m}}, .sigma = 0.01, .tolerance = 0.015};
 }
 
-/// Two dice beside each other, which shall end 60 mm apart.
+/// Two dice beside each other, with the goal to end 60 mm apart.
 Parameters two_dice() {
   Parameters parameters;
   parameters.world.dice.assign(2, DieStart{});
@@ -31,7 +30,7 @@ Parameters two_dice() {
 }
 
 std::vector<LoneThrow> throws_that_land_ahead(const DieStart& start, int count) {
-  // Lands where its speed carries it, half of a second's way on, give or take nothing.
+  // Each throw lands where its speed carries it in half a second, almost without error.
   std::vector<LoneThrow> throws;
   random::Stream stream = testing::stream_of(k_seed, 1);
   for (int i = 0; i < count; ++i) {
@@ -42,9 +41,9 @@ std::vector<LoneThrow> throws_that_land_ahead(const DieStart& start, int count) 
 }
 
 TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
-  // Goal: the map leads to throws that miss little, and weighs them by p / q. Method: a die that
-  // lands half of a second's way ahead, wanted where one speed alone brings it, one standard
-  // deviation off: four in five of the draws have that speed, and the mean of p / q over them is 1.
+  // Goal: the map favours throws with small misses and weighs them by p / q. Method: a die lands
+  // half a second's travel ahead. Only one speed, a standard deviation off, reaches the goal. More
+  // than three of four draws have about that speed, and the mean of p / q is 1.
   const DieStart start;
   const ThrowMap map(start, throws_that_land_ahead(start, 200));
   ASSERT_FALSE(map.is_prior());
@@ -70,8 +69,8 @@ TEST(ThrowMap, FindsTheThrowsThatMissByNothing) {
 }
 
 TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
-  // Goal: without goals that say where to, with too few throws, or with nothing random but the
-  // orientation, draws are the prior's and weigh 1. Method: each of these, number by number.
+  // Goal: without goals for places, with too few throws, or with only random orientations, draws
+  // equal the prior's and have weight 1.
   const DieStart start;
   DieStart fixed;
   fixed.position_sd_m = fixed.velocity_sd_mps = fixed.spin_sd_radps = {0, 0, 0};
@@ -95,8 +94,8 @@ TEST(ThrowMap, IsThePriorWhereNothingIsLearnt) {
 }
 
 TEST(ThrowMap, OneInTenThousandThrowsIsNotPlausible) {
-  // Goal: what is called implausible is rare in the prior, and what a walk could be driven to by
-  // its goals is called so. Method: 100,000 draws; throws that are ever faster.
+  // Goal: implausible throws are rare in the prior, and throws that a walk could reach only because
+  // of its goals are implausible. Method: test 100,000 draws, and increasing speeds.
   const DieStart start;
   const ThrowMap map(start, {});
   random::Stream stream = testing::stream_of(k_seed, 4);
@@ -112,8 +111,7 @@ TEST(ThrowMap, OneInTenThousandThrowsIsNotPlausible) {
 }
 
 TEST(ThrowMap, SurvivesThrowsThatSayNothing) {
-  // Goal: throws that are all alike, or miss by the same, make a map whose numbers are finite.
-  // Method: such throws; draws and their weights.
+  // Goal: equal throws, or equal misses, give finite draws and weights.
   const DieStart start;
   random::Stream stream = testing::stream_of(k_seed, 4);
   const DieThrow one = draw_throw(start, stream);
@@ -133,8 +131,8 @@ TEST(ThrowMap, SurvivesThrowsThatSayNothing) {
 }
 
 TEST(SignedMisses, AreAsLongAsDistances) {
-  // Goal: misses of places and velocities are their distances, with directions; regions are missed
-  // from their middles; faces and times have none. Method: two dice at known places.
+  // Goal: signed misses of places and velocities have the length of their distances. Regions are
+  // missed from their middles. Faces and times have no misses.
   const std::vector<Goal> goals{place_of(1, 0.1, -0.2),
                                 {.die = 0, .wanted = Region{{0, 0}, {0.2, 0.4}}, .sigma = 0.01},
                                 {.die = 0, .wanted = Velocity{{0.1, 0.2, 0.3}}, .sigma = 0.5},
@@ -157,8 +155,8 @@ TEST(SignedMisses, AreAsLongAsDistances) {
 }
 
 TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
-  // Goal: a component whose standard deviation is lost beside its mean does not count: what a throw
-  // weighs is what it weighs with none. Method: the same throws for both starts.
+  // Goal: a component whose standard deviation is below its mean's rounding doesn't affect a
+  // throw's weight. Method: compare the same throws for a start without that component.
   DieStart without;
   without.position_m.x() = -0.15;
   without.position_sd_m.x() = 0;
@@ -173,8 +171,8 @@ TEST(ThrowMap, SpreadsWithinRoundingAreNone) {
 }
 
 TEST(StagedDice, LaterDiceMayMakeRoom) {
-  // Goal: a prefix in which dice overlap is given up where all are thrown at once, and only there.
-  // Method: three dice, two of them in one place, the third one thrown with them or later.
+  // Goal: a prefix in which dice overlap is rejected if all dice are thrown at once, and only then.
+  // Method: put two of three dice in one place, and throw the third with them or later.
   for (const double start_s : {0.0, 0.2}) {
     Parameters parameters;
     parameters.world.dice.assign(3, DieStart{});
@@ -196,8 +194,8 @@ TEST(StagedDice, LaterDiceMayMakeRoom) {
 }
 
 TEST(StagedDice, PrefixesAreWholeSimulations) {
-  // Goal: a prefix of all stages is the state's own simulation, bit for bit, and one of the first
-  // die that of this die with its goals. Method: extended prefixes of free and given grounds.
+  // Goal: a complete prefix equals the state's own simulation, bit for bit, and the first die's
+  // prefix equals a simulation of only that die. Method: extend free and given grounds.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 3;
@@ -217,7 +215,7 @@ TEST(StagedDice, PrefixesAreWholeSimulations) {
     EXPECT_EQ(prefix.outcome.end_s, fresh.end_s);
     EXPECT_EQ(world.simulations_of(ground).size(), 6U);
 
-    // The same state again, by its own throws.
+    // The same state again, from its own throws.
     const auto given = world.ground_given(guide, state, stream);
     auto again = world.no_stages(guide, given);
     for (std::uint32_t stage = 0; stage < 2; ++stage) {
@@ -230,8 +228,8 @@ TEST(StagedDice, PrefixesAreWholeSimulations) {
 }
 
 TEST(StagedDice, GivenTablesKeepTheirOverrides) {
-  // Goal: a state's changed control points are part of its ground. Method: one is changed; the
-  // state that comes back has it, and its end is that of a fresh simulation.
+  // Goal: a state's changed control points belong to its ground. Method: change one. The returned
+  // state contains it and has the outcome of a fresh simulation.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 2;
@@ -252,7 +250,7 @@ TEST(StagedDice, GivenTablesKeepTheirOverrides) {
 }
 
 TEST(StagedDice, WeightsOfAPoolAreItsSum) {
-  // Goal: throw j weighs S / (n g_j), of the pool alone. Method: by hand, of each throw chosen.
+  // Goal: throw j has weight S / (n g_j), which depends only on the pool.
   const StagedDice world(two_dice());
   auto guide = world.learn(k_seed);
   guide.throws_of_pool = 4;
@@ -279,8 +277,8 @@ TEST(StagedDice, WeightsOfAPoolAreItsSum) {
 }
 
 TEST(ThrowBuilder, FindsThrowsThatEndAsWanted) {
-  // Goal: what a search of dice finds satisfies, by a fresh simulation, and is a throw of the
-  // prior's region; the same numbers find the same. Method: two dice, three starts.
+  // Goal: a find satisfies in a fresh simulation and is in the prior's region. The same random
+  // numbers find the same state. Method: two dice, three starts.
   const StagedDice world(two_dice());
   const auto guide = world.learn(k_seed);
   const ThrowBuilder builder = world.builder(guide);

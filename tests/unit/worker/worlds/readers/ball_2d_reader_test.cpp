@@ -30,7 +30,7 @@ class Reader : public ::testing::Test {
     return Ball2d(parameters_).encode(random_normals(parameters_.world, sd_rad, stream));
   }
 
-  /// After a change of parameters_.
+  /// Call after changes of parameters_.
   void remake() { reader_ = make_state_reader(parameters_); }
 
   Parameters parameters_;
@@ -45,8 +45,8 @@ std::size_t width(const std::vector<archive::Variable>& variables) {
 }
 
 TEST_F(Reader, LayoutFitsWhatIsGiven) {
-  // Goal: every array has the size that its layout says, a name of its own, a unit and a meaning.
-  // Method: compare with variables, outcomes and a recording of one state.
+  // Goal: every array has the size in its layout, a unique name, a unit and a meaning. Method:
+  // compare with variables, outcomes and a recording of one state.
   const archive::WorldLayout& layout = reader_->layout();
   const base::Bytes one = state(0);
   EXPECT_EQ(layout.world, "ball_2d");
@@ -67,7 +67,7 @@ TEST_F(Reader, LayoutFitsWhatIsGiven) {
 }
 
 TEST_F(Reader, VariablesAreTheNormals) {
-  // Goal: an archive shows the state's numbers, in order. Method: compare with decode.
+  // Goal: an archive contains the state's numbers in order. Method: compare with decode.
   const base::Bytes one = state(3);
   const NormalAngles normals = *Ball2d(parameters_).decode(one);
   const std::vector<double> variables = reader_->variables(one);
@@ -75,9 +75,9 @@ TEST_F(Reader, VariablesAreTheNormals) {
 }
 
 TEST_F(Reader, RecordingsAreOneMotion) {
-  // Goal: hops follow one another without a gap, each from the table to the table, and the last
-  // piece is where the outcome says; under each collision lies a piece of the table that is tilted
-  // by its normal and touches the ball. Method: evaluate every piece at its end.
+  // Goal: hops follow each other without a gap, from table to table, and the last ends at the
+  // outcome. Under each collision, a piece of the table is tilted by its normal and touches the
+  // ball. Method: evaluate every piece at its end.
   const double radius_m = parameters_.world.diameter_m / 2;
   for (std::uint64_t index = 0; index < 200; ++index) {
     const base::Bytes one = state(index);
@@ -115,8 +115,8 @@ TEST_F(Reader, RecordingsAreOneMotion) {
 }
 
 TEST_F(Reader, LikenessIsTheLargestDifferenceOfPlaces) {
-  // Goal: the stated measure. Method: two throws by hand: a flat one stays at x = 0, so the
-  // distance is the other's farthest collision.
+  // Goal: the distance has the documented measure. Method: throw two balls by hand. A flat throw
+  // stays at x = 0, so the distance is the other throw's farthest collision.
   parameters_.world.collisions = 2;
   remake();
   NormalAngles normals{};

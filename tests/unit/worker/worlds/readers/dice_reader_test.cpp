@@ -1,4 +1,4 @@
-// States as bytes, and what archives say of them.
+// Tests the encoding of states and their descriptions in archives.
 #include "worker/worlds/readers/dice_reader.h"
 
 #include <gtest/gtest.h>
@@ -32,8 +32,8 @@ State state_of(const Dice& world, std::uint64_t number) {
 }
 
 TEST(DiceReader, StatesComeBackFromTheirBytes) {
-  // Goal: decode(encode(state)) is the state, and nothing else is taken. Method: draws; cut,
-  // lengthened and damaged bytes.
+  // Goal: decode(encode(state)) returns the state, and all other bytes are refused. Method: test
+  // cut, lengthened and damaged bytes of draws.
   const Dice world(testing::all_random(2));
   for (std::uint64_t number = 0; number < 20; ++number) {
     const State state = state_of(world, number);
@@ -62,16 +62,15 @@ TEST(DiceReader, StatesComeBackFromTheirBytes) {
   EXPECT_TRUE(refused([](State& s) { s.overrides[0].control.restitution = 0.8; }));
   EXPECT_TRUE(refused(
       [](State& s) { s.overrides[0].control.height_m = std::numeric_limits<double>::infinity(); }));
-  // A count that would need more bytes than there are.
+  // A count that would need more bytes than available.
   base::Bytes many = world.encode(state_of(world, 0));
   many[15] = std::byte{0x7f};
   EXPECT_FALSE(world.decode(many));
 }
 
 TEST(DiceReader, NamesFitValues) {
-  // Goal: as many values and outcomes as the layout names, each name once, and recordings whose
-  // rows are segments in order. Method: count; each die's first row is its start, its last at rest
-  // with the wanted face up.
+  // Goal: values and outcomes match the layout's unique names, and rows of recordings are segments
+  // in order. Method: count. A die's first row is its start, the last is at rest on the right face.
   Parameters parameters = testing::all_random(2);
   for (const std::uint32_t die : {0U, 1U}) {
     parameters.goals.push_back(
@@ -115,9 +114,9 @@ TEST(DiceReader, NamesFitValues) {
 }
 
 TEST(DiceReader, TheTableIsTheSimulators) {
-  // Goal: the heights of the table that an archive's control points give are the simulator's, under
-  // and around every place where a die touches it. Method: random places within half a diagonal of
-  // the centres at contacts, in throws with overrides.
+  // Goal: heights from an archive's control points equal the simulator's, around every place where
+  // a die touches the table. Method: test random places within half a diagonal of the centres at
+  // contacts, in throws with overrides.
   const Parameters parameters = testing::all_random(2);
   const Dice world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -151,8 +150,7 @@ TEST(DiceReader, TheTableIsTheSimulators) {
 }
 
 TEST(DiceReader, DiceOfWhichTheSameIsWantedAreTwins) {
-  // Goal: dice may take each other's place where goals ask the same of them. Method: three dice, of
-  // which two have equal goals.
+  // Goal: dice with the same goals are interchangeable. Method: two of three dice have equal goals.
   Parameters parameters = testing::all_random(3);
   for (const std::uint32_t die : {0U, 1U, 2U}) {
     const std::uint32_t face = die == 1 ? 5 : 6;
@@ -169,8 +167,8 @@ TEST(DiceReader, DiceOfWhichTheSameIsWantedAreTwins) {
 }
 
 TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
-  // Goal: P(satisfied) of the prior is that of numbered throws times 24 over those numberings that
-  // meet. Method: none, one face, one face and a yaw of another die; fixed numbers.
+  // Goal: the prior's P(satisfied) is that of numbered throws times 24 over the number of
+  // numberings that meet. Method: test no face, one face, a face and a yaw, and fixed numbers.
   Parameters parameters = testing::all_random(2);
   const auto log_throw = [&] { return make_state_reader(parameters)->layout().log_natural_throw; };
   EXPECT_EQ(log_throw(), 0);
@@ -185,7 +183,7 @@ TEST(DiceReader, SaysHowManyNumberingsMeetTheGoals) {
 }
 
 TEST(DiceReader, LikenessIsADistance) {
-  // Goal: 0 for the same animation, more for others, symmetric. Method: prior draws.
+  // Goal: the distance is 0 for the same animation, positive for others, and symmetric.
   const Parameters parameters = testing::all_random();
   const Dice world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -200,9 +198,8 @@ TEST(DiceReader, LikenessIsADistance) {
 }
 
 TEST(DiceReader, WhatWasAskedBeforeMakesNoDifference) {
-  // Goal: the animations that a reader holds are those of their states, whoever asks for them and
-  // in which order. Method: more states than it holds, asked for at random by two threads, against
-  // readers that hold nothing yet.
+  // Goal: a reader's cached animations belong to their states, for any order and thread. Method:
+  // two threads request more states than the cache holds. Compare with fresh readers.
   constexpr std::uint64_t k_states = 40;
   const Parameters parameters = testing::all_random();
   const Dice world(parameters);

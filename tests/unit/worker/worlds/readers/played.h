@@ -1,4 +1,4 @@
-// Motions that readers give, checked as whoever reads an archive does.
+// Checks motions from state readers like a reader of archives does.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,8 +13,7 @@
 
 namespace sleight::worlds::testing {
 
-/// The motion of a state that plays out. Hits have partners that are in the scene, and others none;
-/// each body begins by its start.
+/// Motion of a state that plays out. Expects valid partners of hits and valid starts.
 inline motion::Animation played(const archive::StateReader& reader, base::BytesView state) {
   const archive::Motion motion = reader.play(state);
   EXPECT_EQ(motion.ends, archive::PlaysOut::yes);
@@ -40,7 +39,7 @@ inline motion::Animation played(const archive::StateReader& reader, base::BytesV
   return animation.value();
 }
 
-/// Of two states, by what is compared of them; the quick question agrees with it.
+/// Distance of two states by their compared data. Must agree with the quick function.
 inline double distance_by(const archive::StateReader& reader, base::BytesView a,
                           base::BytesView b) {
   const std::vector<double> left = reader.likeness(a);
@@ -51,7 +50,7 @@ inline double distance_by(const archive::StateReader& reader, base::BytesView a,
   return distance;
 }
 
-/// Prior draws fit the layout, are the same at every call and differ from each other.
+/// Expects that prior draws fit the layout, are the same at every call, and differ from each other.
 inline void check_prior_draws(const archive::StateReader& reader) {
   std::size_t width = 0;
   for (const archive::Variable& variable : archive::prior_variables(reader.layout()))

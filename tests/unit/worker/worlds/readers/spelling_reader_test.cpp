@@ -1,4 +1,4 @@
-// States as bytes, and what archives say of them.
+// Tests the encoding of states and their descriptions in archives.
 #include "worker/worlds/readers/spelling_reader.h"
 
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ State state_of(const Spelling& world, std::uint64_t number) {
 }
 
 TEST(SpellingReader, StatesComeBackFromTheirBytes) {
-  // Goal: decode(encode(state)) is the state, and nothing else is taken. Method: prior draws; cut,
-  // lengthened and damaged bytes.
+  // Goal: decode(encode(state)) returns the state, and all other bytes are refused. Method: test
+  // cut, lengthened and damaged bytes of prior draws.
   const Spelling world(Parameters{});
   for (std::uint64_t number = 0; number < 50; ++number) {
     const State state = state_of(world, number);
@@ -44,9 +44,8 @@ TEST(SpellingReader, StatesComeBackFromTheirBytes) {
 }
 
 TEST(SpellingReader, NamesFitValues) {
-  // Goal: as many values and outcomes as the layout names, and recordings whose rows are segments
-  // in order. Method: count, of the first draw that spells; each ball's first row is its drop, the
-  // last row is at rest.
+  // Goal: values and outcomes match the layout's names, and rows of recordings are segments in
+  // order. Method: count. A ball's first row is its drop, and the last row is at rest.
   Parameters parameters;
   parameters.pattern = pattern_of_rows("#.#").value();
   const Spelling world(parameters);
@@ -76,9 +75,8 @@ TEST(SpellingReader, NamesFitValues) {
 }
 
 TEST(SpellingReader, MotionsAreTheSimulators) {
-  // Goal: what an archive says of a motion is what the simulator says, at any time; a ball
-  // meets the ball that a hit names. Method: places and turns at random ticks of throws into HI; at
-  // hits the distance of the balls' centres.
+  // Goal: an archive's motion equals the simulator's at any time, and each hit names the right
+  // ball. Method: compare random ticks of throws into HI, and distances of centres at hits.
   const Parameters parameters;
   const Spelling world(parameters);
   const double radius_m = 0.5 * parameters.world.ball_diameter_m;
@@ -135,9 +133,9 @@ TEST(SpellingReader, MotionsAreTheSimulators) {
 }
 
 TEST(SpellingReader, TheSceneIsTheSimulators) {
-  // Goal: bodies are the balls, interchangeable; each static thing of the simulation is there under
-  // its name, the bins with vertices that the offsets move; each bin to fill is a goal. Method: HI
-  // against the simulator's scene of a state.
+  // Goal: bodies are the balls, which are interchangeable. Each static thing of the simulation has
+  // its name, the bins' vertices include the offsets, and each bin to fill is a goal. Method:
+  // compare HI with the simulator's scene of a state.
   const Parameters parameters;
   const Spelling world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -173,7 +171,7 @@ TEST(SpellingReader, TheSceneIsTheSimulators) {
 }
 
 TEST(SpellingReader, BiasedSamplesSaySo) {
-  // Goal: archives of the thesis's kernel carry a warning, others none. Method: both layouts.
+  // Goal: archives of the thesis's kernel contain a warning, and other archives don't.
   Parameters parameters;
   EXPECT_EQ(make_state_reader(parameters)->layout().warning, "");
   parameters.proposal.kernel = Kernel::thesis;
@@ -182,7 +180,7 @@ TEST(SpellingReader, BiasedSamplesSaySo) {
 }
 
 TEST(SpellingReader, LikenessIsADistance) {
-  // Goal: 0 for the same animation, more for others, symmetric, at most 1. Method: prior draws.
+  // Goal: the distance is 0 for the same animation, positive for others, symmetric, at most 1.
   const Parameters parameters;
   const Spelling world(parameters);
   const auto reader = make_state_reader(parameters);
@@ -200,9 +198,9 @@ TEST(SpellingReader, LikenessIsADistance) {
 }
 
 TEST(SpellingReader, WedgedBallsDontPlayOut) {
-  // Goal: a state that was decided early, but whose balls the simulator can't bring to rest, is not
-  // kept, and asking does no harm. Method: balls that nearly fill their bins; of the satisfying
-  // states both sorts come up, and those that play out can be recorded.
+  // Goal: a state that was decided early but whose balls never come to rest is not stored, and
+  // asking for it is harmless. Method: use balls that almost fill their bins. Satisfying states of
+  // both sorts occur, and those that play out can be recorded.
   Parameters parameters;
   parameters.pattern = pattern_of_rows("#.").value();
   parameters.world.ball_diameter_m = 0.01998;

@@ -22,7 +22,7 @@ struct Case {
   Filling filling;
 };
 
-/// Six bins in a row, any balls, any bins that they fill.
+/// Six bins in a row, with any balls filling any bins.
 Case random_case(random::Stream& stream) {
   Case made;
   for (int bin = 0; bin < 6; ++bin)
@@ -42,7 +42,7 @@ random::Stream stream_of(std::uint64_t number) {
   return random::Stream({.seed = 8128, .purpose = random::Purpose::scene}, number);
 }
 
-/// The one ball in which two states differ.
+/// Index of the single ball in which two states differ.
 std::size_t the_changed_ball(const State& a, const State& b) {
   std::vector<std::size_t> changed;
   for (std::size_t ball = 0; ball < a.active.size(); ++ball) {
@@ -54,8 +54,8 @@ std::size_t the_changed_ball(const State& a, const State& b) {
 }
 
 TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
-  // Goal: a ball that filled nothing is aimed, one that filled a bin scattered, nothing where there
-  // is none; dropped where the prior has balls. Method: random animations.
+  // Goal: aiming chooses a ball that fills no bin, scattering a ball that fills one, and nothing if
+  // there is none. Candidates are in the prior's region. Method: test random animations.
   for (const std::uint64_t i : property::cases(2000)) {
     random::Stream stream = stream_of(i);
     const Case made = random_case(stream);
@@ -81,9 +81,9 @@ TEST(AimedDrops, ChangeOneBallOfTheRightKind) {
 }
 
 TEST(AimedDrops, AreEachOthersWayBack) {
-  // Goal: the ratio from A to C by aiming is the inverse of that from C to A by scattering, no
-  // ratio is above its bound, and there is none without a way back. Method: both kinds, of random
-  // animations, with random fillings of the candidates.
+  // Goal: aiming from A to C has the inverse ratio of scattering from C to A. No ratio exceeds its
+  // bound, and there is no ratio without a way back. Method: test both kinds on random animations,
+  // with random fillings of the candidates.
   std::uint64_t ways_back = 0;
   for (const std::uint64_t i : property::cases(4000)) {
     random::Stream stream = stream_of(i);
@@ -118,8 +118,8 @@ TEST(AimedDrops, AreEachOthersWayBack) {
 }
 
 TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
-  // Goal: the formula of the header. Method: four balls by hand, of which one fills a bin; the
-  // second is aimed, from where it was dropped or from where it took no part.
+  // Goal: the ratio is the header's formula. Method: one of four balls fills a bin. Aim the second,
+  // which was dropped elsewhere or took no part.
   const Prior prior{.vertices = 0, .balls = 4, .vertex_sd_m = 1, .drop_half_m = {0.05, 0.03}};
   Windows windows;
   for (const double x_m : {-0.03, -0.01, 0.01, 0.03})
@@ -137,7 +137,7 @@ TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
     candidate.drops_m[1] = {0.031, 0.001};
     const Filling filling{0, k_fills_none, k_fills_none, k_fills_none};
     const Filling there{0, 3, k_fills_none, k_fills_none};
-    // There one of three loose balls, into one of three bins; back one of two that fill one.
+    // Forward: one of three loose balls into one of three bins. Back: one of two that fill a bin.
     double density_pm2 = 0;
     for (const std::size_t bin : {1, 2, 3})
       density_pm2 += windows.density(std::span(&bin, 1), candidate.drops_m[1]) / 3;
@@ -151,8 +151,8 @@ TEST(AimedDrops, HaveTheRatioOfTheirProbabilities) {
 }
 
 TEST(Windows, DrawWhatTheirDensitySays) {
-  // Goal: the density is that of the draws. Method: a million about a bin at the edge, in cells of
-  // two millimetres; each cell's share against the density in its middle, six standard deviations.
+  // Goal: draws have the documented density. Method: compare a million draws around a bin at the
+  // edge with the density in the middle of 2 mm cells, within six standard deviations.
   Windows windows;
   const Vec2 half_m(0.05, 0.03);
   windows.add({-0.045, 0.011}, 0.02, half_m);
@@ -174,7 +174,7 @@ TEST(Windows, DrawWhatTheirDensitySays) {
   for (int row = 0; row < k_rows; ++row) {
     for (int column = 0; column < k_columns; ++column) {
       const Vec2 low_m(-half_m.x() + 0.002 * column, -half_m.y() + 0.002 * row);
-      // Cells that a square's edge cuts are left out.
+      // Skip cells cut by a square's edge.
       const double density_pm2 = windows.density(bin, low_m + Vec2(0.001, 0.001));
       const Vec2 corners[] = {low_m + Vec2(1e-6, 1e-6), low_m + Vec2(0.001999, 1e-6),
                               low_m + Vec2(1e-6, 0.001999), low_m + Vec2(0.001999, 0.001999)};
@@ -195,8 +195,7 @@ TEST(Windows, DrawWhatTheirDensitySays) {
 }
 
 TEST(AimedDrops, KnowWhatEachBallFills) {
-  // Goal: the outcome's filling is that of balls_of_bins, as many as are filled. Method: prior
-  // draws of HI.
+  // Goal: the outcome's filling equals balls_of_bins. Method: compare prior draws of HI.
   const Spelling world{Parameters{}};
   for (const std::uint64_t i : property::cases(40)) {
     random::Stream stream = stream_of(i);

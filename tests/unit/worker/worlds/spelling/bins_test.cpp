@@ -1,4 +1,4 @@
-// The box of bins.
+// Tests the box of bins.
 #include "worker/worlds/spelling/bins.h"
 
 #include <gtest/gtest.h>
@@ -12,13 +12,13 @@ namespace sleight::worlds::spelling {
 namespace {
 
 TEST(Bins, MeasuresAreTheThesis) {
-  // Goal: 20 mm bins, 2 mm partitions, 12 mm high (A.2.1). Method: where the partition vertices of
-  // a three by two box are.
+  // Goal: bins are 20 mm wide and partitions 2 mm thick and 12 mm high (A.2.1). Method: test the
+  // partition vertices of a three by two box.
   const WorldParameters world;
   const Bins bins(world, 3, 2);
   EXPECT_NEAR(bins.half_m().x(), 0.032, 1e-12);
   EXPECT_NEAR(bins.half_m().y(), 0.021, 1e-12);
-  // Two inner crossings of four corners, and ten ends of two.
+  // Two inner crossings with four corners each, and ten ends with two each.
   EXPECT_EQ(bins.vertex_count(), 2U * 4 + 6U * 2);
   std::set<long> xs;
   for (const Vec3& vertex_m : bins.vertices_m()) {
@@ -29,8 +29,8 @@ TEST(Bins, MeasuresAreTheThesis) {
 }
 
 TEST(Bins, SurfacesOfAllSizesAreClosed) {
-  // Goal: the surface has no hole in any grid. Method: its making checks that; Euler's number of a
-  // ball; the volume below the floor and of the partitions.
+  // Goal: the surface has no hole in any grid. Method: construction checks that. Also test the
+  // Euler number of a ball, and the volume below the floor and of the partitions.
   const WorldParameters world;
   for (const auto& [columns, rows] :
        {std::pair{1U, 1U}, {1U, 2U}, {2U, 1U}, {2U, 2U}, {7U, 5U}, {40U, 12U}}) {
@@ -47,7 +47,7 @@ TEST(Bins, SurfacesOfAllSizesAreClosed) {
       const auto v = mesh->vertices_m();
       volume_m3 += math::dot(v[t[0]], math::cross(v[t[1]], v[t[2]])) / 6;
     }
-    // Domes are pyramids; partitions are what the floors leave of the box, and a bit in the walls.
+    // Domes are pyramids. Partitions fill the box between the floors, and enter the walls a bit.
     const double n = static_cast<double>(columns) * rows;
     const double domes_m3 = n * 0.02 * 0.02 * 0.001 / 3;
     const double floor_m2 = 4 * bins.half_m().x() * bins.half_m().y();
@@ -60,8 +60,8 @@ TEST(Bins, SurfacesOfAllSizesAreClosed) {
 }
 
 TEST(Bins, ThinPartitionsAreNoSlivers) {
-  // Goal: whatever grid and partition a request may have, the surface can be made. Method: the
-  // thinnest partitions, a thousandth of a bin, in grids of all sorts.
+  // Goal: the surface exists for any valid grid and partition. Method: test the thinnest
+  // partitions, a thousandth of a bin, in all sorts of grids.
   WorldParameters world;
   world.partition_m = 0.001 * world.bin_m;
   world.vertex_sd_m = 0.1 * world.partition_m;
@@ -75,7 +75,7 @@ TEST(Bins, ThinPartitionsAreNoSlivers) {
 }
 
 TEST(Bins, EveryPlaceIsInItsBin) {
-  // Goal: bin_at is the bin whose floor is nearest. Method: random places in and out of the box.
+  // Goal: bin_at is the bin with the nearest floor. Method: test random places.
   const Bins bins(WorldParameters{}, 7, 5);
   random::Stream stream({.seed = 3, .purpose = random::Purpose::prior}, 0);
   for (int i = 0; i < 10'000; ++i) {
@@ -92,8 +92,8 @@ TEST(Bins, EveryPlaceIsInItsBin) {
 }
 
 TEST(Bins, OffsetsMoveTheirVertices) {
-  // Goal: an offset moves one vertex of the surface and nothing else; absurd ones are refused.
-  // Method: one vertex; two of a crossing in one place.
+  // Goal: an offset moves only one vertex of the surface, and extreme offsets are refused. Method:
+  // move one vertex, and two vertices of a crossing to one place.
   const Bins bins(WorldParameters{}, 3, 3);
   std::vector<Vec3> offsets_m(bins.vertex_count(), Vec3::Zero());
   const auto before = bins.surface(offsets_m);

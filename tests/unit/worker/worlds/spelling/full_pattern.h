@@ -1,4 +1,4 @@
-// A word that fills a whole box.
+// A pattern in which every bin is designated.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,6 @@
 
 namespace sleight::worlds::spelling {
 
-/// Every bin is designated.
 inline Pattern full_pattern(std::uint32_t columns, std::uint32_t rows) {
   return {.columns = columns,
           .rows = rows,

@@ -1,4 +1,4 @@
-// Balls that spell are simulated by an engine of their own: it does what the simulator does.
+// Tests that the spelling world's own engine gives the simulator's results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ std::uint64_t state_count() {
   return property::long_run() ? 100'000 : property::of_tier(100, 300);
 }
 
-/// A prior draw; of some, all balls are active.
+/// A prior draw. In some draws, all balls are active.
 State draw(const Spelling& world, std::uint64_t seed) {
   random::Stream stream({.seed = 11, .purpose = random::Purpose::prior}, seed);
   State state = world.draw_prior(stream);
@@ -36,7 +36,7 @@ State draw(const Spelling& world, std::uint64_t seed) {
   return state;
 }
 
-/// What the two engines do with a state, and what the world says of it, if they are alike.
+/// Compares both engines and the world's outcome for a state.
 void expect_alike(const Spelling& world, const State& state, bool to_rest) {
   const auto scene = world.scene(state);
   const Outcome outcome = to_rest ? world.simulate_to_rest(state) : world.simulate(state);
@@ -82,7 +82,7 @@ void expect_alike(const Spelling& world, const State& state, bool to_rest) {
   }
   EXPECT_EQ(outcome.is_animation(), goes_on);
   if (!goes_on) return;
-  // The world looks at the same times, and sees the same.
+  // The world looks at the same times and sees the same.
   std::vector<Vec3> staying_m;
   for (const Traps::Ball& ball : balls) {
     if (ball.rests || traps.of(ball.centre_m, ball.twist)) staying_m.push_back(ball.centre_m);
@@ -106,25 +106,24 @@ void expect_all_alike(const Pattern& pattern, std::uint64_t states) {
 }
 
 TEST(SpellingMarbles, EqualASimulation) {
-  // Goal: the world's engine gives the simulator's places, twists and modes bit for bit, whether or
-  // not it leaves trapped balls alone, and the world's outcome, its end included, is a function of
-  // these. Method: random states, on geometry that is kept and moved, against simulations with new
-  // geometry that leave nothing out.
+  // Goal: the world's engine gives the simulator's places, twists and modes bit for bit, with and
+  // without leaving trapped balls alone, and the world's outcome is a function of these. Method:
+  // compare random states on moved geometry with complete simulations on new geometry.
   expect_all_alike(hi(), state_count());
 }
 
 TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
-  // Goal: the same where every bin is at a wall. Method: the same.
+  // Goal: the same holds if every bin is at a wall.
   expect_all_alike(full_pattern(1, 2), state_count());
   expect_all_alike(full_pattern(3, 3), state_count() / 3);
 }
 
 TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
-  // Goal: the same with many balls, on the grid of ACM. Method: the same.
+  // Goal: the same holds with many balls, on the grid of ACM.
   expect_all_alike(full_pattern(15, 7), state_count() / 50);
 }
 
-/// A world such as requests may ask for: sizes, shapes, materials and how slow contacts end.
+/// A world that a request may ask for, with random sizes, shapes, materials and slow contacts.
 Parameters any_world(random::Stream& stream) {
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * stream.uniform();
@@ -154,8 +153,7 @@ Parameters any_world(random::Stream& stream) {
 }
 
 TEST(SpellingMarbles, EqualASimulationInAnyWorld) {
-  // Goal: the same in whatever world, and that all of them end. Method: random worlds, two states
-  // of each.
+  // Goal: the same holds in any world, and all simulations end. Method: two states of each.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   const std::uint64_t worlds = state_count() / 10;
   for (const std::uint64_t n : property::in_turn(worlds)) {

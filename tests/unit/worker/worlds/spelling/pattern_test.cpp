@@ -1,4 +1,4 @@
-// Pictures of words and bitmaps.
+// Tests pictures of words and bitmaps.
 #include "worker/worlds/spelling/pattern.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,6 @@ std::string rows_of(const Pattern& pattern) {
 
 TEST(Pattern, TheThesisExamples) {
   // Goal: HI has ten bins of seven by five, ACM thirty of fifteen by seven (figures 2.7, 2.12).
-  // Method: count; look.
   EXPECT_EQ(hi().columns, 7U);
   EXPECT_EQ(hi().rows, 5U);
   EXPECT_EQ(hi().count(), 10U);
@@ -40,7 +39,7 @@ TEST(Pattern, TheThesisExamples) {
 }
 
 TEST(Pattern, RowsComeBackAsTheyWere) {
-  // Goal: a bitmap is read as drawn, from any kind of lines. Method: there and back.
+  // Goal: a bitmap is read as drawn, from any kind of lines. Method: convert back and forth.
   const std::string rows = "#.#\n.#.\n";
   for (const std::string& text : {rows, "\n" + rows + "\n", std::string("#.#\r\n.#.\r\n")}) {
     const auto pattern = pattern_of_rows(text);
@@ -50,7 +49,7 @@ TEST(Pattern, RowsComeBackAsTheyWere) {
 }
 
 TEST(Pattern, ErrorsNameTheRowAndTheCharacter) {
-  // Goal: what is wrong can be found. Method: one of each.
+  // Goal: errors name the problem. Method: make one mistake at a time.
   EXPECT_THAT(pattern_of_rows("").error(), HasSubstr("no rows"));
   EXPECT_THAT(pattern_of_rows("#.\n#").error(),
               AllOf(HasSubstr("row 2 has 1 "), HasSubstr("row 1 has 2")));
@@ -61,15 +60,14 @@ TEST(Pattern, ErrorsNameTheRowAndTheCharacter) {
 }
 
 TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {
-  // Goal: no picture is missing, empty, wider than said, or that of another character. Method: all
-  // of them, alone.
+  // Goal: no picture is missing, empty, too wide, or equal to another character's.
   for (const Font font : {Font::rows_5, Font::rows_7}) {
     std::vector<Pattern> seen;
     for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789")) {
       const auto pattern = pattern_of_word(std::string(1, c), font);
       ASSERT_TRUE(pattern.ok()) << c;
       EXPECT_EQ(pattern.value().rows, static_cast<std::uint32_t>(font) + 2) << c;
-      // Something in the first and in the last row and column of the letter.
+      // The first and last rows and columns of the letter aren't empty.
       const Pattern& p = pattern.value();
       std::uint32_t top = 0;
       std::uint32_t bottom = 0;
@@ -94,7 +92,7 @@ TEST(Pattern, BothFontsHaveEveryLetterAndDigit) {
 }
 
 TEST(Pattern, CentredKeepsThePicture) {
-  // Goal: a picture may lie in a larger grid. Method: HI's letters in ten by six.
+  // Goal: a picture may be in a larger grid. Method: put HI's letters into ten by six.
   const Pattern pattern = centred(hi(), 10, 6);
   EXPECT_EQ(rows_of(pattern),
             "..........\n"

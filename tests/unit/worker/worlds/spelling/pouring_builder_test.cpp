@@ -24,8 +24,7 @@ random::Stream stream_of(std::uint64_t number) {
 }
 
 TEST(Landings, AreCountedWithTheirMirrorImages) {
-  // Goal: each landing counts eight times, in the cells of its images. Method: one by hand, and one
-  // out of reach.
+  // Goal: each landing counts eight times, in the cells of its images, unless out of reach.
   Landings landings(0.022);
   landings.add(Vec2(0.0033, -0.0011 * 0.5));
   EXPECT_EQ(landings.total(), 8U);
@@ -40,7 +39,7 @@ TEST(Landings, AreCountedWithTheirMirrorImages) {
 }
 
 TEST(Landings, OfBatchesAddUpInAnyOrder) {
-  // Goal: any number of workers learn one map. Method: batches by themselves, added backwards.
+  // Goal: any number of workers learn the same map. Method: add batches in reverse order.
   const Spelling world = world_of(hi());
   const Landings all = landings_of(world, k_seed, 4);
   Landings backwards(all.pitch_m());
@@ -49,14 +48,14 @@ TEST(Landings, OfBatchesAddUpInAnyOrder) {
   EXPECT_EQ(all.total(), backwards.total());
   for (std::size_t cell = 0; cell < std::size_t{Landings::k_side} * Landings::k_side; ++cell)
     ASSERT_EQ(all.count(cell), backwards.count(cell));
-  // Of 400 balls 0.3 fill a designated bin.
+  // About 0.3 of 400 balls fill a designated bin.
   EXPECT_GT(all.total(), 8 * 60U);
   EXPECT_LT(all.total(), 8 * 200U);
 }
 
 TEST(LandingMap, IsADensityAndDrawsByIt) {
-  // Goal: it integrates to 1, and draws follow it. Method: the sum over cells; 20,000 draws by ring
-  // about the middle, within 5 standard errors.
+  // Goal: the density integrates to 1, and draws follow it. Method: sum over cells, and compare
+  // 20,000 draws by ring around the middle, within 5 standard errors.
   const Spelling world = world_of(hi());
   const Landings landings = landings_of(world, k_seed, 20);
   const LandingMap map(landings);
@@ -90,14 +89,13 @@ TEST(LandingMap, IsADensityAndDrawsByIt) {
     const double error = std::sqrt(expected[ring] * (1 - expected[ring]) / k_draws);
     EXPECT_NEAR(seen[ring], expected[ring], 5 * error + 1e-9) << "ring " << ring;
   }
-  // Most balls come from above the bin or the bins next to it.
+  // Most balls come from above the bin or its neighbours.
   EXPECT_GT(expected[0] + expected[1], 0.7);
 }
 
 TEST(PouringBuilder, FindsPouringsThatSpell) {
-  // Goal: what is found spells, with all balls, by a simulation that knows nothing of how it was
-  // built; pourings differ; the same stream gives the same one. Method: 40 of HI, 5 of ACM, from
-  // maps of 2,000 balls.
+  // Goal: a find spells with all balls in an independent simulation. Pourings differ, and equal
+  // streams give equal pourings. Method: 40 of HI and 5 of ACM, from maps of 2,000 balls.
   for (const auto& [pattern, count] :
        {std::pair{hi(), 40}, {pattern_of_word("ACM", Font::rows_5).value(), 5}}) {
     const Spelling world = world_of(pattern);
@@ -123,14 +121,14 @@ TEST(PouringBuilder, FindsPouringsThatSpell) {
     }
     EXPECT_EQ(first_drops_m.size(), static_cast<std::size_t>(count));
     EXPECT_TRUE(effort.failures.empty());
-    // A chain of easy choices: hardly more than one simulation a ball.
+    // Choices are easy: hardly more than one simulation per ball.
     EXPECT_LT(effort.simulations, 1.5 * count * world.balls());
   }
 }
 
 TEST(PouringBuilder, PrefixesAreWhatTheyCameTo) {
-  // Goal: a prefix's outcome, made from the prefix before it, is that of a simulation of its own.
-  // Method: each prefix of five pourings.
+  // Goal: a prefix's outcome, computed from the previous prefix, equals its own simulation. Method:
+  // test each prefix of five pourings.
   const Spelling world = world_of(hi());
   const Spelling fresh = world_of(hi());
   const LandingMap map(landings_of(world, k_seed, 20));

@@ -1,4 +1,4 @@
-// Proposals and their ratios.
+// Tests proposals and their ratios.
 #include "worker/worlds/spelling/proposals.h"
 
 #include <gtest/gtest.h>
@@ -38,8 +38,7 @@ State with_active(const Prior& prior, std::uint32_t active) {
 }
 
 TEST(Proposals, RatiosOfFlipsAreTheFormula) {
-  // Goal: log q ratio of disabling and enabling is the header's. Method: probabilities of the way
-  // there and back, multiplied out ball by ball.
+  // Goal: log q ratios of disabling and enabling follow the header. Method: go ball by ball.
   const Prior prior{.vertices = 0, .balls = 6, .drop_half_m = {0.07, 0.05}};
   const double area = 4 * 0.07 * 0.05;
   const double f = 0.25;
@@ -70,10 +69,10 @@ TEST(Proposals, RatiosOfFlipsAreTheFormula) {
 }
 
 TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
-  // Goal: the whole mixture leaves p_w times a constraint invariant. Method: three balls that are
-  // in a left or a right half, weights for each of the 27 cases; a long chain by Algorithm 2.1
-  // visits each as often as its share says (chi-square on every 40th state; a ratio without the
-  // powers of 1 - f, as printed, fails by far, and Kernel::thesis further).
+  // Goal: the whole mixture leaves p_w times a constraint invariant. Method: each of three balls is
+  // inactive or in one half, which gives 27 cases with weights. A long chain by Algorithm 2.1
+  // visits each by its share (chi-square on every 40th state). The printed ratio, without powers of
+  // 1 - f, fails by far, and Kernel::thesis by more.
   const Prior prior{.vertices = 1, .balls = 3, .vertex_sd_m = 1, .drop_half_m = {0.5, 0.3}};
   ProposalParameters parameters;
   parameters.vertex_probability = 0.5;
@@ -87,7 +86,7 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
     }
     return cell;
   };
-  // Number of balls in the left half decides, and a vertex above 0 doubles it.
+  // The number of balls in the left half decides, and a vertex above 0 doubles the weight.
   const auto log_constraint = [](const State& state) {
     double sum = 0;
     for (std::size_t ball = 0; ball < 3; ++ball)
@@ -116,7 +115,7 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
       random::Stream stream = stream_of(seed, static_cast<std::uint64_t>(i));
       const auto proposal = propose(prior, parameters, state, stream);
       double q = proposal.log_q_ratio;
-      // As A.2.2 has it, but for the power of the area, which would not leave any ball.
+      // The formula of A.2.2 without the power of the area, which would leave no ball.
       if (printed && proposal.kind >= static_cast<std::uint32_t>(Kind::disable_balls)) {
         q = prior.log_area() * (static_cast<double>(proposal.candidate.active_count()) -
                                 static_cast<double>(state.active_count()));
@@ -145,8 +144,8 @@ TEST(Proposals, ChainsKeepADistributionThatCanBeEnumerated) {
 }
 
 TEST(Proposals, ThesisRatiosAreThosePrinted) {
-  // Goal: Kernel::thesis weighs as A.2.2 prints: a for each disabled ball, 1/a for each enabled
-  // one, nothing for the rest. Method: draws of each kind.
+  // Goal: Kernel::thesis has the ratio printed in A.2.2: a for each disabled ball, 1/a for each
+  // enabled one, 1 for the rest. Method: test draws of each kind.
   const Prior prior{.vertices = 5, .balls = 6, .drop_half_m = {0.07, 0.05}};
   const double log_area = std::log(4 * 0.07 * 0.05);
   for (std::uint32_t kind = 0; kind < k_thesis_kinds; ++kind) {
@@ -166,10 +165,10 @@ TEST(Proposals, ThesisRatiosAreThosePrinted) {
 }
 
 TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
-  // Goal: Kernel::thesis draws an offset's length, not its coordinates, from the Gaussian, in every
-  // direction alike, at the start, in change_all and in change_vertices. Method: the mean square of
-  // lengths is sd^2 (of the Gaussian density that scores them it is 3 sd^2), that of each
-  // coordinate a third; so the mean exponent of p_w is -1/2 a vertex.
+  // Goal: Kernel::thesis draws an offset's length from the Gaussian, not its coordinates, with
+  // uniform direction: at the start, in change_all and in change_vertices. Method: the mean square
+  // length is sd^2 (the Gaussian density that scores it has 3 sd^2), with a third for each
+  // coordinate. So the mean exponent of p_w is -1/2 per vertex.
   const Prior prior{.vertices = 100, .balls = 2, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   constexpr double k_draws = 400;
   const auto mean_square = [&](double sd, const auto& draw) {
@@ -203,7 +202,7 @@ TEST(Proposals, ThesisOffsetsAreLengthsInDirections) {
 }
 
 TEST(Proposals, CorrectDrawsAreThePriors) {
-  // Goal: the choice of a kernel changes no bit of the correct one. Method: the same streams.
+  // Goal: the choice of a kernel changes no bit of the correct one. Method: use the same streams.
   const Prior prior{.vertices = 7, .balls = 3, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   for (const std::uint64_t i : property::cases(20)) {
     random::Stream a = stream_of(61, i);
@@ -214,7 +213,7 @@ TEST(Proposals, CorrectDrawsAreThePriors) {
 }
 
 TEST(Proposals, KindsHaveTheirShares) {
-  // Goal: each kind comes as often as asked, and none that has no share. Method: counts.
+  // Goal: each kind occurs with its share, and never with a share of 0.
   const Prior prior{.vertices = 3, .balls = 4, .drop_half_m = {0.2, 0.05}};
   const ProposalParameters parameters{.change_all = 0.1,
                                       .change_vertices = 0.7 - 1e-10,
@@ -248,8 +247,8 @@ TEST(Proposals, KindsHaveTheirShares) {
 }
 
 TEST(Proposals, DrawsBelongToTheDensity) {
-  // Goal: log p_w is normalised and scores what is drawn. Method: its mean over draws is minus the
-  // entropy that the formula gives; offsets have their deviation; half of the balls are active.
+  // Goal: log p_w is normalised and scores the draws. Method: its mean over draws is minus the
+  // entropy by the formula. Offsets have their deviation, and half of the balls are active.
   const Prior prior{.vertices = 40, .balls = 10, .vertex_sd_m = 1e-4, .drop_half_m = {0.07, 0.05}};
   double log_density = 0;
   double square = 0;
@@ -271,8 +270,8 @@ TEST(Proposals, DrawsBelongToTheDensity) {
 }
 
 TEST(Proposals, ABallMovesOnARing) {
-  // Goal: drop places stay in the region, wrapped at its edges, and the rest stays as it is.
-  // Method: many moves as long as the region.
+  // Goal: drop places stay in the region, wrapped at its edges, and nothing else changes. Method:
+  // make many moves as long as the region.
   const Prior prior{.vertices = 2, .balls = 3, .drop_half_m = {0.07, 0.05}};
   State state = with_active(prior, 2);
   state.drops_m[1] = {0.06, -0.04};

@@ -1,4 +1,4 @@
-// What a candidate comes to is the same from what is known of a similar state as from nothing.
+// Tests that a candidate's outcome is the same from a known similar state as from scratch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,8 +25,8 @@ void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.filling, b.filling);
 }
 
-/// A chain that accepts a candidate if it fills as many bins, or by chance: each candidate from
-/// what is known, and by itself.
+/// Runs a chain that accepts candidates that fill as many bins, or by chance. Simulates each
+/// candidate from known states and from scratch.
 void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint64_t seed) {
   const Spelling world(parameters);
   const Spelling fresh(parameters, Replays::no);
@@ -54,9 +54,9 @@ void run_chain(const Parameters& parameters, std::uint64_t proposals, std::uint6
 }
 
 TEST(Replays, MakeNoDifference) {
-  // Goal: filled, elsewhere, the end and when it was clear are those of a simulation by itself, for
-  // proposals of every kind, one after the other. Method: chains in the HI box, in boxes of few
-  // bins in which balls crowd, and with vertices that move far.
+  // Goal: filled, elsewhere, the end and the decision time equal those of a separate simulation,
+  // for successive proposals of every kind. Method: run chains in the HI box, in crowded boxes of
+  // few bins, and with vertices that move far.
   const std::uint64_t count = proposal_count();
   run_chain({}, count, k_seed);
   Parameters crowded;

@@ -1,4 +1,4 @@
-// The keys of a spelling request.
+// Tests the keys of a spelling request.
 #include "worker/worlds/spelling/request.h"
 
 #include <gtest/gtest.h>
@@ -13,13 +13,13 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// The only method that the thesis's kernel goes with.
+/// The only method that is valid with the thesis's kernel.
 const std::string k_plain_chains = "method = \"metropolis_hastings\"\n";
 
 base::Result<request::DirectionRequest, std::vector<request::Diagnostic>> read(
     Parameters& parameters, const std::string& keys) {
   const std::array worlds{request_binding()};
-  // A sampler that is left open would be the world's choice.
+  // Without a method, the world would choose the sampler.
   const std::string open = keys.find("[sampler]") == std::string::npos
                                ? "\n[sampler]\nmethod = \"parallel_tempering\""
                                : "";
@@ -29,7 +29,7 @@ base::Result<request::DirectionRequest, std::vector<request::Diagnostic>> read(
   return request;
 }
 
-/// The first diagnostic's text; empty if there is none.
+/// Text of the first diagnostic. Empty if none.
 std::string complaint(const std::string& keys) {
   Parameters parameters;
   const auto request = read(parameters, keys);
@@ -37,7 +37,7 @@ std::string complaint(const std::string& keys) {
 }
 
 TEST(SpellingRequest, DefaultsAreTheThesis) {
-  // Goal: a request that gives no keys is the thesis's HI. Method: read one.
+  // Goal: a request without keys is the thesis's HI.
   Parameters parameters;
   ASSERT_TRUE(read(parameters, "").ok());
   const Parameters defaults;
@@ -62,8 +62,8 @@ TEST(SpellingRequest, DefaultsAreTheThesis) {
 }
 
 TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
-  // Goal: what is chosen is in the normalised text, which repeats it; it hangs on the word and on
-  // which rules there are, not on their numbers; what is given stays. Method: words of either kind.
+  // Goal: the normalised text contains all choices, so that it repeats the run. Choices depend on
+  // the word and on which rules exist, not on their numbers. Given values stay.
   Parameters parameters;
   const std::array worlds{request_binding()};
   const auto chosen = [&](const std::string& text) {
@@ -105,7 +105,7 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   EXPECT_EQ(seeded.sampler.method, request::Method::sequential);
   EXPECT_EQ(seeded.sampler.seed, 8U);
   EXPECT_EQ(seeded.stop.found, std::nullopt);
-  EXPECT_EQ(seeded.sampler.tour_scans, std::nullopt);  // a chain that goes on has more draws
+  EXPECT_EQ(seeded.sampler.tour_scans, std::nullopt);  // a chain that continues has more draws
   const auto rounds = chosen("word = \"SLEIGHT\"\n[stop]\nrounds = 3\n");
   EXPECT_EQ(rounds.sampler.method, request::Method::parallel_tempering);
   EXPECT_EQ(rounds.sampler.start, request::Start::search);
@@ -114,7 +114,7 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
   EXPECT_EQ(odds.sampler.particles, 48U);
   EXPECT_EQ(odds.output.prior_draws, 100U);
   EXPECT_EQ(odds.output.keep_max, 20U);
-  // To name the only method that tells them says nothing more.
+  // Naming the only method that gives odds changes nothing.
   const std::string named = "[sampler]\nmethod = \"sequential\"\n[stop]\nodds = 0.3\n";
   EXPECT_EQ(chosen("word = \"HI\"\n" + named), odds);
   EXPECT_EQ(chosen("word = \"SLEIGHT\"\n[stop]\nodds = 0.3\n").sampler.particles, 96U);
@@ -127,7 +127,7 @@ TEST(SpellingRequest, WithoutASamplerTheWorldChooses) {
 }
 
 TEST(SpellingRequest, IslandsHaveAStatedMemory) {
-  // Goal: particles that would take more than is stated are refused. Method: boxes full of balls.
+  // Goal: particles that would exceed the documented memory are refused. Method: full boxes.
   const std::array worlds{request_binding()};
   const auto complaint_of = [&](std::uint32_t columns, std::uint32_t particles) {
     std::string bitmap;
@@ -147,7 +147,7 @@ TEST(SpellingRequest, IslandsHaveAStatedMemory) {
 }
 
 TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
-  // Goal: any word or bitmap, in a grid of its own or a given one. Method: each.
+  // Goal: any word or bitmap is accepted, in its own grid or a given one.
   Parameters parameters;
   ASSERT_TRUE(read(parameters, "word = \"ACM\"\n[constraint]\nlog_lambda = 7.25").ok());
   EXPECT_EQ(parameters.pattern.columns, 15U);
@@ -164,8 +164,7 @@ TEST(SpellingRequest, PatternsComeFromWordsAndBitmaps) {
 }
 
 TEST(SpellingRequest, WhatIsAcceptedCanBeMade) {
-  // Goal: no request that is read stops the program. Method: boxes one bin wide, with the largest
-  // ball that is taken.
+  // Goal: no valid request stops the program. Method: boxes one bin wide with the largest ball.
   for (const char* keys : {"bitmap = \"#\\n#\"\nball_diameter_mm = 19.99\nbox_height_mm = 60",
                            "bitmap = \"#.\"\nball_diameter_mm = 19.99"}) {
     Parameters parameters;
@@ -180,7 +179,7 @@ TEST(SpellingRequest, WhatIsAcceptedCanBeMade) {
 }
 
 TEST(SpellingRequest, ErrorsSayWhatToDo) {
-  // Goal: what can't be is refused, with the key. Method: one of each.
+  // Goal: invalid requests are refused with the key.
   EXPECT_NE(complaint("word = \"A\"\nbitmap = \"#.\"").find("not both"), std::string::npos);
   EXPECT_NE(complaint("word = \"A-B\"").find("no '-'"), std::string::npos);
   EXPECT_NE(complaint("bitmap = \"#.\\n#\"").find("row 2 has 1 characters"), std::string::npos);
@@ -214,8 +213,8 @@ TEST(SpellingRequest, ErrorsSayWhatToDo) {
 }
 
 TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
-  // Goal: the biased kernel comes by its own key only, and that key is in what archives store.
-  // Method: read with it, without it and with a slip in it.
+  // Goal: only its own key selects the biased kernel, and archives store that key. Method: read
+  // with the key, without it, and with a typo.
   Parameters parameters;
   const auto plain = read(parameters, "");
   ASSERT_TRUE(plain.ok());
@@ -232,8 +231,8 @@ TEST(SpellingRequest, TheThesisKernelIsAskedForByName) {
 }
 
 TEST(SpellingRequest, KindsThatAreNotOfTheThesisAreAskedForByName) {
-  // Goal: drops that aim and solo steps are off unless asked for, go together as they must, and
-  // never with the thesis's kernel. Method: read with and without them.
+  // Goal: aimed drops and solo steps are off by default, require each other as documented, and are
+  // refused with the thesis's kernel. Method: read with and without them.
   Parameters parameters;
   ASSERT_TRUE(read(parameters, "").ok());
   EXPECT_EQ(parameters.proposal.aim_ball, 0);

@@ -38,8 +38,7 @@ void expect_equal(const SoloBalls::Outcome& a, const SoloBalls::Outcome& b) {
 }
 
 TEST(SoloBalls, AreWhatEachBallDoesAlone) {
-  // Goal: by ball the bin that it fills when no other takes part. Method: prior draws of HI, each
-  // ball simulated as the only active one.
+  // Goal: each ball has the bin that it fills alone. Method: simulate it as the only active ball.
   const Spelling world(parameters_with_aims());
   for (const std::uint64_t i : property::cases(30)) {
     random::Stream stream = stream_of(i);
@@ -58,8 +57,8 @@ TEST(SoloBalls, AreWhatEachBallDoesAlone) {
 }
 
 TEST(SoloBalls, FromChangesAreTheSame) {
-  // Goal: what comes of a candidate is the same when only the changed balls are simulated. Method:
-  // walks of proposals of all kinds, with anchored balls where there are such.
+  // Goal: a candidate has the same outcome if only changed balls are simulated. Method: walk with
+  // proposals of all kinds, with anchored balls if there are any.
   const Spelling world(parameters_with_aims());
   std::uint64_t changed = 0;
   for (const std::uint64_t i : property::cases(20)) {
@@ -86,8 +85,8 @@ TEST(SoloBalls, FromChangesAreTheSame) {
 }
 
 TEST(SoloBalls, TakeAnchoredBallsForGranted) {
-  // Goal: an anchored ball fills its bin whatever it would do alone, so no other one does, and a
-  // state in which it differs is not possible. Method: prior draws with helped balls.
+  // Goal: an anchored ball fills its bin whatever it would do alone, so no other ball fills that
+  // bin. A state with another anchored ball is impossible. Method: prior draws with helped balls.
   const Spelling world(parameters_with_aims());
   std::uint64_t anchored = 0;
   for (const std::uint64_t i : property::cases(200)) {
@@ -113,7 +112,7 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
       other.active[ball] = 0;
       other.drops_m[ball] = {0, 0};
       EXPECT_FALSE(surrogate.simulate(other).possible);
-      // And back from there, by another surrogate's outcome.
+      // And back, from another surrogate's outcome.
       expect_equal(surrogate.simulate_from(state, other, world.surrogate({}).simulate(other)),
                    outcome);
     }
@@ -123,8 +122,9 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
 }
 
 TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
-  // Goal: log_anchor_probability is that of draw_anchor. Method: shares of 20,000 draws of each
-  // animation that has helped balls, six standard deviations; an anchor of another one has none.
+  // Goal: log_anchor_probability is the probability of draw_anchor. Method: compare shares of
+  // 20,000 draws for each animation with helped balls, within six standard deviations. Another
+  // state's anchor has probability zero.
   const Spelling world(parameters_with_aims());
   int animations = 0;
   for (std::uint64_t i = 0; animations < 5 && i < 1000; ++i) {
@@ -165,8 +165,8 @@ TEST(SoloBalls, AnchorsHaveTheirProbabilities) {
 }
 
 TEST(SoloBalls, HeldOutcomesAreThoseOfTheState) {
-  // Goal: what a sample holds of its surrogate is never another state's. Method: iterations at two
-  // inverse temperatures, the held outcome against a new one after each.
+  // Goal: a sample's surrogate outcome never belongs to another state. Method: after each iteration
+  // at two inverse temperatures, compare the held outcome with a new one.
   const Spelling world(parameters_with_aims());
   const sampling::ChainStreams streams{.seed = 28, .chain = {}, .replica = {}};
   for (const double beta : {0.3, 1.0}) {

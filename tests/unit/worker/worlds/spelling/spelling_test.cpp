@@ -1,4 +1,4 @@
-// Balls that spell: simulations, outcomes and their probabilities.
+// Tests simulations, outcomes and probabilities of balls that spell.
 #include "worker/worlds/spelling/spelling.h"
 
 #include <gtest/gtest.h>
@@ -31,8 +31,8 @@ State drops_in(const Spelling& world, std::uint32_t balls) {
 }
 
 TEST(Spelling, OutcomesCountDesignatedBins) {
-  // Goal: k counts designated bins with a ball at rest below the partitions' height; everything
-  // else is elsewhere. Method: places by hand.
+  // Goal: k counts designated bins with a ball at rest below the partitions' height; all other
+  // balls are elsewhere. Method: set places by hand.
   const Spelling world(Parameters{});
   const Bins& bins = world.bins();
   const Vec3 up(0, 0, 0.009);
@@ -62,8 +62,8 @@ TEST(Spelling, OutcomesCountDesignatedBins) {
 }
 
 TEST(Spelling, WhatStillMovesFillsNothing) {
-  // Goal: nothing is satisfied before it has come to rest. Method: a ball that loses nothing,
-  // dropped where others stay; at the time limit it bounces still.
+  // Goal: no state is satisfied before it is at rest. Method: drop a lossless ball where others
+  // stay. It still bounces at the time limit.
   Parameters parameters;
   parameters.world.restitution = 1;
   parameters.world.time_limit_s = 0.5;
@@ -75,7 +75,7 @@ TEST(Spelling, WhatStillMovesFillsNothing) {
 }
 
 TEST(Spelling, BallsThatLeaveTheBoxLieOnTheGround) {
-  // Goal: a ball outside of the box doesn't fall for ever, and is elsewhere. Method: walls that are
+  // Goal: a ball outside the box doesn't fall forever and counts as elsewhere. Method: use walls
   // lower than the balls, which bounce well.
   Parameters parameters;
   parameters.world.box_height_m = 0.012;
@@ -104,8 +104,8 @@ TEST(Spelling, BallsThatLeaveTheBoxLieOnTheGround) {
 }
 
 TEST(Spelling, BallsThatStartInOnePlaceAreNoAnimation) {
-  // Goal: states without a simulation have no probability, and say why. Method: drops so quick that
-  // two balls overlap; offsets that turn the box inside out.
+  // Goal: states without a simulation have no probability and report why. Method: let drops overlap
+  // in time, and let offsets turn the box inside out.
   Parameters parameters;
   parameters.world.drop_interval_s = 0.001;
   const Spelling world(parameters);
@@ -123,8 +123,8 @@ TEST(Spelling, BallsThatStartInOnePlaceAreNoAnimation) {
 }
 
 TEST(Spelling, BallsComeToRestInBins) {
-  // Goal: balls dropped from 72 mm rest, nearly all of them on the floor of a bin, none lost in the
-  // geometry. Method: prior-drawn animations; each ball's height at rest.
+  // Goal: balls dropped from 72 mm come to rest, almost all on the floor of a bin, and none is
+  // lost. Method: test each ball's height at rest in prior draws.
   const Spelling world(Parameters{});
   std::uint32_t balls = 0;
   std::uint32_t low = 0;
@@ -142,7 +142,7 @@ TEST(Spelling, BallsComeToRestInBins) {
       const Vec3 place_m = simulation.pose({body}, simulation.now()).position_m;
       const auto bin = world.bins().bin_at(place_m);
       ++balls;
-      // Outside of the box they fall on; inside, the surface holds them.
+      // Outside the box balls keep falling; inside, the surface holds them.
       if (bin) {
         EXPECT_GT(place_m.z(), 0.008);
       }

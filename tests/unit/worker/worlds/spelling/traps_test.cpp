@@ -1,4 +1,4 @@
-// Balls that can't leave their bin any more, and what is decided early because of them.
+// Tests balls that can't leave their bins, and early decisions based on them.
 #include "worker/worlds/spelling/traps.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace sleight::worlds::spelling::traps_test {
 constexpr std::uint64_t k_seed = 20'260'511;
 constexpr double k_radius_m = 0.008;
 
-/// Animations of the ordinary run, and of the long one (SLEIGHT_SOAK=1).
+/// Number of animations: ordinary run, or long run (SLEIGHT_SOAK=1).
 std::uint64_t animation_count() {
   return property::long_run() ? 100'000 : property::of_tier(150, 300);
 }
@@ -31,8 +31,7 @@ random::Stream stream_of(std::uint64_t n) {
 
 // ---- one ball -----------------------------------------------------------------------------------
 
-/// A box of three by two bins with a ball that lies on the floor of bin (1, 0), in whose wall
-/// partitions and crossings there are of both sorts.
+/// A box of three by two bins with a ball in bin (1, 0), whose walls have partitions of both sorts.
 struct OneBall {
   WorldParameters world{};
   Bins bins{world, 3, 2};
@@ -58,8 +57,7 @@ bool box_holds(const physics::Box& box, const Vec3& centre_m) {
 }
 
 TEST(Traps, AWallThatIsLowerThanThePartitionsLetsBallsOut) {
-  // Goal: what bounds a bin is the lowest of all around it. Method: the same ball in boxes with
-  // walls of both heights.
+  // Goal: the lowest wall around a bin bounds it. Method: test both heights of walls.
   OneBall ball;
   EXPECT_TRUE(ball.place());
   ball.world.box_height_m = 0.006;
@@ -67,8 +65,8 @@ TEST(Traps, AWallThatIsLowerThanThePartitionsLetsBallsOut) {
 }
 
 TEST(Traps, ABallAtRestInABinIsTrappedThere) {
-  // Goal: the bin is the one that it is in, and the box holds it. Method: a ball on the floor of
-  // each bin, in the middle and in a corner.
+  // Goal: the trap is the ball's own bin, and its box contains the ball. Method: put a ball on the
+  // floor of each bin, in the middle and in a corner.
   for (std::uint32_t column = 0; column < 3; ++column) {
     for (std::uint32_t row = 0; row < 2; ++row) {
       OneBall ball;
@@ -85,9 +83,8 @@ TEST(Traps, ABallAtRestInABinIsTrappedThere) {
 }
 
 TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
-  // Goal: energy of motion and of spin count, in every direction. Method: a ball on the floor,
-  // 3 mm below the partitions' height, which v^2 = 2 g 3 mm reaches; a tenth of a millimetre is
-  // kept as a margin.
+  // Goal: kinetic energy of motion and spin counts, in every direction. Method: a ball 3 mm below
+  // the partitions' height reaches it at v^2 = 2 g 3 mm. The margin is a tenth of a millimetre.
   const double height_m = 0.003;
   const double speed_mps = std::sqrt(2 * 9.81 * height_m);
   const double less_mps = std::sqrt(2 * 9.81 * (height_m - 0.00015));
@@ -97,13 +94,13 @@ TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
     EXPECT_TRUE(ball.place());
     ball.twist.velocity_mps = speed_mps * way;
     EXPECT_FALSE(ball.place());
-    // Of a solid ball, turning has 2/5 of the energy of moving.
+    // A solid ball's rotation has 2/5 of the energy of its translation.
     ball.twist.velocity_mps = Vec3::Zero();
     ball.twist.angular_velocity_radps = less_mps / k_radius_m / std::sqrt(0.4) * way;
     EXPECT_TRUE(ball.place());
     ball.twist.angular_velocity_radps *= speed_mps / less_mps;
     EXPECT_FALSE(ball.place());
-    // Half of each.
+    // Half of the energy in each.
     ball.twist.angular_velocity_radps *= std::sqrt(0.5);
     ball.twist.velocity_mps = std::sqrt(0.5) * speed_mps * way;
     EXPECT_FALSE(ball.place());
@@ -116,7 +113,7 @@ TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
 }
 
 TEST(Traps, WhatIsOverAPartitionOrOutsideIsNot) {
-  // Goal: the centre is where the bin leaves room for a ball. Method: places by hand.
+  // Goal: the centre must be where the bin has room for a ball.
   OneBall ball;
   const Vec3 middle_m = ball.centre_m;
   for (const Vec3& way : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0)}) {
@@ -124,7 +121,7 @@ TEST(Traps, WhatIsOverAPartitionOrOutsideIsNot) {
     EXPECT_TRUE(ball.place());
     ball.centre_m = middle_m + 0.0025 * way;
     EXPECT_FALSE(ball.place());
-    ball.centre_m = middle_m + 0.011 * way;  // over the partition's middle
+    ball.centre_m = middle_m + 0.011 * way;  // above the partition's middle
     EXPECT_FALSE(ball.place());
   }
   for (const Vec3& place_m : {Vec3(0.05, 0, 0.008), Vec3(0, -0.03, 0.008), Vec3(0, 0.011, -0.02),
@@ -135,9 +132,9 @@ TEST(Traps, WhatIsOverAPartitionOrOutsideIsNot) {
 }
 
 TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
-  // Goal: the lowest of the bin's own corners counts; partitions that lean widen the box, and too
-  // far they hold nothing; other bins' corners don't matter. Method: each vertex of the box in turn
-  // is lowered, and moved aside, a little and a lot.
+  // Goal: the lowest of the bin's own corners counts. Leaning partitions widen the box, and
+  // partitions that lean too far hold no ball. Other bins' corners don't matter. Method: lower each
+  // vertex of the box in turn, and move it sideways by a little and by a lot.
   OneBall ball;
   const auto& corners = ball.bins.corners(ball.bin);
   ASSERT_EQ(std::ranges::count(corners, k_no_vertex), 0);
@@ -165,7 +162,7 @@ TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
     offset_m = Vec3::Zero();
   }
   EXPECT_EQ(own, 4U);
-  // Raised partitions hold no higher than they were: the outcome asks for the height before.
+  // Raised partitions hold no higher: the outcome uses the original height.
   for (Vec3& offset_m : ball.offsets_m)
     offset_m = Vec3(0, 0, 0.002);
   ball.centre_m.z() = 0.0125;
@@ -174,7 +171,7 @@ TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
 
 // ---- whole animations ---------------------------------------------------------------------------
 
-/// Worlds of several sizes; in the last one partitions lean a lot.
+/// Worlds of several sizes. In the last one, partitions lean strongly.
 Parameters world_of(std::uint64_t kind) {
   Parameters parameters;
   switch (kind) {
@@ -198,7 +195,7 @@ Parameters world_of(std::uint64_t kind) {
 }
 constexpr std::uint64_t k_worlds = 5;
 
-/// A draw from the prior; of two, one in which all balls are active.
+/// A draw from the prior. In every other draw, all balls are active.
 State random_state(const Spelling& world, std::uint64_t n) {
   random::Stream stream = stream_of(n);
   State state = world.draw_prior(stream);
@@ -213,7 +210,7 @@ State random_state(const Spelling& world, std::uint64_t n) {
   return state;
 }
 
-/// What holds a ball, from all the times at which it was trapped.
+/// Bounds on a ball, from all times at which it was trapped.
 struct Hold {
   bool any = false;
   Bin bin;
@@ -228,7 +225,7 @@ struct Hold {
   }
 };
 
-/// Goes through a ball's recorded motion. How many segments it was trapped in.
+/// Follows a ball's recorded motion. Returns the number of segments in which it was trapped.
 std::uint64_t expect_held(const Traps& traps, const Bins& bins,
                           std::span<const physics::Recording::Entry> entries, physics::Tick end,
                           random::Stream& stream) {
@@ -242,7 +239,7 @@ std::uint64_t expect_held(const Traps& traps, const Bins& bins,
     const auto place =
         traps.of(flight.position_m, {.velocity_mps = flight.velocity_mps,
                                      .angular_velocity_radps = flight.angular_velocity_radps});
-    // What is trapped stays so, as its energy doesn't grow but by rounding.
+    // A trapped ball stays trapped, because its energy grows only by rounding.
     if (hold.any && place) {
       EXPECT_EQ(place->bin, hold.bin);
     }
@@ -264,9 +261,8 @@ std::uint64_t expect_held(const Traps& traps, const Bins& bins,
 }
 
 TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
-  // Goal: no ball leaves the box that it is said to stay in. Method: recorded animations of random
-  // states, all balls at all times: the begin of each piece of motion, its end, its highest point
-  // and a random one, until a collision with a ball.
+  // Goal: no ball leaves its trap's box. Method: until a ball hits another in recorded animations,
+  // test each segment's begin, end, highest point and a random time.
   std::uint64_t held = 0;
   const std::uint64_t animations = animation_count() / 5;
   for (const std::uint64_t n : property::cases(animations)) {
@@ -291,9 +287,9 @@ TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
 }
 
 TEST(Traps, ABallBetweenAnEdgeAndAWallIsDecided) {
-  // Goal: a ball that friction pulls from an edge to a wall on which it doesn't press comes to
-  // rest, and doesn't go to and fro between the two, some 80,000 times in 25 microseconds. Method:
-  // an animation in which it did, found among 100,000 by the test below; its events.
+  // Goal: a ball pulled by friction from an edge to a wall that carries no load comes to rest. It
+  // once alternated between edge and wall 80,000 times in 25 microseconds. Method: count the events
+  // of that animation, which the test below found among 100,000.
   const Spelling world(world_of(4));
   const State state = random_state(world, 35'114);
   const Outcome early = world.simulate(state);
@@ -309,8 +305,8 @@ TEST(Traps, ABallBetweenAnEdgeAndAWallIsDecided) {
 }
 
 TEST(Traps, WhatIsDecidedEarlyIsWhatARunToRestFinds) {
-  // Goal: spelling.h, invariant 2. Method: random states of each world, simulated both ways; one
-  // world's object simulates all of its states, as a chain does.
+  // Goal: early decisions are right (spelling.h, invariant 2). Method: simulate random states of
+  // each world both ways. One object simulates all states of its world, as in a chain.
   std::vector<Spelling> worlds;
   for (std::uint64_t kind = 0; kind < k_worlds; ++kind)
     worlds.emplace_back(world_of(kind));
@@ -347,9 +343,8 @@ TEST(Traps, WhatIsDecidedEarlyIsWhatARunToRestFinds) {
 }
 
 TEST(Traps, ThreadsSimulateAsOneDoes) {
-  // Goal: one world may simulate in several threads at once, each with a box of its own, and a
-  // box's history has no influence. Method: outcomes of four threads against those of a new world
-  // for each state.
+  // Goal: one world may simulate in several threads at once, each with its own box, and a box's
+  // history has no effect. Method: compare outcomes of four threads with a new world per state.
   constexpr std::uint64_t k_states = 48;
   constexpr std::uint64_t k_threads = 4;
   const Spelling world(world_of(2));
@@ -360,7 +355,7 @@ TEST(Traps, ThreadsSimulateAsOneDoes) {
   std::vector<std::thread> threads;
   for (std::uint64_t t = 0; t < k_threads; ++t) {
     threads.emplace_back([&, t] {
-      // Each begins elsewhere, so that boxes come to the next state by different ways.
+      // Each thread begins at another state, so that boxes have different histories.
       for (std::uint64_t n = 0; n < k_states; ++n)
         of_threads[t].push_back(world.simulate(states[(n + 11 * t) % k_states]));
     });
