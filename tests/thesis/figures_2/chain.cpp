@@ -27,7 +27,6 @@ Iteration iteration_of(const Prior& prior, const Sample& sample) {
   return iteration;
 }
 
-/// Chooses the states that a chain keeps.
 class BestStates {
  public:
   void offer(const Sample& sample) {

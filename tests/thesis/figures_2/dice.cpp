@@ -24,7 +24,7 @@ namespace dice = worlds::dice;
 
 constexpr double k_m_per_mm = 0.001;
 
-/// The motion of a state's only die, as that of the nth; hits are the table's.
+/// Motion of a state's only die, as that of die number n. Hits are hits on the table.
 std::vector<motion::Segment> motion_of(const dice::Dice& world, base::BytesView state,
                                        std::uint32_t nth, std::uint32_t table) {
   const auto decoded = world.decode(state);
@@ -38,7 +38,6 @@ std::vector<motion::Segment> motion_of(const dice::Dice& world, base::BytesView 
   });
 }
 
-/// All dice over one flat table, with the wanted places.
 scene::Scene composite_scene(const std::vector<ThrownDie>& dice, const DiceOptions& options) {
   const worlds::dice::WorldParameters world;
   const auto count = static_cast<std::uint32_t>(dice.size());
@@ -70,7 +69,7 @@ scene::Scene composite_scene(const std::vector<ThrownDie>& dice, const DiceOptio
   return scene;
 }
 
-/// The first state at inverse temperature 1 that is satisfied, and what it took.
+/// First satisfying state at inverse temperature 1, and its cost.
 std::optional<base::Bytes> first_satisfying(plan::Plan& plan, const plan::UnitWorker& worker,
                                             ThrownDie& die) {
   std::map<plan::ReplicaKey, base::Bytes> states;

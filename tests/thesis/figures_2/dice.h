@@ -1,5 +1,4 @@
-// Figure 2.13: six dice, each thrown by itself onto a table of its own, each directed to its own
-// place and face, drawn into one picture.
+// Figure 2.13: six dice in one picture, each thrown onto its own table to its own place and face.
 #pragma once
 
 #include <cstdint>
@@ -12,43 +11,39 @@
 
 namespace sleight::thesis {
 
-/// What one die is asked for.
 struct DieWish {
   plot::Point place_mm;
   std::uint32_t face = 6;
 };
 
 struct DiceOptions {
-  std::uint64_t seed = 2000;  ///< of the first die; each next one has the next
-  double tolerance_mm = 5;    ///< of a place; its sigma is half of that
-  std::uint32_t rounds = 8;   ///< most; round r has 50 2^(r-1) scans
-  /// Each face has its turn after the throw (worker/worlds/dice/numbering.h); else dice are
-  /// numbered before, as the thesis's are.
+  std::uint64_t seed = 2000;  ///< of the first die; each next die uses the next seed
+  double tolerance_mm = 5;    ///< of a place, with half of it as sigma
+  std::uint32_t rounds = 8;   ///< maximum; round r has 50 2^(r-1) scans
+  /// Number faces after the throw (worker/worlds/dice/numbering.h), not before as in the thesis.
   bool numbering_free = true;
 };
 
-/// What directing one die came to.
 struct ThrownDie {
   DieWish wish;
   std::uint64_t seed = 0;
-  /// Of the first satisfying animation, the die's number being its own; none within rounds.
+  /// Motion of the first satisfying animation, with the die's number. Empty if none.
   std::vector<motion::Segment> motion{};
-  std::uint64_t simulations = 0;  ///< of all temperatures, until then
-  std::uint64_t scans = 0;        ///< of the ladder, likewise
-  double elapsed_s = 0;           ///< by one thread
+  std::uint64_t simulations = 0;  ///< at all temperatures, until the first satisfying animation
+  std::uint64_t scans = 0;        ///< of the ladder, until the same animation
+  double elapsed_s = 0;           ///< of one thread
 };
 
-/// Six places in two rows; the dice show 1 to 6.
+/// Six places in two rows. The dice show 1 to 6.
 std::vector<DieWish> dice_wishes();
 
-/// The request for one die: the defaults of the world "dice", one ladder of parallel tempering.
+/// Request for one die: defaults of the world "dice", with one ladder of parallel tempering.
 std::string die_request(const DieWish& wish, std::uint64_t seed, const DiceOptions& options);
 
-/// Runs the request of the n-th die (from 0) until the first draw at inverse temperature 1 that
-/// satisfies it.
+/// Runs the request of die n (from 0) until the first satisfying draw at inverse temperature 1.
 ThrownDie direct_die(std::uint32_t nth, const DieWish& wish, const DiceOptions& options);
 
-/// All that were found. REQUIRES: one at least.
+/// Picture of all dice with an animation. REQUIRES: at least one.
 plot::Figure dice_composite(const std::vector<ThrownDie>& dice, const DiceOptions& options);
 
 }  // namespace sleight::thesis

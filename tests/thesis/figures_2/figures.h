@@ -12,15 +12,15 @@
 
 namespace sleight::thesis {
 
-/// k at each iteration.
+/// Plots k at each iteration.
 plot::Figure filled_figure(const std::string& title, const Chain& chain);
 
-/// log p(A) at each iteration, with a dashed line where the change-all effect is.
+/// Plots log p(A) at each iteration, with a dashed line at the change-all effect.
 plot::Figure log_p_figure(const std::string& title, const Chain& chain,
                           const Statistics& statistics);
 
-/// Two orders side by side, as the pattern is seen from above: each designated bin has the number
-/// of the ball that fills it, from 1 in the order of drops, `--` if it stays empty.
+/// Two orders side by side, seen from above. Each designated bin has the number of its ball, from 1
+/// in the order of drops, or `--` if empty.
 std::string order_text(const worlds::spelling::Pattern& pattern,
                        const std::pair<Order, Order>& orders);
 

@@ -1,5 +1,5 @@
-// `sleight-figures-2`: figures 2.8 to 2.13 of the thesis, made again; 2.8 to 2.12 with the kernel
-// that A.2.2 prints and with the correct one.
+// `sleight-figures-2`: reproduces figures 2.8 to 2.13 of the thesis; 2.8 to 2.12 with the kernel
+// printed in A.2.2 and with the correct one.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -42,7 +42,7 @@ struct Arguments {
   std::vector<std::string> notes = {};  ///< of each picture (clients/plot/notes.h)
 };
 
-/// A chain to be made, and the figures that it draws.
+/// A chain to run, and the figures that show it.
 struct Plan {
   std::string figures;  ///< "2.8 2.9"
   std::string what;
@@ -73,8 +73,7 @@ std::vector<Plan> plans_of(const Arguments& arguments) {
     parameters.constraint.log_lambda = log_lambda;
     return parameters;
   };
-  // The thesis's numbers of iterations; that of 2.12, which it doesn't give, is
-  // requests/acm.toml's.
+  // The thesis's numbers of iterations. For 2.12, which has none, that of requests/acm.toml.
   const spelling::Pattern hi = spelling::hi();
   const spelling::Pattern acm = spelling::pattern_of_word("ACM", spelling::Font::rows_5).value();
   const std::array wanted{
@@ -106,17 +105,17 @@ std::vector<Plan> plans_of(const Arguments& arguments) {
   return plans;
 }
 
-/// Rate and time left, on stderr: a line that renews itself on a terminal, else one at times.
+/// Rate and time left on stderr: one updated line on a terminal, else a line now and then.
 class ProgressLine {
  public:
   explicit ProgressLine(const std::vector<Plan>& plans) : plans_(plans) {}
 
-  /// `done` has the iterations of each chain so far.
+  /// `done`: iterations of each chain so far.
   void show(const std::vector<std::atomic<std::uint64_t>>& done) {
     const double now_s = clock_.now_s() - begin_s_;
     if (now_s < next_s_) return;
     next_s_ = now_s + (terminal_ ? 0.5 : 15);
-    // What an iteration costs grows with the number of balls, which pay for the time left.
+    // An iteration's cost grows with the number of balls, so weight the remaining time by it.
     std::uint64_t iterations = 0;
     std::uint64_t all_iterations = 0;
     double work = 0;
@@ -146,7 +145,7 @@ class ProgressLine {
   double next_s_ = 1;
 };
 
-/// Runs all chains, each on a thread of its own, so many at a time.
+/// Runs all chains, each in its own thread, at most `threads` at a time.
 std::vector<Result> run_all(const std::vector<Plan>& plans, unsigned threads) {
   std::vector<Result> results(plans.size());
   std::vector<std::exception_ptr> failures(plans.size());
@@ -272,7 +271,7 @@ void print_orders(const Plan& plan, const Result& result) {
       different_bins(orders.first, orders.second), order_text(plan.parameters.pattern, orders));
 }
 
-/// Directs all dice, so many at a time.
+/// Directs all dice, at most `threads` at a time.
 std::vector<ThrownDie> direct_all(const DiceOptions& options, unsigned threads) {
   const std::vector<DieWish> wishes = dice_wishes();
   std::vector<ThrownDie> dice(wishes.size());
@@ -288,7 +287,7 @@ std::vector<ThrownDie> direct_all(const DiceOptions& options, unsigned threads) 
   return dice;
 }
 
-/// Figure 2.13, and what each die took when its faces are numbered after the throw and before.
+/// Figure 2.13, and each die's cost with faces numbered after the throw and before.
 void throw_dice(const Arguments& arguments) {
   DiceOptions options{.seed = arguments.seed};
   if (arguments.quick) options = {.seed = arguments.seed, .tolerance_mm = 200, .rounds = 2};
@@ -315,7 +314,7 @@ void throw_dice(const Arguments& arguments) {
 }
 
 void reproduce(const Arguments& arguments) {
-  (void)plot::notes_of(arguments.notes);  // refuses bad ones before the long runs
+  (void)plot::notes_of(arguments.notes);  // reject invalid notes before the long runs
   const std::vector<Plan> plans = plans_of(arguments);
   std::filesystem::create_directories(arguments.out);
   const std::vector<Result> results = run_all(plans, arguments.threads);

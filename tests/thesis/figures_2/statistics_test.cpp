@@ -1,4 +1,4 @@
-// Goal: the numbers beside the thesis's text count what they say. Method: short chains by hand.
+// Goal: the numbers beside the thesis's text are right. Method: count short chains by hand.
 #include "tests/thesis/figures_2/statistics.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(Statistics, DistinctOrdersDifferInHalf) {
   EXPECT_EQ(different_bins(orders[0], orders[1]), 2U);
   EXPECT_EQ(different_bins(orders[1], orders[2]), 2U);
   EXPECT_EQ(distinct_count(orders, 4), 4U);
-  EXPECT_EQ(distinct_count(orders, 5), 3U);  // the second is too near to the first
+  EXPECT_EQ(distinct_count(orders, 5), 3U);  // the second is too close to the first
   EXPECT_EQ(distinct_count({}, 4), 0U);
   const auto most = most_different(orders);
   EXPECT_EQ(different_bins(most.first, most.second), 4U);
@@ -37,7 +37,7 @@ TEST(Statistics, VisitsEndWhenTheSpellingIsLeft) {
   EXPECT_FALSE(none.first_correct);
   EXPECT_EQ(none.visits, 0U);
   EXPECT_EQ(none.longest_stay, 0U);
-  // One visit in which a ball is elsewhere for two iterations, and one of a single iteration.
+  // One visit in which a ball is elsewhere for two iterations, then one of a single iteration.
   const Statistics two = statistics_of(chain_of({8, 10, 9, 8, 10, 10, 7, 10}));
   EXPECT_EQ(two.first_correct, 1U);
   EXPECT_EQ(two.visits, 2U);
@@ -53,14 +53,14 @@ TEST(Statistics, TheChangeAllEffectFallsInKAndRisesInLogP) {
     iteration.kind = Kind::change_all;
   chain.iterations[1].log_p = 51;
   chain.iterations[1].log_p_offsets = 26;
-  chain.iterations[3].log_p = 51;  // two balls are not sharp
+  chain.iterations[3].log_p = 51;  // a drop of two balls is not sharp
   Statistics statistics = statistics_of(chain);
-  EXPECT_EQ(statistics.sharp_change_alls, 2U);  // the second lets log p fall
+  EXPECT_EQ(statistics.sharp_change_alls, 2U);  // in the second, log p falls
   EXPECT_EQ(statistics.change_all_effects, std::vector<std::uint64_t>{1});
   EXPECT_EQ(statistics.effect_log_p_offsets, 30);
   EXPECT_EQ(statistics.proposed[0], 5U);
   EXPECT_EQ(statistics.accepted[0], 5U);
-  // Another kind is no change-all, and what is not accepted changes nothing.
+  // Another kind is not a change-all, and a rejected proposal changes nothing.
   chain.iterations[1].kind = Kind::change_vertices;
   EXPECT_TRUE(statistics_of(chain).change_all_effects.empty());
   chain.iterations[1].kind = Kind::change_all;

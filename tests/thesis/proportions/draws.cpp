@@ -20,7 +20,6 @@ namespace {
 
 namespace spelling = worlds::spelling;
 
-/// A request with its plan and its worker.
 class Run {
  public:
   explicit Run(const std::string& text) {
@@ -41,7 +40,7 @@ class Run {
   plan::Draws draws() const { return plan_->draws(); }
   std::uint64_t scans_before_draws() const { return request::scans_before_draws(request_.sampler); }
 
-  /// `observe(chain, scan, record)` of each scan at inverse temperature 1.
+  /// Calls `observe(chain, scan, record)` for each scan at inverse temperature 1.
   template <class Observe>
   void carry_out(const Observe& observe) {
     statistical::run_serially(*plan_, *worker_, [&](const plan::UnitResult& result) {
@@ -135,7 +134,7 @@ namespace {
 using Where = std::pair<std::uint64_t, std::uint32_t>;  ///< (scan, chain)
 using Satisfying = std::map<Where, plan::ScanRecord>;
 
-/// The scans that a plan of tours counts and, of those that satisfy, the draws.
+/// Finds the scans that a plan of tours counts, and the satisfying draws.
 void count_parts(const plan::Draws& draws, std::vector<Where>& counted, Satisfying& satisfying) {
   for (const plan::DrawPart& part : draws.parts)
     for (std::uint32_t chain = 0; chain < part.counted.size(); ++chain)
@@ -147,7 +146,7 @@ void count_parts(const plan::Draws& draws, std::vector<Where>& counted, Satisfyi
   });
 }
 
-/// The first satisfying scans of lineages that began after a burn-in.
+/// Finds the first satisfying scans of lineages that began after a burn-in.
 void count_lineages(std::uint64_t before, std::vector<Where>& counted, Satisfying& satisfying) {
   std::erase_if(satisfying, [&](const auto& entry) { return entry.first.first < before; });
   std::set<std::pair<std::uint32_t, std::uint64_t>> lineages;

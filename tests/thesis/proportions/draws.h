@@ -1,4 +1,4 @@
-// Satisfying draws of a word, by whichever way, and what is compared of them.
+// Satisfying draws of a word by any method, and their compared quantities.
 #pragma once
 
 #include <array>
@@ -8,20 +8,20 @@
 
 namespace sleight::thesis {
 
-/// What is compared of a pouring. By each of them a way of sampling could be wrong alone.
+/// Compared quantities of a pouring. A sampling method could be wrong in each of them alone.
 enum class Quantity : std::uint8_t {
-  helped_balls,       ///< balls that others helped into their bins
-  bin_of_first_ball,  ///< its number
+  helped_balls,       ///< number of helped balls
+  bin_of_first_ball,  ///< number of the first ball's bin
   bin_of_last_ball,
   log_prior,
-  vertex_z,      ///< of a partition vertex in the middle, m
-  drop_x,        ///< of the last ball, m
-  drop_distance  ///< of the middle ball's drop from the middle of the bin that it fills, m
+  vertex_z,      ///< of a middle partition vertex, m
+  drop_x,        ///< of the last ball's drop, m
+  drop_distance  ///< from the middle ball's drop to the middle of its bin, m
 };
 inline constexpr std::array<const char*, 7> k_quantities{
     "helped balls", "bin of first ball", "bin of last ball", "log p", "vertex z",
     "drop x",       "drop distance"};
-/// Compared as counts; others are continuous.
+/// Returns whether a quantity is compared as counts. Other quantities are continuous.
 inline constexpr bool is_count(std::size_t quantity) {
   return quantity < 3;
 }
@@ -31,30 +31,28 @@ using Values = std::array<double, k_quantities.size()>;
 /// Series of draws, one for each chain.
 using Series = std::vector<std::vector<Values>>;
 
-/// The satisfying scans of a request of a word, from `first_scan` on. Throws base::Error where the
-/// request has errors.
+/// Satisfying scans of a word's request from `first_scan` on. Throws base::Error for a bad request.
 Series satisfying_draws(const std::string& request_text, std::uint64_t first_scan);
 
-/// The takes of a request that asks for some, at least one.
+/// All takes of a request for at least one take.
 std::vector<Values> takes_of(const std::string& request_text);
 
-/// The helped balls of all chains that satisfy, by scan.
+/// Number of helped balls in all satisfying chains, by scan.
 std::vector<std::vector<double>> helped_by_scan(const std::string& request_text);
 
-/// Of a run that ends by its own rule: each solution that it counts (of a plan that says which
-/// scans are draws and which of these count, these; else the first satisfying scan of each
-/// lineage), and one of all satisfying scans that are draws, by the seed.
+/// Results of a run that ends by its own rule: each counted solution, and a random one of all
+/// satisfying draws (by the seed). Counted solutions are those of the plan's draws, or else the
+/// first satisfying scan of each lineage.
 struct Counted {
   bool has_run = false;
   std::vector<Values> solutions;
-  std::vector<Values> any_scan;  ///< one; none if no scan that is a draw satisfies
+  std::vector<Values> any_scan;  ///< one; none if no draw satisfies
 };
 Counted counted_solutions(const std::string& request_text);
 
-/// How many of so many throws of all balls satisfy a request of a word.
+/// Number of throws of all balls, out of `throws`, that satisfy a word's request.
 std::uint64_t satisfying_throws(const std::string& request_text, std::uint64_t throws);
 
-/// How many balls a request of a word has.
 std::uint32_t balls_of(const std::string& request_text);
 
 }  // namespace sleight::thesis

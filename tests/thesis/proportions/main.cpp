@@ -1,8 +1,8 @@
-// Whether ways of sampling agree on a word: islands, tempering from searches and long plain chains
-// on what they draw; and what a request without a sampler counts as solutions, over many seeds,
-// with these. Prints a table, and exits with 1 if a p-value is below --p-min. With --tours, how far
-// chains of islands have come from their starts, scan by scan; with --throws, how many throws do
-// it.
+// Tests whether sampling methods agree on a word. Compares draws of islands, tempering from
+// searches and long plain chains with each other, and with the solutions counted by a request
+// without a sampler, over many seeds. Prints a table, and exits with 1 if a p-value is below
+// --p-min. --tours shows how far chains of islands have moved from their starts, scan by scan.
+// --throws counts satisfying throws.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -47,7 +47,7 @@ struct Arguments {
   std::vector<std::string> keys{};
 };
 
-/// Draws of one quantity that are as good as independent, and what they were thinned from.
+/// Effectively independent draws of one quantity, and the draws before thinning.
 struct Sample {
   std::string way;
   std::vector<double> thinned;
@@ -55,7 +55,7 @@ struct Sample {
   double error = 0;
 };
 
-/// Draws that are independent as they come.
+/// A sample of draws that are already independent.
 Sample independent(const std::string& way, const std::vector<Values>& draws, std::size_t quantity) {
   Sample sample{.way = way, .thinned = {}};
   for (const Values& values : draws)
@@ -66,7 +66,7 @@ Sample independent(const std::string& way, const std::vector<Values>& draws, std
   return sample;
 }
 
-/// Of each seed the mean of what it counted: less noise than one of its solutions, and no sample.
+/// The mean of each seed's counted solutions. Less noisy than one solution per seed, but no sample.
 Sample mean_of_seeds(const std::vector<Counted>& counted, std::size_t quantity) {
   std::vector<double> means;
   for (const Counted& each : counted) {
@@ -83,7 +83,7 @@ Sample mean_of_seeds(const std::vector<Counted>& counted, std::size_t quantity) 
           .error = mean.standard_error};
 }
 
-/// Of each chain as many draws, evenly spaced, as it has effective ones of this quantity.
+/// Takes evenly spaced draws of each chain, as many as its effective sample size of this quantity.
 Sample thinned(const std::string& way, const Series& series, std::size_t quantity) {
   Sample sample{.way = way, .thinned = {}};
   std::vector<std::vector<double>> chains;
@@ -115,7 +115,7 @@ double p_value(const Sample& a, const Sample& b, std::size_t quantity) {
     ++counts_a.at(static_cast<std::size_t>(value));
   for (const double value : b.thinned)
     ++counts_b.at(static_cast<std::size_t>(value));
-  // Cells of fewer than ten count as one.
+  // Merge cells with fewer than ten draws into one.
   double rare_a = 0;
   double rare_b = 0;
   std::vector<double> a_of;
@@ -127,7 +127,7 @@ double p_value(const Sample& a, const Sample& b, std::size_t quantity) {
   }
   a_of.push_back(rare_a);
   b_of.push_back(rare_b);
-  // All in one cell: nothing to tell apart.
+  // With a single cell, there is nothing to compare.
   const auto is_used = [&](std::size_t cell) { return a_of[cell] + b_of[cell] > 0; };
   std::size_t used = 0;
   for (std::size_t cell = 0; cell < a_of.size(); ++cell)
@@ -142,8 +142,8 @@ std::string request_of(const Arguments& arguments, const std::string& sampler,
                      sampler, stop);
 }
 
-/// The same shares of proposals as a request without a sampler has, and the same constraint unless
-/// another one is given: lambda changes how many draws satisfy, and not the proportions of those.
+/// Uses the shares of proposals of a request without a sampler, and its constraint unless another
+/// is given. Lambda changes how many draws satisfy, but not their proportions.
 std::string sampler_of(const Arguments& arguments, const std::string& keys,
                        std::optional<double> log_lambda) {
   const auto balls =
@@ -174,7 +174,7 @@ std::vector<Way> all_ways(const Arguments& arguments) {
                }};
   };
   std::vector<Way> ways;
-  // Tempering is slowest: it begins first. Plain chains are looser, so that balls come and go.
+  // Tempering is slowest, so it begins first. Plain chains are looser, so that balls come and go.
   ways.push_back(way("tempering",
                      "method = \"parallel_tempering\"\nstart = \"search\"\nchains = 2\n"
                      "iterations_per_scan = 40\nround_scans = 50\n",
@@ -189,8 +189,7 @@ std::vector<Way> all_ways(const Arguments& arguments) {
   return ways;
 }
 
-/// All tasks, so many at a time; from the limit on no other one of those that can be left out
-/// begins.
+/// Runs all tasks, several at a time. After the time limit, no further optional task begins.
 void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be_left_out_from,
              const Arguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
@@ -214,8 +213,7 @@ void run_all(const std::vector<std::function<void()>>& tasks, std::size_t can_be
   }
 }
 
-/// How far chains have come from where they start, scan by scan: the helped balls of those that
-/// satisfy.
+/// Prints how far chains have moved from their start: helped balls of satisfying states by scan.
 void show_burn_in(const Arguments& arguments) {
   std::string keys = "method = \"sequential\"\nburn_in_rounds = 1\nround_scans = 1\n";
   for (const std::string& key : arguments.keys)
@@ -252,12 +250,12 @@ void show_burn_in(const Arguments& arguments) {
   }
 }
 
-/// How far takes are from what long chains draw, in standard deviations of a draw.
+/// Prints the differences between takes and draws of long chains, in standard deviations of a draw.
 void show_relaxed(const Arguments& arguments) {
   const auto balls =
       static_cast<double>(sleight::thesis::balls_of(request_of(arguments, "", "scans = 100")));
   const auto scans = static_cast<std::uint64_t>(1500 * arguments.effort);
-  // Proposals that move drops far bring in helped balls soonest.
+  // Proposals that move drops far produce helped balls soonest.
   const std::string chains = request_of(
       arguments,
       fmt::format("[constraint]\nlog_lambda = {}\n[sampler]\nmethod = \"metropolis_hastings\"\n"
@@ -365,7 +363,7 @@ int main(int argc, char** argv) {
   }
   run_all(tasks, ways.size(), arguments);
 
-  // Of each seed's solutions one: they hang together.
+  // One solution per seed, because a seed's solutions are dependent.
   std::vector<Values> first_of_seed;
   std::vector<Values> any_of_seed;
   std::vector<Values> last_of_seed;

@@ -1,9 +1,9 @@
 // `sleight-sampling-table`: independent satisfying solutions by each method, for docs/MEASUREMENTS.
 //
-// Rows "search, in no proportions", "islands" and "chains from a search, judged" are of worlds that
-// act in stages: balls that spell, and dice, which have no judged chains here. Those of balls have
-// lambda and the shares of proposals as requests without a sampler do, not the scene's lambda: it
-// changes how often a method's draws satisfy, and not the proportions of those that do.
+// Rows "search, in no proportions", "islands" and "chains from a search, judged" are for staged
+// worlds: balls that spell, and dice, which have no judged chains here. Rows of balls use lambda
+// and the shares of proposals of requests without a sampler, not the scene's lambda. Lambda changes
+// how often a method's draws satisfy, but not their proportions.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -52,8 +52,9 @@ struct Row {
   Score score{};
 };
 
-/// Proposals: A.2.2's, with drops that aim, these judged by balls that fall alone first, and those
-/// of requests without a sampler (serve_best in worker/worlds/spelling/request.cpp).
+/// Sets of proposals: A.2.2's; the same with drops that aim; aimed ones judged first by balls that
+/// fall alone; and those of requests without a sampler (serve_best in
+/// worker/worlds/spelling/request.cpp).
 enum class Kernel { a_2_2, aimed, solo, served };
 struct NamedKernel {
   Kernel kernel;
@@ -93,7 +94,7 @@ worlds::spelling::Parameters spelling(const worlds::spelling::Pattern& pattern, 
   return parameters;
 }
 
-/// All balls, anywhere, in a box as it comes.
+/// Drops all balls at random places into an undirected box.
 worlds::spelling::State natural_throw(const Spelling& world, random::Stream& stream) {
   worlds::spelling::State state = world.draw_prior(stream);
   const auto& half_m = world.prior().drop_half_m;
@@ -132,7 +133,7 @@ void add_plans(const Arguments& arguments, const std::string& scene, const std::
   }
 }
 
-/// The scan of islands is of `iterations_per_scan` proposals, and three free islands.
+/// The islands' scan has `iterations_per_scan` proposals and three free islands.
 template <run::StagedWorld World, class Parameters>
 Row islands_row(const Arguments& arguments, const std::string& scene, const Parameters& parameters,
                 std::uint32_t iterations_per_scan) {
@@ -153,8 +154,8 @@ Row search_row(const Arguments& arguments, const std::string& scene, const Param
           }};
 }
 
-/// Methods that act in stages, as requests without a sampler have them (serve_best again); islands
-/// and judged chains whatever the number of balls.
+/// Staged methods with the options of requests without a sampler (serve_best), except that islands
+/// and judged chains run for any number of balls.
 void add_spelling_in_stages(const Arguments& arguments, const std::string& scene,
                             const worlds::spelling::Pattern& pattern, std::vector<Row>& rows) {
   const std::uint32_t balls = pattern.count();
@@ -186,7 +187,7 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
   for (const NamedKernel& each : k_kernels) {
     const auto parameters = spelling(pattern, log_lambda, each.kernel);
     const std::string kernel = each.name;
-    // With solo steps an iteration has a simulation or two already.
+    // With solo steps, an iteration already has one or two simulations.
     const std::uint32_t iterations_per_scan = each.kernel == Kernel::solo ? 1 : 2;
     rows.push_back({scene, "Algorithm 2.1, restarted" + kernel, [=] {
                       return thesis::restarted_chains<Spelling>(parameters, arguments.seed,
@@ -204,7 +205,7 @@ void add_spelling(const Arguments& arguments, const std::string& scene,
   add_spelling_in_stages(arguments, scene, pattern, rows);
 }
 
-/// Throws without direction are those of dice that are numbered before.
+/// Undirected throws use dice that are numbered before the throw.
 void add_dice(const Arguments& arguments, const std::string& scene,
               const worlds::dice::Parameters& parameters, std::uint32_t iterations_per_scan,
               std::vector<Row>& rows) {

@@ -1,5 +1,4 @@
-// How many independent satisfying solutions a method finds for what it simulates, for
-// docs/MEASUREMENTS.
+// Measures a method's independent satisfying solutions per simulation, for docs/MEASUREMENTS.
 #pragma once
 
 #include <ctime>
@@ -32,14 +31,13 @@ struct Score {
   double cpu_s = 0;
 };
 
-/// CPU time of this thread.
 inline double thread_cpu_s() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// A world that counts its simulations. Not thread-safe: each has a count of its own.
+/// A world that counts its simulations. Not thread-safe.
 template <class World>
 struct Counted : World {
   template <class Parameters>
@@ -57,8 +55,8 @@ struct Counted : World {
   std::uint64_t* count_;
 };
 
-/// Algorithm 2.1, restarted from the prior after each first hit: solutions over simulations is one
-/// over the mean simulations to first hit, what the last chain spent in vain included.
+/// Algorithm 2.1, restarted from the prior after each first hit. Solutions over simulations
+/// estimates the inverse mean simulations to the first hit, including the last chain without a hit.
 template <class World, class Parameters>
 Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
                        std::uint64_t simulations) {
@@ -78,7 +76,7 @@ Score restarted_chains(const Parameters& parameters, std::uint64_t seed,
   return score;
 }
 
-/// Throws as nature does, and counts.
+/// Simulates natural throws and counts solutions.
 template <class World, class Parameters, class Throw>
 Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t simulations,
              const Throw& natural) {
@@ -93,13 +91,13 @@ Score throws(const Parameters& parameters, std::uint64_t seed, std::uint64_t sim
   return score;
 }
 
-/// Whether simulations of one ball or die alone count. In the table they do for dice, where the
-/// pools of islands count too, and not for balls: those are in the core-seconds alone.
+/// Whether simulations of single balls or dice count. In the table they count for dice, including
+/// pools of islands, but not for balls, where they are only part of the core-seconds.
 enum class LoneSimulations { counted, left_out };
 
-/// Starts of a search, one after another: its finds are solutions, and not in the proportions of
-/// p_w p_c. Ends early where the method `search` gives up. What the guide is learnt from is in the
-/// core-seconds, not in the simulations.
+/// Starts of a search, one after another. Finds are solutions, but not in the proportions of p_w
+/// p_c. Ends early if the method `search` would give up. Learning the guide adds to the
+/// core-seconds, not to the simulations.
 template <run::StagedWorld World, class Parameters>
 Score searched(const Parameters& parameters, std::uint64_t seed, std::uint64_t simulations,
                LoneSimulations lone) {
@@ -122,7 +120,7 @@ Score searched(const Parameters& parameters, std::uint64_t seed, std::uint64_t s
   return score;
 }
 
-/// A plan, carried out until so much is simulated. Simulations are those that the worker tells.
+/// Runs a plan until the simulations, as reported by the worker, reach a number.
 template <class World, class Parameters>
 Score carried_out(plan::Plan& plan, const Parameters& parameters,
                   const run::ChainWorkerOptions& options, std::uint64_t simulations) {
@@ -166,19 +164,19 @@ enum class Method {
   annealed_importance
 };
 
-/// Ends when enough is simulated.
+/// The number of simulations ends the run.
 inline constexpr sampling::StopRule k_no_stop{
     .scans = std::uint64_t{1} << 40U, .rounds = {}, .independent_solutions = {}};
 
-/// Parallel tempering by many ladders side by side, of which each ends soon after its first states
-/// have come down from the prior: evenly spaced temperatures, the first round's throughout.
+/// Parallel tempering by many parallel ladders, each ended soon after its first states have reached
+/// the coolest level. Temperatures are evenly spaced and stay those of the first round.
 inline std::unique_ptr<plan::Plan> short_ladders(sampling::LadderOptions ladder,
                                                  std::uint64_t simulations) {
   constexpr std::uint32_t k_levels = 8;
   constexpr std::uint64_t k_simulations_each = 3000;
   ladder.first_ladder = sampling::first_ladder(k_levels, 1);
   ladder.levels_chosen = false;
-  ladder.round_scans = k_simulations_each;  // longer than any lasts
+  ladder.round_scans = k_simulations_each;  // longer than any ladder runs
   const auto ladders = static_cast<std::uint32_t>(simulations / k_simulations_each);
   return std::make_unique<sampling::ParallelTempering>(sampling::ParallelTemperingOptions{
       .ladders = std::max(1U, ladders), .ladder = ladder, .stop = k_no_stop});
@@ -200,11 +198,11 @@ inline std::unique_ptr<plan::Plan> plan_of(Method method, const sampling::Ladder
       .chains = 1, .ladder = ladder, .burn_in_rounds = 3, .stop = k_no_stop, .go_on = go_on});
 }
 
-/// Particles of an island, as requests without a sampler have them.
+/// Particles per island, as in requests without a sampler.
 inline constexpr std::uint32_t k_particles = 32;
 
-/// `sequential`, as short words have it: one chain that goes on tours, whose last scans alone are
-/// draws. A tour that is cut short has no solution.
+/// `sequential` with the options for short words: one chain of tours, with draws only at their last
+/// scans. An unfinished tour has no solution.
 inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
   constexpr std::uint64_t k_tour_scans = 16;
   return std::make_unique<sampling::RestartedChains>(
@@ -215,8 +213,7 @@ inline std::unique_ptr<plan::Plan> islands(std::uint64_t seed) {
                                        .independent_solutions = {}});
 }
 
-/// Chains that start from a search, with a burn-in that is judged. Those of a tour that is cut
-/// short have no solutions.
+/// Chains that start from a search, with a judged burn-in. Unfinished tours have no solutions.
 inline std::unique_ptr<plan::Plan> judged_chains(std::uint64_t seed,
                                                  std::vector<sampling::BurnInValue> judged) {
   return std::make_unique<sampling::JudgedChains>(

@@ -1,5 +1,4 @@
-// `sleight-reuse-table`: what simulations made from those of similar states save, by the kind of
-// proposal, for docs/MEASUREMENTS.
+// `sleight-reuse-table`: what reuse of similar states saves, by proposal, for docs/MEASUREMENTS.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -31,7 +30,7 @@ struct Events {
   std::uint64_t simulated = 0;
 };
 
-/// Spelling balls of which each candidate is simulated as a whole, too. Not thread-safe.
+/// Spelling balls whose candidates are also simulated from scratch. Not thread-safe.
 struct Observed : Spelling {
   Observed(const worlds::spelling::Parameters& parameters, Events& last)
       : Spelling(parameters), last_(&last) {}
@@ -56,8 +55,8 @@ struct Tally {
   std::uint64_t iterations = 0;
   std::uint64_t simulations = 0;
   Events events;
-  double replayed_s = 0;  ///< time of iterations, with reuse
-  double fresh_s = 0;     ///< without
+  double replayed_s = 0;  ///< time of iterations with reuse
+  double fresh_s = 0;     ///< time without reuse
   void add(const Tally& other) {
     iterations += other.iterations;
     simulations += other.simulations;
@@ -69,8 +68,7 @@ struct Tally {
 };
 using Tallies = std::array<Tally, k_kinds>;
 
-/// One chain of Algorithm 2.1, with reuse and without by turns, so that a machine that changes its
-/// speed does so for both.
+/// Alternates one chain of Algorithm 2.1 with and without reuse, as the machine's speed may vary.
 Tallies timed_chain(const worlds::spelling::Parameters& parameters, std::uint64_t seed,
                     std::uint64_t iterations) {
   constexpr std::uint64_t k_turn = 200;
@@ -99,7 +97,7 @@ Tallies timed_chain(const worlds::spelling::Parameters& parameters, std::uint64_
   return tallies;
 }
 
-/// The same chain, for the events of its simulations.
+/// Runs the same chain and counts the events of its simulations.
 void count_events(const worlds::spelling::Parameters& parameters, std::uint64_t seed,
                   std::uint64_t iterations, Tallies& tallies) {
   const sampling::ChainStreams streams{.seed = seed, .chain = {}, .replica = {}};

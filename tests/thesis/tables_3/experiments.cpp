@@ -23,10 +23,10 @@ using physics::Tick;
 namespace scenes = physics::scenes;
 
 constexpr double k_thesis_box_half_m = 5.25;
-/// The list's scene starts its bodies this far from the walls, or further.
+/// Least distance from the walls at which the list's scene starts its bodies.
 constexpr double k_from_wall_m = 0.52;
 
-/// The list's scene has the density of 64 bodies in the thesis's box; the thesis kept its box.
+/// The list's scene has the density of 64 bodies in the thesis's box. The thesis used one box size.
 scenes::Setting in_the_thesis_box(std::uint32_t bodies, std::uint64_t seed) {
   scenes::Setting setting = scenes::boxed_polyhedra(bodies, seed);
   const double half_m = -setting.scene.planes.front().outside.offset_m;

@@ -1,8 +1,8 @@
-// The thesis's two experiments (3.3), measured: events and time of both algorithms.
+// Measures the thesis's two experiments (3.3): events and time of both algorithms.
 //
-// Each number of bodies is run with several seeds, and the means count, as in the thesis. CPU time
-// of the thread, start included; nothing is recorded.
-// Thread safety: pure functions, but for the clock.
+// Each number of bodies runs with several seeds, and results are means, as in the thesis. CPU time
+// is the thread's, including the start, without recording. Thread safety: pure functions, except
+// for the clock.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +20,13 @@ struct Experiment {
   std::uint64_t seeds = 1;  ///< 1, 2, ... up to this
 };
 
-/// Polyhedra in a box of 10.5 m, whatever their number, for `duration_s`.
+/// Polyhedra in a box of 10.5 m, for any number of bodies, for `duration_s`.
 Experiment boxed_polyhedra(double duration_s);
-/// Grains through the funnel, until 5 s after the last one has started or for `duration_s_max`.
+/// Grains fall through the funnel until 5 s after the last start, for at most `duration_s_max`.
 Experiment hourglass(double duration_s_max);
 
-/// One row, by both algorithms. Throws base::Error when a simulation fails, or when the two
-/// algorithms' simulations differ in the number of collisions.
+/// Measures one row by both algorithms. Throws base::Error if a simulation fails, or if the
+/// algorithms' numbers of collisions differ.
 Row measure(const Experiment& experiment, std::uint32_t n);
 
 }  // namespace sleight::thesis

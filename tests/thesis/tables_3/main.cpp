@@ -1,4 +1,4 @@
-// `sleight-tables-3`: tables 3.1 and 3.2 and figures 3.8 and 3.10 of the thesis, made again.
+// `sleight-tables-3`: reproduces tables 3.1 and 3.2 and figures 3.8 and 3.10 of the thesis.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -37,7 +37,6 @@ struct Table {
   Experiment experiment;
 };
 
-/// Columns of a row of ours, and beside them the thesis's.
 void print(const Row& row, const Row& thesis) {
   fmt::print(
       "| {} | {:.0f} | {:.0f} | {:.5f} | {:.4g} | {:.0f} | {:.5f} | {:.4g} | {:.1f} | {:.0f} | "
@@ -90,7 +89,7 @@ void reproduce(const Table& table, const Arguments& arguments) {
 }
 
 void reproduce_all(const Arguments& arguments) {
-  (void)plot::notes_of(arguments.notes);  // refuses bad ones before the long runs
+  (void)plot::notes_of(arguments.notes);  // reject invalid notes before the long runs
   Table box{.number = "3.1",
             .name = "Table 3.1: polyhedra in a box, 1000 s simulated",
             .file = "table_3_1.csv",

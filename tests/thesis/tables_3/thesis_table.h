@@ -1,8 +1,8 @@
-// The thesis's numbers beside which ours are printed: table_3_1.csv and table_3_2.csv.
+// The thesis's numbers, printed beside ours: table_3_1.csv and table_3_2.csv.
 //
-// A file is lines of `#` that name its source, the heading k_heading, and a row of seven numbers
-// for each number of bodies, which grows. A table that is missing or reads otherwise is an error:
-// no column is left empty. Thread safety: pure, but for the file.
+// A file has `#` lines that name its source, the heading k_heading, and a row of seven numbers for
+// each number of bodies, in ascending order. A missing or invalid table is an error, so no column
+// is left empty. Thread safety: pure, except for the file.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace sleight::thesis {
 
-/// Means over runs of one algorithm at one number of bodies: three columns of a table.
+/// Means over runs of one algorithm for one number of bodies: three columns of a table.
 struct Cost {
   double events = 0;
   double total_s = 0;
@@ -23,23 +23,22 @@ struct Row {
   std::uint32_t n = 0;
   Cost sync;
   Cost async;
-  double collisions = 0;  ///< mean, of two bodies and of static geometry, equal for both
-                          ///< algorithms; the thesis doesn't tell it
+  double collisions = 0;  ///< mean, of two bodies and with static geometry; the same for both
+                          ///< algorithms; not in the thesis
   double speed_up() const { return sync.total_s / async.total_s; }
 };
 
 inline constexpr std::string_view k_heading =
     "n,sync_events,sync_ms_per_event,sync_s,async_events,async_ms_per_event,async_s";
 
-/// Throws base::Error, with file and line, if there is no such file, its heading or a row reads
-/// otherwise, events times the time of one are not the time of all to k_rounding, or it has no
-/// rows.
+/// Throws base::Error with file and line if the file, its heading or a row is invalid, if it has no
+/// rows, or if events times the time per event differ from the total time by more than k_rounding.
 std::vector<Row> read_thesis_table(const std::string& path);
 
-/// The row of n bodies. Throws base::Error, with the file's `path`, if there is none.
+/// The row of n bodies. Throws base::Error with the file's `path` if there is none.
 const Row& row_of(const std::vector<Row>& table, std::uint32_t n, const std::string& path);
 
-/// Of the thesis's printed numbers, relative.
+/// Relative rounding error of the thesis's printed numbers.
 inline constexpr double k_rounding = 1e-4;
 
 }  // namespace sleight::thesis
