@@ -1,4 +1,4 @@
-// The 2D ball: one simulation, one iteration of Algorithm 2.1, and one scan as runs make it.
+// The 2D ball: one simulation, one iteration of Algorithm 2.1, and one scan as in runs.
 #include <benchmark/benchmark.h>
 
 #include "tests/bench/harness.h"

@@ -1,4 +1,4 @@
-// Broad phases: one move of one body's box, in a gas and in a heap.
+// Broad phases: a move of one body's box, in a gas and in a heap.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ namespace {
 using physics::BodyId;
 using physics::Box;
 
-/// Balls of diameter 1 about places of a lattice, each in a box 1.3 wide, and moves of them.
+/// Balls of diameter 1 near places of a lattice, each in a box 1.3 wide, and their moves.
 struct Balls {
   using Point = std::array<double, 3>;
   std::array<double, 3> period_m{};
@@ -31,7 +31,7 @@ struct Balls {
 };
 
 constexpr double k_box_m = 1.3;
-/// Enough that on each axis ends of boxes pass each other also where places lie in straight rows.
+/// Large enough that box ends pass each other on each axis, even for places in straight rows.
 constexpr double k_loose_m = 0.3;
 constexpr std::size_t k_moves = 1 << 16;
 constexpr std::size_t k_moves_verified = 2000;
@@ -101,7 +101,6 @@ Balls clustered(std::uint32_t n) {
   return moving(places, k_loose_m);
 }
 
-/// The lists that a simulator keeps.
 class Neighbours {
  public:
   explicit Neighbours(std::size_t bodies) : lists_(bodies) {
@@ -128,7 +127,7 @@ class Neighbours {
       sum += list.size();
     return static_cast<double>(sum) / static_cast<double>(lists_.size());
   }
-  /// Of the set of pairs, whatever the order in the lists.
+  /// Hash of the set of pairs, independent of the order in lists.
   std::uint64_t hash() const {
     ResultHash hash;
     for (std::uint64_t body = 0; body < lists_.size(); ++body) {
@@ -189,8 +188,7 @@ constexpr Case k_cases[] = {
     {"clustered", clustered, 10648, 0x0b5208b37faa2759U},
 };
 
-// The numbers of iterations are fixed, as each further attempt would build the scene again, which
-// takes sweep-and-prune a second or two.
+// Iterations are fixed, since each attempt builds a scene (a second or two in sweep-and-prune).
 template <physics::BroadPhase Structure>
 void add(const char* structure, double iterations_over_n, std::int64_t most) {
   for (const Case& one : k_cases) {

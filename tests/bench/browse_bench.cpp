@@ -1,8 +1,8 @@
-// Browsing 5,000 animations of a bouncing body, 64 pieces of path each: what a person waits for.
+// Browsing 5,000 animations of a bouncing body with 64 path pieces each, which a person waits for.
 //
-// A question of `find` is a box of some centimetres in a tenth of a second. `find_slowly` asks the
-// same, of fewer animations, in the plain way of tests/browse. `items_per_second` counts animations
-// looked at, or pairs of `matrix`.
+// `find` searches a box of some centimetres within a tenth of a second. `find_slowly` does the same
+// for fewer animations with the plain reference of tests/browse. `items_per_second` counts
+// animations examined, or pairs for `matrix`.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

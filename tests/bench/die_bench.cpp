@@ -1,5 +1,5 @@
-// One die of 16 mm, thrown as in the peers' scene "die", to rest on a bumpy table that is a spline
-// as it is: a bicubic B-spline over control points 21 mm apart and up to 1 mm high or deep.
+// A die of 16 mm, thrown as in the peers' scene "die", comes to rest on a bumpy table. The table is
+// an exact bicubic B-spline over control points 21 mm apart and up to 1 mm high or deep.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -23,7 +23,7 @@ constexpr double k_side_m = 0.016;
 constexpr double k_mass_kg = 1200 * k_side_m * k_side_m * k_side_m;
 constexpr std::int32_t k_half_points = 12;  ///< the table is 0.5 m wide; flat beyond
 
-/// The peers' table has one set of control points, too.
+/// One set of control points, like the peers' table.
 class Bumps final : public SurfaceControls {
  public:
   Bumps() {
@@ -85,7 +85,7 @@ Scene table() {
   return scene;
 }
 
-/// To rest, or for 6 s, as the peers.
+/// Simulates until rest, or for 6 s like the peers.
 Pose rest_of(Scene& scene, std::uint64_t number) {
   scene.bodies[0].start = throw_of(number);
   auto started = Simulation::start(scene, {.record = false});

@@ -1,8 +1,8 @@
-// Distances between convex pieces: most of the time of a scene of polyhedra.
+// Distances between convex pieces, which take most of the time in scenes of polyhedra.
 //
-// Two equal bodies of size 1 tumble past one another for 1,024 steps, each of 0.005 of the size and
-// 0.02 rad, never closer than 0.01. Poses are made before; an item is one distance. Cold starts
-// from nothing at every step, warm remembers the last step's features.
+// Two equal bodies of size 1 tumble past each other in 1,024 steps of 0.005 sizes and 0.02 rad,
+// never closer than 0.01. Poses are computed in advance; an item is one distance. Cold searches
+// start from scratch at every step, and warm searches from the last step's features.
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -27,7 +27,7 @@ struct Step {
   PlacedPose b;
 };
 
-// A turns in place; B turns faster and passes, coming as close as the bodies' radii allow.
+// A turns in place. B turns faster and passes, as close as the bodies' radii allow.
 std::vector<Step> passage(const physics::ConvexPolyhedron& body) {
   std::vector<Step> steps;
   const auto pose = [](const Vec3& rotation_rad, const Vec3& position_m) {
@@ -72,7 +72,7 @@ void warm(benchmark::State& state, const physics::ConvexPolyhedron& body, std::u
   physics::SeparationCache cache;
   for (const Step& step : steps)
     add(hash, physics::closest_warm(view, step.a, view, step.b, cache));
-  // Forth and back, so that no step is a jump.
+  // Go back and forth, so that no step is a jump.
   std::size_t i = 0;
   bool back = false;
   cache = {};

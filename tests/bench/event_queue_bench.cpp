@@ -1,9 +1,9 @@
-// The event queues under the load of a gas of hard spheres: a step takes the least event, gives its
-// body and another a new event after an exponential wait, and moves the events of six more a
-// little.
+// The event queues under the load of a gas of hard spheres. A step removes the least event, gives
+// its body and another one a new event after an exponential wait, and slightly moves the events of
+// six more bodies.
 //
-// Bodies are drawn anywhere, so caches see the worst of it; in a simulation neighbours would tend
-// to be near in memory, and many of the six would keep their event.
+// Bodies are drawn uniformly, which is the worst case for caches. In a simulation, neighbours tend
+// to be close in memory, and many of the six would keep their event.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -29,11 +29,11 @@ using physics::Slot;
 using physics::Tick;
 using physics::TickCount;
 
-/// Between two events of one body: 0.1 s.
+/// Mean time between two events of one body: 0.1 s.
 constexpr double k_mean_wait_ticks = 0.1 * physics::k_ticks_per_second;
 constexpr std::size_t k_changed = 6;
 
-/// What chance decides in a step, drawn beforehand so that the queue alone is timed.
+/// Random choices of a step, drawn in advance so that only the queue is timed.
 struct Step {
   std::array<TickCount, 2> waits{};
   std::array<std::int32_t, k_changed> shifts{};
@@ -92,7 +92,7 @@ class Gas {
   std::size_t next_ = 0;
 };
 
-/// The hash of the first events, of any queue: their order is no choice.
+/// Hash of the first events, the same for any queue.
 std::uint64_t expected_hash(std::uint32_t slots) {
   switch (slots) {
     case 64:

@@ -5,7 +5,7 @@
 namespace sleight::bench {
 namespace {
 
-// Google Benchmark has no way to hand a failure to main.
+// Google Benchmark can't report a failure to main.
 bool wrong = false;
 
 }  // namespace

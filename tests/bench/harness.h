@@ -1,4 +1,4 @@
-// What the benchmarks share: each verifies a hash of its results, or it does not count.
+// Shared by benchmarks: each verifies a hash of its results, or it doesn't count.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -27,11 +27,10 @@ class ResultHash {
   std::uint64_t value_ = 0xcbf29ce484222325U;
 };
 
-/// Compares the hash of one fixed piece of work with the known one; a difference is an error of the
+/// Compares the hash of a fixed piece of work with the known one. A difference is an error of the
 /// benchmark and of the whole program. REQUIRES: called once for each run of a benchmark.
 void verify(benchmark::State& state, std::uint64_t hash, std::uint64_t expected);
 
-/// Whether any benchmark had a wrong hash.
 bool any_wrong();
 
 }  // namespace sleight::bench

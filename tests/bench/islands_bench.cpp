@@ -1,6 +1,5 @@
-// Free islands of 32 particles (worker/sampling/island.h), from a guide that is learnt before:
-// islands a second, as items, and the simulations of one. Balls that are simulated alone are not
-// among these; dice thrown alone are.
+// Free islands of 32 particles (worker/sampling/island.h) with a guide learnt in advance: islands
+// per second as items, and simulations per island, including single dice but no single balls.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -20,7 +19,7 @@ using worlds::dice::StagedDice;
 
 constexpr sampling::ChainStreams k_streams{.seed = 1, .chain = {}, .replica = {}};
 
-/// With log lambda as requests without a sampler have it.
+/// Uses log lambda of requests without a sampler.
 StagedSpelling world_of(const spelling::Pattern& pattern, double log_lambda) {
   spelling::Parameters parameters;
   parameters.pattern = pattern;
@@ -28,8 +27,7 @@ StagedSpelling world_of(const spelling::Pattern& pattern, double log_lambda) {
   return StagedSpelling(parameters);
 }
 
-/// `hashed` islands decide the hash, by all bits of log Z and of the states that are drawn; more
-/// are made while it is measured.
+/// Hashes all bits of log Z and drawn states of the first `hashed` islands.
 template <class World>
 void islands(benchmark::State& state, const World& world, std::uint64_t hashed,
              std::uint64_t expected) {

@@ -11,7 +11,7 @@
 
 namespace {
 
-/// Names as a person types them, "store" or "ball_2d/chain", to one regular expression.
+/// Converts names such as "store" or "ball_2d/chain" to one regular expression.
 std::string filter_of(const std::vector<std::string>& names) {
   std::string filter;
   for (const std::string& name : names)
@@ -19,7 +19,7 @@ std::string filter_of(const std::vector<std::string>& names) {
   return filter.empty() ? "." : filter;
 }
 
-/// Scenes of many bodies, which take seconds to minutes: all else.
+/// All benchmarks except scenes of many bodies, which take seconds to minutes.
 constexpr const char* k_all_but_large =
     "-^(box/.*/(512|4096)|hourglass/.*/([4-9]0|100|1000)|wall/|broad_phase/.*/10648)";
 

@@ -1,4 +1,4 @@
-// Free flight: what every search and every bounding volume evaluates.
+// Free flight, which every search and every bounding volume evaluates.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -40,7 +40,7 @@ Inertia inertia_of(InertiaSymmetry symmetry) {
   return {.mass_kg = 1, .principal_kgm2 = Vec3(1, 1.6, 2.1), .symmetry = symmetry};
 }
 
-/// A second of flight, in questions that are so many ticks apart.
+/// Evaluates a second of flight at ticks `apart` apart.
 void orientations(benchmark::State& state, InertiaSymmetry symmetry, TickCount apart,
                   std::uint64_t expected) {
   const Inertia inertia = inertia_of(symmetry);
@@ -62,9 +62,9 @@ void orientations(benchmark::State& state, InertiaSymmetry symmetry, TickCount a
   verify(state, hash.value(), expected);
 }
 
-/// As in a search: about 0.03 rad apart.
+/// About 0.03 rad apart, as in a search.
 constexpr TickCount k_near = TickCount{1} << 20;
-/// Each in another step of a general body.
+/// Far enough apart that each is in another step of a general body.
 constexpr TickCount k_far = TickCount{1} << 23;
 
 void spherical(benchmark::State& state) {

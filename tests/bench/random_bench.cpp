@@ -1,4 +1,4 @@
-// Random numbers and elementary functions: every simulation pays for these.
+// Random numbers and elementary functions, which every simulation uses.
 #include <benchmark/benchmark.h>
 
 #include "common/math/elementary.h"

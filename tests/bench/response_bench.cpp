@@ -1,4 +1,4 @@
-// Impacts: what every collision of a simulation pays for.
+// Impacts, which every collision of a simulation computes.
 #include <benchmark/benchmark.h>
 
 #include <cstddef>
@@ -29,7 +29,7 @@ physics::Twist random_twist(random::Stream& stream) {
   return twist;
 }
 
-/// Runs a law over the cases in turn; the hash is of one pass.
+/// Runs a law over the cases in turn. The hash covers one pass.
 template <class Input, class Law>
 void run(benchmark::State& state, const std::vector<Input>& cases, const Law& law,
          std::uint64_t expected) {
@@ -76,7 +76,7 @@ void sphere(benchmark::State& state) {
 }
 BENCHMARK(sphere)->Name("response/sphere");
 
-/// As a gas of hard spheres calls it: velocities only.
+/// Velocities only, as in a gas of hard spheres.
 void sphere_velocities(benchmark::State& state) {
   const std::vector<physics::SphereImpactInput> cases = sphere_cases(0);
   const auto law = [&](const physics::SphereImpactInput& input) {
@@ -118,8 +118,7 @@ void sphere_frictionless(benchmark::State& state) {
 }
 BENCHMARK(sphere_frictionless)->Name("response/sphere_frictionless");
 
-/// Boxes of 2 x 3 x 5 cm that meet at a point about their corners' distance away; one of them, or
-/// the floor and one.
+/// Boxes of 2 x 3 x 5 cm that meet near their corners: two boxes, or a box and the floor.
 std::vector<physics::RigidImpactInput> rigid_cases(bool on_floor) {
   const double mass_kg = 0.03;
   const physics::Vec3 sides_m(0.02, 0.03, 0.05);
@@ -143,7 +142,7 @@ std::vector<physics::RigidImpactInput> rigid_cases(bool on_floor) {
     }
     input.normal = direction.draw(stream);
     input.law = {.restitution = 0.5, .friction = 0.4};
-    // What does not approach along the normal does so against it.
+    // Reverse the normal if the bodies separate along it.
     if (rigid_impact(input).regime == physics::ImpactRegime::separating) {
       input.normal = -input.normal;
     }

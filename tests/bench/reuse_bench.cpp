@@ -1,16 +1,16 @@
-// What it costs to keep a simulation's history, and what it saves (docs/SIMULATOR.md, "Replay of
-// an earlier simulation").
+// The cost of keeping a simulation's history, and its benefit (docs/SIMULATOR.md, "Replay of an
+// earlier simulation").
 //
-// A row runs the same scene in two ways in turn, and says how long the one took (`whole_ms`, a
-// recorded simulation of everything, CPU time) and the other (`ms`), the start and the making of
-// the new history included.
+// A row alternates between two ways to run a scene. It reports CPU times of a recorded simulation
+// from scratch (`whole_ms`) and of the other way (`ms`), including the start and the new history.
 //   keep   a simulation that keeps its history
-//   all    everything differs: with the history of another scene that is of no use, against without
-//   early  one body starts otherwise, or is kicked, at the beginning: all that mixes is simulated
+//   all    everything differs: with a useless history of another scene, or without
+//   early  one body starts differently, or is kicked, at the beginning: in scenes that mix,
+//          everything is simulated
 //   half   the same half-way
 //   late   the same after nine tenths
-// In rows that replay both keep their histories, as in a chain of proposals; in `all` neither does.
-// What is verified is the digest of the recording, which is that of the simulation of everything.
+// In rows that replay, both ways keep their histories, as in a chain of proposals. In `all` neither
+// does. The verified hash is the recording's digest, which equals that from scratch.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -79,7 +79,7 @@ std::uint64_t digest_of(const Scene& scene, double duration_s,
   return simulation.recording().digest();
 }
 
-/// A proposal that changes one body after a share of the time, or all at once.
+/// A proposal that changes one body after a fraction of the time, or all at once.
 Scene changed(const Subject& subject, const Scene& before, Row row) {
   Scene scene = before;
   if (row == Row::all) {

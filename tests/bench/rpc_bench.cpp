@@ -1,13 +1,12 @@
-// How fast calls and news are: the transport alone, before a handler in memory.
+// Speed of calls and events: only the transport, with a handler in memory.
 //
-//   sleight-rpc-bench            8 processes ask for a job's status; 100 watchers hear events; a
-//   file
-//                                is fetched. Prints calls a second, latencies and MB a second.
-//   sleight-rpc-bench --check    shortly; that all answers are right, times are no test
+//   sleight-rpc-bench            8 processes request a job's status, 100 watchers receive
+//                                events, a file is fetched. Prints calls/s, latencies, MB/s.
+//   sleight-rpc-bench --check    A short run that tests all answers, but no times.
 //
-// The server is a process of its own, as the clients of the first part are; watchers are threads.
-// An event's latency is from when the server's process can first see it (it looks every 0.5 ms) to
-// the watcher's sink.
+// The server is a process of its own, as are the clients of the first part. Watchers are threads.
+// An event's latency begins when the server's process can first see the event (it looks every 0.5
+// ms) and ends when the watcher's sink receives it.
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -50,7 +49,7 @@ void print_times(const std::string& what, std::vector<double> times_s) {
              1e3 * at_share(times_s, 0.5), 1e3 * at_share(times_s, 0.99), 1e3 * times_s.back());
 }
 
-/// A client's process: asks for so long, and writes how long each answer took.
+/// A client process: calls for `seconds` seconds, and writes each call's latency.
 [[noreturn]] void ask_for_status(const std::string& socket, double seconds, int write_to) {
   Client client(socket);
   const base::SteadyClock clock;
@@ -98,7 +97,7 @@ void measure_status(const std::string& socket, double seconds) {
   print_times("a status call", std::move(times_s));
 }
 
-/// Takes the time at which each event comes.
+/// Records the time of each event.
 class Stopwatch final : public WatchSink {
  public:
   Stopwatch(const std::vector<std::atomic<double>>& told_s, std::vector<double>& latencies_s)

@@ -1,5 +1,5 @@
-// Pourings built ball by ball (worker/worlds/spelling/pouring_builder.h), from a map of landings
-// that is learnt before: solutions a second, as items. And that map. And six dice, built die by die
+// Pourings built ball by ball (worker/worlds/spelling/pouring_builder.h) from a map of landings
+// learnt in advance: solutions per second as items. Also that map, and six dice built die by die
 // (worker/worlds/dice/throw_stages.h).
 #include <benchmark/benchmark.h>
 
@@ -17,7 +17,7 @@ namespace spelling = worlds::spelling;
 using spelling::Spelling;
 
 constexpr std::uint64_t k_seed = 1;
-/// 2,000 balls: more make no pouring cheaper.
+/// 2,000 balls. More balls make no pouring cheaper.
 constexpr std::uint64_t k_batches = 20;
 
 Spelling world_of(const spelling::Pattern& pattern) {
@@ -30,8 +30,7 @@ spelling::Pattern word(const char* letters) {
   return spelling::pattern_of_word(letters, spelling::Font::rows_5).value();
 }
 
-/// Goes on with the search while it is measured, from the start of this number on; `guesses` is the
-/// counter's name.
+/// Continues the search from start `number` while it is measured. `guesses` is the counter's name.
 template <class Find>
 void measure(benchmark::State& state, const Find& find, std::uint64_t number,
              sampling::SearchEffort& effort, const char* guesses) {
@@ -45,7 +44,7 @@ void measure(benchmark::State& state, const Find& find, std::uint64_t number,
   state.counters[guesses] = static_cast<double>(effort.guesses) / each;
 }
 
-/// `hashed` pourings decide the hash; more are made while it is measured.
+/// Hashes the first `hashed` pourings. The measurement makes more.
 void search(benchmark::State& state, const spelling::Pattern& pattern, std::uint64_t hashed,
             std::uint64_t expected) {
   const Spelling world = world_of(pattern);
@@ -96,7 +95,7 @@ void search_six_dice(benchmark::State& state) {
 }
 BENCHMARK(search_six_dice)->Name("search/six_dice")->Unit(benchmark::kMillisecond);
 
-/// A batch of lone balls in the box of ACM.
+/// A batch of single balls in the box of ACM.
 void landings(benchmark::State& state) {
   const Spelling world = world_of(word("ACM"));
   ResultHash hash;

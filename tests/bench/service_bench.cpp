@@ -1,9 +1,9 @@
-// How many calls a second a daemon answers: durable submits, and status with many jobs.
+// Calls per second that a daemon answers: durable submits, and status with many jobs.
 //
 //   sleight-service-bench SOCKET SUBMITS SECONDS
 //
-// 8 processes together submit so many jobs, each waiting until its own is durable; then they ask
-// for the status of jobs all over for so long. The daemon is a running one (service_figures.py).
+// 8 processes together submit SUBMITS jobs, each waiting until its job is durable. Then they
+// request the status of random jobs for SECONDS. The daemon must be running (service_figures.py).
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,7 +28,7 @@ constexpr const char* k_request =
 
 using Times = std::vector<double>;
 
-/// What each of k_clients processes took for its calls.
+/// Collects the call times of each of k_clients processes.
 Times in_processes(const std::function<Times(int client)>& calls) {
   std::vector<int> from;
   for (int client = 0; client < k_clients; ++client) {

@@ -1,13 +1,13 @@
 // The event-driven simulator on the thesis's two experiments (3.3) and on gases of spheres.
 //
-// A row of box/, hourglass/ or wall/ starts a simulation and runs it, without a recording; before
-// that it runs the beginning of it once with one, whose digest is what is verified: the same for
-// both algorithms. sync is Algorithm 3.4 with a complete sort of all extents, which on these scenes
-// is faster than the same algorithm on the grid (sync_grid, to compare). Rows of a size simulate
-// the same time, so that total times compare (hourglass/1000 a twentieth of a second of it); sync
-// rows say how many times longer they took than async did in the same run of the program. Rows that
-// take more than about a second are timed only when they, or their scene, are asked for by name;
-// their hashes are verified always.
+// A row of box/, hourglass/ or wall/ times a simulation without a recording. Before that, it runs
+// the beginning once with a recording, whose digest it verifies; both algorithms have the same
+// digest. sync is Algorithm 3.4 with a complete sort of all extents, which is faster on these
+// scenes than the same algorithm on the grid (sync_grid, for comparison). Rows of one size simulate
+// the same time, so total times are comparable (hourglass/1000 simulates a twentieth of a second).
+// sync rows report the ratio to async in the same run of the program. Rows of more than about a
+// second are timed only if they, or their scene, are requested by name. Their hashes are always
+// verified.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ SimulationOptions options_of(Way way, bool record) {
   return options;
 }
 
-/// Nothing if the simulation fails, after an error of the benchmark.
+/// Returns nothing after a benchmark error if the simulation fails.
 std::optional<Simulation> simulated(benchmark::State& state, const physics::Scene& scene,
                                     const SimulationOptions& options, double duration_s) {
   auto started = Simulation::start(scene, options);
@@ -79,10 +79,10 @@ struct Experiment {
   std::uint32_t n;
   double duration_s;  ///< 0: the scene's own
   double verified_s;
-  bool long_async;  ///< timed only by name
+  bool long_async;  ///< timed only when requested by name
   bool long_sync;
   std::uint64_t digest;  ///< of the recording up to verified_s
-  /// If not 0, timed from here on only, for duration_s.
+  /// If not 0, timing starts here and lasts duration_s.
   double from_s = 0;
 };
 
@@ -94,7 +94,7 @@ constexpr Experiment k_experiments[] = {
     {"box", scenes::boxed_polyhedra, 16, 100, 10, false, false, 0x482f495f6497c650U},
     {"box", scenes::boxed_polyhedra, 32, 100, 10, false, false, 0x3d6ea41aa7311758U},
     {"box", scenes::boxed_polyhedra, 64, 100, 10, false, false, 0x3f8a130a2dc87871U},
-    // At least ten collisions a body.
+    // At least ten collisions per body.
     {"box", scenes::boxed_polyhedra, 512, 40, 2, false, true, 0xf34d0f773bc47a6cU},
     {"box", scenes::boxed_polyhedra, 4096, 45, 0.25, true, true, 0xa5022b9348d23a3bU},
     {"hourglass", scenes::hourglass, 10, 0, 1.5, false, false, 0x2f83a5fc1c9c632cU},
@@ -107,18 +107,16 @@ constexpr Experiment k_experiments[] = {
     {"hourglass", scenes::hourglass, 80, 0, 1.5, true, true, 0xadca263c862d47d6U},
     {"hourglass", scenes::hourglass, 90, 0, 1.5, true, true, 0x343444faf712f6e5U},
     {"hourglass", scenes::hourglass, 100, 0, 1.5, true, true, 0x1ce8b39c1df40df0U},
-    // Round bodies.
     {"round_solids", scenes::round_solids, 12, 0, 1, false, true, 0x33e4dfda7fbc0944U},
     {"bowling", scenes::bowling, 11, 0, 1, false, true, 0x26de07c6d97275fcU},
-    // Two hundred bricks, and the ball that makes them fall.
+    // Two hundred bricks, and the ball that knocks them down.
     {"wall", scenes::wall, 201, 0.75, 0.03, true, true, 0xdf661de415c33449U},
-    // All grains have started, and the last ones fall on the heap: the whole of it takes the
+    // All grains have started, and the last ones fall on the heap. The whole simulation takes the
     // asynchronous algorithm minutes, and the synchronous one an hour.
     {"hourglass", scenes::hourglass, 1000, 0.05, 1.5, true, true, 0x4929c940aa320193U, 50},
 };
 
-/// CPU seconds of one asynchronous run of each experiment, or of one of its events where parts are
-/// timed, as far as measured in this program.
+/// CPU seconds of one asynchronous run of each measured experiment, or of one event of its parts.
 std::map<const Experiment*, double>& async_seconds() {
   static std::map<const Experiment*, double> seconds;
   return seconds;
@@ -141,13 +139,12 @@ void count(benchmark::State& state, const Counts& counts, double duration_s, dou
   state.counters["simulated_s_per_s"] = duration_s * runs / cpu_s;
 }
 
-/// What a row did, over all its runs.
 struct Timed {
   Counts counts;  ///< of the last run
   double cpu_s = 0;
 };
 
-/// Whole runs, the start included.
+/// Times whole runs, including the start.
 std::optional<Timed> time_whole(benchmark::State& state, const physics::Scene& scene, Way way,
                                 double duration_s) {
   Timed timed;
@@ -161,8 +158,8 @@ std::optional<Timed> time_whole(benchmark::State& state, const physics::Scene& s
   return timed;
 }
 
-/// A part of a long simulation. The rows of an experiment share that simulation: each goes on where
-/// the last one stopped.
+/// Times a part of a long simulation. The rows of an experiment share that simulation: each
+/// continues where the last one stopped.
 std::optional<Timed> time_part(benchmark::State& state, const Experiment& experiment,
                                const physics::Scene& scene, Way way) {
   static std::map<const Experiment*, Simulation> shared;
@@ -202,7 +199,7 @@ void run(benchmark::State& state, const Experiment& experiment, Way way) {
                                              : time_whole(state, setting.scene, way, duration_s);
     if (!timed) return;
     count(state, timed->counts, duration_s, timed->cpu_s, experiment.n);
-    // Parts of one simulation differ in what happens, so their times for an event are compared.
+    // Parts of one simulation have different events, so compare times per event.
     const double run_s = timed->cpu_s / static_cast<double>(state.iterations());
     const double unit_s =
         experiment.from_s > 0 ? run_s / static_cast<double>(timed->counts.events()) : run_s;
@@ -219,7 +216,7 @@ void run(benchmark::State& state, const Experiment& experiment, Way way) {
 struct Gas {
   std::uint32_t n;
   double packing;
-  double warm_up_s;  ///< about 20 collisions a sphere
+  double warm_up_s;  ///< about 20 collisions per sphere
   double portion_s;  ///< about 50,000 collisions
   double verified_s;
   std::uint64_t digest;
@@ -263,7 +260,7 @@ void add(const Experiment& experiment, Way way, const char* name) {
       fmt::format("{}/{}/{}", experiment.scene, name, experiment.n).c_str(),
       [&experiment, way](benchmark::State& state) { run(state, experiment, way); });
   added->Unit(benchmark::kMillisecond);
-  // One run is enough of what is long, and an empty loop must not be repeated for its speed.
+  // One run of a long row is enough. Don't repeat an empty loop to measure its speed.
   if (way == Way::async ? experiment.long_async : experiment.long_sync) added->Iterations(1);
 }
 

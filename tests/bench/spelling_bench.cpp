@@ -1,6 +1,5 @@
-// Balls that spell HI: one simulation of ten balls until its outcome is decided, and to rest, with
-// geometry that all differs from the last one's; a chain of Algorithm 2.1; and both engines on the
-// same scenes.
+// Balls that spell HI: one simulation of ten balls until the outcome is decided, and to rest, each
+// with completely new geometry; a chain of Algorithm 2.1; both engines on the same scenes.
 #include <benchmark/benchmark.h>
 
 #include <ctime>
@@ -22,7 +21,6 @@ using worlds::spelling::Spelling;
 
 constexpr sampling::ChainStreams k_streams{.seed = 1, .chain = {}, .replica = {}};
 
-/// Prior draws with all balls active.
 std::vector<Spelling::State> full_states(const Spelling& world, std::uint64_t count) {
   const worlds::spelling::ProposalParameters enable{.change_all = 0,
                                                     .change_vertices = 0,
@@ -45,7 +43,7 @@ using Simulate = worlds::spelling::Outcome (*)(const Spelling&, const Spelling::
 worlds::spelling::Outcome decide(const Spelling& world, const Spelling::State& state) {
   return world.simulate(state);
 }
-/// Of a candidate about whose state nothing is known: the whole simulation, with its history.
+/// Simulates a candidate of an unknown state from scratch, with its history.
 worlds::spelling::Outcome decide_and_keep(const Spelling& world, const Spelling::State& state) {
   return world.simulate_from(state, state, {});
 }
@@ -73,7 +71,7 @@ using worlds::spelling::Replays;
 BENCHMARK_CAPTURE(simulation, decision, &decide, Replays::no, 0xcbb75db773a49fa5U)
     ->Name("spelling_hi/decision")
     ->Unit(benchmark::kMillisecond);
-/// The same, keeping all that simulations of similar states need.
+/// The same simulation, but it keeps all data for simulations of similar states.
 BENCHMARK_CAPTURE(simulation, decision_kept, &decide_and_keep, Replays::yes, 0xcbb75db773a49fa5U)
     ->Name("spelling_hi/decision_kept")
     ->Unit(benchmark::kMillisecond);
@@ -81,7 +79,7 @@ BENCHMARK_CAPTURE(simulation, rest, &run_to_rest, Replays::no, 0x90497cb06cba6df
     ->Name("spelling_hi/rest")
     ->Unit(benchmark::kMillisecond);
 
-/// A whole chain, as figure 2.8 shows it.
+/// A whole chain, as in figure 2.8.
 void chain(benchmark::State& state, worlds::spelling::Replays replays) {
   constexpr std::uint64_t k_iterations = 20'000;
   const Spelling world(worlds::spelling::Parameters{}, replays);
@@ -110,18 +108,17 @@ BENCHMARK_CAPTURE(chain, fresh, worlds::spelling::Replays::no)
     ->Unit(benchmark::kSecond)
     ->Iterations(1);
 
-// What Marbles is for: the ratio of the two engines' times (docs/SIMULATOR, "Equal balls by
-// themselves"). Each simulates the same scenes for as long as balls drop and two seconds more, from
-// its start to where all balls are. What making static geometry takes is measured by itself and
-// left out, since a chain keeps that. `reuse`: with the history of a scene in which one ball is
-// dropped elsewhere, as a chain's proposals are; both make a new one.
+// The ratio of both engines' times (docs/SIMULATOR, "Equal balls by themselves"). Each engine
+// simulates the same scenes from the start until two seconds after the last drop. Building static
+// geometry is measured separately and excluded, because a chain reuses it. `reuse` uses, like a
+// chain's proposals, the history of a scene in which one ball is dropped elsewhere.
 
 constexpr double k_after_the_last_s = 2;
 
 struct Engines {
-  double statics_s = 0;    ///< which the simulator makes itself
-  double simulator_s = 0;  ///< with them
-  double near_s = 0;       ///< the table of near features that marbles need
+  double statics_s = 0;    ///< static geometry, which the simulator builds itself
+  double simulator_s = 0;  ///< including statics_s
+  double near_s = 0;       ///< table of near features, for marbles
   double marbles_s = 0;
   ResultHash of_simulator{};
   ResultHash of_marbles{};
@@ -136,7 +133,7 @@ void hash_place(ResultHash& hash, const math::Vec3& place_m) {
     hash.add(place_m[axis]);
 }
 
-/// Both on a scene, with what they know of another one; `moved` starts otherwise there.
+/// Runs both engines on a scene, with the history of a scene in which `moved` starts elsewhere.
 void run_engines(const physics::Scene& scene, const physics::Scene* other, std::uint32_t moved,
                  Engines& engines) {
   const physics::Tick end =
@@ -193,7 +190,7 @@ void run_engines(const physics::Scene& scene, const physics::Scene* other, std::
   };
   if (is_void()) start_afresh();
   if (other != nullptr) histories = marbles.histories();
-  // Where all are, those that are replayed included.
+  // Read all places, including those of replayed balls.
   for (std::uint32_t ball = 0; ball < bodies; ++ball) {
     if (marbles.replayed({ball}) != nullptr) marbles.stop_replay({ball});
   }
@@ -214,7 +211,7 @@ void engines(benchmark::State& state, bool reuses) {
       Spelling::State proposal = states[i];
       proposal.drops_m[moved] = states[(i + 1) % states.size()].drops_m[moved];
       const physics::Scene scene = *world.scene(proposal);
-      // With the same mesh, so that it is seen at once that nothing of it has moved.
+      // Share the mesh, so that it is recognised at once as unchanged.
       physics::Scene before = scene;
       before.bodies[moved].start = world.scene(states[i])->bodies[moved].start;
       run_engines(scene, reuses ? &before : nullptr, moved, both);

@@ -1,4 +1,4 @@
-// The run store: scans a second from put to committed, fsync included.
+// The run store: scans per second from put to committed, including fsync.
 #include <benchmark/benchmark.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ constexpr std::uint32_t k_chains = 4;
 constexpr std::uint32_t k_units = 25;
 constexpr std::uint32_t k_scans_per_unit = 1000;
 
-/// A folder on the disk that this runs on, gone afterwards.
+/// A temporary folder on the current disk.
 class Folder {
  public:
   Folder() : path_("sleight-bench-store-XXXXXX") { CHECK(mkdtemp(path_.data()) != nullptr); }
@@ -56,7 +56,7 @@ std::vector<plan::UnitResult> results() {
   return all;
 }
 
-/// What the store gives back, hashed.
+/// Hash of the data read from the store.
 std::uint64_t stored_hash(const std::string& folder) {
   ResultHash hash;
   const store::StoredRun run(folder, {.chains = k_chains, .scans = k_units * k_scans_per_unit});
@@ -94,7 +94,7 @@ void commit(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * k_chains * k_units * k_scans_per_unit);
   verify(state, hash, 0x69ce590e794d0b8cU);
 }
-// On the wall: the writer has a thread of its own and waits for the disk.
+// Wall-clock time: the writer has its own thread and waits for the disk.
 BENCHMARK(commit)->Name("store/commit")->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -1,10 +1,10 @@
-// How soon a run's events are at 100 watchers of a daemon.
+// Latency of a run's events at 100 watchers of a daemon.
 //
 //   sleight-watch-bench SOCKET JOB EVENTS_LOG
 //
-// Watchers are threads, each with a connection of its own, of a job that runs. An event's latency
-// is from when its line can first be read in the run's log (looked at every 0.5 ms) to the
-// watcher's sink. Ends when the job does. The daemon and the job are running ones
+// Watchers are threads with their own connections that watch a running job. An event's latency is
+// from when its line can first be read in the run's log (checked every 0.5 ms) until the watcher's
+// sink receives it. The program ends when the job ends. The daemon and the job must be running
 // (service_figures.py).
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ namespace {
 
 constexpr int k_watchers = 100;
 
-/// By the event's number, in seconds of one clock.
+/// Times in seconds of one clock, by event number.
 using Moments = std::map<std::uint64_t, double>;
 
 class Arrivals final : public WatchSink {
@@ -38,7 +38,7 @@ class Arrivals final : public WatchSink {
   bool changed(JobId, const StateChange&) override { return true; }
   bool happened(const WatchedEvent& event) override {
     if (event.number == 0) return true;
-    CHECK_EQ(event.number, ++last_);  // none lost, none doubled
+    CHECK_EQ(event.number, ++last_);  // no event lost or repeated
     came_s_[event.number] = clock_.now_s();
     return true;
   }
@@ -53,7 +53,7 @@ class Arrivals final : public WatchSink {
   std::uint64_t last_ = 0;
 };
 
-/// When each line of the log could first be read. Lines that are there already don't count.
+/// Times at which each new line of the log could first be read.
 Moments follow(const std::string& log, const std::atomic<bool>& is_over) {
   const base::SteadyClock clock;
   std::ifstream file(log);
