@@ -1,6 +1,5 @@
-// Prints a hash of the bits that Sleight's arithmetic gives over many arguments, and the same for
-// libm: two lines, "sleight <sha-256>" and "libm <sha-256>". same_bits.sh runs it under different
-// processors and builds and compares.
+// Prints a hash of the bits of Sleight's arithmetic for many arguments, and one for libm, in two
+// lines: "sleight <sha-256>" and "libm <sha-256>". same_bits.sh compares processors and builds.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -22,11 +21,11 @@ namespace {
 constexpr std::uint64_t k_seed = 1;
 constexpr int k_arguments = 20000;
 
-/// Takes in doubles by their bits.
+/// Hashes doubles by their bits.
 class BitHash {
  public:
   void add(double x) {
-    // The sign of a NaN is nobody's promise.
+    // The sign of a NaN is not guaranteed.
     const double canonical = std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : x;
     sha256_.update(std::as_bytes(std::span(&canonical, 1)));
   }
@@ -53,7 +52,7 @@ random::Stream stream_for(std::uint64_t part) {
   return random::Stream({.seed = k_seed, .purpose = random::Purpose::prior}, part);
 }
 
-/// An argument of either sign, half of them below 10, half of any magnitude.
+/// An argument of either sign: half are below 10, half of any magnitude.
 double argument(random::Stream& stream) {
   const double sign = stream.uniform() < 0.5 ? -1 : 1;
   if (stream.uniform() < 0.5) return sign * 10 * stream.uniform();
@@ -92,7 +91,7 @@ void add_vectors(BitHash& hash) {
     const math::Vec3 a = vector();
     const math::Vec3 b = vector();
     const math::Vec2 p(a.x(), b.y());
-    // Component by component, as Eigen may vectorise it.
+    // Component by component, because Eigen may vectorise it.
     position += 0.01 * (a - 2 * b) + 0.5 * 0.01 * 0.01 * (b - position / 3);
     hash.add(position);
     hash.add(math::dot(a, b - a));
@@ -102,7 +101,7 @@ void add_vectors(BitHash& hash) {
     hash.add(math::cross(p, math::Vec2(b.x(), b.z())));
     hash.add(math::normalized(p));
     hash.add(math::rotated(p, b.z()));
-    // A long chain, in which one differing bit would grow.
+    // A long chain, in which a single different bit would grow.
     pose = math::normalized(math::composed(math::quaternion_of_rotation_vector(0.1 * a), pose));
     hash.add(pose);
     hash.add(math::rotated(math::inverse(pose), b));
@@ -110,7 +109,6 @@ void add_vectors(BitHash& hash) {
   }
 }
 
-/// Draws and their log densities.
 template <random::Distribution D>
 void add_draws(BitHash& hash, std::uint64_t part, const D& distribution) {
   random::Stream stream = stream_for(part);
