@@ -2,9 +2,9 @@
 //
 //   sleight-check-queries ARCHIVE.h5 QUERIES SEED
 //
-// Each query is asked of one animation in turn, and once more as a person would type it. Answers
-// that hang on the last bits of a root are counted, not compared. Ends with 1 at the first
-// difference, and says how to repeat it.
+// Each query runs on one animation in turn, and once more as typed text. Answers that depend on the
+// last bits of a root are counted, not compared. At the first difference, the program prints the
+// command that repeats it and exits with 1.
 #include <fmt/format.h>
 
 #include <cstdint>

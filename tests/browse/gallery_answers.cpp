@@ -1,12 +1,12 @@
-// What the C++ programs answer to random questions about an archive's animations, for the search of
-// a saved page to be compared with (tests/programs/test_gallery_search.py).
+// Writes the C++ programs' answers to random questions about an archive's animations.
+// tests/programs/test_gallery_search.py compares the search of a saved page with them.
 //
 //   sleight-gallery-answers ARCHIVE.h5 FOLDER QUERIES SETS SEED
 //
-// Writes into the folder: index.bin, the file that a saved page searches by; questions.jsonl and
-// answers.jsonl, one JSON a line. Of each random query the same text is asked again with something
-// torn out, put in or exchanged: most of these are errors, whose places and words must be the same
-// too. Sets are grouped, and looked through for what is like some of their animations.
+// Writes into the folder: index.bin, the file that a saved page searches; questions.jsonl and
+// answers.jsonl, one JSON object per line. Each random query's text is also tested with something
+// removed, inserted or exchanged. Most of these are errors, whose places and words must be equal
+// too. Sets are grouped, and searched for animations like some of their members.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -38,7 +38,7 @@ using Json = json::Value;
 using Entries = std::vector<std::size_t>;
 
 constexpr int k_depth = 3;
-/// What is put into a query's text: words, signs and numbers that mean something elsewhere.
+/// Insertions into a query's text: words, signs and numbers that mean something elsewhere.
 constexpr auto k_put_in = std::to_array<std::string_view>({" and ",
                                                            " or ",
                                                            " then ",
@@ -92,7 +92,7 @@ bool goes_on(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
-/// The next place of a text that is not within a character.
+/// The next place in a text that is not inside a character.
 std::size_t between_characters(const std::string& text, std::size_t at) {
   while (at < text.size() && goes_on(text[at]))
     ++at;
@@ -184,7 +184,7 @@ class Answers {
   std::ofstream answers_;
 };
 
-/// Some of the animations, one at least, now and then backwards.
+/// At least one of the animations, sometimes in reverse order.
 Entries some_of(const browse::Index& index, random::Stream& stream) {
   const double part = stream.uniform();
   Entries some{below(stream, index.entries.size())};
@@ -197,7 +197,8 @@ Entries some_of(const browse::Index& index, random::Stream& stream) {
 
 int answer(const std::string& archive, const std::string& folder, std::uint64_t queries,
            std::uint64_t sets, std::uint64_t seed) {
-  constexpr std::size_t k_groups_max = 200;  // beyond 100 large sets have another sample
+  constexpr std::size_t k_groups_max =
+      200;  // large sets with more than 100 groups have another sample
   const auto source = archive::hdf5::open_file(archive);
   auto read = browse::read_index(*source);
   if (!read || read.value().index.entries.empty()) {

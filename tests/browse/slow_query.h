@@ -1,8 +1,8 @@
-// Queries answered slowly and plainly, and random queries: what the fast ones are compared with.
+// Slow and plain answers to queries, and random queries, to test the fast ones.
 //
-// A body's centre is in a box at some moment of a piece exactly if it is there at one of these: the
-// piece's ends, the moments at which a coordinate passes a bound, and the middles between any two
-// that follow one another. So all of them are tried, of all pieces of the body.
+// A body's centre is in a box at some time of a piece exactly if it is there at one of these times:
+// the piece's ends, the times at which a coordinate crosses a bound, and the middles between
+// successive ones. The reference tests all of them, for all pieces of the body.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,22 @@
 
 namespace sleight::browse::testing {
 
-/// The first moment in the box, nothing if there is none. `margin_m`: the box is wider by so much
-/// on each side, or narrower where it is negative.
+/// First time in the box. Nothing if never. The box is wider by `margin_m` on each side, or
+/// narrower if `margin_m` is negative.
 std::optional<double> slow_first_inside(std::span<const Piece> pieces, const Box& box,
                                         const Stretch& when, double margin_m = 0);
 
-/// True if the animation is meant.
 bool slow_is_met(const Condition& condition, const Entry& entry, double margin_m = 0);
 
-/// Whether any comparison of this condition lies within rounding of its bound in this animation:
-/// the answer is then either's.
+/// Returns whether any comparison of this condition is within rounding of its bound in this
+/// animation. Then both answers are valid.
 bool is_close_call(const Condition& condition, const Entry& entry);
 
-/// What a person would type for it; none where that can't be said: hits of a goal.
+/// Text that a person would type for the condition. Nothing for hits of a goal, which have no text.
 std::optional<std::string> text_of(const Condition& condition, const Index& index);
 
-/// A random condition on animations of the index, at most `depth` deep, about as often met as not.
-/// REQUIRES: an entry at least.
+/// A random condition on animations of the index, at most `depth` deep and met about half of the
+/// time. REQUIRES: at least one entry.
 Condition random_condition(const Index& index, random::Stream& stream, int depth);
 
 }  // namespace sleight::browse::testing
