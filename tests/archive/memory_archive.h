@@ -1,6 +1,6 @@
-// The archive's in-memory twin: a Sink that can be read back as a Source.
+// In-memory archive: a Sink that can be read back as a Source.
 //
-// Holds every value, so it is for small archives. Not thread-safe.
+// Stores every value, so it is for small archives. Not thread-safe.
 #pragma once
 
 #include <map>
@@ -26,7 +26,7 @@ class MemoryArchive final : public Sink, public Source {
   Values read(std::string_view group, std::string_view dataset, std::uint64_t first,
               std::uint64_t count) const override;
 
-  /// For tests of the checks: what a writer would never have written.
+  /// For tests of checks: accesses values that a writer would never write.
   Values& values(std::string_view group, std::string_view dataset);
   Group& group(std::string_view name);
 

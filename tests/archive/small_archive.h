@@ -1,4 +1,4 @@
-// A small archive in memory, for the tests of pictures.
+// A small archive in memory for tests of pictures.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,7 @@
 
 namespace sleight::archive {
 
-/// Two chains of four scans each; equal animations, those of scan 3 in chains 0, 1,
-/// ...
+/// Two chains of four scans each, with equal animations of scan 3 in chains 0, 1, ...
 class StoredArchive : public archive::Source {
  public:
   StoredArchive(std::string world, std::string request, double animations)
@@ -51,12 +50,11 @@ class StoredArchive : public archive::Source {
   }
 
  protected:
-  /// Of both chains' scans.
   void add_statistic(const char* name, std::vector<double> values) {
     add("/sample_stats", name, {{"chain", 2}, {"draw", 4}}, std::move(values));
   }
 
-  /// All of /animations but the columns of its segments, of which each animation has so many.
+  /// Adds all of /animations except the segments' columns. Each animation has `segments` segments.
   void add_animations(std::size_t segments) {
     segments_ = segments;
     const auto each = [&](double first, double step) {
@@ -74,14 +72,13 @@ class StoredArchive : public archive::Source {
     add_column("segment", {}, std::vector<double>(segments));
   }
 
-  /// Values of all animations, so many to each.
   void add_of_animations(const char* name, std::vector<archive::Dimension> dims,
                          std::vector<double> values) {
     dims.insert(dims.begin(), {"animation", animations_});
     add("/animations", name, std::move(dims), std::move(values));
   }
 
-  /// A dataset of any group; the group is made where there is none.
+  /// Adds a dataset to any group. Creates the group if necessary.
   void add_anywhere(const char* group, const char* name, std::vector<archive::Dimension> dims,
                     std::vector<double> values) {
     if (std::ranges::find(groups_, group, &archive::Group::name) == groups_.end())
@@ -89,7 +86,7 @@ class StoredArchive : public archive::Source {
     add(group, name, std::move(dims), std::move(values));
   }
 
-  /// One of every animation's segments: values of one animation, so many to a segment.
+  /// Adds a column for the segments of all animations, each with the given values.
   void add_column(const char* name, std::vector<archive::Dimension> dims,
                   const std::vector<double>& values) {
     dims.insert(dims.begin(), {"segment", animations_ * segments_});
@@ -114,7 +111,7 @@ class StoredArchive : public archive::Source {
   std::map<std::string, std::vector<double>> values_;
 };
 
-/// Of any world, with an animation of which nothing is known.
+/// An archive of any world, with one animation without data.
 class BareArchive final : public StoredArchive {
  public:
   explicit BareArchive(std::string world) : StoredArchive(std::move(world), "", 1) {
