@@ -1,6 +1,5 @@
-// Writes an archive of the fake world, and on request its tables as CSV, for tests that read
-// archives with other programs: sleight-sample-archive OUT.h5 SCANS [CSV_FOLDER]. Prints the
-// digest and the seconds that writing took.
+// Writes an archive of the fake world, and optionally its tables as CSV, to test other programs'
+// readers: sleight-sample-archive OUT.h5 SCANS [CSV_FOLDER]. Prints digest and writing seconds.
 #include <fmt/format.h>
 
 #include <chrono>
