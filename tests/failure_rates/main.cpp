@@ -1,4 +1,4 @@
-// Counts simulations that fail: draws from a request's prior, and candidates of plain chains at
+// Counts failing simulations, among draws from a request's prior and candidates of plain chains at
 // inverse temperature 1. Writes each failure as a file that `sleight replay` repeats.
 //
 //   sleight-failure-rates requests/hi.toml --simulations 1000000 --keep failures
@@ -23,7 +23,7 @@
 namespace sleight {
 namespace {
 
-/// Scans that a chain runs at a time; between two it is seen whether there are enough simulations.
+/// Scans that a chain runs before the program checks the number of simulations.
 constexpr std::uint32_t k_scans = 200;
 
 struct Tally {
@@ -36,9 +36,9 @@ struct Job {
   const plan::UnitWorker& worker;
   std::uint64_t seed = 1;
   double inverse_temperature = 1;
-  std::uint64_t simulations = 0;  ///< of each chain, at least
+  std::uint64_t simulations = 0;  ///< least number, per chain
   std::string request_text;
-  std::string folder;  ///< for failures; empty: none are kept
+  std::string folder;  ///< folder for failures; empty: failures aren't kept
 };
 
 void keep(const Job& job, const plan::UnitResult& result) {
@@ -60,7 +60,7 @@ void keep(const Job& job, const plan::UnitResult& result) {
 Tally run_chain(const Job& job, std::uint32_t chain) {
   Tally tally;
   base::Bytes state;
-  // Chains of both temperatures differ in the replica, so that their files do.
+  // Chains of both temperatures use different replicas, so that their files differ.
   const base::ReplicaId replica{job.inverse_temperature == 0 ? 0U : 1U};
   for (std::uint64_t scan = 0; tally.simulations < job.simulations; scan += k_scans) {
     plan::UnitResult result = job.worker.run({.replica = {base::ChainId{chain}, replica},
