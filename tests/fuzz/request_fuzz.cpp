@@ -1,11 +1,10 @@
 // Goal: no file, however hostile, makes the request reader crash, hang or report nonsense. Method:
-// libFuzzer; every input is read as a request of every world, and beyond "no crash" it is checked
-// that
-//   - a request that reads has a normalised text that reads back to the same request, parameters
-//     and text, and so does the one that is stopped elsewhere;
-//   - a request that does not read has errors, each placed within the file, sorted, on one line
-//     and without control characters.
-// CMakeLists.txt beside this file says how to replay a failure.
+// libFuzzer reads every input as a request of every world and checks:
+//   - a valid request has a normalised text that reads back to the same request, parameters and
+//     text, and so has the request with another stop;
+//   - an invalid request has errors, each placed within the file, sorted, on one line and without
+//     control characters.
+// CMakeLists.txt beside this file explains how to replay a failure.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +26,7 @@
 namespace sleight {
 namespace {
 
-/// A request, or what is wrong with it.
+/// A request, or its errors.
 struct Reading {
   std::vector<request::DirectionRequest> request;  ///< one, or none
   std::vector<request::Diagnostic> errors;
@@ -89,7 +88,7 @@ void check_errors(std::string_view text, const std::vector<request::Diagnostic>&
   CHECK_LE(errors.size(), request::k_diagnostics_max + 1);
   request::Place last;
   for (const request::Diagnostic& error : errors) {
-    // Errors come in the order of places, each in the file or just behind a line's end.
+    // Errors are ordered by place, each in the file or just behind a line's end.
     CHECK(last <= error.place);
     last = error.place;
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;

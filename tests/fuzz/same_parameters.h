@@ -1,5 +1,4 @@
-// Whether two requests say the same of a world: every number that a reader sets, bit for bit but
-// for the sign of zero.
+// Compares all numbers of two requests' worlds, bit for bit except for the sign of zero.
 #pragma once
 
 #include <algorithm>

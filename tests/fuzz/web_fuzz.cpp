@@ -1,9 +1,8 @@
-// Goal: no bytes that a peer sends make the gallery's server crash, hang, hold more than it may or
-// answer one that was not let in. Method: libFuzzer; an input is a connection's bytes, behind a
-// first one that says in which pieces they come. They go through parser, guard and answers as in
-// the server, in memory, and what comes of them is compared with a second reader's
-// (tests/unit/clients/web/checked_exchange.h says what is checked).
-// CMakeLists.txt beside this file says how to replay a failure.
+// Goal: no bytes from a peer make the gallery's server crash, hang, exceed its memory limit, or
+// answer an unauthorized peer. Method: libFuzzer. An input is a connection's bytes after a first
+// byte that defines how they are split. They pass through parser, guard and answers in memory, and
+// are compared with a second reader (tests/unit/clients/web/checked_exchange.h lists the checks).
+// CMakeLists.txt beside this file explains how to replay a failure.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
