@@ -1,5 +1,5 @@
-// A program for test_completion: the toy command line of the unit tests, its scripts, and jobs that
-// it tells, or doesn't where NO_SERVER is set.
+// Program for test_completion: the unit tests' toy command line, its completion scripts, and a list
+// of jobs, which fails if NO_SERVER is set.
 #include <cstdio>
 #include <cstdlib>
 #include <string>

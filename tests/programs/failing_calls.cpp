@@ -1,6 +1,5 @@
-// For LD_PRELOAD: outside functions that fail where the programs CHECK that they don't, or expect
-// nothing of the kind, so that a test sees what a real program says of a bug. The programs
-// themselves have no way to be made fail.
+// For LD_PRELOAD: replaces library functions by failing ones that the programs CHECK or never
+// expect to fail, so that a test sees a real program's report of a bug.
 #include <dlfcn.h>
 #include <pthread.h>
 
@@ -10,12 +9,12 @@
 
 extern "C" {
 
-/// SHA-256 can't be begun: the digest of an archive can't be computed.
+/// SHA-256 can't be started, so no archive's digest can be computed.
 int EVP_DigestInit_ex(void*, const void*, void*) {
   return 0;
 }
 
-/// With FAILING_THREADS set no thread may be made, for a reason that nobody can mend.
+/// If FAILING_THREADS is set, no thread can be created, with an error that nobody can fix.
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*work)(void*),
                    void* argument) {
   if (std::getenv("FAILING_THREADS") != nullptr) return EPERM;
@@ -24,7 +23,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   return real(thread, attributes, work, argument);
 }
 
-/// On rank 1 MPI provides less than is asked for.
+/// On rank 1, MPI provides less than the required thread support.
 int MPI_Init_thread(int* argc, char*** argv, int required, int* provided) {
   using Function = int(int*, char***, int, int*);
   auto* const real = reinterpret_cast<Function*>(dlsym(RTLD_NEXT, "MPI_Init_thread"));

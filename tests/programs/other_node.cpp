@@ -1,6 +1,5 @@
-// For LD_PRELOAD: a node of a cluster, as a program sees it. Every disk is NFS without a lock
-// server: no flock, no locks of fcntl, and no shared memory beside SQLite's files. The node's name
-// is SLEIGHT_TEST_HOST.
+// For LD_PRELOAD: simulates another node of a cluster, named SLEIGHT_TEST_HOST. Every disk is NFS
+// without a lock server: no flock, no fcntl locks, no shared memory beside SQLite's files.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/vfs.h>
@@ -53,7 +52,7 @@ int statfs(const char* path, struct statfs* found) noexcept {
   return outcome;
 }
 
-// fcntl.h has a struct of the function's name.
+// fcntl.h declares a struct with the function's name.
 int refused_flock(int descriptor, int operation) noexcept __asm__("flock");
 int refused_flock(int, int) noexcept {
   return refuse(ENOSYS);
