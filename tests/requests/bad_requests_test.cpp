@@ -1,9 +1,9 @@
-// Goal: every kind of bad request gets exactly its errors, each at its place, and the requests that
-// we ship get none. Method: a corpus; bad/<name>.toml is read as a ball_2d request and its errors
-// are compared with bad/<name>.expected, a line each.
+// Goal: every kind of bad request gets exactly its errors, each at its place, and shipped requests
+// get none. Method: read bad/<name>.toml as a ball_2d request, and compare its errors with
+// bad/<name>.expected, one per line.
 //
-// After a change of wording, SLEIGHT_ACCEPT_ERRORS=1 writes the .expected files anew; git diff then
-// shows what there is to review.
+// After a change of wording, SLEIGHT_ACCEPT_ERRORS=1 rewrites the .expected files, and git diff
+// shows the changes to review.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ std::vector<fs::path> files_with(const fs::path& folder, const std::string& exte
   return files;
 }
 
-/// The errors as the command line prints them; empty for a good request.
+/// Errors as printed by the command line. Empty for a good request.
 std::string errors_of(const fs::path& request_file) {
   const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding()};
   const auto request =
@@ -58,7 +58,7 @@ std::string errors_of(const fs::path& request_file) {
   return lines;
 }
 
-/// What is wrong with one entry of the corpus; none if it behaves as expected.
+/// Error of one entry of the corpus. Nothing if it behaves as expected.
 std::optional<std::string> complaint_about(const fs::path& request_file) {
   const std::string errors = errors_of(request_file);
   if (errors.empty()) return "it was read without errors";
@@ -90,7 +90,7 @@ TEST(Corpus, HasEnoughRequestsAndNoStrayExpectations) {
   }
 }
 
-// The check itself fails where it should: no expectation, another expectation, nothing wrong.
+// The check must fail without an expectation, with another expectation, and without an error.
 TEST(Corpus, CheckFailsWhereItShould) {
   const fs::path folder = fs::path(testing::TempDir()) / "sleight_bad_requests";
   fs::create_directories(folder);
@@ -122,7 +122,7 @@ TEST(ShippedRequests, AreReadWithoutErrors) {
   }
 }
 
-// requests/hi.toml spells out the defaults too, but for what a chain is asked to do.
+// requests/hi.toml states the defaults explicitly, except for the chain's sampler.
 TEST(ShippedRequests, HiSpellsOutTheDefaults) {
   const std::vector<request::WorldBinding> known{worlds::spelling::request_binding()};
   const auto request =
@@ -143,7 +143,7 @@ TEST(ShippedRequests, HiSpellsOutTheDefaults) {
   EXPECT_EQ(plain.substr(plain.find("bin_mm")), full.substr(full.find("bin_mm")));
 }
 
-// requests/ball_2d.toml spells out the thesis's numbers: they are the defaults, bit for bit.
+// requests/ball_2d.toml states the thesis's numbers, which equal the defaults bit for bit.
 TEST(ShippedRequests, Ball2dSpellsOutTheDefaults) {
   const std::vector<request::WorldBinding> known{worlds::ball_2d::request_binding()};
   const auto request = request::read_request(contents(fs::path(SLEIGHT_REQUESTS) / "ball_2d.toml"),
@@ -154,7 +154,7 @@ TEST(ShippedRequests, Ball2dSpellsOutTheDefaults) {
       "[stop]\nscans = 1000\n",
       "bare.toml", known);
   ASSERT_TRUE(bare);
-  // All but the method, the thesis's, and the seed, which is the request's own.
+  // All defaults except the thesis's method and the request's own seed.
   const std::uint64_t seed = request.value().sampler.seed;
   EXPECT_EQ(normalised_text(with_seed(bare.value(), seed)), normalised_text(request.value()));
 }
