@@ -73,9 +73,9 @@ TEST(LadderTrips, OfTwoLevelsThatAlwaysSwap) {
   // Goal: all counts are right for a ladder that is easy to follow by hand. Method: replicas swap
   // only at even scans, so replica 0 is at levels 0 1 1 0 0 1 1 0 0, replica 1 at 1 0 0 1 1 0 0
   // 1 1.
-  //  restarts     scan 1 (0), 3 (1), 5 (0), 7 (1)
-  //  round trips  scan 3 (0), 5 (1), 7 (0); replica 1's start at the cool end doesn't count
-  //  solutions    scan 0 (1's start), 1, 3, 5, 7; a lineage counts once, though it stays for two
+  //   restarts     scan 1 (0), 3 (1), 5 (0), 7 (1)
+  //   round trips  scan 3 (0), 5 (1), 7 (0); replica 1's start at the cool end doesn't count
+  //   solutions    scan 0 (1's start), 1, 3, 5, 7; a lineage counts once, though it stays for two
   Played played(fixed({0, 1}), 9, always_swaps);
   EXPECT_EQ(played.betas(0), (std::vector<double>{0, 1, 1, 0, 0, 1, 1, 0, 0}));
   EXPECT_EQ(played.betas(1), (std::vector<double>{1, 0, 0, 1, 1, 0, 0, 1, 1}));
