@@ -173,7 +173,7 @@ bool AnySession::hand_out_block(Dice& dice, BlockShapes& shapes) {
     shapes.annealing += block->members.front().inverse_temperatures.size() > 1 ? 1 : 0;
   }
 
-  // Give some states. A missing state that the worker doesn't hold either prevents the run.
+  // Pass only some states. A state that is neither passed nor held by the worker prevents the run.
   const RecordingWorker& worker = workers_[dice.below(workers_.size())];
   const BlockRunner runner(worker, clock_);
   std::vector<plan::GivenState> all;

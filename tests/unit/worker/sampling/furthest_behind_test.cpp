@@ -14,7 +14,7 @@ namespace sleight::sampling::furthest_behind_test {
 
 constexpr std::uint64_t k_seed = 20261121;
 
-/// Chains that can give a number of times until they move.
+/// Chains that can each give a number of units until they move.
 struct Chains {
   std::vector<std::uint64_t> scans;
   std::vector<std::uint64_t> gifts;  ///< remaining gifts

@@ -11,9 +11,9 @@ namespace sleight::sampling {
 namespace {
 
 TEST(IndexProcess, KeepsWhatTheNumberOfScansSays) {
-  // Goal: the record never exceeds the bound. Once there are as many scans as the bound, it has at
-  // least half as many entries, evenly spaced, for any first scan, with the right levels. Method:
-  // compare with all scans after each of 10,000. One of two replicas is hotter every third scan.
+  // Goal: the record never exceeds the bound. After as many scans, it has at least half as many
+  // entries as the bound, evenly spaced, for any first scan, with the right levels. Method: compare
+  // with all scans after each of 10,000. One of two replicas is hotter every third scan.
   for (const std::uint64_t first : {0U, 1U, 777U}) {
     IndexProcess process;
     std::uint64_t stride = 1;

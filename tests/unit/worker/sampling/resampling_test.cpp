@@ -49,8 +49,8 @@ TEST(Resampling, EachPlaceIsAsLikelyAsTheWeight) {
 
 TEST(Resampling, ConditionalDrawsAreThoseWithTheFirstFromTheFirst) {
   // Goal: resampled_with_first has the distribution of resampled, given that place 0 descends from
-  // particle 0. Method: make 20,000 draws of each and drop the ones that don't satisfy this. Shares
-  // of each outcome agree within 5 standard errors.
+  // particle 0. Method: make 20,000 draws of each and drop those whose place 0 descends from
+  // another particle. Shares of each outcome agree within 5 standard errors.
   constexpr int k_draws = 20'000;
   for (const std::vector<double>& shares : k_shares) {
     std::map<Ancestors, std::array<int, 2>> counts;

@@ -114,8 +114,9 @@ RestartedChainsOptions options(std::optional<std::uint64_t> scans,
 }
 
 TEST(RestartedChains, CountsTheLastScanOfATour) {
-  // Goal: solutions have the distribution of a chain of that age, far from that of states that
-  // begin a lineage. Method: compare 20,000 solutions with the exact law, and count first visits.
+  // Goal: solutions have the distribution of a chain at the tour's age, far from that of states
+  // that begin a lineage. Method: compare 20,000 solutions with the exact law, and count first
+  // visits.
   RestartedChains plan(options({}, 20000));
   Work work(1);
   work.carry_out(plan, 4);

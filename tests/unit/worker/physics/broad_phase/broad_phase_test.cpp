@@ -160,8 +160,8 @@ TYPED_TEST(BroadPhaseSuite, HoldsNoBodies) {
 }
 
 TYPED_TEST(BroadPhaseSuite, RefusesWhatIsNotABox) {
-  // Goal: an inverted box, a NaN coordinate and a body in the wrong state stop the process. Method:
-  // death tests. Such boxes would silently miss overlaps.
+  // Goal: an inverted box or a NaN coordinate, which would silently miss overlaps, stops the
+  // process. So does a body in the wrong state. Method: death tests.
   TypeParam structure({.bodies = 2});
   NoOverlapSink sink;
   const Box box{{0, 0, 0}, {1, 1, 1}};

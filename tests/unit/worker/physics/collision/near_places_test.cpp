@@ -98,8 +98,8 @@ TEST(NearPlaces, HoldWhatTheySay) {
 }
 
 TEST(NearPlaces, AFastBodyHasNone) {
-  // Goal: no place is shorter than the least time, and a lost place is never used again. Method:
-  // move a body slowly, then fast, then slowly.
+  // Goal: no body has a place for less than the least time, and a lost place is never used again.
+  // Method: move a body slowly, then fast, then slowly.
   NearPlaces places;
   places.reset(2, ticks_after(1e-3));
   places.began({0}, k_reach_m, {.stays = true});

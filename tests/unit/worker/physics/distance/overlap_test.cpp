@@ -51,7 +51,7 @@ TEST(Overlap, shallow_ones_keep_the_normal_of_the_contact) {
   }
   if (!property::all_cases()) return;
   EXPECT_GT(all, 1000);
-  // Exceptions are parallel features, and contacts within a few depths of a feature's end.
+  // The normal may differ for parallel features, and within a few depths of a feature's end.
   EXPECT_GT(kept, 0.97 * all);
 }
 

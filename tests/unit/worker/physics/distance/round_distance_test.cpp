@@ -111,11 +111,11 @@ TEST(RoundDistance, IsTheGreatestSeparation) {
     // Skip the few pairs whose cores (pieces without margins) still overlap.
     if (closest.gap_m < -1e-5) continue;
     ASSERT_NEAR(math::norm(closest.normal), 1, 1e-12) << n;
-    // The gap is the separation along the normal,
+    // The gap is the separation along the normal.
     const double along_m = -testing::plain_reach_m(a, placed.a, closest.normal) -
                            testing::plain_reach_m(b, placed.b, -closest.normal);
     ASSERT_NEAR(closest.gap_m, along_m, 1e-14) << n;
-    // and no axis has a wider separation.
+    // No axis has a wider separation.
     const double error_m =
         k_round_gap_error *
         (a.r_outer_m + b.r_outer_m + math::norm(placed.b.position_m - placed.a.position_m));

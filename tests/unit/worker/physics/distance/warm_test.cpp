@@ -1,4 +1,4 @@
-// Goal: a cache (closest_warm) or a hint makes the distance faster and never changes it. Method:
+// Goal: a cache (closest_warm) or a hint speeds up the search and never changes its result. Method:
 // compare warm with cold results at each step of random trajectories. Steps are 1e-6 to 0.5 of the
 // size, and some pieces pass through each other. Also try stale caches and caches of other pairs.
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Goal: spherical and axially symmetric bodies turn as known solutions and as the general
+// Goal: spherical and axially symmetric bodies rotate like the known solutions and like the general
 // integration of the same body. Method: compare steady spin and precession with long double
 // formulas. Compare all three kinds of inertia if their moments are equal.
 #include "worker/physics/motion/closed_rotation.h"

@@ -15,7 +15,7 @@
 namespace sleight::physics {
 namespace {
 
-// A segment on a parabola whose operations have another order.
+// A motion on a parabola, evaluated with another order of operations.
 struct OtherMotion {
   Tick begin;
   Vec3 position_m;

@@ -102,9 +102,9 @@ struct Worst {
 };
 
 struct Findings {
-  Worst power;        ///< of all forces but gravity, over its terms
+  Worst power;        ///< of all forces but gravity, relative to its terms
   Worst start;        ///< relative energy gain when a segment's start is corrected
-  Worst velocity_in;  ///< along a normal, over the possible rounding
+  Worst velocity_in;  ///< along a normal, relative to the possible rounding
   Worst acceleration_in;
   Worst friction_missing;  ///< over gravity
   Worst instant;           ///< 1 if a segment had no duration

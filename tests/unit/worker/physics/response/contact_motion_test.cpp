@@ -45,8 +45,8 @@ TEST(ContactMotion, BallThrownWithoutSpin) {
 }
 
 TEST(ContactMotion, RollsAndSlidesOnSlopes) {
-  // Goal: from rest on a slope, a ball rolls with 5/7 g sin up to tan = mu (1 + k)/k. Above, it
-  // slides with g (sin - mu cos) and spin 5/2 mu g cos / r. Method: compare both sides.
+  // Goal: from rest on a slope, a ball rolls with 5/7 g sin up to tan = mu (1 + k)/k. On steeper
+  // slopes, it slides with g (sin - mu cos) and spin 5/2 mu g cos / r. Method: test both sides.
   const double mu = 0.2, r = 0.02;
   const double steepest_rad = std::atan(3.5 * mu);
   for (const double slope_rad : {0.01, 0.3, steepest_rad - 1e-6, steepest_rad + 1e-6, 1.2}) {
@@ -181,7 +181,8 @@ TEST(ContactMotion, RollsDownAGroove) {
 
 TEST(ContactMotion, CornerBrakesSpin) {
   // Goal: in a corner of three planes at the same angle b to the vertical, a spin about the
-  // vertical decreases by mu g tan b / (k r) to 0. Method: compare with loads of g / (3 cos b).
+  // vertical decreases to 0 at the rate mu g tan b / (k r). Method: compare with loads of g / (3
+  // cos b).
   const double mu = 0.2, r = 0.015, w = 90;
   for (const double b : {0.5, 1.1}) {
     Trial trial{.body = {.radius_m = r}, .twist = {Vec3::Zero(), Vec3(0, 0, w)}};
@@ -206,9 +207,10 @@ TEST(ContactMotion, CornerBrakesSpin) {
 
 // ---- against small steps of time ----------------------------------------------------------------
 
-/// Allowed error as a fraction of the impulse of all friction. Slip directions stay constant while
-/// they turn by 1/32 rad, at their value half way. The error is about the square of that if the
-/// slip's size is constant. Otherwise it is larger: 1.8 times the square was observed.
+/// Allowed error as a fraction of the impulse of all friction. The code keeps a slip's direction
+/// constant, at its value half way, while the slip turns by 1/32 rad. The error is about the square
+/// of that angle for a slip of constant size, and larger otherwise: up to 1.8 times the square in
+/// tests.
 constexpr double k_held = 4.0 / 1024;
 
 struct State {

@@ -53,12 +53,12 @@ inline std::vector<LastingContact> valley(double angle_a, double angle_b, double
   };
 }
 
-/// A motion followed by segments, each up to the first whole tick after its end (simulator's rule).
+/// Follows a motion. As in the simulator, a segment lasts until the first whole tick after its end.
 class Walk {
  public:
   explicit Walk(const Trial& trial) : trial_(trial), twist_(trial.twist) { begin(); }
 
-  /// REQUIRES: not before the last requested time.
+  /// REQUIRES: `time_s` is not before the last requested time.
   void go_to(double time_s) {
     while (holds() && begin_s_ + lasts_s_ <= time_s)
       next();

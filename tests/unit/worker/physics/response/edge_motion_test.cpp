@@ -59,7 +59,7 @@ Rider along(const EdgePiece& piece, const Rider& from, double s) {
 }
 
 /// A sphere on the edge at `angle` from upright, with speeds around and along the edge and spin
-/// about the normal. Without a slip it rolls.
+/// about the normal. The sphere rolls if `slip_mps` is zero.
 Rider rider_at(const Vec3& d, double angle, double around_mps, double along_mps, double pivot_mps,
                const Vec3& slip_mps = Vec3::Zero()) {
   const Vec3 level = math::normalized(cross(d, Vec3(0, 0, 1)));

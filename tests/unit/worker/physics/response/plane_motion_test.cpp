@@ -21,7 +21,7 @@ using std::numbers::pi;
 constexpr double k_g_mps2 = 9.81;
 const Vec3 k_gravity(0, 0, -k_g_mps2);
 
-/// A box with half sides on the plane z = 0, turned about z.
+/// A box on the plane z = 0, given by its half sides and turned about z.
 struct Box {
   Vec3 half_m;
   double mass_kg = 1;
@@ -244,8 +244,8 @@ struct LyingCone {
 };
 
 TEST(PlaneMotion, AConeRollsInItsCircle) {
-  // Goal: a body that lies on a line and whose axis rises by an angle a circles the point where its
-  // axis meets the plane, at w tan a. It does so up to the speed at which the inner support lifts.
+  // Goal: a body on a line contact, with an axis that rises by the angle a, moves around the point
+  // where the axis meets the plane, at w tan a, up to the speed at which the inner support lifts.
   // Method: compare with the circle's closed form and with torques about the centre.
   const double rise = 0.127;
   const double depth_m = 0.06;
@@ -263,7 +263,7 @@ TEST(PlaneMotion, AConeRollsInItsCircle) {
     // Mean of the centripetal acceleration over a 32nd of a radian.
     EXPECT_NEAR(math::norm(motion.acceleration_mps2), std::fabs(turns_radps) * 6 * depth_m, 1e-3);
     EXPECT_NEAR(motion.lasts_s * std::fabs(turns_radps), 1.0 / 32, 1e-5);
-    // Acceleration points to where the axis meets the plane, on its lower side.
+    // The acceleration points towards the point where the axis meets the plane.
     EXPECT_LT(motion.acceleration_mps2.x(), 0);
   }
   // Torques about the foot of the lifted support come only from weight, path and gyration.

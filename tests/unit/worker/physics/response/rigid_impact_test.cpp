@@ -15,7 +15,7 @@ namespace sleight::physics::rigid_impact_test {
 
 using namespace response_reference;
 
-/// Greatest difference of twists and impulses: square root of its kinetic energy over the energy.
+/// Difference of two outputs: square root of the difference's kinetic energy over the energy.
 Real difference(const Case& made, const ImpactOutput& left, const ImpactOutput& right) {
   const auto less = [](const Twist& a, const Twist& b) {
     return Twist{a.velocity_mps - b.velocity_mps,
@@ -97,8 +97,9 @@ void expect_invariants(const Case& made) {
 
 TEST(RigidImpact, KeepsItsInvariants) {
   // Goal: energy, separation, cone and momenta are right. Method: judge random bodies in extended
-  // precision, with moments up to 1 : 1e4 and contacts up to ten radii of gyration away. A third
-  // hit static geometry. Cases include grazing approach, e of 0 and 1, and mu of 0 and 10.
+  // precision, with moments up to 1 : 1e4 and contacts up to ten radii of gyration away. A third of
+  // the bodies hit static geometry. Cases include grazing approach, e of 0 and 1, and mu of 0 and
+  // 10.
   Dice dice(1);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {
@@ -108,7 +109,7 @@ TEST(RigidImpact, KeepsItsInvariants) {
 }
 
 TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
-  // Goal: the same holds if slow impacts are raised. Method: use floors from low to high speeds.
+  // Goal: the same holds if slow impacts are raised. Method: use floors below and above all speeds.
   Dice dice(2);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {

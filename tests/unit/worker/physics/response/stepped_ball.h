@@ -33,7 +33,7 @@ class SteppedBall {
   const Twist& twist() const { return twist_; }
   const Vec3& way_m() const { return way_m_; }
   bool rolls() const { return rolls_; }
-  /// Returns whether a plane would have had to pull the ball, which then left it. Not modelled.
+  /// Returns whether the ball left a plane, which would have had to pull it. Not modelled.
   bool pulled() const { return pulled_; }
 
  private:

@@ -79,7 +79,7 @@ TEST(MassProperties, of_parts_are_those_of_the_whole) {
     ASSERT_NEAR(sum.mass_kg, 12, 1e-13);
     ASSERT_LT(norm(sum.centre_m - shift), 1e-14);
     ASSERT_LT(largest(sum.inertia_kgm2 - whole.inertia_kgm2), 1e-12);
-    // The body's frame finds the whole box again.
+    // in_body_frame recovers the whole box.
     const auto body = in_body_frame(parts, 2, InertiaSymmetry::general);
     ASSERT_TRUE(body.ok());
     std::array<double, 3> moments{};

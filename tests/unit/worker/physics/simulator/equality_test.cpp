@@ -88,8 +88,9 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
 }
 
 TEST(Equality, OneWayMayTakeOverFromAnother) {
-  // Goal: go_on_with changes no bit, even during flights, contacts, rest and late starts. Method:
-  // run scenes of every kind in portions of random length, each in another way.
+  // Goal: a switch to other options (go_on_with) changes no bit, even during flights, contacts,
+  // rest and late starts. Method: run scenes of every kind in portions of random length, each in
+  // another way.
   for (const std::uint64_t n : property::cases(property::of_tier(22, 90))) {
     const TestScene scene = testing::any_scene(n);
     const Outcome expected = outcome_of(scene, {});
@@ -115,8 +116,8 @@ TEST(Equality, OneWayMayTakeOverFromAnother) {
 }
 
 TEST(Equality, TakingOverRepeatsNothingAndForgetsNoFailure) {
-  // Goal: when another way takes over, events of the current tick don't happen again, not even at
-  // tick 0, and an error remains. Method: use a control and samples at tick 0 in a scene whose only
+  // Goal: after go_on_with, events of the current tick don't happen again, not even at tick 0, and
+  // an error remains an error. Method: use a control and samples at tick 0 in a scene whose only
   // body starts later, and a scene that fails at a late start.
   Scene scene = scenes::rain(1, 1).scene;
   scene.bodies[0].start_tick = Tick{1000};

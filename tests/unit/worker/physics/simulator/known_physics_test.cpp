@@ -73,8 +73,9 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
 }
 
 TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
-  // Goal: if one or two balls strike a row of five almost touching balls, the same number leaves at
-  // the other end and the rest stand still. Method: use elastic balls with gaps of twice k_touch_m.
+  // Goal: if one, two or three of five balls in a row strike the others, which almost touch, as
+  // many leave at the other end and the rest stand still. Method: use elastic balls with gaps of
+  // twice k_touch_m.
   for (const std::size_t strikers : {1U, 2U, 3U}) {
     Scene scene;
     for (std::size_t i = 0; i < 5; ++i) {

@@ -199,7 +199,8 @@ TEST(Lane, BallsRunAsAnIntegrationSays) {
 }
 
 TEST(Lane, AMapMustLieInItsPlane) {
-  // Goal: a map whose axes leave the plane is refused by name. Method: use a leaning plane.
+  // Goal: the error for a map whose axes leave the plane names the plane. Method: use a leaning
+  // plane.
   Scene scene = lane({}, {}, {}, 0.1);
   EXPECT_TRUE(Simulation::start(scene, {}).ok());
   scene.planes[0].outside.normal = Vec3(0.6, 0, 0.8);

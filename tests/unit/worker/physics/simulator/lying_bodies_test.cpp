@@ -60,7 +60,8 @@ TEST(LyingBodies, AnyThrowIsCaughtSoon) {
 }
 
 TEST(LyingBodies, AWallEndsAStay) {
-  // Goal: hitting a wall ends a stay. Method: a cube slides into a wall, returns and rests.
+  // Goal: hitting a wall ends a body's stay on the floor. Method: a cube slides into a wall,
+  // returns and rests.
   Scene scene = floor_scene(0.1, {.restitution = 0.5, .friction = 0.1});
   scene.planes.push_back({.name = "wall", .outside = {.normal = {-1, 0, 0}, .offset_m = -0.5}});
   scene.bodies.push_back(box_at({0.1, 0.1, 0.1}, 0, {.velocity_mps = {2, 0, 0}}));

@@ -83,7 +83,7 @@ inline void change_statics(Scene& scene, const Subject& subject, Dice& dice) {
     auto hull = convex_hull(points_m);
     if (hull) convex.polyhedron = std::make_shared<const ConvexPolyhedron>(std::move(hull).value());
   } else if (!scene.planes.empty()) {
-    // Mostly away from the bodies, which would overlap the plane at their start otherwise.
+    // Mostly moves planes away from the bodies, which would overlap them at the start otherwise.
     StaticPlane& plane = scene.planes[dice.below(scene.planes.size())];
     if (dice.one_in(2)) {
       random::Stream stream({.seed = dice.below(1000), .purpose = random::Purpose::prior}, 0);

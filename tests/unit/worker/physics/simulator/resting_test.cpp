@@ -245,8 +245,9 @@ TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
 
 TEST(Resting, NothingHangsInTheAir) {
   // Goal: a sleeping body comes down with a support that wakes and leaves. Method: knock the lowest
-  // grains of heaps about. When all grains rest, restart them at their places without rest. In 30
-  // ms, a floating grain falls by 4 mm, and a supported grain bounces by micrometres.
+  // grains of heaps about. When all grains rest, start them from their places in a scene where
+  // nothing can rest. In 30 ms, a floating grain falls by 4 mm, and a supported grain bounces by
+  // micrometres.
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Scene scene = scenes::grain_heap(20, seed).scene;
     for (std::uint32_t body = 0; body < 5; ++body) {
@@ -310,7 +311,7 @@ TEST(Resting, AHardBlowWakesAndASoftOneDoesNot) {
   rule.reset({}, scene.slow, ticks_after(1));
   scene.bodies.push_back(cube_at({0, 0, 0.0101}));
   scene.bodies.push_back(ball_at({-0.05, 0, 0.012}));
-  // Both weigh 20 g. The ball's velocity changes by (1 + e) v at a fixed cube.
+  // Ball and cube weigh 20 g. At a fixed cube, the ball's velocity changes by (1 + e) v.
   ASSERT_NEAR(scene.bodies[0].inertia.mass_kg, 0.02, 1e-12);
   for (const double share : {0.5, 2.0}) {
     Scene blow = scene;
@@ -427,7 +428,7 @@ TEST(CanCarry, WhatFallsOverIsNotLookedAtLonger) {
     for (std::size_t k = 0; k < count; ++k) {
       const double x = uniform(-0.5, 0.5) * (count == 2 ? 1 : spread);
       const double y = uniform(-1, 1) * spread;
-      // The second contact is opposite of the first, up to the spread.
+      // The second contact is opposite the first, up to the spread.
       const double side = k == 0 ? 1 : -1;
       const Vec3 normal = math::normalized(Vec3(side * x, y, 1));
       const Vec3 arm_m =

@@ -153,8 +153,8 @@ TEST(Reuse, OnlyWhatDiffersIsSimulated) {
 }
 
 TEST(Reuse, AFailureComesAsItWould) {
-  // Goal: replayed collisions count too. Method: a ball bounces ever lower in a scene without an
-  // end for that. Its histories end before the simulation gives up.
+  // Goal: replayed collisions count too. Method: a ball bounces ever lower in a scene without a
+  // rule that ends this. Its histories end before the simulation gives up.
   Scene scene = balls_apart(1);
   scene.slow = {};
   Simulation whole = Simulation::start(scene, {}).value();

@@ -367,9 +367,9 @@ Scene falls_flat(double x_m, double speed_mps) {
 }
 
 TEST(SurfaceSimulation, FieldsAreThoseOfThePlace) {
-  // Goal: a die bounces and slides by the table's fields at its place of landing. Method: the table
-  // absorbs and is slippery on the left, and does neither on the right. Compare normal speeds of
-  // the contact point across the first collision, and the change along the table.
+  // Goal: a die bounces and slides according to the table's fields where it lands. Method: the
+  // table absorbs and is slippery on the left, and does neither on the right. Compare normal speeds
+  // of the contact point across the first collision, and the change along the table.
   for (const double x_m : {-0.2, 0.2}) {
     const RecordedRun run = testing::recorded(falls_flat(x_m, 0.3), 0.2);
     ASSERT_EQ(run.error, "");

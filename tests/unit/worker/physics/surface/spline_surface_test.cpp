@@ -185,7 +185,7 @@ struct Answer {
 };
 
 Answer answer_of(SplineSurface& spline, const Question& q) {
-  // On one side, ask for the place before the bounds.
+  // For x < 0, ask for the place before the bounds.
   Answer answer;
   if (q.x_m < 0) answer.place = spline.at(q.x_m, q.y_m);
   answer.bounds = spline.bounds_in(q.x_m, q.x_m + q.width_m, q.y_m - q.width_m, q.y_m);

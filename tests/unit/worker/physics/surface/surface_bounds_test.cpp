@@ -125,8 +125,8 @@ TEST(SurfaceBounds, HoldInEveryRectangle) {
 }
 
 TEST(SurfaceBounds, TheCheckSeesWhatIsBeyond) {
-  // Goal: each of the four bounds can fail the test above. Method: use bounds that are a half too
-  // low, and another rectangle's bounds.
+  // Goal: each of the four bounds can fail the test above. Method: use bounds that are too low by
+  // half, and another rectangle's bounds.
   const StaticSurface surface = surface_of(waves(0.001), 0.01);
   SplineSurface spline(surface);
   Dice dice(22, 0);

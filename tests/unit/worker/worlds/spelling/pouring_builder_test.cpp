@@ -48,7 +48,7 @@ TEST(Landings, OfBatchesAddUpInAnyOrder) {
   EXPECT_EQ(all.total(), backwards.total());
   for (std::size_t cell = 0; cell < std::size_t{Landings::k_side} * Landings::k_side; ++cell)
     ASSERT_EQ(all.count(cell), backwards.count(cell));
-  // About 0.3 of 400 balls fill a designated bin.
+  // Of 400 balls, about 30% fill a designated bin.
   EXPECT_GT(all.total(), 8 * 60U);
   EXPECT_LT(all.total(), 8 * 200U);
 }

@@ -86,7 +86,8 @@ TEST(SoloBalls, FromChangesAreTheSame) {
 
 TEST(SoloBalls, TakeAnchoredBallsForGranted) {
   // Goal: an anchored ball fills its bin whatever it would do alone, so no other ball fills that
-  // bin. A state with another anchored ball is impossible. Method: prior draws with helped balls.
+  // bin. A state in which the anchored ball differs is impossible. Method: prior draws with helped
+  // balls.
   const Spelling world(parameters_with_aims());
   std::uint64_t anchored = 0;
   for (const std::uint64_t i : property::cases(200)) {
@@ -112,7 +113,7 @@ TEST(SoloBalls, TakeAnchoredBallsForGranted) {
       other.active[ball] = 0;
       other.drops_m[ball] = {0, 0};
       EXPECT_FALSE(surrogate.simulate(other).possible);
-      // And back, from another surrogate's outcome.
+      // Simulate back to the state, from another surrogate's outcome.
       expect_equal(surrogate.simulate_from(state, other, world.surrogate({}).simulate(other)),
                    outcome);
     }

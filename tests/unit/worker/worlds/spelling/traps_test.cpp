@@ -100,7 +100,7 @@ TEST(Traps, WhatMayRiseOverThePartitionsIsNot) {
     EXPECT_TRUE(ball.place());
     ball.twist.angular_velocity_radps *= speed_mps / less_mps;
     EXPECT_FALSE(ball.place());
-    // Half of the energy in each.
+    // Half of the energy is in motion, half in spin.
     ball.twist.angular_velocity_radps *= std::sqrt(0.5);
     ball.twist.velocity_mps = std::sqrt(0.5) * speed_mps * way;
     EXPECT_FALSE(ball.place());
@@ -162,7 +162,7 @@ TEST(Traps, LowerAndLeaningPartitionsHoldLess) {
     offset_m = Vec3::Zero();
   }
   EXPECT_EQ(own, 4U);
-  // Raised partitions hold no higher: the outcome uses the original height.
+  // Raised partitions hold balls no higher, because the outcome uses the original height.
   for (Vec3& offset_m : ball.offsets_m)
     offset_m = Vec3(0, 0, 0.002);
   ball.centre_m.z() = 0.0125;

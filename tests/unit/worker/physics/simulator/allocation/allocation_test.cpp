@@ -63,8 +63,8 @@ TEST(Allocation, TheEventLoopAllocatesNothing) {
 
 TEST(Allocation, SurfacesAllocateForPatchesAndTouchesOnly) {
   // Goal: searches on surfaces allocate nothing once nearby patches exist, except that the list of
-  // touches doubles. Method: bounce a die in place without loss. Four doublings are 16 times as
-  // many touches as in the first quarter.
+  // touches doubles. Method: bounce a die in place without loss. Four doublings allow 16 times as
+  // many touches as the first quarter has.
   Scene scene = testing::thrown_dice(1, 1,
                                      testing::table_surface(testing::table_of([](GridIndex) {
                                                               return SurfaceControl{
