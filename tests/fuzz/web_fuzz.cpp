@@ -1,8 +1,8 @@
 // Goal: no bytes from a peer make the gallery's server crash, hang, exceed its memory limit, or
 // answer an unauthorized peer. Method: libFuzzer. An input is a connection's bytes after a first
-// byte that defines how they are split. They pass through parser, guard and answers in memory, and
-// are compared with a second reader (tests/unit/clients/web/checked_exchange.h lists the checks).
-// CMakeLists.txt beside this file explains how to replay a failure.
+// byte that defines how they are split. The bytes pass through parser, guard and answers in memory,
+// and the results are compared with a second reader (tests/unit/clients/web/checked_exchange.h
+// lists the checks). CMakeLists.txt beside this file explains how to replay a failure.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

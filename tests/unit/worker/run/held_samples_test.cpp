@@ -201,9 +201,9 @@ TEST(HeldSamplesDeathTest, MisuseIsABug) {
 
 TEST(HeldSamples, OwnedBytesCoverAllArrays) {
   // Goal: the size that a world reports for a sample covers all of the sample's arrays, including
-  // the surrogate's outcome and the history, for any outcome. It is not much larger than these
-  // arrays plus the history's objects. Method: compare with the capacities of prior draws' arrays,
-  // including impossible draws, whose outcome has no arrays, and arrays with spare room.
+  // the surrogate's outcome and the history, for any outcome. The size is not much larger than
+  // these arrays plus the history's objects. Method: compare with the capacities of prior draws'
+  // arrays, including impossible draws, whose outcome has no arrays, and arrays with spare room.
   worlds::spelling::Parameters parameters = two_bins();
   parameters.world.drop_interval_s = 0.001;
   const Spelling world(parameters);

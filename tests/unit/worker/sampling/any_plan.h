@@ -137,7 +137,7 @@ std::uint64_t scans_at_stop(const StopRule& stop, std::uint64_t round_scans, std
                             const ScanRuns& runs);
 
 /// Expects that a plan, asked in steps of `step` scans, reports exactly the solutions counted by
-/// its parts of draws, with log_p = log_p_of(chain, scan). They appear when their part is over.
+/// its parts of draws, with log_p = log_p_of(chain, scan). A part's solutions appear at its end.
 void expect_told_as_counted(
     const plan::Plan& plan, std::uint64_t step,
     const std::function<double(std::uint32_t chain, std::uint64_t scan)>& log_p_of);

@@ -299,8 +299,8 @@ class SlowWorker final : public plan::UnitWorker {
 
 TEST(BlockRunner, KeepsToItsScansAndSharesTheCost) {
   // Goal: each member runs at least one scan, and all together run as many as the limit unless
-  // something else ends them. Time is shared by scans, and simulations are counted. Method: run a
-  // ladder of six with every limit up to 70, and smaller ladders by hand.
+  // something else ends them. Time is divided among scans, and simulations are counted. Method: run
+  // a ladder of six with every limit up to 70, and smaller ladders by hand.
   constexpr std::uint32_t k_levels = 6;
   const ScanByScan numbers({.seed = 5, .roughness = {5}});
   base::ManualClock clock;

@@ -256,8 +256,8 @@ TEST(EveryMethod, GoesOnFromAnyStoredResults) {
 
 TEST(EveryMethod, DecidesTheSameInAnySteps) {
   // Goal: the solutions and rounds that a plan reports between two frontiers are a function of the
-  // results up to the frontiers. Together they equal a quiet run's report. Each solution is a
-  // satisfied scan at inverse temperature 1, and all counted solutions are reported. Method: ask
+  // results up to the frontiers. All reports together equal a quiet run's report. Each solution is
+  // a satisfied scan at inverse temperature 1, and all counted solutions are reported. Method: ask
   // random sessions, including stopped and resumed ones, at random moments.
   std::set<Method> methods;
   for (const std::uint64_t index : property::cases(cases())) {
@@ -360,7 +360,7 @@ TEST(EveryMethod, KnowsHowMuchThereIsToDoAlsoWhileItAnneals) {
 
 TEST(BurntInChains, BurnInIsParallelTempering) {
   // Goal: a burn-in equals the same number of rounds of parallel tempering. Method: run both with
-  // the same options. They must have the same places and the same tables of ladders.
+  // the same options. Places and tables of ladders must be equal.
   for (const std::uint64_t index : property::cases(20)) {
     Dice dice(k_seed, 6 * k_cases + index);
     Case given = random_case(dice, 2 + index % 3);

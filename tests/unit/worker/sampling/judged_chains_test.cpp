@@ -185,7 +185,7 @@ TEST(JudgedChains, CountASatisfyingScanOfEachChainOfEachTour) {
 
 TEST(JudgedChains, ChainsThatNeverLeaveTheirStartNeverBurnIn) {
   // Goal: a kernel that never produces a helped ball fails the judge, even if all chains agree.
-  // Method: run such chains for many rounds. They pass if the value doesn't start at one end.
+  // Method: run such chains for many rounds. The chains pass if the value doesn't start at one end.
   const World stuck{.forgets = 0};
   random::Stream stream({.seed = 1, .purpose = random::Purpose::scene}, 0);
   JudgedChains plan(options(4000, {}));

@@ -194,7 +194,7 @@ TEST(SurrogateTransition, WeighsWhatTheGuessesLeave) {
 
 TEST(Iteration, KeepsTheDistribution) {
   // Goal: a mixture of walks and single steps is valid, and so are steps of Algorithm 2.1 if
-  // neither is requested. Method: as above.
+  // neither is requested. Method: move exact draws once.
   for (const auto& [walk, single] : {std::pair{0U, 0U}, {3U, 0U}, {0U, 3U}, {4U, 2U}}) {
     Ring ring;
     ring.steps = {.walk = walk, .single = single, .walk_kind = 1, .single_kind = 2};

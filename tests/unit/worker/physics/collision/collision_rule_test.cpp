@@ -136,8 +136,8 @@ Tick first_by_rule(const Vec3& between_m, const Vec3& relative_mps, double radii
 TEST(CollisionRule, ClosedFormOfFreeSpheresKeepsIt) {
   // Goal: the closed form for two free spheres finds the rule's first collision tick, or none.
   // Method: compare with the search on random flights, some of which graze the touch, hardly
-  // approach or touch at the start. Rounding may shift the tick by one. It may change the verdict
-  // if a grazing flight touches for at most two ticks or is within rounding of the limit.
+  // approach or touch at the start. Rounding may shift the tick by one. Rounding may change the
+  // verdict if a grazing flight touches for at most two ticks or is within rounding of the limit.
   std::uint64_t hits = 0;
   std::uint64_t same = 0;
   std::uint64_t misses = 0;

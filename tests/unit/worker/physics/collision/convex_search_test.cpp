@@ -260,7 +260,7 @@ class Rocking {
 TEST(ConvexSearch, SkipsNoCollision) {
   // Goal: no skipped tick is a collision, rounding included (convex_search.h, invariant 3). Method:
   // compute the contact from scratch at the last skipped ticks and at some others. Random pairs
-  // approach slowly or fast, hover, or part from a touch. They are near the origin or far from it,
+  // approach slowly or fast, hover, or part from a touch. Pairs are near the origin or far from it,
   // with or without rotation and gravity, after short or long flights.
   std::uint64_t looks = 0;
   std::uint64_t compared = 0;

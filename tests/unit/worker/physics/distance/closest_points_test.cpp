@@ -1,7 +1,7 @@
 // Goal: gap, normal, points and features of separated convex pieces are right to rounding, for any
 // placement. Method: test random and degenerate placements of many kinds of pieces, with gaps from
 // 1e-9 of the size. Each result must prove itself (points inside, separation along the normal) and
-// equal a brute-force gap in long double. Constructed configurations have known features. Both
+// equal a brute-force gap in long double. Constructed configurations have known features. The
 // checks must reject a broken distance.
 #include "worker/physics/distance/closest_points.h"
 

@@ -51,7 +51,7 @@ Compound round_of(int kind) {
     case 4:
       return parts_of(rounded_box({0.1, 0.06, 0.04}, 0.005, 1));
     case 5: {
-      // Both kinds of feature, about an axis other than z.
+      // A round piece with both kinds of feature, about an axis other than z.
       RoundDescription description{
           .origin_m = {0.01, 0, 0},
           .axis = math::normalized(Vec3(1, 2, 3)),

@@ -58,7 +58,7 @@ TEST(ClosestWarm, equals_cold_along_trajectories) {
       ASSERT_NO_FATAL_FAILURE(expect_same(warm, cold, coordinates, 1000 * i + k));
       ++searches[static_cast<std::size_t>(warm.search)];
       ++steps;
-      // Distant pieces attract each other so that they meet. Otherwise the drift is random.
+      // Distant pieces attract each other so that they meet. Close pieces drift randomly.
       const Vec3 drift = warm.gap_m > 0.2 ? Vec3(-0.5 * by * warm.normal) : Vec3(Vec3::Zero());
       step(stream, by, at.a, Vec3(Vec3::Zero()));
       step(stream, by, at.b, drift);

@@ -208,8 +208,8 @@ TEST(MarbleHistories, ReplayingMakesNoDifference) {
 }
 
 TEST(MarbleHistories, MovedGeometryMakesNoDifference) {
-  // Goal: replay also changes no bit if static geometry changes. Method: as above, and move
-  // vertices of the mesh by 0.1 or 2 mm. Vertices of earlier moves return to their initial
+  // Goal: replay also changes no bit if static geometry changes. Method: change balls' starts, and
+  // move vertices of the mesh by 0.1 or 2 mm. Vertices of earlier moves return to their initial
   // positions.
   run_all_scenes(Moves::balls_and_vertices, scene_count() / 2);
 }

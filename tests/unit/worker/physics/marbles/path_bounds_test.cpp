@@ -49,8 +49,8 @@ Tick first_collision(const StaticGeometry& statics, const SphereFeature& feature
 
 TEST(PathBounds, ComeBeforeEveryCollision) {
   // Goal: no bound is later than the collision, and the surroundings contain every feature that a
-  // ball hits. Method: start flights close to a feature of a random mesh. They fall back on the
-  // feature or pass it. Compare with a search that judges single ticks.
+  // ball hits. Method: start flights close to a feature of a random mesh, which fall back on it or
+  // pass it. Compare with a search that judges single ticks.
   random::Stream stream({.seed = 11, .purpose = random::Purpose::scene}, 0);
   int met = 0;
   for (std::uint64_t n = 0; n < 40; ++n) {

@@ -62,7 +62,7 @@ TEST(KnownAnswers, RodThatCatchesItsEnd) {
 TEST(KnownAnswers, SlidingBallGripsTheFloor) {
   // Goal: outcomes have the factors 5/7 and 2/7, and the border between slide and stick is exact.
   // Method: a solid ball that slides at v without spin leaves rolling at 5/7 v. A ball that only
-  // spins leaves with 2/7 of its rim's speed. Both need mu (1 + e) u >= 2/7 of the slip.
+  // spins leaves with 2/7 of its rim's speed. Both balls need mu (1 + e) u >= 2/7 of the slip.
   SphereImpactInput input{.mass_b = solid_sphere_mass(0.17, 0.03),
                           .law = {.restitution = 0.5, .friction = 1}};
   input.b.velocity_mps = Vec3(0.7, 0, -1);

@@ -75,7 +75,7 @@ TEST(PlaneMotion, ABoxSlidesInOneStraightPiece) {
 }
 
 TEST(PlaneMotion, ABoxStandsUpToTheAngleOfFrictionAndTopplesBeyondItsEdge) {
-  // Goal: a box on a slope stands if tan <= mu and tan < b / h. It slides if only the first
+  // Goal: a box on a slope stands if tan <= mu and tan < b / h. The box slides if only the first
   // condition fails and topples if the second fails. Method: test both sides of both limits.
   const auto at = [](double half, double friction, double angle) {
     const Box box({half, half, 0.05}, friction);
@@ -142,7 +142,7 @@ Walk walked(const Vec3& half_m, double friction, Twist twist, const Vec3& gravit
   return walk;
 }
 
-/// The same body on four stiff springs with dampers, in small steps. Presupposes no law of loads.
+/// A slab on four stiff springs with dampers, in small steps. Presupposes no law of loads.
 Walk on_springs(const Vec3& half_m, double friction, const Twist& start) {
   constexpr double k_step_s = 2e-6;
   constexpr double k_depth_m = 1e-6;  // spring depth under the body's weight

@@ -98,7 +98,7 @@ enum class Fault : std::uint8_t {
 ImpactOutput slow_impact(const Case& made, Fault fault = Fault::none);
 
 /// Newton's restitution with Coulomb friction, as commonly used; it can gain energy. Sticks if the
-/// impulse that stops the slip is in the cone. Otherwise friction acts against the initial slip.
+/// impulse that stops the slip is in the cone. Else friction acts against the initial slip.
 ImpactOutput plain_newton_impact(const Case& made);
 
 }  // namespace sleight::physics::response_reference

@@ -109,7 +109,7 @@ TEST(RigidImpact, KeepsItsInvariants) {
 }
 
 TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
-  // Goal: the same holds if slow impacts are raised. Method: use floors below and above all speeds.
+  // Goal: invariants hold for raised slow impacts. Method: use floors below and above all speeds.
   Dice dice(2);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {
@@ -119,7 +119,7 @@ TEST(RigidImpact, KeepsItsInvariantsWithAFloorOfTheSeparationSpeed) {
 }
 
 TEST(RigidImpact, KeepsItsInvariantsAtExtremeMassRatios) {
-  // Goal: the same holds for masses from 1e-6 to 1e6 kg. Method: as above.
+  // Goal: invariants hold for masses from 1e-6 to 1e6 kg. Method: test random bodies.
   Dice dice(3);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(10'000, 50'000))) {
@@ -154,7 +154,7 @@ TEST(RigidImpact, AgreesWithTheLawsDefinition) {
 }
 
 TEST(RigidImpact, AgreesWithTheSlowLawForNeedlesToo) {
-  // Goal: bad conditioning causes no wrong branch. Method: as above, with ratios of 1e4.
+  // Goal: bad conditioning causes no wrong branch. Method: use ratios of 1e4 in random cases.
   Dice dice(5);
   Real worst = 0;
   for (int i = 0; i < 10'000; ++i) {

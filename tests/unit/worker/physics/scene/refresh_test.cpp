@@ -309,8 +309,8 @@ TEST(Refresh, AFlatSolidIsTurnedInsideOutWithinItsSlack) {
 }
 
 TEST(Refresh, AVolumeThatIsKeptIsKeptByAnyMove) {
-  // Goal: if keeps_side is true, no move within the slack changes the volume's sign. It is false
-  // only for large slacks. Method: move vertices of stars to corners of their slack.
+  // Goal: if keeps_side is true, no move within the slack changes the volume's sign. keeps_side is
+  // false only for large slacks. Method: move vertices of stars to corners of their slack.
   int kept = 0;
   for (const std::uint64_t n : property::cases(200)) {
     random::Stream stream({.seed = 35, .purpose = random::Purpose::scene}, n);

@@ -244,7 +244,7 @@ TEST(StaticGeometry, PiecesAreTheTrianglesAndStayWhenMoved) {
 }
 
 TEST(StaticGeometry, AssignedIsAsNew) {
-  // Reuse one object for scenes of all sorts. It must answer like a new object.
+  // Reuse one object for scenes of all sorts. The object must answer like a new one.
   StaticGeometry used(scenes::tray(4, 1).scene);
   random::Stream stream = stream_of(450);
   for (std::uint64_t seed = 1; seed < 6; ++seed) {

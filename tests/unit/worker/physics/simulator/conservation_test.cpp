@@ -53,8 +53,8 @@ TEST(Conservation, AGasKeepsItsEnergy) {
 }
 
 TEST(Conservation, PolyhedraKeepTheirEnergy) {
-  // Goal: the same holds if translation and rotation exchange energy. The long run has the number
-  // of collisions that the project promises.
+  // Goal: energy doesn't drift either if translation and rotation exchange energy. The long run has
+  // the number of collisions that the project promises.
   const std::uint64_t collisions = property::long_run() ? 100'000 : 4'000;
   EXPECT_LT(drift_of(scenes::boxed_polyhedra(12, 1).scene, collisions, 20), 1e-9);
 }

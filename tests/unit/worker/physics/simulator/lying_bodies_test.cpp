@@ -74,8 +74,9 @@ TEST(LyingBodies, AWallEndsAStay) {
 }
 
 TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
-  // Goal: a box slides on the face of a static block as on a plane, up to the edge. It stays if its
-  // centre stays on the block, and falls otherwise. Method: throw boxes to both sides of the edge.
+  // Goal: a box slides on the face of a static block as on a plane, up to the edge. The box stays
+  // if its centre stays on the block, and falls otherwise. Method: throw boxes to both sides of the
+  // edge.
   for (const double way_m : {0.3, 0.45, 0.6}) {
     Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0.3});
     scene.convexes.push_back({.name = "table",

@@ -41,7 +41,8 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
 
 TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
   // Goal: kicks at one tick come in the scene's order, which may differ from the bodies' order.
-  // Method: kick the highest body first. That body starts differently, or never in both scenes.
+  // Method: kick the highest body first. The highest body starts differently, or never in both
+  // scenes.
   Scene before = balls_apart(6);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   for (const std::uint32_t body : {5U, 2U, 4U, 1U}) {
@@ -132,7 +133,7 @@ TEST(ReuseTraps, StartsSeeWhatDiffers) {
   EXPECT_EQ(run(around, 1, free.history).digest, drawn.digest);
   EXPECT_EQ(run(away, 1, drawn.history).digest, free.digest);
 
-  // The same with another body in the way.
+  // Test starts with another body in the way.
   Scene alone = away;
   Scene two = away;
   two.bodies[0].start_tick = Tick{} + ticks_after(0.69);

@@ -85,8 +85,8 @@ TEST(SplineSurface, HasTheHeightsAndSlopesOfTheDefinition) {
 }
 
 TEST(SplineSurface, HasTheFieldsOfTheDefinition) {
-  // Goal: restitution and friction are right. Method: as for heights. They must stay in their
-  // ranges, even if all points are at an end of a range.
+  // Goal: restitution and friction are right. Method: compare with the reference's sums. Values
+  // must stay in their ranges, even if all points are at an end of a range.
   for_each_place(2, 200, [&](const StaticSurface& surface, double x_m, double y_m) {
     const SurfaceControl got = SplineSurface(surface).fields_at(x_m, y_m);
     const ReferencePlace expected = reference_at(surface, x_m, y_m);

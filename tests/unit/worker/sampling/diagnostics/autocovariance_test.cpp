@@ -28,7 +28,7 @@ void expect_alike(const OwnedChains& draws) {
   const std::vector<double> found = mean_autocovariances(draws.view());
   const std::vector<double> expected = by_definition(draws.view());
   ASSERT_EQ(found.size(), draws.draws);
-  // Both round: about 1e-16 for each of log2(4 draws) levels, or for the draws' sum.
+  // Both methods round: about 1e-16 for each of log2(4 draws) levels, or for the draws' sum.
   for (std::size_t t = 0; t < found.size(); ++t)
     ASSERT_NEAR(found[t], expected[t], 1e-14 * expected[0]) << draws.draws << " lag " << t;
 }

@@ -10,9 +10,9 @@
 namespace sleight::worlds::ball_2d {
 namespace {
 
-/// A ball stepped by fixed intervals. It detects a collision when its centre is below the table,
-/// and bisects the interval to find the time. Velocities change in the frame of the tilted surface.
-/// Shares no code with the simulator, only the world's numbers.
+/// A ball stepped by fixed intervals. A collision is detected when the centre is below the table,
+/// and the interval is bisected to find the time. Velocities change in the frame of the tilted
+/// surface. Shares no code with the simulator, only the world's numbers.
 class SteppedBall {
  public:
   SteppedBall(const WorldParameters& world, double step_s) : world_(world), step_s_(step_s) {

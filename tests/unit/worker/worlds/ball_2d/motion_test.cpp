@@ -25,7 +25,8 @@ TEST(Motion, OneBounceByHand) {
   // Goal: the landing after one collision is right. Method: compare with the closed form. The ball
   // falls by h, arrives at u = sqrt(2 g h) and leaves a surface of tilt t with
   //   v_x = (1 + e) u sin t cos t        v_z = u ((1 + e) cos^2 t - 1).
-  // It lands at x = 4 h (1 + e) sin t cos t ((1 + e) cos^2 t - 1), or stays in place if v_z <= 0.
+  // The ball lands at x = 4 h (1 + e) sin t cos t ((1 + e) cos^2 t - 1), or stays in place if v_z
+  // <= 0.
   WorldParameters world;
   world.collisions = 1;
   for (const double e : {0.2, 0.70710678118654752, 1.0}) {

@@ -189,7 +189,7 @@ TEST(DiceGoals, WhatOneThrowMeetsIsNoContradiction) {
 }
 
 TEST(DiceGoals, MarginalsAreDirectSums) {
-  // Goal: the same holds for several dice in any orientation. Method: use the library's exp.
+  // Goal: numberings are right for several dice in any orientation. Method: use the library's exp.
   std::vector<Goal> goals{face_up(2), yaw_of(1, 0.4), face_up(6)};
   goals[2].die = 1;
   for (const std::uint64_t draw : property::cases(200)) {

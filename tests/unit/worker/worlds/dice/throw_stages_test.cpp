@@ -215,7 +215,7 @@ TEST(StagedDice, PrefixesAreWholeSimulations) {
     EXPECT_EQ(prefix.outcome.end_s, fresh.end_s);
     EXPECT_EQ(world.simulations_of(ground).size(), 6U);
 
-    // The same state again, from its own throws.
+    // Extend to the same state again, from its own throws.
     const auto given = world.ground_given(guide, state, stream);
     auto again = world.no_stages(guide, given);
     for (std::uint32_t stage = 0; stage < 2; ++stage) {

@@ -113,13 +113,13 @@ TEST(SpellingMarbles, EqualASimulation) {
 }
 
 TEST(SpellingMarbles, EqualASimulationOnSmallGrids) {
-  // Goal: the same holds if every bin is at a wall.
+  // Goal: both engines agree if every bin is at a wall.
   expect_all_alike(full_pattern(1, 2), state_count());
   expect_all_alike(full_pattern(3, 3), state_count() / 3);
 }
 
 TEST(SpellingMarbles, EqualASimulationOnALargeGrid) {
-  // Goal: the same holds with many balls, on the grid of ACM.
+  // Goal: both engines agree with many balls, on the grid of ACM.
   expect_all_alike(full_pattern(15, 7), state_count() / 50);
 }
 
@@ -153,7 +153,7 @@ Parameters any_world(random::Stream& stream) {
 }
 
 TEST(SpellingMarbles, EqualASimulationInAnyWorld) {
-  // Goal: the same holds in any world, and all simulations end. Method: two states of each.
+  // Goal: both engines agree in any world, and all simulations end. Method: two states of each.
   random::Stream stream({.seed = 12, .purpose = random::Purpose::scene}, 0);
   const std::uint64_t worlds = state_count() / 10;
   for (const std::uint64_t n : property::in_turn(worlds)) {

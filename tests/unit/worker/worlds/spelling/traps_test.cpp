@@ -287,9 +287,9 @@ TEST(Traps, WhatIsTrappedStaysUntilAnotherBallComes) {
 }
 
 TEST(Traps, ABallBetweenAnEdgeAndAWallIsDecided) {
-  // Goal: a ball pulled by friction from an edge to a wall that carries no load comes to rest. It
-  // once alternated between edge and wall 80,000 times in 25 microseconds. Method: count the events
-  // of that animation, which the test below found among 100,000.
+  // Goal: a ball pulled by friction from an edge to a wall that carries no load comes to rest. The
+  // ball once alternated between edge and wall 80,000 times in 25 microseconds. Method: count the
+  // events of that animation, which the test below found among 100,000.
   const Spelling world(world_of(4));
   const State state = random_state(world, 35'114);
   const Outcome early = world.simulate(state);
