@@ -1,4 +1,3 @@
-// Tests the samples that a worker holds: runs from them, spared simulations and their size.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// Tests samples held between units: what is taken or evicted, and that results stay the same.
 #include "worker/run/sample_cache.h"
 
 #include <fmt/format.h>

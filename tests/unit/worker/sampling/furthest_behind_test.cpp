@@ -1,4 +1,3 @@
-// Compares the choice of the next chain with a search through all chains.
 #include "worker/sampling/furthest_behind.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Tests the thinned record of the replicas' levels.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,3 @@
-// Tests ladders: spacing, barriers and predictions as functions of rejection rates.
 #include "worker/sampling/ladder.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,3 @@
-// Tests by hand who is at which temperature, lineages, round trips, restarts and solutions.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,3 @@
-// Compares sums of exponentials with sums in wider arithmetic, and tests sums beyond any range.
 #include "worker/sampling/log_sum.h"
 
 #include <fmt/format.h>

@@ -115,8 +115,7 @@ RestartedChainsOptions options(std::optional<std::uint64_t> scans,
 
 TEST(RestartedChains, CountsTheLastScanOfATour) {
   // Goal: solutions have the distribution of a chain at the tour's age, far from that of states
-  // that begin a lineage. Method: compare 20,000 solutions with the exact law, and count first
-  // visits.
+  // that begin a lineage. Method: compare 20,000 solutions with the exact law.
   RestartedChains plan(options({}, 20000));
   Work work(1);
   work.carry_out(plan, 4);

@@ -1,4 +1,3 @@
-// Compares a round's statistics with the same numbers computed from all scans at once.
 #include "worker/sampling/round_statistics.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,3 @@
-// Tests simulations that are skipped because their result is known.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -155,8 +154,7 @@ TEST(SparedSimulations, ATargetThatKnowsNothingSimulatesAll) {
 
 TEST(SparedSimulations, ACandidateThatIsTheCurrentStateIsNotSimulated) {
   // Goal: with operator== the chain is the same, and equal candidates cost no simulation but are
-  // still judged by their ratio. Method: run chains beside the reference, also from a start of zero
-  // density.
+  // still judged by their ratio. Method: run the reference too, also from zero density.
   std::uint64_t out_of_zero = 0;
   for (const double beta : k_betas) {
     for (std::uint32_t chain = 0; chain < 6; ++chain) {

@@ -1,4 +1,3 @@
-// Tests the bound on how far bodies move while they stay near their places.
 #include "worker/physics/collision/near_places.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Tests keeps_clear, the quick answer before a search.
 #include "worker/physics/collision/sphere_search.h"
 
 #include <gtest/gtest.h>

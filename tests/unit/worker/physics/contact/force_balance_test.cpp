@@ -1,4 +1,3 @@
-// Tests the balance of stacks, planks and arches with known limits, and against a slow search.
 #include "worker/physics/contact/force_balance.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Compares gaps of round pieces with a search over all axes and with closed forms.
 #include "worker/physics/distance/round_distance.h"
 
 #include <fmt/format.h>

@@ -60,9 +60,8 @@ double coordinates_m(const ConvexView& a, const PlacedPose& pose_a, const Convex
 long double reference_gap(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b);
 
-/// Distance in metres by which a result fails its proof; 0 is perfect. The two points must be in
-/// their pieces and gap_m apart along the normal, and gap_m must separate the pieces along the
-/// normal.
+/// Distance in metres by which a result fails its proof; 0 is perfect. Each point must be in its
+/// piece, and points and pieces must be gap_m apart along the normal.
 double certificate_defect(const ConvexView& a, const PlacedPose& pose_a, const ConvexView& b,
                           const PlacedPose& pose_b, const Closest& result);
 

@@ -209,8 +209,7 @@ TEST(MarbleHistories, ReplayingMakesNoDifference) {
 
 TEST(MarbleHistories, MovedGeometryMakesNoDifference) {
   // Goal: replay also changes no bit if static geometry changes. Method: change balls' starts, and
-  // move vertices of the mesh by 0.1 or 2 mm. Vertices of earlier moves return to their initial
-  // positions.
+  // move vertices of the mesh by 0.1 or 2 mm. Vertices moved earlier then return to their places.
   run_all_scenes(Moves::balls_and_vertices, scene_count() / 2);
 }
 
@@ -228,8 +227,7 @@ Scene two_balls(double apart_m) {
 
 TEST(MarbleHistories, AWrongHistoryMakesADifference) {
   // Goal: a replayed ball is not simulated, so the tests above can fail. Method: give a ball that
-  // starts elsewhere its old history. The ball follows the old history, and a ball that it should
-  // now hit flies on.
+  // starts elsewhere its old history. A ball that it should now hit flies on.
   const double radius_m = std::get<Sphere>(two_balls(1).bodies[0].shape).radius_m;
   const Scene before = two_balls(10 * radius_m);
   Scene after = before;

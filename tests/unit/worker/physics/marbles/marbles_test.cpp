@@ -1,4 +1,3 @@
-// Tests that Marbles gives the same bits as a Simulation of the same scene.
 #include "worker/physics/marbles/marbles.h"
 
 #include <gtest/gtest.h>

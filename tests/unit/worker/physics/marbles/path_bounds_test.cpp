@@ -1,4 +1,3 @@
-// Tests bounds on marbles' collisions, and the features near a marble that hardly moves.
 #include "worker/physics/marbles/path_bounds.h"
 
 #include <gtest/gtest.h>

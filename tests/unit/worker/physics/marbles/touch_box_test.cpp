@@ -1,4 +1,3 @@
-// Compares touch boxes computed in vector registers with touch boxes computed one number at a time.
 #include "worker/physics/marbles/touch_box.h"
 
 #include <gtest/gtest.h>

@@ -181,8 +181,7 @@ TEST(ContactMotion, RollsDownAGroove) {
 
 TEST(ContactMotion, CornerBrakesSpin) {
   // Goal: in a corner of three planes at the same angle b to the vertical, a spin about the
-  // vertical decreases to 0 at the rate mu g tan b / (k r). Method: compare with loads of g / (3
-  // cos b).
+  // vertical decreases to 0 at the rate mu g tan b / (k r). Method: loads are g / (3 cos b).
   const double mu = 0.2, r = 0.015, w = 90;
   for (const double b : {0.5, 1.1}) {
     Trial trial{.body = {.radius_m = r}, .twist = {Vec3::Zero(), Vec3(0, 0, w)}};
@@ -209,8 +208,7 @@ TEST(ContactMotion, CornerBrakesSpin) {
 
 /// Allowed error as a fraction of the impulse of all friction. The code keeps a slip's direction
 /// constant, at its value half way, while the slip turns by 1/32 rad. The error is about the square
-/// of that angle for a slip of constant size, and larger otherwise: up to 1.8 times the square in
-/// tests.
+/// of that angle for a slip of constant size, and up to 1.8 times as large otherwise.
 constexpr double k_held = 4.0 / 1024;
 
 struct State {

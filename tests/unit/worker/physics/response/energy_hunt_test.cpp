@@ -136,8 +136,7 @@ TEST(EnergyHunt, FindsGainInPlainNewton) {
 
 TEST(EnergyHunt, FindsNoGainInOurs) {
   // Goal: the law of rigid_impact.h gains no energy. Method: a long search (SLEIGHT_SOAK:
-  // 12,000,000 impacts) in the common territory, with a floor of the separation speed, and with
-  // almost elastic impacts.
+  // 12,000,000 impacts) in three territories: common, with a speed floor, and almost elastic.
   const int times = std::getenv("SLEIGHT_SOAK") != nullptr ? 15 : 1;
   EXPECT_LE(hunted_gain(guarded, {}, times * 150'000, times * 150'000, 21), 1e-13L);
   EXPECT_LE(hunted_gain(guarded, {.floor_mps_max = 10}, times * 150'000, times * 150'000, 22),

@@ -218,8 +218,8 @@ Real relative_gain(const Case& made, const ImpactOutput& out) {
 
 namespace {
 
-/// Separation speed for an approach at u. Raised to the floor if `is_granted`, else only while
-/// gain_at(w) is at most 0.
+/// Separation speed for an approach at u. The floor raises it, while gain_at(w) <= 0 or
+/// `is_granted`.
 template <class Gain>
 Real separation_speed(const ContactLaw& law, Real u, bool is_granted, const Gain& gain_at) {
   const Real slow = law.restitution * u;

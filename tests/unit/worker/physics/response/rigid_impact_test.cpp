@@ -97,9 +97,8 @@ void expect_invariants(const Case& made) {
 
 TEST(RigidImpact, KeepsItsInvariants) {
   // Goal: energy, separation, cone and momenta are right. Method: judge random bodies in extended
-  // precision, with moments up to 1 : 1e4 and contacts up to ten radii of gyration away. A third of
-  // the bodies hit static geometry. Cases include grazing approach, e of 0 and 1, and mu of 0 and
-  // 10.
+  // precision, with moments up to 1 : 1e4 and contacts up to ten radii of gyration away. A third
+  // hits static geometry. Cases include grazing approach, e of 0 and 1, mu of 0 and 10.
   Dice dice(1);
   for ([[maybe_unused]] const std::uint64_t i :
        property::in_turn(property::of_tier(20'000, 100'000))) {

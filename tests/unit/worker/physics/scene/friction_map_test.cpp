@@ -1,4 +1,3 @@
-// Tests friction that varies with place, and the times at which a path crosses a border.
 #include "worker/physics/scene/friction_map.h"
 
 #include <gmock/gmock.h>

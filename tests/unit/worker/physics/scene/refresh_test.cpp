@@ -1,4 +1,3 @@
-// Tests StaticGeometry::refresh, which follows moved vertices.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,3 @@
-// Tests round pieces and solids: supports, profiles, masses and the bowling pin.
 #include "worker/physics/shape/round_piece.h"
 
 #include <gtest/gtest.h>
@@ -185,8 +184,7 @@ TEST(RoundPiece, RefusesWhatIsNone) {
 
 TEST(RoundSolids, HaveTheMassesOfTheTextbooks) {
   // Goal: masses, centres and moments are right. Method: compare with closed forms of capsules and
-  // balls. Slightly rounded cylinders and cones differ from sharp ones by the square of the
-  // rounding radius.
+  // balls. Slightly rounded cylinders and cones differ from sharp ones by the radius squared.
   const double rho = 1000;
   {
     const double r = 0.03;

@@ -118,8 +118,7 @@ BodyDescription turned_cube_at(const std::string& name, const Vec3& centre_m, do
 TEST(AtRest, TwentyCubesStandForAMinute) {
   // Goal: a stack of askew cubes with crossing edges starts at rest and stays. Dropped from
   // slightly above, it comes to rest and stays. Method: count events and test rest up to the end.
-  // Cubes that turn alike touch with a corner of each and two crossings; other stacks turn each
-  // cube differently.
+  // Cubes that turn alike touch with a corner of each and two crossings. Others turn differently.
   for (const bool alike : {true, false}) {
     Scene stack = floor_scene(0.1, 0.5);
     random::Stream stream = scenes::stream_of_scene(1, alike ? 0 : 1);

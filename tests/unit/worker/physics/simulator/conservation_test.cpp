@@ -1,4 +1,3 @@
-// Tests energy and momentum in recordings.
 #include <gtest/gtest.h>
 
 #include <map>

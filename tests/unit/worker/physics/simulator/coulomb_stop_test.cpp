@@ -1,4 +1,3 @@
-// Compares sliding distances of polyhedra and a cylinder on a floor with Coulomb's friction.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

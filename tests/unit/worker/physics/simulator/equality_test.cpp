@@ -1,4 +1,3 @@
-// Tests that every way to run a scene gives the same recording, bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,8 +88,8 @@ TEST(Equality, EveryWayGivesTheSameRecording) {
 
 TEST(Equality, OneWayMayTakeOverFromAnother) {
   // Goal: a switch to other options (go_on_with) changes no bit, even during flights, contacts,
-  // rest and late starts. Method: run scenes of every kind in portions of random length, each in
-  // another way.
+  // rest and late starts. Method: run all kinds of scenes in random portions with different
+  // options.
   for (const std::uint64_t n : property::cases(property::of_tier(22, 90))) {
     const TestScene scene = testing::any_scene(n);
     const Outcome expected = outcome_of(scene, {});

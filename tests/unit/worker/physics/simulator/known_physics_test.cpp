@@ -1,4 +1,3 @@
-// Motions with known outcomes: bounces, exchanges of velocity, the pressure of hard spheres.
 #include <gtest/gtest.h>
 
 #include "tests/scenes/shared/scenes.h"
@@ -74,8 +73,7 @@ TEST(KnownPhysics, ABallBouncesAtTheTimesOfTheGeometricSeries) {
 
 TEST(KnownPhysics, NewtonsCradlePassesTheBlowOn) {
   // Goal: if one, two or three of five balls in a row strike the others, which almost touch, as
-  // many leave at the other end and the rest stand still. Method: use elastic balls with gaps of
-  // twice k_touch_m.
+  // many leave at the other end and the rest stand still. Method: use gaps of 2 k_touch_m.
   for (const std::size_t strikers : {1U, 2U, 3U}) {
     Scene scene;
     for (std::size_t i = 0; i < 5; ++i) {

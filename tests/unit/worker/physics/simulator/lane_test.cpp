@@ -1,4 +1,3 @@
-// Compares balls on planes with varying friction with a numerical integration that has no pieces.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -199,8 +198,7 @@ TEST(Lane, BallsRunAsAnIntegrationSays) {
 }
 
 TEST(Lane, AMapMustLieInItsPlane) {
-  // Goal: the error for a map whose axes leave the plane names the plane. Method: use a leaning
-  // plane.
+  // Goal: the error for a map whose axes leave its plane names the plane.
   Scene scene = lane({}, {}, {}, 0.1);
   EXPECT_TRUE(Simulation::start(scene, {}).ok());
   scene.planes[0].outside.normal = Vec3(0.6, 0, 0.8);

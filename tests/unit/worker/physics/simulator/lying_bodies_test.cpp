@@ -1,4 +1,3 @@
-// Tests bodies that stay on planes: their number of events, and what ends their stay.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -60,8 +59,7 @@ TEST(LyingBodies, AnyThrowIsCaughtSoon) {
 }
 
 TEST(LyingBodies, AWallEndsAStay) {
-  // Goal: hitting a wall ends a body's stay on the floor. Method: a cube slides into a wall,
-  // returns and rests.
+  // Goal: hitting a wall ends a body's stay on the floor. Method: let a cube slide.
   Scene scene = floor_scene(0.1, {.restitution = 0.5, .friction = 0.1});
   scene.planes.push_back({.name = "wall", .outside = {.normal = {-1, 0, 0}, .offset_m = -0.5}});
   scene.bodies.push_back(box_at({0.1, 0.1, 0.1}, 0, {.velocity_mps = {2, 0, 0}}));
@@ -75,8 +73,7 @@ TEST(LyingBodies, AWallEndsAStay) {
 
 TEST(LyingBodies, ABoxSlidesOverATablesEdge) {
   // Goal: a box slides on the face of a static block as on a plane, up to the edge. The box stays
-  // if its centre stays on the block, and falls otherwise. Method: throw boxes to both sides of the
-  // edge.
+  // if its centre stays on the block, and falls otherwise. Method: throw to both sides.
   for (const double way_m : {0.3, 0.45, 0.6}) {
     Scene scene = floor_scene(0.1, {.restitution = 0.3, .friction = 0.3});
     scene.convexes.push_back({.name = "table",

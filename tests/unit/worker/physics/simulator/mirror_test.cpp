@@ -1,4 +1,3 @@
-// Tests that a mirrored scene moves as the mirror image of the scene.
 #include <gtest/gtest.h>
 
 #include "tests/support/property.h"

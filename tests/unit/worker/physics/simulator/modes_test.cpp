@@ -1,4 +1,3 @@
-// Tests spheres that stay on static geometry: their motion is known and takes few events.
 #include <gtest/gtest.h>
 
 #include <numbers>

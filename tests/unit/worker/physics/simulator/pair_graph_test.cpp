@@ -1,4 +1,3 @@
-// Compares the graph of watched pairs with a plain map.
 #include "worker/physics/simulator/pair_graph.h"
 
 #include <gtest/gtest.h>

@@ -246,9 +246,8 @@ TEST(Penetration, NoSceneHasBodiesThatOverlap) {
 }
 
 TEST(Penetration, BodiesOfEveryShapeStayApart) {
-  // Goal: pairs missing from the list of scenes don't overlap: spheres with polyhedra, bodies of
-  // several parts, long boxes, prisms, and spheres at static edges. Method: compute clearances in
-  // random scenes.
+  // Goal: pairs that the list of scenes lacks don't overlap: spheres with polyhedra, bodies of
+  // several parts, long boxes, prisms, and spheres at static edges.
   double least_m = 1;
   for (const std::uint64_t seed :
        property::seeds(property::long_run() ? 200 : property::of_tier(3, 12))) {

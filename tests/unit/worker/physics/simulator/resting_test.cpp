@@ -1,4 +1,3 @@
-// Tests how bodies come to rest, stay at rest and wake.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -246,7 +245,7 @@ TEST(Resting, WhatLiesOnABodyThatStaysInItsPlaceSleepsOn) {
 TEST(Resting, NothingHangsInTheAir) {
   // Goal: a sleeping body comes down with a support that wakes and leaves. Method: knock the lowest
   // grains of heaps about. When all grains rest, start them from their places in a scene where
-  // nothing can rest. In 30 ms, a floating grain falls by 4 mm, and a supported grain bounces by
+  // nothing can rest. In 30 ms, a floating grain falls by 4 mm, a supported one bounces by
   // micrometres.
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Scene scene = scenes::grain_heap(20, seed).scene;

@@ -41,8 +41,7 @@ TEST(ReuseTraps, AKickTowardsWhatDiffersComesOnce) {
 
 TEST(ReuseTraps, KicksAtOneTickComeInTheirOrder) {
   // Goal: kicks at one tick come in the scene's order, which may differ from the bodies' order.
-  // Method: kick the highest body first. The highest body starts differently, or never in both
-  // scenes.
+  // Method: kick the highest body first, which starts differently, or never in both scenes.
   Scene before = balls_apart(6);
   before.planes.push_back({.name = "wall", .outside = {.normal = {0, -1, 0}, .offset_m = -0.2}});
   for (const std::uint32_t body : {5U, 2U, 4U, 1U}) {

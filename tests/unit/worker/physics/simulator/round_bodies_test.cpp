@@ -1,4 +1,3 @@
-// Tests how round bodies topple and come to rest, their energy and their overlaps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// Tests round bodies on static triangles and polyhedra: their depth and their energy.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

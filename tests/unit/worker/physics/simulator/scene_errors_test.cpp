@@ -1,4 +1,3 @@
-// Tests that bad scenes are refused with an error of the right kind that names the body.
 #include <sstream>
 #include <string>
 

@@ -1,4 +1,3 @@
-// Tests several bodies that support each other or fall: a plank under a load, a wall.
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -1,4 +1,3 @@
-// Tests dice on spline surfaces, from the scene to rest.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// Tests outcomes of throws, and that they are the same when computed from a known state.
 #include "worker/worlds/dice/dice.h"
 
 #include <fmt/format.h>
@@ -47,8 +46,7 @@ TEST(Dice, ComeToRestOnTheTable) {
 
 TEST(Dice, ContactsShareTheirWeights) {
   // Goal: shares of control points are in ascending order, are at most 4/9 each, and add up to at
-  // most 1, or exactly 1 if all collisions are on the table. Plausibility is the sum of their
-  // densities.
+  // most 1, or exactly 1 if all collisions are on the table. Plausibility sums their densities.
   const Dice world(testing::all_random(2));
   for (std::uint64_t number = 0; number < 10; ++number) {
     const State state = state_of(world, number);

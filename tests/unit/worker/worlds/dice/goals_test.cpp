@@ -1,4 +1,3 @@
-// Tests goals of dice on constructed poses, and numberings chosen after the throw.
 #include "worker/worlds/dice/goals.h"
 
 #include <gtest/gtest.h>

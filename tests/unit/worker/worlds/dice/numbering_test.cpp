@@ -1,4 +1,3 @@
-// Tests the faces of a die and its 24 numberings.
 #include "worker/worlds/dice/numbering.h"
 
 #include <gtest/gtest.h>

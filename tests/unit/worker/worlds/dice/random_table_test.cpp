@@ -1,4 +1,3 @@
-// Tests tables of random control points.
 #include "worker/worlds/dice/random_table.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Tests the keys of a request for dice.
 #include "worker/worlds/dice/request.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,3 @@
-// Tests dice in stages: the quality of a map of throws, and prefixes against whole simulations.
 #include "worker/worlds/dice/throw_stages.h"
 
 #include <gtest/gtest.h>

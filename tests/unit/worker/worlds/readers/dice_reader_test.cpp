@@ -1,4 +1,3 @@
-// Tests the encoding of states and their descriptions in archives.
 #include "worker/worlds/readers/dice_reader.h"
 
 #include <gtest/gtest.h>

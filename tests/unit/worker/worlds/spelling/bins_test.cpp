@@ -1,4 +1,3 @@
-// Tests the box of bins.
 #include "worker/worlds/spelling/bins.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Tests pictures of words and bitmaps.
 #include "worker/worlds/spelling/pattern.h"
 
 #include <gmock/gmock.h>

@@ -95,8 +95,7 @@ TEST(LandingMap, IsADensityAndDrawsByIt) {
 
 TEST(PouringBuilder, FindsPouringsThatSpell) {
   // Goal: a find spells with all balls in an independent simulation. Pourings differ, and equal
-  // streams give equal pourings. Method: build 40 pourings of HI and 5 of ACM, from maps of 2,000
-  // balls.
+  // streams give equal pourings. Method: build 40 pourings of HI and 5 of ACM.
   for (const auto& [pattern, count] :
        {std::pair{hi(), 40}, {pattern_of_word("ACM", Font::rows_5).value(), 5}}) {
     const Spelling world = world_of(pattern);

@@ -1,4 +1,3 @@
-// Tests proposals and their ratios.
 #include "worker/worlds/spelling/proposals.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Tests the keys of a spelling request.
 #include "worker/worlds/spelling/request.h"
 
 #include <gtest/gtest.h>

@@ -86,8 +86,7 @@ TEST(SoloBalls, FromChangesAreTheSame) {
 
 TEST(SoloBalls, TakeAnchoredBallsForGranted) {
   // Goal: an anchored ball fills its bin whatever it would do alone, so no other ball fills that
-  // bin. A state in which the anchored ball differs is impossible. Method: prior draws with helped
-  // balls.
+  // bin. A state in which the anchored ball differs is impossible. Method: draw from the prior.
   const Spelling world(parameters_with_aims());
   std::uint64_t anchored = 0;
   for (const std::uint64_t i : property::cases(200)) {

@@ -1,4 +1,3 @@
-// Tests simulations, outcomes and probabilities of balls that spell.
 #include "worker/worlds/spelling/spelling.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Tests balls that can't leave their bins, and early decisions based on them.
 #include "worker/worlds/spelling/traps.h"
 
 #include <gtest/gtest.h>
