@@ -59,7 +59,7 @@ def is_text(dataset):
 
 
 def dims_of(dataset):
-    """Names of a dataset's dimensions, as the dimension scales give them."""
+    """Names of a dataset's dimensions, from its dimension scales."""
     if bytes(dataset.attrs.get("CLASS", b"")) == b"DIMENSION_SCALE":
         return (dataset.name.rsplit("/", 1)[1],)
     rank = dataset.ndim - 1 if is_text(dataset) and dataset.ndim else dataset.ndim
@@ -67,7 +67,7 @@ def dims_of(dataset):
 
 
 def values_of(dataset):
-    """Booleans as bool and text as str."""
+    """Values with booleans as bool and text as str."""
     data = dataset[()]
     if is_text(dataset):
         if dataset.ndim == 0:
@@ -200,7 +200,7 @@ def check_archive(path, csv_folder=None):
 
 
 def check_samples(writer):
-    """From a single scan to several chunks for each dataset."""
+    """Checks archives from a single scan to several chunks per dataset."""
     for scans in (1, 2, 101, 20000):
         with tempfile.TemporaryDirectory() as folder:
             path = f"{folder}/sample.h5"

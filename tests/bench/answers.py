@@ -40,7 +40,7 @@ def scene(row):
 
 
 def seconds(arguments, row, way, seed, folder):
-    """To the first archive, and to the end; nothing if the run is stopped."""
+    """Time to the first archive and to the end. Nothing if the run is stopped."""
     request = pathlib.Path(folder) / "request.toml"
     request.write_text(scene(row) + STOP.get(way, ""))
     archive = pathlib.Path(folder) / f"{seed}.h5"

@@ -46,7 +46,7 @@ def rate(summary):
 
 
 def run_unrelated(arguments, count):
-    """`count` runs of one rank at once."""
+    """Runs `count` runs of one rank at once."""
     with contextlib.ExitStack() as folders, concurrent.futures.ThreadPoolExecutor(count) as pool:
         own = [folders.enter_context(tempfile.TemporaryDirectory(prefix="sleight-ranks-"))
                for _ in range(count)]

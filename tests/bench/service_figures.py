@@ -35,7 +35,7 @@ iterations_per_scan = 40
 scans = {scans}
 """
 
-# Some fifty events a second.
+# About fifty events a second.
 WATCHED = """
 [world]
 name = "ball_2d"
@@ -85,7 +85,7 @@ def write_request(folder, seed, scans):
 
 
 def many_jobs():
-    # Below the reserve nothing starts, so that the calls alone are measured.
+    # No job starts below the reserve, so that only calls are measured.
     daemon = Daemon("--disk-reserve", "8000TB")
     subprocess.run([arguments.bin / "sleight-service-bench", daemon.folder / "state/socket",
                     str(arguments.jobs), str(arguments.seconds)], check=True)
@@ -137,8 +137,8 @@ def committed(store):
 
 
 def cost():
-    """A job beside the same command by hand, in turns and either first: processor time of everything, daemon
-    included."""
+    """Compares a job with the same command by hand, alternating which comes first: processor time of all
+    processes, daemon included."""
     daemon = Daemon("--cores", "1")
 
     def by_hand(request, seed):

@@ -29,7 +29,7 @@ def load(path):
 
 
 def rows_of(archive, identifier):
-    """The segments of an animation: a list of dicts."""
+    """The segments of an animation as a list of dicts."""
     chain, draw = identifier.split(".")
     group = archive["finds" if chain == "find" else "animations"]
     if chain == "find":
@@ -65,7 +65,8 @@ def pose_at(segments, time_s):
 
 
 def compare(archive, collection, fps):
-    """The greatest differences of one animation, in metres and radians, and how many were compared."""
+    """Returns the greatest differences of an animation, in metres and radians, and the number of
+    comparisons."""
     rows = rows_of(archive, collection["id"])
     names = [name.decode() if isinstance(name, bytes) else str(name)
              for name in feature_names(archive)]
@@ -76,7 +77,7 @@ def compare(archive, collection, fps):
     compared = 0
     for tenth in range(10):
         frame = end_s * (tenth + 0.5) / 10 * fps
-        # Single precision, as Blender has frames: the time at which it shows the scene.
+        # Blender's frames have single precision: compute the time that it shows.
         whole = math.floor(frame)
         bpy.context.scene.frame_set(whole, subframe=frame - whole)
         time_s = bpy.context.scene.frame_current_final / fps
@@ -96,7 +97,7 @@ def compare(archive, collection, fps):
 
 
 def feature_names(archive):
-    """netCDF-4's texts: rows of single characters."""
+    """netCDF-4 stores texts as rows of single characters."""
     rows = archive["scene/feature_name"][()]
     if rows.ndim == 1:
         return list(rows)
@@ -140,7 +141,7 @@ def main():
             worst = [max(worst[0], off_m), max(worst[1], off_rad)]
             compared += count
     assert compared > 0
-    # A second import of the same files is beside the first, and its names differ.
+    # A second import of the same files adds to the first, under other names.
     if files:
         again = addon.import_files(files[:1], fps)
         assert again[0].name != made[0].name and again[0]["id"] == made[0]["id"]

@@ -1,5 +1,5 @@
-# Included by ctest after all tests are known (CMakeLists.txt). A test that is gone, or is not in
-# this preset, is passed over; one that COSTS doesn't have keeps what ctest measured here last.
+# ctest includes this file when all tests are known (CMakeLists.txt). Tests that don't exist in this preset
+# are ignored. Tests missing from COSTS keep the cost that ctest measured here last.
 file(STRINGS ${costs} lines REGEX "^[^#]")
 foreach(line IN LISTS lines)
   if(line MATCHES "^ *([0-9.]+) +(.+)$")

@@ -21,7 +21,7 @@ import harness
 
 AWAY = 75
 
-# Notes its start, is told to end, and waits for that.
+# Records its start and waits until it receives a signal.
 PROGRAM = """echo started >> starts
 trap 'echo told >> told; exit 0' USR1
 touch ready
@@ -31,7 +31,7 @@ for ((i = 0; i < 6000; i++)); do sleep 0.05; done"""
 class Conformance:
     speed = 1
 
-    # What a kind may say otherwise.
+    # Values that a kind of backend may override.
 
     def command(self):
         raise NotImplementedError
@@ -159,7 +159,7 @@ class Conformance:
         self.until_gone(order)
 
     def test_whose_answer_was_lost_it_starts_once(self):
-        # Whoever launches is killed, sooner or later.
+        # The launching process is killed sooner or later.
         dice = random.Random(5)
         order = self.order()
         self.launched.append(order["attempt"])
@@ -215,7 +215,7 @@ class Conformance:
             self.assertIn(self.launch(order)["state"], ("gone", "absent"))
 
     def test_each_daemon_sees_its_own(self):
-        # One's name begins with another's.
+        # One name is a prefix of another.
         names = [self.daemon, self.daemon + "a", secrets.token_hex(8)]
         orders = [self.order(daemon=name) for name in names for _ in range(2)]
         for order in orders:
@@ -270,7 +270,7 @@ class Conformance:
 
     def test_questions_that_are_none(self):
         order = self.order()
-        # Keys that nobody knows are passed over.
+        # Unknown keys are ignored.
         self.assertEqual(self.ask("state", attempt={**order["attempt"], "colour": 1}, hue="red")["state"],
                          "absent")
         right = {"version": 1, **order}

@@ -1,4 +1,4 @@
-"""What the tests of the programs share: where the programs are, how to run and kill them."""
+"""Shared by the tests of programs: where the programs are, and how to run and kill them."""
 
 import argparse
 import atexit
@@ -16,7 +16,7 @@ import unittest
 
 arguments = None
 
-# On one machine, as root, with more ranks than cores, over loopback alone.
+# On one machine, as root, with more ranks than cores, over loopback only.
 MPIRUN = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "plm", "isolated",
           "--mca", "btl", "self,vader", "--mca", "oob_tcp_if_include", "lo"]
 
@@ -26,7 +26,7 @@ def program(name):
 
 
 def sleight(*args, **options):
-    """Runs `sleight` to its end; text output, no exception for exit codes."""
+    """Runs `sleight` to its end. Returns text output and the exit code; a failure is no exception."""
     return run([program("sleight"), *args], **options)
 
 
@@ -38,13 +38,13 @@ def run(command, env=None, **options):
 def environment():
     return {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
             "SLEIGHT_ALLOW_ROOT": "1",
-            # Open MPI and pango leak at exit; leaks of ours show in the unit tests.
+            # Open MPI and pango leak at exit. The unit tests detect our own leaks.
             "ASAN_OPTIONS": "detect_leaks=0"}
 
 
 def batch(ranks, request, output, *args, folder=None, files=None):
-    """The command line of a batch job. In `folder` lie the files of Open MPI's, those that back its
-    memory included; in `files` all but these."""
+    """Command line of a batch job. Open MPI's files are in `folder`, including those behind its memory, or in
+    `files` without those."""
     own = [] if folder is None else ["--mca", "btl_vader_backing_directory", str(folder)]
     if folder or files:
         own += ["--mca", "orte_tmpdir_base", str(folder or files)]
@@ -72,7 +72,7 @@ thin = {values["thin"]}
 
 
 def mapped(path):
-    """Whether some process uses the file as memory."""
+    """Returns whether some process maps the file."""
     for maps in pathlib.Path("/proc").glob("[0-9]*/maps"):
         try:
             if path in maps.read_text():
@@ -83,7 +83,8 @@ def mapped(path):
 
 
 def abandoned(find):
-    """What find() returns, once that stays so: one that begins or ends just now is not abandoned."""
+    """Returns what find() returns once that stays the same: a process that begins or ends just now leaves
+    nothing abandoned."""
     for _ in range(20):
         found = find()
         if not found:
@@ -93,15 +94,15 @@ def abandoned(find):
 
 
 def abandoned_memory():
-    """Files of shared memory, of any job of ours, that nobody uses and that stay."""
+    """Files of shared memory, from any of our jobs, that no process uses and that stay."""
     return abandoned(lambda: [
         str(path) for path in pathlib.Path("/dev/shm").iterdir()
         if any(word in path.name for word in ("sleight", "vader", "sm_segment")) and not mapped(str(path))])
 
 
 def abandoned_sessions(before=frozenset()):
-    """Folders that runs of Open MPI left in /tmp, but those of before: their mpirun is gone. Other tests'
-    runs have theirs there while they live."""
+    """New folders of Open MPI's runs in /tmp whose mpirun has exited. Other tests and runs have such folders
+    there while they run."""
     return abandoned(lambda: {
         str(path) for path in pathlib.Path("/tmp").glob("ompi*/*")
         if not path.name.startswith("pid.") or not pathlib.Path(f"/proc/{path.name[4:]}").exists()}
@@ -142,8 +143,8 @@ class ProgramTest(unittest.TestCase):
         return events
 
     def same_events(self, output, reference):
-        """Two runs tell the same in the same order, but for how their sessions ended, and which of
-        many failures have a file. Returns what they tell."""
+        """Expects that two runs report the same events in the same order, except for the ends of sessions and
+        which of many failures have a file. Returns the events."""
         told = []
         for archive in [output, reference]:
             told.append([{key: value for key, value in event.items() if key != "file"}
@@ -156,7 +157,7 @@ class ProgramTest(unittest.TestCase):
 
 
 def start(command, **options):
-    """Starts a program in a process group of its own, which does not outlive the tests."""
+    """Starts a program in its own process group, which is killed with the tests."""
     process = subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE, text=True, env=environment(),
                                start_new_session=True, **options)
@@ -176,10 +177,10 @@ def has_living_children(process):
 
 
 def await_job_without_a_rank(process, timeout_s=60):
-    """Waits for a job that lost a rank, or its mpirun. Returns what it said on stderr. mpirun ends
-    the other ranks within some seconds; Debian 12's may then wait for a lock in its own end for
-    ever (PMIx_server_finalize; 6 of 210 kills in the first second on a busy machine). That one is
-    killed, as whoever supervises such jobs has to; the ranks have ended by themselves."""
+    """Waits for a job that lost a rank or its mpirun, and returns its stderr. mpirun ends the other ranks
+    within some seconds. Debian 12's mpirun may then wait for a lock forever (PMIx_server_finalize; 6 of 210
+    kills in the first second on a busy machine). This function kills such an mpirun, as any supervisor of
+    jobs must; the ranks have ended by themselves."""
     deadline = time.monotonic() + timeout_s
     while True:
         try:
@@ -204,7 +205,7 @@ def kill_group(process, number=signal.SIGKILL):
 
 
 class Timed(unittest.TextTestResult):
-    """Its end lists how long each test took, the longest first: what to shorten if deploy/test is over its
+    """Prints at the end how long each test took, the longest first. Shorten those if deploy/test exceeds its
     budget."""
 
     def __init__(self, *arguments, **options):
@@ -238,7 +239,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=6, help="of work in a run of test_kill")
     parser.add_argument("--seed", type=int, default=1, help="for random moments")
     arguments, rest = parser.parse_known_args()
-    # The tests import this file as a module of its own: they look there.
+    # The tests import this file as a module of their own, so they look there.
     sys.modules["harness"].arguments = arguments
     unittest.main(module="__main__", argv=[sys.argv[0], *rest],
                   testRunner=unittest.TextTestRunner(verbosity=2, resultclass=Timed))

@@ -1,8 +1,8 @@
-"""A Slurm of one's own on this one host, as root: munge with its own key and socket, slurmctld and a
-slurmd for each of two nodes, with everything that they write in one folder. One node has the host's
-name: there mpirun starts ranks itself. The other is a stranger to mpirun, which has srun start its
-daemon there, as on a real cluster. It listens on ports of its own and touches no other Slurm. Closing
-it ends all its processes, jobs included: they are found by the SLURM_CONF in their environment."""
+"""A private Slurm on this host, as root: munge with its own key and socket, slurmctld, and a slurmd for each
+of two nodes, with all files in one folder. One node has the host's name, and mpirun starts ranks there
+itself. The other is unknown to mpirun, which uses srun to start its daemon there, as on a real cluster. This
+Slurm listens on its own ports and affects no other Slurm. Closing it ends all its processes and jobs, which
+have SLURM_CONF in their environment."""
 
 import os
 import pathlib
@@ -16,9 +16,9 @@ import time
 START_S_MAX = 60
 END_S_MAX = 20
 
-# cred_expire is also how long a requeued job waits: 120 s unless told. config_overrides: the machine
-# may have fewer cores than are named. Jobs of `urgent` turn out those of the others, which have a
-# grace of half a minute, or none.
+# cred_expire also determines how long a requeued job waits (default: 120 s). config_overrides: the machine
+# may have fewer cores than named. Jobs of `urgent` pre-empt other jobs, which have a grace of half a minute,
+# or none.
 CONFIGURATION = """
 ClusterName=private
 SlurmctldHost={host}(127.0.0.1)
@@ -71,7 +71,7 @@ def free_ports(count):
 
 
 class PrivateSlurm:
-    """Use it in a `with`. `environment` is what commands of Slurm's need to talk to it."""
+    """Use it in a `with`. Slurm's commands need `environment` to reach it."""
 
     def __init__(self, folder, environment, extra=""):
         self.folder = pathlib.Path(folder)
@@ -80,7 +80,7 @@ class PrivateSlurm:
                             "PATH": environment["PATH"] + ":/usr/sbin:/sbin"}
         (self.folder / "slurm.conf").write_text(CONFIGURATION.format(
             host=self.host, folder=self.folder, ports=free_ports(3), extra=extra))
-        # slurmd ends at once with a plugin "disabled", and must not mount anything.
+        # slurmd exits at once with a plugin "disabled", and must not mount anything.
         (self.folder / "cgroup.conf").write_text("CgroupPlugin=cgroup/v1\nCgroupAutomount=no\n")
         for name in ("state", f"spool-{self.host}", "spool-other"):
             (self.folder / name).mkdir()
@@ -122,12 +122,12 @@ class PrivateSlurm:
         self.wait_for("slurmctld", lambda: self.call("scontrol", "ping").returncode == 0)
 
     def kill(self, name):
-        """A daemon, as if its machine had lost power."""
+        """Kills a daemon as if its machine had lost power."""
         self.daemons[name].kill()
         self.daemons[name].wait()
 
     def kill_steps(self):
-        """What slurmd has started and watches: with it, all of a node."""
+        """Kills everything that slurmd has started and watches. With slurmd itself, that is a whole node."""
         for process in self.processes():
             try:
                 if pathlib.Path(f"/proc/{process}/comm").read_text().startswith("slurmstepd"):
@@ -153,16 +153,16 @@ class PrivateSlurm:
         return result
 
     def submit(self, *arguments):
-        """Returns the number of the new job."""
+        """Submits a job and returns its number."""
         return self.call("sbatch", "--parsable", *arguments, check=True).stdout.strip()
 
     def job(self, number):
-        """What `scontrol show job` says, as a dictionary of texts."""
+        """Output of `scontrol show job` as a dictionary of texts."""
         words = self.call("scontrol", "-o", "show", "job", number, check=True).stdout.split()
         return dict(word.split("=", 1) for word in words if "=" in word)
 
     def processes(self):
-        """Numbers of all processes of this Slurm, jobs' included."""
+        """Process ids of this Slurm, including its jobs."""
         own = f"SLURM_CONF={self.folder}/slurm.conf".encode()
         found = []
         for folder in pathlib.Path("/proc").glob("[0-9]*"):
@@ -174,7 +174,7 @@ class PrivateSlurm:
         return found
 
     def close(self):
-        """Ends everything at once: nothing of it is wanted again. Returns when no process is left."""
+        """Kills everything at once. Returns when no process is left."""
         deadline = time.monotonic() + END_S_MAX
         while left := self.processes():
             if time.monotonic() > deadline:

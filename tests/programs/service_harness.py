@@ -1,5 +1,4 @@
-"""What the tests of the service share: a daemon of their own in a folder of their own, and how long
-things may take."""
+"""Shared by tests of the service: a daemon in a folder of its own, and time limits."""
 
 import json
 import os
@@ -13,8 +12,8 @@ from harness import ProgramTest
 
 
 class ServiceTest(ProgramTest):
-    """Each test has a state folder and starts the daemon when it wants to. What is left of it and of
-    its jobs is killed at the end."""
+    """Each test has a state folder and starts its daemon when needed. At the end, the daemon and its jobs are
+    killed."""
 
     def setUp(self):
         super().setUp()
@@ -86,7 +85,7 @@ class ServiceTest(ProgramTest):
     def end_everything(self):
         if self.daemon and self.daemon.poll() is None:
             self.kill_daemon()
-        # A wrapper's end is not the daemon's.
+        # The exit of a wrapper is not the daemon's.
         try:
             pid = int((self.state / "lock").read_text())
             if pathlib.Path(f"/proc/{pid}/comm").read_text().strip() == "sleightd":
@@ -100,14 +99,15 @@ class ServiceTest(ProgramTest):
                 pass
 
     def quiet_digest(self, request, *args):
-        """Of the same run by hand."""
+        """Digest of the same run by hand."""
         output = self.path(f"quiet-{time.monotonic_ns()}.h5")
         self.direct(request, output, *args)
         return self.digest(output)
 
 
 class TlsServiceTest(ServiceTest):
-    """Its daemon listens over TLS too, on a port of its own choice that it has again when it is started again."""
+    """A daemon that also listens over TLS, on a port of its own choice, which it uses again after a
+    restart."""
 
     def setUp(self):
         super().setUp()
@@ -120,13 +120,13 @@ class TlsServiceTest(ServiceTest):
         return self.daemon
 
     def token(self, name, *options):
-        """Makes one, as a file. Returns it and the token's id."""
+        """Creates a token as a file. Returns the file and the token's id."""
         path = self.path(f"{name}.token")
         made = self.ask_json("token", "create", "--name", name, "-o", path, *options)
         return path, made["id"]
 
     def far(self, home, *args, **options):
-        """`sleight` as on another machine: what it knows of servers is below `home`."""
+        """Runs `sleight` as on another machine, with its data about servers in `home`."""
         return harness.sleight(*args, env=self.far_environment(home), **options)
 
     def far_environment(self, home):
@@ -138,7 +138,7 @@ class TlsServiceTest(ServiceTest):
 
 
 def processes_of(folder):
-    """Living processes whose working folder is a job's."""
+    """Running processes whose working folder is the job's."""
     found = []
     for process in pathlib.Path("/proc").glob("[0-9]*"):
         try:

@@ -1,5 +1,5 @@
-"""Real shells at a terminal of their own, whose completion is asked for as a person would: a line is
-typed and the key pressed that lists what may stand there."""
+"""Real shells in a terminal of their own. A test requests completion like a person: it types a line and
+presses the key that lists the candidates."""
 
 import fcntl
 import os
@@ -14,12 +14,12 @@ import time
 
 TIMEOUT_S = 30
 PROMPT = "P> "
-# Listed widely, so that columns part by spaces and no page is turned.
+# A wide terminal, so that columns are separated by spaces and no pager appears.
 ROWS, COLUMNS = 200, 240
 
 
 class Shell:
-    """A shell without a person's own settings. `setup` runs first; `list_key` lists."""
+    """A shell without personal settings. `setup` runs first; `list_key` lists."""
 
     def __init__(self, argv, setup, folder, env):
         self.count = 0
@@ -38,18 +38,18 @@ class Shell:
         os.close(self.terminal)
 
     def command(self, line):
-        """Runs a command and returns what came to the terminal."""
+        """Runs a command and returns its terminal output."""
         self.count += 1
         # The typed line shows the mark in two parts.
         self.type(f"{line}; echo DONE''{self.count}.\n")
         return self.read_until(f"DONE{self.count}.")
 
     def listed(self, line):
-        """What the shell lists where the cursor is behind `line`."""
+        """Returns the shell's list with the cursor behind `line`."""
         self.type(line + "\t")
         self.type("\x18m")  # prints the mark, as set up
         text = self.read_until("MARK.")
-        # Until zsh shows the line again, the terminal itself would take the next key.
+        # Until zsh shows the line again, the terminal itself would read the next key.
         self.read_until(PROMPT)
         self.unread = PROMPT + self.unread
         self.type("\x15\n")  # the line is given up
@@ -90,7 +90,7 @@ def zsh(setup, folder, env):
 
 
 class Fish:
-    """fish tells without a terminal what it would list."""
+    """fish prints its candidates without a terminal."""
 
     def __init__(self, setup, folder, env):
         self.setup, self.folder, self.env = setup, folder, env
@@ -105,7 +105,7 @@ class Fish:
         return self.all_listed([line])[0]
 
     def all_listed(self, lines):
-        """What `listed` tells of each, by one fish."""
+        """Returns `listed` of each line, from one fish."""
         asked = [f"echo NEXT; complete -C {quoted_for_fish(line)}" for line in lines]
         result = subprocess.run(["fish", "--no-config", "-c", "\n".join([*self.setup, *asked])],
                                 cwd=self.folder, env=self.env, capture_output=True, text=True,

@@ -1,6 +1,6 @@
-"""Goal: whatever peers send, the service stands: it is the same process, within its memory, its jobs are as they
-were, and others are answered meanwhile. Method: a daemon of its own and `sleight-attack` (tests/attacks) against
-its socket and its port; --attacks says how many, deploy/soak's `attacks` 1,000,000."""
+"""Goal: no input from peers harms the service. It stays the same process within its memory limit, its jobs
+stay intact, and it keeps answering others. Method: run a daemon and `sleight-attack` (tests/attacks) on its
+socket and its port. --attacks sets the number; deploy/soak's `attacks` uses 1,000,000."""
 
 import json
 import pathlib
@@ -30,16 +30,16 @@ class Attacks(TlsServiceTest):
         return [self.ask_json("status", number, "--history") for number in (1, 2)]
 
     def files_now(self):
-        """What lies beside the daemon's own notes, and the files that it holds for those who come back for the
-        rest of a fetch: an attack adds nothing to it."""
+        """Files beside the daemon's own, and files that it holds for interrupted fetches. An attack must add
+        nothing to them."""
         notes = ("state/audit.", "state/fetched/", "sleightd.log")
         found = sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
-        # SQLite makes and removes its own as it likes.
+        # SQLite creates and removes its own files at any time.
         return [name for name in found
                 if not name.startswith(notes) and not name.endswith(("-wal", "-shm", "-journal"))]
 
     def test_the_service_stands(self):
-        # With sanitizers it says at its end what it has lost of its memory.
+        # With sanitizers, the daemon reports leaks at its end.
         daemon = self.serve_over_tls(env={"ASAN_OPTIONS": "detect_leaks=1"})
         done = self.submit(self.write_request(chains=1, scans=10))
         self.wait(done)
@@ -47,7 +47,7 @@ class Attacks(TlsServiceTest):
         self.until_running(held)
         self.succeed(self.ask("hold", held))
         self.until(lambda: self.job(held)["state"] == "held")
-        # Of a user who is neither the service's nor the jobs' owner: by it anything is tried, `stop` included.
+        # A user who is neither the service's nor the jobs' owner attempts everything, including `stop`.
         token, _ = self.token("attacker", "--user", "nobody")
         self.succeed(self.log_in("honest", token))
         jobs, files, (descriptors, threads) = self.jobs_now(), self.files_now(), self.held()
@@ -72,7 +72,7 @@ class Attacks(TlsServiceTest):
         self.assertLess(len(log), 100_000, "the log grows with the attacks")
         peak = int(self.status_of_process()["VmHWM"].split()[0]) << 10
         print(f"peak memory {peak / 1e6:.0f} MB")
-        # A sanitizer's memory, which is linked by GCC and built in by clang, is its own.
+        # A sanitizer's memory (linked by GCC, built in by clang) doesn't count.
         if b"__asan_init" not in pathlib.Path(harness.program("sleightd")).read_bytes():
             self.assertLess(peak, MEMORY_MAX)
         self.until(lambda: self.held()[0] <= descriptors + LEFT_OPEN_MAX and
@@ -87,7 +87,7 @@ class Attacks(TlsServiceTest):
         self.assertEqual(daemon.returncode, 0, self.path("sleightd.log").read_text())
 
     def stop_amid_calls(self, job):
-        """With answers owed it ends in order too: archives that it is making."""
+        """The daemon also ends in order while it owes answers, here archives that it is writing."""
         for i in range(3):
             fetch = subprocess.Popen(
                 [harness.program("sleight"), "fetch", str(job), "--so-far", "-o", self.path(f"{i}.h5")],
@@ -95,19 +95,19 @@ class Attacks(TlsServiceTest):
                 env={**harness.environment(), **self.environment()})
             self.addCleanup(fetch.wait)
             self.addCleanup(fetch.kill)
-        # They lie here while they are made.
+        # Archives are here while they are written.
         self.until(lambda: any(path.name not in self.left_fetched for path in (self.state / "fetched").iterdir()))
         self.kill_daemon(signal.SIGTERM)
 
     def judge_audit_log(self):
-        """Each of its lines is whole, whatever was asked for, and is as short as a line may be."""
+        """Each line of the audit log is complete and within the limit, for any request."""
         calls = set()
         for path in self.state.glob("audit*.log"):
             self.assertLessEqual(path.stat().st_size, AUDIT_BYTES_MAX)
             for line in path.read_bytes().split(b"\n")[:-1]:
                 self.assertLess(len(line), 2000)
                 calls.add(json.loads(line)["call"])
-        # The attacks were heard of.
+        # The log contains the attacks.
         for call in ["submit", "cancel", "fetch", "login", "stop", "create_token", "revoke_token"]:
             self.assertIn(call, calls)
 

@@ -49,14 +49,14 @@ class Example(backend_conformance.Conformance, ProgramTest):
 
 @unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "for deploy/soak slurm")
 class ExampleAlone(Example):
-    """Without the service's own side of it."""
+    """The example without the service."""
 
     def command(self):
         return [pathlib.Path(harness.arguments.source).resolve() / "deploy/backends/sleight-example"]
 
 
 class Service(ServiceTest):
-    """The daemon over such a program, to the end of a job."""
+    """The daemon with such a program, to the end of a job."""
 
     def environment(self):
         return {**super().environment(), "SLEIGHT_EXAMPLE": str(self.path("example"))}
@@ -78,7 +78,7 @@ class Service(ServiceTest):
 
 
 class WrongPrograms(ProgramTest):
-    """The service's side of a program that does not do what is stated."""
+    """The service's handling of a program that breaks the protocol."""
 
     def ask(self, script, verb="list", *options):
         program = self.path("program")

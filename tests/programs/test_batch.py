@@ -1,6 +1,6 @@
-"""Goal: an MPI job ends in order when it is asked to, its idle ranks leave the machine alone, and
-ranks that can't be used say so. Method: real jobs under mpirun, asked by the signals that batch
-systems send; the processor time of ranks that have nothing to do, as the kernel counts it."""
+"""Goal: an MPI job ends in order when requested, its idle ranks use no processor time, and unusable ranks
+report why. Method: run real jobs under mpirun and send them the signals of batch systems. The kernel counts
+the processor time of idle ranks."""
 
 import json
 import os
@@ -39,7 +39,7 @@ class Batch(ProgramTest):
         return ranks
 
     def wait_for_scans(self, output):
-        """Until the run store holds some."""
+        """Waits until the run store contains some scans."""
         deadline = time.monotonic() + 60
         while time.monotonic() < deadline:
             try:
@@ -54,7 +54,7 @@ class Batch(ProgramTest):
         self.fail("nothing is stored within a minute")
 
     def stopped_by(self, number, code):
-        """A job that is asked by a signal ends with its work stored, and goes on to the same."""
+        """A job stopped by a signal ends with its work stored, and resumes to the same result."""
         request = self.write_request(scans=2000, chains=3, iterations_per_scan=1000)
         whole = self.path("whole.h5")
         self.direct(request, whole)
@@ -73,12 +73,12 @@ class Batch(ProgramTest):
         return errors
 
     def test_a_batch_systems_warning_ends_it_in_order(self):
-        # mpirun passes SIGUSR1 on: rank 0 stops, stores, writes the archive and says how it ended.
+        # mpirun forwards SIGUSR1: rank 0 stops, stores, writes the archive and reports how it ended.
         self.stopped_by(signal.SIGUSR1, 130)
 
     def test_sigterm_loses_nothing(self):
-        # mpirun ends its ranks about a second after it has passed SIGTERM on, and says 1 or 130
-        # according to who was first.
+        # mpirun ends its ranks about a second after it has forwarded SIGTERM, and exits with 1 or 130,
+        # whichever process ended first.
         request = self.write_request(scans=2000, chains=3, iterations_per_scan=1000)
         output = self.path("terminated.h5")
         process = self.start_batch(3, request, output)
@@ -87,7 +87,7 @@ class Batch(ProgramTest):
         process.communicate(timeout=60)
         self.assertIn(process.returncode, (1, 130, 143))
         store = sqlite3.connect(f"{output}.run/store.sqlite")
-        # Draws from the prior have chains' ids of their own.
+        # Draws from the prior have their own chain ids.
         stored, = store.execute("SELECT count(*) FROM scan WHERE chain < 3").fetchone()
         store.close()
         result = self.succeed(harness.run(harness.batch(2, request, output, "--json", "-q",
@@ -98,8 +98,8 @@ class Batch(ProgramTest):
         self.assertEqual(self.digest(output), self.digest(whole))
 
     def test_signals_to_all_ranks_at_once(self):
-        # A batch system may signal every process of a job: rank 0 alone decides, and its echo
-        # through mpirun does not count as a second wish.
+        # A batch system may signal every process of a job. Only rank 0 decides, and a signal that mpirun
+        # forwards again doesn't count twice.
         request = self.write_request(scans=2000, chains=3, iterations_per_scan=1000)
         output = self.path("all.h5")
         process = self.start_batch(3, request, output)
@@ -114,7 +114,7 @@ class Batch(ProgramTest):
         self.assertTrue(output.exists())
 
     def test_idle_ranks_take_no_processor(self):
-        # One chain keeps one rank busy; what the others take is looking for messages.
+        # One chain keeps one rank busy. The other ranks only look for messages.
         request = self.write_request(scans=1000000, chains=1, iterations_per_scan=100000)
         process = self.start_batch(4, request, self.path("idle.h5"))
         deadline = time.monotonic() + 120
@@ -147,7 +147,7 @@ class Batch(ProgramTest):
         self.assertLess(used[-2], 0.02 * took)
 
     def test_a_rank_with_another_request_is_refused(self):
-        # The text is rank 0's; what options make of it is each rank's own.
+        # Rank 0 sends the text; each rank applies its own options to it.
         one = self.write_request("one.toml")
         command = harness.batch(1, one, self.path("a.h5"), "--seed", "1", folder=self.folder)
         command += [":", "-n", "1", harness.program("sleight-batch"), str(one), "-o",
@@ -157,7 +157,7 @@ class Batch(ProgramTest):
         self.assertIn("rank 1 has a different request", result.stderr)
 
     def test_a_rank_that_makes_other_results_is_refused(self):
-        # The same program but for the name of what it makes, as another host may have it installed.
+        # The same program with another version string, as another host may have installed.
         program = pathlib.Path(harness.program("sleight-batch"))
         version = harness.run([program, "--version"]).stdout.split("results ")[1].strip()
         other = self.path("sleight-batch")
@@ -175,8 +175,9 @@ class Batch(ProgramTest):
 
     @unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "takes a lease's 30 s")
     def test_a_rank_that_hangs_holds_up_nothing(self):
-        # Goal: a rank that stands still delays a run by a lease, and its end by a bounded wait;
-        # the archive is the undisturbed run's. Method: SIGSTOP for good in mid-run.
+        # Goal: a rank that stops responding delays a run by at most a lease, and its end by a bounded wait.
+        # The archive equals the undisturbed run's. Method: send SIGSTOP without SIGCONT in the middle of the
+        # run.
         request = self.write_request(scans=2000, chains=3, iterations_per_scan=1000)
         output = self.path("hung.h5")
         process = self.start_batch(3, request, output, "-q")

@@ -27,7 +27,7 @@ class Blender(ProgramTest):
         rows = csv.DictReader(io.StringIO(
             self.succeed(sleight("export", archive, "--format", "csv")).stdout))
         ids = [row["id"] for row in rows]
-        # Some of chains and some finds, where there are both.
+        # Some animations of chains and some finds, if both exist.
         return archive, [*ids[:ANIMATIONS // 2], *ids[ANIMATIONS // 2:][-(ANIMATIONS // 2):]]
 
     def exported(self, archive, ids, *options):
@@ -58,13 +58,13 @@ class Blender(ProgramTest):
 
     def test_archives_and_what_is_too_coarse(self):
         archive, ids = self.directed("ball", [self.source / "requests/ball_2d.toml"], 5)
-        # The add-on has `sleight` export the archive.
+        # The add-on runs `sleight` to export the archive.
         self.compared("ball, by the add-on", self.in_blender(archive, []))
-        # Five frames a second are no such keys: the comparison can fail.
+        # Five frames a second don't give these keys, so the comparison can fail.
         coarse = self.in_blender(archive, self.exported(archive, ids, "--fps", "5"))
         self.assertNotEqual(coarse.returncode, 0)
         self.assertIn("AssertionError", coarse.stdout + coarse.stderr)
-        # What is no model is refused by name.
+        # A file that isn't a model is refused by name.
         bad = self.path("bad.glb")
         bad.write_bytes(b"glTF and no more")
         result = self.in_blender(archive, [bad])

@@ -1,6 +1,6 @@
-"""Goal: find, groups and compare say of archives of each world what these hold; damage costs an archive its
-own place. Method: small runs of each world; the same asked of the file with h5py; 100,000 random queries of
-each, answered slowly beside."""
+"""Goal: find, groups and compare report what archives of each world contain; damage affects only its own part
+of an archive. Method: make small runs of each world, compute the same with h5py, and compare 100,000 random
+queries of each with slow answers."""
 
 import json
 import pathlib
@@ -81,7 +81,7 @@ class Browse(ProgramTest):
                 self.assertIn(name, text)
 
     def test_what_a_search_found_is_told_apart(self):
-        # Draws are in the model's proportions, finds are not; a query keeps either.
+        # Draws have the model's proportions, finds don't. A query keeps both apart.
         archive = self.kept / "found.h5"
         self.direct(pathlib.Path(harness.arguments.source) / "requests/die.toml", archive, "--set", "stop.found=3",
                     "--set", "stop.rounds=2")
@@ -174,13 +174,13 @@ class Browse(ProgramTest):
             told.append([(group["representative"]["id"], group["members"]) for group in groups["groups"]])
         self.assertEqual(*told)
         self.assertTrue(all(":" in name for name, _ in told[0]))
-        # Another world's bodies are another matter.
+        # Another world's bodies can't be compared.
         result = sleight("groups", self.archives["dice"], self.archives["ball"])
         self.assertEqual(result.returncode, 2)
         # The same run twice counts once.
         twice = self.find(self.archives["dice"], self.archives["dice"])
         self.assertEqual(twice["found"], self.find(self.archives["dice"])["found"])
-        # What differs: the request's keys, and how many look like what.
+        # Differences: the request's keys, and the numbers of similar animations.
         compared = parsed(self.succeed(sleight("compare", self.archives["dice"], other, "-k", 3, "--json")))
         self.assertEqual({line["key"] for line in compared["request"]}, {"stop.scans", "sampler.seed"})
         members = sum(group["first"] + group["second"] for group in compared["groups"])

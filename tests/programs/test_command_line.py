@@ -1,5 +1,5 @@
-"""Goal: the command line behaves as people expect. Method: real processes; what they print, on
-which stream, and their exit codes."""
+"""Goal: the command line behaves as people expect. Method: run real processes and check their output, its
+stream, and their exit codes."""
 
 import json
 import os
@@ -97,21 +97,21 @@ class Results(ProgramTest):
         self.assertEqual(sleight("plot", self.path("a.h5"), "--chain", "4").returncode, 2)
 
     def test_progress_on_a_terminal(self):
-        # `script` gives the program a terminal; the progress line renews itself with a carriage
-        # return and has time left, rate and solutions within 80 columns.
+        # `script` gives the program a terminal. The progress line rewrites itself with a carriage return and
+        # has time left, rate and solutions within 80 columns.
         request = self.write_request(scans=200000)
         command = (f"{harness.program('sleight')} direct {request} -o {self.path('a.h5')}"
                    " --time-limit 2s")
         result = subprocess.run(["script", "-qec", command, "/dev/null"], capture_output=True,
                                 env=harness.environment(), timeout=120)
         self.assertEqual(result.returncode, 0, result.stdout)
-        # As bytes: Python would take the carriage returns for line ends.
+        # As bytes, because Python would treat carriage returns as line ends.
         self.assertRegex(result.stdout.decode(), r"\rball_2d  [\d,]+ of 800,000 scans \(\d+%\)  "
                                         r"\d+:\d\d left  [\d,]+ sims/s  solutions \d+")
 
 
 class Output(ProgramTest):
-    """Results that don't reach their place are never reported as success."""
+    """Results that can't be written are never reported as success."""
 
     def setUp(self):
         super().setUp()
@@ -192,7 +192,7 @@ class Plots(ProgramTest):
 
 
 class Damage(ProgramTest):
-    """Numbers and texts of a hostile archive: refused, named, and never a crash."""
+    """Numbers and texts of a hostile archive are refused by name, and never crash a program."""
 
     def setUp(self):
         super().setUp()

@@ -17,7 +17,7 @@ BASH_COMPLETION = "/usr/share/bash-completion/bash_completion"
 REQUESTS = {"a.toml", "c d.toml", "sub/", "x.h5.run/"}
 ARCHIVES = {"b.h5", "sub/", "x.h5.run/"}
 
-# What may stand at the end of each line.
+# Candidates at the end of each line.
 TOY = {
     "toy ": {"archive", "run", "wait"},
     "toy -v ru": {"run"},
@@ -26,7 +26,7 @@ TOY = {
     "toy run -o ": ARCHIVES,
     "toy run --output=": ARCHIVES,
     "toy run --output=b": {"b.h5"},
-    # A value is no command, and no positional.
+    # A value is neither a command nor a positional.
     "toy run -o archive ": REQUESTS,
     "toy run --set world.word=HI ": REQUESTS,
     "toy run --output=b.h5 ": REQUESTS,
@@ -37,8 +37,8 @@ TOY = {
     "toy archive export --table=p": {"posterior"},
     "toy wait ": {"17", "18"},
     "toy wait 17 1": {"17", "18"},
-    # Nothing is better than something wrong. These come last: a bash that found nothing does not list
-    # but insert what it finds next, if that is one word.
+    # No candidate is better than a wrong one. These lines come last: after an empty list, bash inserts its
+    # next candidate instead of listing it, if that is a single word.
     "toy run -n ": set(),
     "toy run --set ": set(),
     "toy run a.toml ": set(),
@@ -56,12 +56,12 @@ REAL = {
 
 
 def built(folder):
-    """Beside that of the programs; absolute, as shells have folders of their own."""
+    """A folder of the build, beside the programs. Absolute, because shells have folders of their own."""
     return pathlib.Path(harness.arguments.bin).resolve().parent / folder
 
 
 def words_of(rows):
-    """The words of a listing: columns part by two spaces, what explains a word follows it."""
+    """Words of a listing. Columns are separated by two spaces, and a word's explanation follows it."""
     found = set()
     for row in rows:
         row = re.split(r"\t| +-- ", row)[0]
@@ -98,7 +98,7 @@ class Completion(ProgramTest):
 
     def lists(self, shell, line):
         words = words_of(shell.listed(line))
-        # Where nothing else can stand, zsh offers options before they are begun.
+        # If nothing else is possible, zsh offers options before they are begun.
         return {word for word in words if not word.startswith("-")}
 
     def judge(self, shell, expected):
@@ -121,7 +121,7 @@ class Completion(ProgramTest):
         self.assertEqual(shell.listed("toy wait "), [])
 
     def test_bash(self):
-        """Without bash-completion."""
+        """Tests bash without bash-completion."""
         shell = self.shell(shells.bash, ["unset -f _init_completion",
                                          "source <(toy completion bash)",
                                          "source <(sleight completion bash)",
@@ -131,7 +131,7 @@ class Completion(ProgramTest):
         self.judge_without_server(shell, "export NO_SERVER=1")
 
     def test_bash_beside_bash_completion(self):
-        """bash-completion loads the scripts by itself, from where packages put them."""
+        """bash-completion loads the scripts itself, from where packages install them."""
         for name in ("sleight", "sleight-batch", "sleightd"):
             self.write_script(self.home / ".local/share/bash-completion/completions" / name, "bash",
                               name)
@@ -141,7 +141,8 @@ class Completion(ProgramTest):
         self.judge_options(shell)
 
     def test_bash_inserts_names_as_the_shell_reads_them(self):
-        """Goal: names with blanks come out quoted. Method: Tab inserts, and echo shows the words."""
+        """Goal: names with blanks are completed with quotes. Method: press Tab, and let echo show the
+        words."""
         shell = self.shell(shells.bash, ["source <(toy completion bash)",
                                          "bind 'TAB: complete'",
                                          "toy() { printf '<%s>' \"$@\"; }"])
@@ -176,7 +177,7 @@ class Completion(ProgramTest):
         self.judge_without_server(shell, "set -gx NO_SERVER 1")
 
     def test_judge_sees_a_shell_without_completion(self):
-        """The same lines in shells that were told nothing: files come where commands should."""
+        """Runs the same lines in shells without completion, which list files instead of commands."""
         for make, setup in ((shells.bash, []), (shells.zsh, ["compinit -u -D"]), (shells.Fish, [])):
             shell = self.shell(make, setup)
             self.assertNotEqual(self.lists(shell, "toy "), TOY["toy "])
@@ -185,7 +186,7 @@ class Completion(ProgramTest):
 
 class ManPages(ProgramTest):
     def lint(self):
-        """In the pages' folder: mandoc looks there for those that they name."""
+        """Runs mandoc in the pages' folder, where it looks for the pages that they name."""
         return run(["mandoc", "-T", "lint", *sorted(os.listdir(self.folder))], cwd=self.folder)
 
     def test_pages_are_without_fault(self):
@@ -204,7 +205,7 @@ class ManPages(ProgramTest):
         self.assertIn("January 1, 1970", shown)
         self.assertIn("EXIT STATUS", self.path("sleight.1").read_text())
 
-        # The judge sees a fault.
+        # The judge detects a fault.
         with open(self.path("sleight-direct.1"), "a") as page:
             page.write(".Xr sleight-dirext 1\n.Zz\n")
         self.assertIn("sleight-dirext", self.lint().stdout)
@@ -214,7 +215,7 @@ class ManPages(ProgramTest):
         self.assertIn(".Dt SLEIGHT 1\n", page)
 
     def test_build_has_pages_and_scripts(self):
-        """Where man and the shells look below a prefix."""
+        """Pages and scripts are where man and the shells look below a prefix."""
         for path, words in {"man/man1/sleight-batch.1": ["sleight-batch"],
                             "bash-completion/completions/sleight": ["completion", "bash"],
                             "zsh/site-functions/_sleight": ["completion", "zsh"],

@@ -21,7 +21,7 @@ class Derive(ProgramTest):
         return json.loads(result.stdout)
 
     def run_id(self, archive):
-        """Of all archives of a run the same."""
+        """The id that all archives of a run share."""
         info = json.loads(self.succeed(sleight("archive", "info", archive, "--json")).stdout)
         self.assertEqual(len(info["run_id"]), 64)
         return info["run_id"]
@@ -38,7 +38,7 @@ class Derive(ProgramTest):
         store = pathlib.Path(f"{output}.run/store.sqlite-wal")
         while not store.exists() or store.stat().st_size < 300_000:
             time.sleep(0.02)
-        # What was written first may be one chain's alone, of which no scan is common.
+        # The first results may belong to one chain, so that no scan is common to all.
         first = self.derive(f"{output}.run", self.path("first.h5"))
         end = time.monotonic() + 60
         while first["scans"] == 0 and time.monotonic() < end:
@@ -68,12 +68,12 @@ class Derive(ProgramTest):
         shutil.copytree(f"{output}.run", self.path("copy"))
         copied = self.derive(self.path("copy"), self.path("copied.h5"))
         self.assertEqual(copied["digest"], self.digest(output))
-        # Its own archive, or another of the same run, may be replaced.
+        # A run's own archive, or another archive of the same run, may be replaced.
         self.assertEqual(self.derive(self.path("copy"), self.path("first.h5")),
                          {**copied, "archive": str(self.path("first.h5"))})
 
     def test_its_own_output_may_be_renewed(self):
-        """Of finds alone, and then of finds and draws."""
+        """Derives from only finds, then from finds and draws."""
         output = self.path("hi.h5")
         run = [harness.program("sleight"), "direct", "--word", "HI", "-n", "50", "-o", output, "-q"]
         self.succeed(harness.run([*run, "--time-limit", "1s"]))
@@ -82,7 +82,7 @@ class Derive(ProgramTest):
         self.assertEqual(self.digest(self.path("so_far.h5")), self.digest(output))
 
     def test_a_folder_that_nobody_may_write(self):
-        """As somebody who may read it alone, of a run that has ended."""
+        """A user who can only read the folder derives from a run that has ended."""
         output = self.path("a.h5")
         self.direct(self.write_request(chains=2, scans=50), output)
         as_nobody = ["setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups",

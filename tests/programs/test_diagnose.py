@@ -1,5 +1,5 @@
-"""Goal: `sleight diagnose` tells chains that have mixed from chains that have not, and says why.
-Method: real archives of the 2D ball, some mixed, some not, and some that were tampered with."""
+"""Goal: `sleight diagnose` distinguishes chains that have mixed from chains that haven't, and explains why.
+Method: use real archives of the 2D ball: some mixed, some not, and some manipulated."""
 
 import json
 
@@ -8,7 +8,7 @@ import harness
 import numpy
 from harness import ProgramTest, sleight
 
-# A wide target and long scans: the draws are all but independent.
+# A wide target and long scans: the draws are almost independent.
 EASY = """
 [world]
 name = "ball_2d"
@@ -95,7 +95,7 @@ class Plain(DiagnoseTest):
         self.assertLessEqual(found["independent_solutions"], 4)
 
     def test_one_chain_that_left_for_elsewhere_is_7(self):
-        # The checker must be able to fail: a mixed archive with one chain moved aside.
+        # The checker can fail: use a mixed archive with one chain shifted.
         archive = self.archived(EASY)
         with h5py.File(archive, "r+") as file:
             normals = file["posterior/normal_rad"]
@@ -136,7 +136,7 @@ class BurntIn(DiagnoseTest):
             self.assertEqual(sum(walk["visits"]), 8000)
             self.assertEqual(walk["visits"], list(visits[chain][:len(betas)]))
             self.assertEqual(walk["acceptance"][-1], None)
-        # That it can fail: no trips; trips of the burn-in alone are no reason.
+        # The check can fail: without round trips. Those of the burn-in don't count.
         with h5py.File(archive, "r+") as file:
             file["tempering/round_trips"][:] = 0
             file["tempering/walk_round_trips"][1] = 0
@@ -155,7 +155,7 @@ class BurntIn(DiagnoseTest):
         shares = [chain["acceptance"] for chain in found["tempered_transitions"]]
         self.assertEqual(shares, list(acceptance))
         for chain in range(2):
-            # Each that was accepted brought a lineage; the first scan's shows not.
+            # Each accepted excursion began a lineage; that of the first scan isn't visible.
             moves = (lineage[chain][1:] != lineage[chain][:-1]).sum()
             self.assertAlmostEqual(shares[chain], moves / 2000, delta=1.5 / 2000)
             self.assertGreater(shares[chain], 0.05)
@@ -175,7 +175,7 @@ class BurntIn(DiagnoseTest):
                                weights.sum() ** 2 / (weights ** 2).sum(), places=6)
         self.assertEqual([chain["effective_size"] for chain in found["weights"]["chains"]],
                          list(size))
-        # What `archive info` says of chance is by the weights, too.
+        # `archive info` also computes log P(satisfied) from the weights.
         info = self.info(archive)["tempering"]
         self.assertEqual(info["from"], "weights")
         self.assertAlmostEqual(info["log_p_satisfied"]["value"], log_p.mean(), places=12)

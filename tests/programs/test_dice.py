@@ -1,5 +1,5 @@
-"""Goal: the kept animations of dice become pictures. Method: two dice with wide goals; the archive
-read back with h5py, drawn and looked at as SVG."""
+"""Goal: the kept animations of dice become pictures. Method: direct two dice with wide goals, read the
+archive with h5py, and inspect its drawings as SVG."""
 
 import re
 
@@ -49,7 +49,7 @@ class Dice(ProgramTest):
             kept = min(3, len(file["animations/animation"]))
         self.assertGreater(kept, 0)
         self.assertEqual(len(re.findall(r"chain \d+, iteration \d+<", svg)), kept)
-        # Each shows the upper faces, the second of which is asked for, and the ring.
+        # Each picture shows the upper faces, the second of which is requested, and the ring.
         shown = re.findall(r">up: (\d), (\d); ([0-9.]+) mm from the place", svg)
         self.assertEqual(len(shown), kept)
         for _, second, off_mm in shown:

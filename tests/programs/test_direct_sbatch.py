@@ -37,7 +37,7 @@ class DirectSbatch(ProgramTest):
         return process.returncode, asked.count("requeue 17\n")
 
     def signalled(self, number):
-        """`mpirun` notes that it waits for signals, so that none comes before."""
+        """`mpirun` reports that it waits for signals, so that no signal arrives before."""
         process = self.start()
         deadline = time.monotonic() + 30
         while not self.path("waits").exists():
@@ -67,7 +67,7 @@ for ((i = 0; i < 600; i++)); do sleep 0.05; done""")
             for code, ends in [(130, [(130, 1)]), (0, [(0, 0)]), (5, [(5, 0)])]:
                 self.path("asked").unlink(missing_ok=True)
                 self.command("mpirun", f"trap '' USR1; kill -USR1 $PPID; exit {code}")
-                # bash loses the code at times: then the next start finds out.
+                # bash sometimes loses the exit code. Then the next start detects the end.
                 self.assertIn(self.ended(self.start()), [*ends, (255, 1)])
 
     def test_a_warning_before_mpirun_listens(self):
@@ -109,7 +109,8 @@ for ((i = 0; i < 600; i++)); do sleep 0.05; done""")
             self.assertEqual(self.ended(self.start()), (code, 0))
 
     def attempt(self):
-        """The service's form, with a keeper that says what it got; what it said, and how it ended."""
+        """Runs the service's form of the script, with a keeper that records its arguments. Returns the launch
+        agent, the blocked signals and how the script ended."""
         self.command("keeper", f"""printf '%s\\n' "$@" > {self.path("arguments")}
 echo "${{OMPI_MCA_orte_launch_agent:-}}" > {self.path("agent")}
 grep SigBlk /proc/$$/status > {self.path("blocked")}; exit 4""")
@@ -127,7 +128,7 @@ grep SigBlk /proc/$$/status > {self.path("blocked")}; exit 4""")
         self.assertEqual(self.attempt(), ("", [False, False], (4, 0)))
 
     def test_signals_before_the_keeper_listens_wait_for_it(self):
-        # The keeper lets them through at last, and hears of both.
+        # The keeper accepts signals late and receives both.
         self.command("keeper", f"""touch {self.path("waits")}
 exec /usr/bin/python3 -c '
 import signal, time

@@ -25,7 +25,7 @@ class EndReport(ProgramTest):
         self.addCleanup(lambda: os.close(self.reader))
 
     def told(self):
-        """The one line; None if there was none."""
+        """The single line in the pipe. None if there was none."""
         try:
             data = os.read(self.reader, 1 << 16)
         except BlockingIOError:
@@ -39,7 +39,7 @@ class EndReport(ProgramTest):
         return record
 
     def stored(self, output):
-        """How each session ended, by the store."""
+        """The end of each session in the store."""
         store = sqlite3.connect(f"file:{output}.run/store.sqlite?mode=ro", uri=True)
         ends = [json.loads(text) if text else None
                 for text, in store.execute("SELECT ended FROM session ORDER BY epoch")]
@@ -51,7 +51,7 @@ class EndReport(ProgramTest):
                                **options)
 
     def await_session(self, output, number):
-        """Until so many sessions have begun and the last has stored something."""
+        """Waits until a number of sessions have begun and the last has stored something."""
         deadline = time.monotonic() + 60
         before = None
         while time.monotonic() < deadline:
@@ -122,7 +122,7 @@ class EndReport(ProgramTest):
         self.assertEqual((record["epoch"], record["exit_code"]), (0, 4))
 
     def test_refused_with_a_store(self):
-        """Somebody put another file in the archive's place."""
+        """Another file is in the archive's place."""
         output = self.path("a.h5")
         request = self.write_request(scans=20)
         self.succeed(self.run_direct(request, output))
@@ -134,7 +134,7 @@ class EndReport(ProgramTest):
         self.assertEqual(self.stored(output), [first, second])
 
     def test_a_full_disk(self):
-        """A file may grow to 300 kB: the store can't take the rows, the pipe takes the record."""
+        """Files may grow to 300 kB: the store can't write the rows, so the pipe receives the record."""
         output = self.path("a.h5")
         request = self.write_request(chains=2, scans=100_000)
         command = f"ulimit -f 300; exec \"$0\" direct {request} -o {output} -q --end-report {self.pipe}"
@@ -169,8 +169,8 @@ class EndReport(ProgramTest):
         self.assertEqual(self.told()["exit_code"], 3)
 
     def test_a_rank_elsewhere_sees_no_pipe(self):
-        """Another host has no such pipe, or one that nobody reads: its ranks compute all the same.
-        Method: what a rank other than 0 makes of it, before MPI refuses to start so."""
+        """Another host has no such pipe, or a pipe that nobody reads; its ranks compute anyway. Method: run a
+        rank other than 0, before MPI refuses to start this way."""
         request = self.write_request(scans=20)
         for rank, words in [("0", "--end-report"), ("1", None)]:
             result = harness.run([harness.program("sleight-batch"), request, "-o", self.path("a.h5"),

@@ -58,7 +58,7 @@ thin = 1
 """
 
 class Model:
-    """A .glb, read by the specification."""
+    """A .glb file, parsed by the specification."""
 
     def __init__(self, path):
         data = path.read_bytes()
@@ -96,7 +96,7 @@ class Export(ProgramTest):
         return self.path(f"{world}.h5")
 
     def made_up(self):
-        """Twenty animations of chains and seven finds, of no world that there is."""
+        """Twenty animations of chains and seven finds, of a made-up world."""
         writer = pathlib.Path(harness.arguments.bin).parent / "tests/sleight-sample-archive"
         self.succeed(run([writer, self.path("made_up.h5"), "100"]))
         return self.path("made_up.h5")
@@ -136,7 +136,7 @@ class Export(ProgramTest):
         validator = pathlib.Path(harness.arguments.source) / "tests/gltf/validate.js"
         judged = self.succeed(run(["node", validator, *files]))
         self.assertIn(f"{len(files)} files judged", judged.stdout)
-        # It tells a file that is none.
+        # The validator detects an invalid file.
         bad = self.path("bad.glb")
         bad.write_bytes(files[0].read_bytes().replace(b'"LINEAR"', b'"CURVED"'))
         self.assertEqual(run(["node", validator, bad]).returncode, 1)
@@ -166,7 +166,7 @@ class Export(ProgramTest):
                     times, places = model.keys(name, "translation")
                     x, y, z = group["position_m"][last[body]]
                     start_s = group["start_s"][last[body]]
-                    # Of two keys where made-up motions jump, the second.
+                    # At a jump of a made-up motion, use the second of two keys.
                     key = max(i for i, time in enumerate(times) if time <= start_s + 1e-5)
                     self.assertAlmostEqual(times[key], start_s, places=5)
                     for shown, true in zip(places[key], [x, z, -y]):
@@ -178,7 +178,7 @@ class Export(ProgramTest):
         self.export(archive, "--together", "-o", one)
         self.export(archive, "--together", "-o", two)
         self.assertEqual(one.read_bytes(), two.read_bytes())
-        # A model of ours is replaced, another's file only by force; so in folders too.
+        # Our own models are replaced, other files only with --force. The same holds in folders.
         self.export(archive, "--ids", "find.3", "-o", one)
         self.assertEqual(Model(one).clips, ["find.3"])
         self.export(archive, "--ids", "find.3", "-o", self.path("folder/deep"))
@@ -205,7 +205,7 @@ class Export(ProgramTest):
         self.assertEqual(len(rows), 27)
         first, last = rows[0]["id"], rows[-1]["id"]
         self.assertEqual(last, "find.6")
-        # In the order asked for, each once.
+        # In the requested order, each once.
         asked = [last, first, last]
         self.assertEqual([row["id"] for row in self.table(archive, "--ids", *asked)], [last, first])
         output = self.path("a.glb")
@@ -242,7 +242,7 @@ class Export(ProgramTest):
                     self.path("kinds.glb"))
         self.assertEqual(Model(self.path("kinds.glb")).clips,
                          [group["representative"]["id"] for group in groups["groups"]])
-        # The long name of an animation is of its run alone.
+        # An animation's long name belongs to its run only.
         run = found["archives"][0]["run_id"][:8]
         self.assertEqual(len(self.table(archive, "--ids", f"{run}:{ids[0]}")), 1)
         self.refused(2, "no animation", archive, "--ids", f"00000000:{ids[0]}", "-o", self.path("a.glb"))
@@ -253,7 +253,7 @@ class Export(ProgramTest):
             out = self.path(f"out{told}")
             process = harness.start([harness.program("sleight"), "export", archive, "--format", "png",
                                      "--scale", "8", "--fps", "1000", "-o", out])
-            # In the middle: frames are there, and the folder has not its name yet.
+            # In the middle of an export, frames exist and the folder doesn't have its final name yet.
             end = time.monotonic() + 60
             while not list(out.glob("*.tmp.*/*.png")):
                 self.assertLess(time.monotonic(), end)
@@ -267,7 +267,7 @@ class Export(ProgramTest):
     def test_tables(self):
         archive = self.made_up()
         with h5py.File(archive) as file:
-            # Chains' animations, then finds, each with its columns; what a row lacks is empty.
+            # Chains' animations, then finds, each with its columns. Missing values are empty.
             rows = self.table(archive)
             count = len(file["animations/chain"])
             self.assertEqual([row["log_prior"] for row in rows[:count]],
@@ -276,7 +276,7 @@ class Export(ProgramTest):
             self.assertEqual([row["start"] for row in rows[count:]],
                              [str(start) for start in file["finds/start"]])
             self.assertEqual([row["chain"] for row in rows[count:]], [""] * (len(rows) - count))
-            # Segments of three animations, in the order asked for.
+            # Segments of three animations in the requested order.
             places = [len(rows) - 1, 1, 0]
             ids = [rows[place]["id"] for place in places]
             segments = self.table(archive, "--ids", *ids, "--table", "segments")

@@ -1,6 +1,6 @@
-"""Goal: a simulation that fails is never a sample, and never passes without a word. Method: the
-programs with a world of which 3% of simulations give up, 1% exceed a limit and 2% can't start
-(tests/failing); the same run by threads, ranks, kills and sessions must count the same."""
+"""Goal: a failing simulation is never a sample and is always reported. Method: run the programs with a world
+in which 3% of simulations give up, 1% exceed a limit and 2% can't start (tests/failing). Threads, ranks,
+kills and sessions must not change the counts."""
 
 import json
 import math
@@ -30,7 +30,7 @@ scans = {scans}
 
 
 def without_checksum(text):
-    """A failure's file as a person changes it on purpose."""
+    """A failure's file without its checksum, as if a person had edited it."""
     changed, count = re.subn(r"\nchecksum = .*", "", text)
     assert count == 1, text
     return changed
@@ -58,8 +58,8 @@ class Failures(ProgramTest):
         summary = self.summary(request, output)
         failed = summary["failed_simulations"]
         self.assertEqual(failed["total"], failed["search_gave_up"] + failed["work_limit"])
-        # Of independent simulations the share would be binomial; candidates of one chain are others
-        # each time, so their hashes are independent.
+        # The share of failures of independent simulations would be binomial. A chain's candidates differ each
+        # time, so their hashes are independent.
         simulations = summary["session_simulations"]
         for kind, share in [("search_gave_up", 0.03), ("work_limit", 0.01)]:
             sd = math.sqrt(simulations * share * (1 - share))
@@ -89,8 +89,8 @@ class Failures(ProgramTest):
                 self.files_are_named(one)
 
     def files_are_named(self, output):
-        """Each file is that of an event's failure, and is named there; a unit may keep one that no
-        event has yet, of a scan that other chains lack."""
+        """Each file belongs to a failure event that names it. A unit may have written a file for a scan that
+        other chains lack, without an event yet."""
         files = {str(path) for path in pathlib.Path(f"{output}.run/failures").glob("*.toml")}
         named = [event for event in self.events(output) if event.get("file")]
         self.assertGreater(len(named), 0)
@@ -102,7 +102,7 @@ class Failures(ProgramTest):
                           pathlib.Path(event["file"]).read_text())
 
     def test_kills_lose_and_double_none(self):
-        # Killed at moments of its work, by threads and as an MPI job, and gone on with.
+        # Killed at moments of the work, by threads and as an MPI job, then resumed.
         text = harness.request_text(scans=12000, chains=3, iterations_per_scan=100)
         request = self.request(text)
         whole = self.path("whole.h5")
@@ -159,16 +159,16 @@ class Failures(ProgramTest):
         self.assertEqual(replayed.returncode, 8, replayed.stderr)
         told = json.loads(harness.sleight("replay", path, "--json").stdout)
         self.assertTrue(told["same"])
-        # Ten files, however many failed; each of them repeats one.
+        # Ten files for any number of failures. Each file repeats one failure.
         files = sorted(pathlib.Path(path).parent.glob("*.toml"))
         self.assertEqual(len(files), 10)
         for file in files:
             self.assertEqual(harness.sleight("replay", file).returncode, 8, file)
-        # A later session names none.
+        # A later session prints no replay command.
         later = self.succeed(harness.sleight("direct", self.write_request("later.toml", scans=3000),
                                              "-o", self.path("a.h5")))
         self.assertNotIn("sleight replay", later.stdout + later.stderr)
-        # One whose state is another's is carried out.
+        # A file with a state that doesn't fail is simulated without a failure.
         text = without_checksum(files[0].read_text())
         state = re.search(r'state = "([0-9a-f]+)"', text).group(1)
         moved = self.request(text.replace(state, "0" * len(state)), "moved.toml")
@@ -201,7 +201,7 @@ class Failures(ProgramTest):
         summary = json.loads(result.stdout)
         self.assertEqual(summary["end"], "simulation_failed")
         self.assertLess(summary["scans"], 100000)
-        # It remembers; without the flag it goes on to what it would have been.
+        # The stored run ends the same way again. Without --strict, it resumes to its full result.
         self.assertEqual(harness.sleight("direct", request, "-o", output, "--strict").returncode, 8)
         short = self.write_request(scans=1000)
         self.direct(short, output)

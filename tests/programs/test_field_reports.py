@@ -13,9 +13,9 @@ import harness
 from harness import MPIRUN, ProgramTest, program, run, sleight
 from test_export import BALL
 
-# A chain that finds draws 3, 11 and 30.
+# A chain with finds at draws 3, 11 and 30.
 REQUEST = BALL.replace("seed = 1", "seed = 3")
-# Enough to begin with, and too little to go on: of the address space, in kB, each.
+# Enough address space to begin with, and too little to continue, in kB.
 SHORT_OF_MEMORY_KB = [115_000, 125_000, 135_000, 150_000]
 
 
@@ -40,7 +40,7 @@ class FieldReports(ProgramTest):
         for name in ids:
             with self.assertRaises(ValueError, msg=name):
                 float(name)
-        # As ids once were; 0.3 may have been 0.30.
+        # The old form of ids: 0.3 could have been 0.30.
         named = lambda name: sleight("export", self.archive, "--ids", name, "--format", "csv")
         self.assertLessEqual({"c0.3", "c0.30", "c0.11"}, set(ids))
         for old in ["0.11", "0.30"]:
@@ -64,7 +64,7 @@ class FieldReports(ProgramTest):
             with self.subTest(name):
                 link, target = self.path(name), self.path("real") / name
                 link.symlink_to(f"real/{name}")
-                # Missing at first, and then there.
+                # The file is missing at first, then appears.
                 for _ in range(2):
                     again = ["--force"] if name in ("d.csv", "f.svg") and target.exists() else []
                     if name == "frames" and target.exists():
@@ -75,7 +75,7 @@ class FieldReports(ProgramTest):
         self.assertTrue(self.path("real/a.h5.run").is_dir())
         self.assertEqual({path.name for path in self.folder.iterdir()},
                          {"real", *(name for name, _ in outputs)})
-        # A file each in a folder.
+        # One file each in a folder.
         into = self.path("into")
         into.mkdir()
         self.succeed(sleight("export", self.archive, "--ids", "c0.11", "-o", into))
@@ -119,7 +119,7 @@ class FieldReports(ProgramTest):
             for command in (f"plot '{self.archive}' -o x.png", f"export '{self.archive}' --all --together -o x.glb",
                             f"direct '{self.request}' -q -o m.h5"):
                 result = run(["bash", "-c", f"ulimit -v {kb}; '{program('sleight')}' {command}"], cwd=self.folder)
-                # Before main begins, the loader speaks.
+                # Before main begins, the dynamic loader prints.
                 if "error while loading shared libraries" in result.stderr: continue
                 with self.subTest(command, kb=kb):
                     self.assertIn(result.returncode, (0, 5), result.stderr)
@@ -148,7 +148,7 @@ class FieldReports(ProgramTest):
         self.assertEqual(wrong.stderr.count(b"standard input:1:"), 1, wrong.stderr)
 
     def on_a_terminal(self, term):
-        """What `direct` writes to a terminal of this kind."""
+        """Output of `direct` on a terminal of this kind."""
         pid, terminal = pty.fork()
         if pid == 0:
             os.execve(program("sleight"), [program("sleight"), "direct", str(self.request), "--set",
@@ -185,7 +185,7 @@ class FieldReports(ProgramTest):
             self.failed(5, "No space left on device", result)
 
     def test_archives_of_odds_are_browsed(self):
-        # The diagnosis, which has nothing to say of them, is left out.
+        # The diagnosis is omitted, because it has nothing to report.
         request = self.path("odds.toml")
         request.write_text('[world]\nname = "spelling"\nbitmap = "#."\n[stop]\nodds = 0.5\n')
         self.direct(request, self.path("odds.h5"))

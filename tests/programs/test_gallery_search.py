@@ -1,6 +1,6 @@
-"""Goal: a saved gallery's page finds, groups and compares as the programs do: the same entries, errors,
-groups, orders and distances to the last bit. Method: random questions about an archive of each world,
-answered by clients/browse (sleight-gallery-answers) and by the page's own search in Node."""
+"""Goal: a saved gallery's page finds, groups and compares like the programs: the same entries, errors,
+groups, orders and distances to the last bit. Method: answer random questions about an archive of each world
+by clients/browse (sleight-gallery-answers) and by the page's own search in Node."""
 
 import json
 import pathlib
@@ -42,7 +42,7 @@ class GallerySearch(ProgramTest):
         return [json.loads(line) for line in self.path(name).read_text().splitlines()]
 
     def said_by_the_page(self):
-        """What the page says to questions.jsonl of index.bin."""
+        """The page's answers to questions.jsonl for index.bin."""
         with open(self.path("said.jsonl"), "w") as said:
             result = subprocess.run(
                 ["node", self.page / "test/search-run.mjs", self.path("index.bin"),
@@ -60,20 +60,20 @@ class GallerySearch(ProgramTest):
             self.assertEqual(len(said), len(questions))
             for question, answer, own in zip(questions, answers, said):
                 self.assertEqual(own, answer, f"{world}, seed {SEED}: {json.dumps(question)}")
-            # Enough of all kinds, or their being equal says little.
+            # Enough questions of all kinds, or equality proves little.
             finds = [answer for question, answer in zip(questions, answers) if "find" in question]
             self.assertGreater(sum("message" in answer for answer in finds), len(finds) / 4)
             self.assertGreater(sum(bool(answer.get("entries")) for answer in finds), len(finds) / 10)
             self.assertEqual(len(questions) - len(finds), 2 * SETS)
             sets += [(len(q["groups"]["entries"]), q["groups"]["groups"]) for q in questions if "groups" in q]
-        # Sets of which all are compared, and of larger ones both samples.
+        # Sets of which all pairs are compared, and larger sets of both sampling kinds.
         self.assertTrue(any(entries <= 500 and groups > 1 for entries, groups in sets))
         self.assertTrue(any(entries > 500 and 1 < groups <= 100 for entries, groups in sets))
         self.assertTrue(any(entries > 500 and groups > 100 for entries, groups in sets))
 
     def test_other_answers_would_be_noticed(self):
-        """Goal: the comparison can fail. Method: the page is asked of an index whose places are others in
-        their ninth digit."""
+        """Goal: the comparison can fail. Method: ask the page about an index whose places differ in their
+        ninth digit."""
         folder = self.path("index.bin").parent
         self.succeed(harness.run([self.answers, self.archive("dice"), folder, 0, SETS, SEED]))
         index = bytearray(self.path("index.bin").read_bytes())

@@ -1,7 +1,7 @@
-"""Goal: over TLS nobody is served who may not be, odd names do nothing but be refused in printable words, dear
-requests are refused with their sum, and neither silent peers nor a killed daemon keep others from being served.
-Method: a daemon of its own that listens over TLS, real `sleight` processes that log in as from another machine,
-and sockets that say nothing."""
+"""Goal: over TLS, unauthorized peers get no service, odd names are refused in printable words, expensive
+requests are refused with their total, and neither silent peers nor a killed daemon block others. Method: run
+a daemon that listens over TLS, real `sleight` processes that log in as from another machine, and silent
+sockets."""
 
 import contextlib
 import json
@@ -23,7 +23,7 @@ class Tokens(TlsServiceTest):
     def test_wrong_expired_and_revoked_ones_let_nobody_in(self):
         self.serve_over_tls()
         unknown, _ = self.token("unknown")
-        # A daemon that never heard of it, at the same place with the same certificate.
+        # A daemon that doesn't know the token, at the same place with the same certificate.
         self.kill_daemon(signal.SIGTERM)
         (self.state / "tokens.json").unlink()
         self.serve_over_tls()
@@ -32,7 +32,7 @@ class Tokens(TlsServiceTest):
         self.succeed(self.ask("token", "revoke", revoked_id))
         self.succeed(self.log_in("good", good))
         expired, _ = self.token("expired", "--expires", "4s")
-        # One that expires while it is logged in is refused from then on.
+        # A token that expires during a session is refused from then on.
         self.succeed(self.log_in("late", expired))
         self.until(lambda: self.far("late", "list").returncode == 9)
         words = set()
@@ -41,9 +41,9 @@ class Tokens(TlsServiceTest):
             self.assertEqual(refused.returncode, 9, refused.stderr)
             words.add(refused.stderr)
             self.assertFalse(self.path(home).exists(), "a token that is not valid is kept")
-        # Nobody learns which of them it was.
+        # The error doesn't reveal which tokens exist.
         self.assertEqual(len(words), 1, words)
-        # What is no token is not even sent.
+        # Text that isn't a token is never sent.
         bad = self.path("bad.token")
         for text in ["", "sleight_" + "0" * 70, good.read_text()[:-2], "../" * 1000, "\x1b[2J"]:
             bad.write_text(text)
@@ -80,8 +80,8 @@ class Clients(TlsServiceTest):
             self.assertEqual({watcher.wait(timeout=60) for watcher in watchers}, {11})
 
     def test_silent_peers_keep_nobody_out(self):
-        """Goal: more peers than there is room for, who say nothing, or half of a word, and stay: others come in.
-        Method: 100 strangers over TLS, where there is room for 64, and 550 on the socket, where there is for 512."""
+        """Goal: more silent peers than allowed don't lock others out. Method: 100 strangers over TLS, where
+        64 are allowed, and 550 on the socket, where 512 are. They stay silent or send half a word."""
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
         self.addCleanup(resource.setrlimit, resource.RLIMIT_NOFILE, (soft, hard))
@@ -93,7 +93,7 @@ class Clients(TlsServiceTest):
             def peer(family, place, words):
                 one = ends.enter_context(socket.socket(family, socket.SOCK_STREAM))
                 one.settimeout(10)
-                # The daemon's own backlog may be full for a moment.
+                # The daemon's backlog may be full for a moment.
                 self.until(lambda: one.connect_ex(place) == 0, 10)
                 one.sendall(words)
                 return one
@@ -106,7 +106,7 @@ class Clients(TlsServiceTest):
             served()
             here = [peer(socket.AF_UNIX, str(self.state / "socket"), b"abc"[:i % 3]) for i in range(550)]
             served()
-            # It was an attack: some had to make room, and some are there still.
+            # It was an attack: some peers were disconnected, and some are still connected.
             self.assertGreater(self.ask_json("server", "status")["connections"], 200)
             ended = 0
             for one in strangers + here:
@@ -127,7 +127,7 @@ class Names(TlsServiceTest):
            "\udcff\udcfe", "\u202e", "x" * 100_000, "-1", "99999999999999999999999", "g", "1..", "3..1", " ", ""]
 
     def refused(self, codes, result):
-        """In words that a terminal may show, of some length."""
+        """Refused in words that a terminal can show, of limited length."""
         self.assertIn(result.returncode, codes, result.stderr[:1000])
         self.assertRegex(result.stderr, r"\S")
         self.assertLess(len(result.stderr), 5000)
@@ -135,7 +135,7 @@ class Names(TlsServiceTest):
             self.assertIsNone(re.search(r"[\x00-\x08\x0b-\x1f\x7f\x80-\x9f\u202e]", line), repr(line[:300]))
 
     def listing(self):
-        """All that this test's processes could have written, but what the service notes for itself."""
+        """Everything that this test's processes could have written, except for the service's own files."""
         notes = ("state/audit", "sleightd.log", "state/jobs.")
         found = sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
         return [name for name in found if not name.startswith(notes)]
@@ -144,13 +144,13 @@ class Names(TlsServiceTest):
         return name.encode(errors="surrogateescape")
 
     def raw(self, env, *args):
-        """`sleight` with arguments of any bytes; what it says is text all the same."""
+        """Runs `sleight` with arguments of any bytes; the output must be text."""
         result = subprocess.run([self.text(harness.program("sleight")), *map(self.text, args)], capture_output=True,
                                 env={**harness.environment(), **env}, timeout=60, cwd=self.folder)
         return subprocess.CompletedProcess(args, result.returncode, result.stdout.decode(), result.stderr.decode())
 
     def test_servers_are_refused(self):
-        """Goal: a server's name is part of a file's; none leads out of its folder."""
+        """Goal: a server's name is part of a file name, but never leaves the folder."""
         self.serve_over_tls()
         token, _ = self.token("any")
         before = self.listing()
@@ -160,7 +160,7 @@ class Names(TlsServiceTest):
                 far = {**self.far_environment("home"), "SLEIGHT_SERVER": self.text(odd)}
                 self.refused({2, 12}, self.raw(far, "list"))
             self.refused({2, 9, 12}, self.raw(here, "login", "--token-file", str(token), "--", odd))
-        # Of what no name leads to, nothing is deleted.
+        # Nothing is deleted for a name that leads nowhere.
         for odd in self.ODD[:4]:
             self.refused({2}, self.raw(here, "logout", "--", odd))
         self.assertEqual(self.listing(), before)
@@ -179,7 +179,7 @@ class Names(TlsServiceTest):
             named = self.raw(self.environment(), "token", "create", "--name", odd)
             if named.returncode != 0:
                 self.refused({2, 3}, named)
-        # Names that are printable are as good as any, and lead nowhere: the job's folder is its number.
+        # Printable names are valid and lead nowhere: the job's number is its folder.
         self.assertIn("../../../../tmp/sleight-evil", kept)
         self.assertIn("/etc/passwd", kept)
         self.assertNotIn("x" * 100_000, kept)
@@ -189,11 +189,11 @@ class Names(TlsServiceTest):
             self.assertIsNone(re.search(r"[\x00-\x1f\x7f]", job["name"]), job["name"])
         self.assertEqual(sorted(int(path.name) for path in (self.state / "jobs").iterdir()), sorted(kept.values()))
         self.assertFalse(pathlib.Path("/tmp/sleight-evil").exists())
-        # Shown to people, none of them does anything to a terminal.
+        # Shown to people, no name affects the terminal.
         for shown in [["list"], ["token", "list"], ["status", *map(str, kept.values())]]:
             text = self.raw(self.environment(), *shown).stdout
             self.assertIsNone(re.search(r"[\x00-\x08\x0b-\x1f\x7f]", text), repr(text))
-        # Fetched without a name for it, the file is the job's number.
+        # Fetched without a name, the file has the job's number.
         fetched = self.path("fetched")
         fetched.mkdir()
         evil = str(kept["../../../../tmp/sleight-evil"])
@@ -213,7 +213,7 @@ class Names(TlsServiceTest):
         self.assertIn("1,000 chains x 1,000 iterations of a scan x 1,000,000,000 scans = "
                       "1,000,000,000,000,000 simulations", long.stderr)
         self.assertIn("limits.simulations", long.stderr)
-        # One of a group that is too dear refuses all.
+        # One too expensive request of a group refuses all.
         group = self.ask("submit", self.write_request(chains=4), "--set", "sampler.chains={4,65536}")
         self.refused({5}, group)
         self.assertEqual(self.ask_json("list")["jobs"], [])

@@ -17,16 +17,17 @@ import unittest
 import harness
 from harness import ProgramTest
 
-# A run of a second or less, so that random moments of it hit its start and its end too.
+# A run of at most a second, so that random moments hit its start and end too.
 SCANS = 3000
-# Two ranks also where mpirun counts one core.
+# Two ranks, also if mpirun counts one core.
 os.environ["OMPI_MCA_rmaps_base_oversubscribe"] = "1"
-# What a killed process may take to go. Only the best of a test must be so quick: others share the machine.
+# Time that a killed process may need to exit. Only the best time of a test must be so short, because other
+# processes share the machine.
 GONE_S = 0.1
 
 
 def programs():
-    """Absolute, as they are run in a job's folder."""
+    """Absolute paths, because the programs run in a job's folder."""
     return pathlib.Path(harness.arguments.bin).resolve()
 
 
@@ -42,7 +43,7 @@ def alive(pid):
 
 
 def descendants(pid):
-    """All processes below one, with what they are: [(pid, name, rank or None)]."""
+    """All descendants of a process: [(pid, name, rank or None)]."""
     parents = {}
     for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -79,7 +80,7 @@ class Keeper(ProgramTest):
             os.kill(pid, signal.SIGKILL)
 
     def left(self):
-        """Living processes that work in the job's folder."""
+        """Running processes in the job's folder."""
         pids = []
         for cwd in pathlib.Path("/proc").glob("[0-9]*/cwd"):
             try:
@@ -100,7 +101,7 @@ class Keeper(ProgramTest):
         return self.attempts("look", self.job, attempt)
 
     def await_end(self, attempt):
-        """The record's end, whose run_end is a record too."""
+        """The record of the end, whose run_end is a record too."""
         look = self.attempts("await", self.job, attempt)
         self.assertEqual(look["state"], "ended", look)
         end = look["record"]["end"]
@@ -125,7 +126,7 @@ class Keeper(ProgramTest):
         self.assertEqual(harness.abandoned_sessions(self.sessions_before), set())
 
     def test_a_run_and_its_end(self):
-        """Directly, over ranks, and with a store that tells the end where the pipe has none."""
+        """Runs directly, over ranks, and with a store that reports the end if the pipe has none."""
         request = self.request_is(scans=50)
         digest = self.quiet_digest(request)
         self.launch(1, "-j", "1")
@@ -150,7 +151,7 @@ class Keeper(ProgramTest):
         self.check_nothing_left()
 
     def test_ends_that_no_store_has(self):
-        """A refused request; a program that is no program."""
+        """A refused request, and a file that isn't a program."""
         self.request_is(scans=0)
         self.launch(1)
         end = self.await_end(1)
@@ -160,7 +161,7 @@ class Keeper(ProgramTest):
 
     @unittest.skipUnless(os.geteuid() == 0, "mounts a small disk")
     def test_a_full_disk(self):
-        """The program fills the disk; how it ended is recorded all the same."""
+        """The program fills the disk. The record of its end is written anyway."""
         command = " ".join(attempts_command())
         script = f"""
             mount -t tmpfs -o size=3m none {self.folder}/jobs && mkdir -p "$0" &&
@@ -171,7 +172,7 @@ class Keeper(ProgramTest):
         look = json.loads(result.stdout)
         self.assertEqual((look["state"], look["record"]["end"]["exit_code"]), ("ended", 5), look)
         self.assertEqual(json.loads(look["record"]["end"]["run_end"])["exit_code"], 5)
-        # What was kept for the end is free again, and no more.
+        # Only the space reserved for the end is free again.
         self.assertLessEqual(int(result.stderr.split()[3]), 64, result.stderr)
 
     def test_stopped_in_order_and_gone_on_with(self):
@@ -212,7 +213,8 @@ class Keeper(ProgramTest):
                 ("ranks", ["--ranks", "2"], ["keeper", "program", 0, 1])]
         for name, options, victims in ways:
             generator = random.Random(f"{seed} {name}")
-            # The shortest of some: moments are within a run also where the machine was busy before.
+            # Use the shortest of several times, so that moments are within a run even if the machine was busy
+            # before.
             whole_s, hits, gone = min(self.whole_run(options) for _ in range(3)), 0, []
             turns = itertools.takewhile(lambda turn: turn < kills or (not hits and turn < 10 * kills),
                                         itertools.count())
@@ -229,7 +231,7 @@ class Keeper(ProgramTest):
             print(f"{name}: {hits} of {turn + 1} kills hit a run of {whole_s:.2f} s; with the keeper all were "
                   f"gone after {min(gone, default=0):.3f} to {max(gone, default=0):.3f} s")
             self.assertGreater(hits, 0)
-            # A busy machine takes longer: a time is asked for where there are many kills.
+            # Busy machines take longer, so the time is tested only with many kills.
             if kills >= 100:
                 self.assertLess(min(gone, default=0), GONE_S)
 
@@ -246,8 +248,8 @@ class Keeper(ProgramTest):
         return time.monotonic() - begin
 
     def kill(self, keeper, victim):
-        """Kills one process of the attempt. Returns how long all that hung on it took to go; None if
-        there was no such process."""
+        """Kills one process of the attempt. Returns how long all dependent processes took to exit, or None if
+        the process didn't exist."""
         below = descendants(keeper)
         if victim == "keeper":
             chosen = [keeper] if alive(keeper) else []
@@ -265,7 +267,7 @@ class Keeper(ProgramTest):
         return time.monotonic() - begin
 
     def finish(self, options, digest, what):
-        """What a daemon does: it looks, and starts the same attempt or the next until the run is done."""
+        """Acts like a daemon: looks, and starts the same attempt or the next until the run is done."""
         attempt = 1
         for _ in range(5):
             look = self.attempts("await", self.job, attempt)

@@ -24,7 +24,7 @@ ITERATIONS_PER_SCAN = 200
 
 class Kill(ProgramTest):
     def scans_for(self, seconds):
-        """How many scans take so long here, from a short run."""
+        """Number of scans that take so long here, measured by a short run."""
         probe = self.write_request("probe.toml", chains=CHAINS, scans=100000000,
                                    iterations_per_scan=ITERATIONS_PER_SCAN, thin=50)
         probe_s = min(3, harness.arguments.seconds)
@@ -32,13 +32,13 @@ class Kill(ProgramTest):
         return int(self.info(self.path("probe.h5"))["scans"] / probe_s * seconds)
 
     def reported(self, errors):
-        """The last number of scans that a dead run's progress lines called done."""
+        """Last number of completed scans in a dead run's progress lines."""
         found = re.findall(r"^ball_2d  ([\d,]+) of", errors, re.MULTILINE)
         return int(found[-1].replace(",", "")) if found else 0
 
     def stored(self, output):
-        """The number of scans in a dead run's store, which has no tables yet if the run was killed
-        before its first commit. Looks at a copy, as a look repairs what the kill left open."""
+        """Number of scans in a dead run's store, which has no tables if the run was killed before its first
+        commit. Looks at a copy, because opening the store repairs it."""
         with tempfile.TemporaryDirectory(prefix="sleight-test-") as folder:
             copy = pathlib.Path(folder) / "run"
             shutil.copytree(f"{output}.run", copy)
@@ -50,7 +50,7 @@ class Kill(ProgramTest):
         return count
 
     def victim(self, process, which):
-        """The process to be killed: mpirun or `sleight`, or a rank of the job by its number."""
+        """The process to kill: mpirun or `sleight`, or a rank of the job by its number."""
         if which is None:
             return process.pid
         for child in subprocess.run(["pgrep", "-P", str(process.pid), "sleight-batch"],
@@ -61,8 +61,8 @@ class Kill(ProgramTest):
         return process.pid  # not started yet
 
     def run_with_kills(self, command, output, moments, total_s, victims):
-        """Runs to the end, killing when the time spent computing passes each moment. Returns the
-        number of kills that hit a running program and the seconds computed."""
+        """Runs to the end, killing when the computing time passes each moment. Returns the number of kills
+        that hit a running program, and the computing time in seconds."""
         spent = 0.0
         kills = 0
         for moment in [*moments, None]:
@@ -83,7 +83,7 @@ class Kill(ProgramTest):
         return kills, spent
 
     def kill(self, process, which, output):
-        """Kills the run and looks at what it leaves. False if it had ended by itself just before."""
+        """Kills the run and examines what it leaves. False if it had ended by itself just before."""
         try:
             os.kill(self.victim(process, which), signal.SIGKILL)
         except (ProcessLookupError, FileNotFoundError):
@@ -112,7 +112,7 @@ class Kill(ProgramTest):
             begin = time.monotonic()
             self.direct(request, self.path("whole.h5"), "--fresh")
             whole_s = time.monotonic() - begin
-            # The machine got faster since the probe: ask for more.
+            # The machine is faster than during the probe: request more scans.
             scans = int(scans * 1.3 * harness.arguments.seconds / whole_s)
         digest = self.digest(self.path("whole.h5"))
         for name, command_of, share, victims in commands_of:
@@ -120,7 +120,7 @@ class Kill(ProgramTest):
                 continue
             kills_left = max(1, int(harness.arguments.kills * share))
             generator = random.Random(f"{seed} {name}")
-            # One run takes them all, unless the machine got faster and it ended before the last.
+            # One run takes all kills, unless the machine is faster now and the run ended before the last.
             while kills_left > 0:
                 moments = sorted(0.9 * generator.random() for _ in range(kills_left))
                 output = self.path(f"{name}{kills_left}.h5")
@@ -134,7 +134,7 @@ class Kill(ProgramTest):
                 self.check_nothing_left(output)
 
     def ways(self):
-        """Name, command of a request and an output, share of the kills, whom to kill by turns."""
+        """Name, command for a request and an output, share of the kills, and whom to kill in turns."""
         direct = harness.program("sleight")
         return [
             ("direct", lambda request, output: [direct, "direct", request, "-o", output], 1.0,
@@ -148,8 +148,8 @@ class Kill(ProgramTest):
         self.check(self.ways())
 
     def test_killed_while_it_starts(self):
-        """Each kill hits a new run before its first results or soon after: its folder, its store
-        and its tables come one after the other. `sleight direct` finishes them all."""
+        """Each kill hits a new run before its first results or soon after, while its folder, store and tables
+        appear one after the other. `sleight direct` finishes all runs."""
         request = self.write_request(chains=CHAINS, scans=1000,
                                      iterations_per_scan=ITERATIONS_PER_SCAN, thin=50)
         self.direct(request, self.path("whole.h5"))
@@ -183,7 +183,7 @@ class Kill(ProgramTest):
             self.assertGreater(hits, 0)
 
     def seconds_to_a_store(self, command):
-        """How long a run takes here until it begins its store."""
+        """Time that a run takes here until it begins its store."""
         process = harness.start(command)
         begin = time.monotonic()
         store = pathlib.Path(f"{command[command.index('-o') + 1]}.run/store.sqlite")

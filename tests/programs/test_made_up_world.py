@@ -62,7 +62,7 @@ class MadeUpWorld(ProgramTest):
         self.assertGreater(len(pushes), 5)
         found = self.json_of("find", self.archive)
         self.assertEqual([one["id"] for one in found["animations"]], list(pushes))
-        # The hit is when the first puck has closed the gap; the second is still until then.
+        # The hit is when the first puck has closed the gap. Until then, the second doesn't move.
         for moment in [0.3, 0.35, 0.4]:
             found = self.json_of("find", self.archive, "--where",
                                  f"puck 1 touches puck 2 during ..{moment}s")
@@ -92,7 +92,7 @@ class MadeUpWorld(ProgramTest):
         self.succeed(sleight("export", self.archive, "--ids", name, "--format", "svg", "-o", picture))
         self.succeed(sleight("export", self.archive, "--ids", name, "--format", "png", "--fps", "4", "-o",
                              self.path("frames")))
-        # Speed is handed over whole: the pucks come to rest when one alone would.
+        # A hit transfers the whole speed, so the pucks come to rest when a single one would.
         frames = list((self.path("frames")).glob("*/*.png"))
         self.assertEqual(len(frames), math.floor(4 * (speed / DECELERATION)) + 1)
         rows = self.succeed(sleight("export", self.archive, "--ids", name, "--format", "csv", "--table",

@@ -12,7 +12,7 @@ from harness import ProgramTest, sleight
 
 class NetworkDisk(ProgramTest):
     def on(self, node):
-        """The environment of a node."""
+        """A node's environment."""
         library = pathlib.Path(harness.arguments.bin).parent / "tests/libsleight_other_node.so"
         self.assertTrue(library.exists(), library)
         return {"LD_PRELOAD": str(library), "SLEIGHT_TEST_HOST": node}
@@ -62,14 +62,14 @@ class NetworkDisk(ProgramTest):
                           env=self.on("two"))
         self.assertEqual(refused.returncode, 4, refused.stderr)
 
-        # What ends in order lets go: another node goes on with it at once, or reads it.
+        # A run that ends in order releases its lease: another node can resume or read it at once.
         process.send_signal(signal.SIGTERM)
         self.assertIn(process.wait(timeout=60), [0, 130])
         self.succeed(sleight("archive", "derive", f"{output}.run", "-o", self.path("b.h5"),
                              env=self.on("two")))
         self.assertEqual(self.digest(self.path("b.h5")), self.digest(output))
         before = self.info(output)["scans"]
-        # The limit covers the reading of what is stored.
+        # The limit includes reading the stored results.
         self.direct(request, output, "--time-limit", "5s", env=self.on("two"))
         self.assertGreater(self.info(output)["scans"], before)
 

@@ -1,5 +1,5 @@
-"""Goal: no output is ever lost to another run. Method: real runs whose outputs
-collide, disks that fill up, stores that are damaged."""
+"""Goal: no output is ever lost to another run. Method: real runs with colliding outputs, full disks and
+damaged stores."""
 
 import resource
 import signal
@@ -58,7 +58,7 @@ class Conflicts(ProgramTest):
 
 class FullDisk(ProgramTest):
     def limited(self, request, output, bytes_max):
-        """A run whose files may not grow beyond a size: what it writes past it fails."""
+        """A run whose files have a size limit. Writes beyond it fail."""
         def limit():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_max, bytes_max))

@@ -24,7 +24,7 @@ def run(*command, **options):
 
 
 def built(version=None):
-    """The package's file; with another version, the same programs."""
+    """The package file, or one with another version and the same programs."""
     source = harness.arguments.source
     run("cmake", "--preset", "package", cwd=source)
     run("cmake", "--build", "--preset", "package", cwd=source)
@@ -38,7 +38,7 @@ def built(version=None):
 
 
 class Machine:
-    """A Debian 12 in a folder, from where this machine's Debian is from."""
+    """A Debian 12 in a folder, from the same mirror as this machine's Debian."""
 
     def __init__(self):
         self.daemon = None
@@ -55,7 +55,7 @@ class Machine:
     def remove(self):
         if self.daemon:
             self.daemon.kill()
-        # What still runs there: keepers and their jobs.
+        # Processes that still run there: keepers and their jobs.
         for process in pathlib.Path("/proc").glob("[0-9]*"):
             try:
                 if os.readlink(process / "root") == str(self.root):
@@ -79,7 +79,7 @@ class Machine:
         return f"/tmp/{package.name}"
 
     def start_daemon(self):
-        """As the unit does: its user, its folders, its command."""
+        """Starts the daemon like the unit: same user, folders and command."""
         unit = (self.root / "usr/lib/systemd/system/sleightd.service").read_text()
         command = re.search(r"^ExecStart=(.*)$", unit, re.MULTILINE)[1].split()
         for folder, mode in [("/var/lib/sleight", "0700"), ("/run/sleight", "0755")]:
@@ -118,7 +118,7 @@ class Packages(unittest.TestCase):
         for user in ["ada", "bob"]:
             machine.inside("useradd", "-m", "-G", "sleight", user)
 
-        # Without a daemon, as anybody does.
+        # Without a daemon, like anybody.
         machine.as_user("ada", "sleight", "direct", "--word", "HI", "-o", "hi.h5", "-q")
         machine.as_user("ada", "sleight", "archive", "verify", "hi.h5")
         machine.as_user("ada", "sleight", "plot", "hi.h5", "-o", "hi.svg")
@@ -126,7 +126,7 @@ class Packages(unittest.TestCase):
         self.assertTrue((machine.root / "home/ada/hi_gallery/index.html").exists())
         self.assertIn(version.split("+g")[1][:7], machine.as_user("ada", "sleight", "--version"))
 
-        # A job goes on below its keeper while the package is replaced, and the new daemon has it.
+        # A job continues under its keeper while the package is replaced, and the new daemon adopts it.
         machine.start_daemon()
         request = machine.root / "home/ada/long.toml"
         request.write_text(harness.request_text(chains=2, scans=50_000_000, iterations_per_scan=50))

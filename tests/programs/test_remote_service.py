@@ -1,6 +1,6 @@
-"""Goal: a service is used from another machine over TLS as it is on its own: by a token, which is made, kept,
-limited and revoked; a server that can't be trusted gets none. Method: a daemon that listens on loopback, clients
-that know nothing of its socket, certificates by openssl. What hostile peers do is test_hostile_peers'."""
+"""Goal: a service works from another machine over TLS as on its own: with a token that is created, stored,
+limited and revoked. An untrusted server receives no token. Method: a daemon that listens on loopback, clients
+without access to its socket, and certificates by openssl. test_hostile_peers tests hostile peers."""
 
 import json
 import re
@@ -48,7 +48,7 @@ class Remote(TlsServiceTest):
         kept.chmod(0o644)
         result = self.far("laptop", "list")
         self.assertEqual(result.returncode, 5)
-        # The service keeps its hash, and the log no more than its id.
+        # The service stores the token's hash, and the log only its id.
         secret = file.read_text().split("_")[2]
         for one in self.state.rglob("*"):
             if one.is_file():
@@ -61,7 +61,7 @@ class Remote(TlsServiceTest):
         file, number = self.token("laptop")
         again = self.ask("token", "create", "--name", "laptop", "-o", file)
         self.assertEqual(again.returncode, 4, again.stderr)
-        # A token by standard input, as a pipe of ssh gives it.
+        # A token on standard input, as from a pipe of ssh.
         self.succeed(self.far("laptop", "login", self.address, "--fingerprint", self.fingerprint,
                               input=file.read_text()))
         self.succeed(self.far("laptop", "list"))
@@ -77,7 +77,7 @@ class Remote(TlsServiceTest):
     def test_servers_that_can_not_be_trusted(self):
         self.serve_over_tls()
         file, _ = self.token("laptop")
-        # Without a fingerprint nobody vouches for it, and the words say what to compare.
+        # Without a fingerprint the server is not trusted, and the error prints what to compare.
         result = self.far("laptop", "login", self.address, "--token-file", file)
         self.assertEqual(result.returncode, 9)
         self.assertIn(self.fingerprint, result.stderr)
@@ -85,7 +85,7 @@ class Remote(TlsServiceTest):
                           "--fingerprint", "SHA256:" + 64 * "0")
         self.assertEqual(result.returncode, 9)
         self.succeed(self.log_in("laptop", file))
-        # A service that has another certificate now gets no token.
+        # A service with a new certificate receives no token.
         self.daemon.terminate()
         self.daemon.wait()
         for one in (self.state / "tls").iterdir():
@@ -99,7 +99,7 @@ class Remote(TlsServiceTest):
         self.succeed(self.far("laptop", "list"))
 
     def test_a_certificate_of_an_authority(self):
-        """Made as an organisation makes its own: an authority, and a certificate by it for a host."""
+        """Certificates made like an organisation's: an authority, and a certificate by it for a host."""
         folder = self.path("authority")
         folder.mkdir()
         script = """
@@ -126,7 +126,7 @@ class Remote(TlsServiceTest):
         # The same certificate, for a host that it doesn't name.
         result = self.far("laptop", "login", number, *by_authority)
         self.assertEqual(result.returncode, 9, result.stderr)
-        # It stands anywhere in a bundle.
+        # The certificate can be anywhere in a bundle.
         for bundle in (["other.pem", "ca.pem"], ["ca.pem", "other.pem"]):
             (folder / "bundle.pem").write_text("".join((folder / name).read_text() for name in bundle))
             self.succeed(self.far("laptop", "login", self.address, "--token-file", file, "--ca", folder / "bundle.pem"))
@@ -135,14 +135,15 @@ class Remote(TlsServiceTest):
         result = self.far("laptop", "login", self.address, "--token-file", file, "--fingerprint",
                           self.ask_json("server", "status")["fingerprint"])
         self.assertEqual(result.returncode, 2, result.stderr)
-        # Where the system trusts the authority nothing else is needed.
+        # If the system trusts the authority, nothing else is necessary.
         trusting = {**self.far_environment("laptop"), "SSL_CERT_FILE": str(folder / "ca.pem")}
         self.succeed(harness.sleight("login", self.address, "--token-file", file, env=trusting))
         self.succeed(harness.sleight("list", env=trusting))
         self.assertEqual(self.far("laptop", "list").returncode, 9)
 
     def test_a_certificate_that_vouches_for_itself(self):
-        """Made by the operator, for a host or for a time: it is known by its fingerprint, whatever the host is."""
+        """The operator's own certificate, for a host or for a time, is identified by its fingerprint, for any
+        host."""
         folder = self.path("own")
         folder.mkdir()
         make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=render.example.org"]
@@ -162,7 +163,7 @@ class Remote(TlsServiceTest):
         for wrong in ("SHA256:00", "here", self.fingerprint[:-1], self.fingerprint[:-1] + "g"):
             result = self.far("laptop", "login", self.address, "--token-file", file, "--fingerprint", wrong)
             self.assertEqual(result.returncode, 2, result.stderr)
-        # The same, when this machine's clock is wrong: not somebody between, but a time that is over.
+        # The same with a wrong clock on this machine: the error is about the time, not about an impostor.
         result = harness.run(["faketime", "+10 days", harness.program("sleight"), "list"],
                              env=self.far_environment("laptop"))
         self.assertEqual(result.returncode, 9)

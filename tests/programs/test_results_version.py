@@ -1,6 +1,6 @@
-"""Goal: a run's results version changes with every source and flag that decides what it stores, and with
-nothing else. Method: a change planted in each library's folder in turn, in a copy of the sources; each
-flag in a copy of the build's records; and the compiler's own word for what some sources include."""
+"""Goal: a run's results version changes with every source and flag that affects stored results, and with
+nothing else. Method: change a file in each library's folder in turn, in a copy of the sources, and each flag
+in a copy of the build's records. Ask the compiler what some sources include."""
 
 import importlib
 import json
@@ -13,7 +13,7 @@ import sys
 import harness
 from harness import ProgramTest
 
-# Folders whose files decide nothing that a run stores; all others of a library do.
+# Folders whose files don't affect stored results. All other library folders do.
 AFTERWARDS = {"common/access", "common/archive", "common/archive/digest", "common/archive/hdf5",
               "common/archive/reader_program", "common/archive/remote", "common/config",
               "common/events", "common/failure_file", "common/hash", "common/json", "common/logging", "common/motion",
@@ -36,7 +36,7 @@ class ResultsVersion(ProgramTest):
         return set(self.results(None, "--list").splitlines())
 
     def records(self):
-        """A copy of what the build says of itself."""
+        """A copy of the build's records."""
         copy = self.path("build")
         if not copy.exists():
             copy.mkdir()
@@ -57,7 +57,7 @@ class ResultsVersion(ProgramTest):
         as_built = self.results()
         self.assertEqual(self.results(None, "--source", copy), as_built)
         listed = self.deciding()
-        # In this process: some hundreds of programs would take a minute.
+        # In this process, because hundreds of programs would take a minute.
         sys.path.insert(0, str(self.source / "deploy/cmake"))
         deciding = importlib.import_module("results_version").Deciding(str(self.build))
         changed = 0
@@ -112,7 +112,7 @@ class ResultsVersion(ProgramTest):
         self.assertNotEqual(self.results(self.records()), as_built)
 
     def test_the_compiler_says_the_same(self):
-        """An oracle: g++ -MM names the headers of ours; all of these are listed."""
+        """Oracle: g++ -MM lists our headers, and all of them must be in the list."""
         listed = self.deciding()
         for source in ["worker/physics/simulator/simulation.cpp", "worker/sampling/swap.cpp",
                        "worker/run/catalogue.cpp"]:

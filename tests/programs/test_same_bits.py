@@ -1,5 +1,5 @@
-"""Goal: the archive is a function of request, seed and version alone. Method: the same
-request by other means, archives compared byte for byte and digest by digest."""
+"""Goal: the archive is a function of only request, seed and version. Method: run the same request in other
+ways and compare archives byte for byte and by digest."""
 
 import pathlib
 import re
@@ -7,14 +7,14 @@ import re
 import harness
 from harness import ProgramTest
 
-# One of each world, two seconds or less each.
+# One of each world, at most two seconds each.
 QUICK = ["requests/ball_2d.toml", "requests/die.toml", "requests/hi.toml"]
 K_GOLDEN = pathlib.Path(__file__).parent / "golden_digests.txt"
 
 
 class Golden:
-    """A line of golden_digests.txt: a request, what makes its copy shorter, a digest. `key=value`
-    is another value, `key:other=value` another key in its place."""
+    """A line of golden_digests.txt: a request, changes that shorten its copy, a digest. `key=value` sets
+    another value, `key:other=value` replaces the key by another."""
 
     def __init__(self, line):
         self.name, *changes, self.digest = line.split()
@@ -58,7 +58,7 @@ class SameBits(ProgramTest):
             self.same_events(output, self.path("direct.h5"))
 
     def test_processors_without_avx2_and_fma(self):
-        # tests/determinism shows that libm's own sums do change under this setting.
+        # tests/determinism shows that libm's own sums change under this setting.
         request = self.write_request(scans=5000)
         self.direct(request, self.path("with.h5"))
         self.direct(request, self.path("without.h5"),
@@ -82,8 +82,7 @@ class SameBits(ProgramTest):
         self.judge([golden for golden in goldens() if golden.name in QUICK])
 
     def judge(self, some):
-        # Other bits than last month's are a change that its commit must explain: update the file
-        # there and name the cause.
+        # A change of bits must be explained by its commit: update the file and name the cause there.
         source = pathlib.Path(harness.arguments.source)
         for golden in some:
             with self.subTest(golden.name):

@@ -1,5 +1,5 @@
-"""Goal: words are found at a word's cost, by any number of threads and ranks, through kills,
-and nobody takes what was found for draws. Method: the programs as people call them."""
+"""Goal: searches find words at a word's cost, with any number of threads and ranks and through kills, and
+finds are never presented as draws. Method: run the programs as people do."""
 
 import json
 import os
@@ -99,7 +99,7 @@ class Search(ProgramTest):
             self.assertEqual(len(finds["start"]), 4)
             self.assertTrue((finds["filled"][:] == 16).all())
             self.assertTrue((finds["elsewhere"][:] == 0).all())
-            # Plausible by themselves: as likely as blind throws are.
+            # Plausible alone: as likely as blind throws.
             throws = finds["log_prior_of_throw"][:]
             self.assertEqual(len(throws), 100)
             spread = throws.std()
@@ -179,7 +179,7 @@ class Search(ProgramTest):
             kill_group(process)
         said = json.loads(self.direct(request, killed, "--json").stdout)
         self.assertEqual(self.digest(killed), self.digest(one))
-        # Draws are tours' last scans; those that satisfy are the solutions, and these are kept.
+        # Draws are the last scans of tours. Satisfying draws are the solutions, and these are kept.
         self.assertGreaterEqual(said["independent_solutions"], 7)
         with h5py.File(one) as archive:
             self.assertEqual(archive["posterior/draw"].size * 4, said["scans"])
@@ -191,7 +191,7 @@ class Search(ProgramTest):
         self.assertEqual(self.digest(self.path("again.h5")), self.digest(one))
 
     def test_an_archive_of_finds_alone_names_what_repeats_it(self):
-        # Of a run that was stopped before its first draw: the search alone. The run goes on.
+        # A run stopped before its first draw has only the search. The run can be resumed.
         request = self.path("tours.toml")
         request.write_text(ISLANDS.replace("round_scans = 4", "tour_scans = 100000").replace(
             "scans = 12", "independent_solutions = 1"))
@@ -202,7 +202,7 @@ class Search(ProgramTest):
         self.assertIn('method = "search"\nseed = 1\n\n[stop]\nfound = 3\n', again.read_text())
         self.direct(again, self.path("again.h5"))
         self.assertEqual(self.digest(self.path("again.h5")), self.digest(output))
-        # It has more draws from the prior then, and no other find.
+        # The resumed run has more draws from the prior and no other find.
         self.direct(request, output, "--time-limit", "1s")
         again.write_text(self.info(output)["request"])
         self.direct(again, self.path("again.h5"))
@@ -218,7 +218,7 @@ class Search(ProgramTest):
         self.assertEqual(self.digest(self.path("ranks.h5")), digest)
         with h5py.File(self.path("one.h5")) as archive:
             self.assertEqual(len(archive["finds/start"]), 3)
-            # How far off each goal is, all within their tolerances.
+            # The distance of each goal, all within tolerance.
             self.assertTrue((archive["finds/goal_1_place_m"][:] <= 0.010).all())
             for face in ("finds/goal_2_face_rad", "finds/goal_3_face_rad"):
                 self.assertTrue((archive[face][:] < numpy.pi / 4).all())
@@ -231,7 +231,8 @@ class Search(ProgramTest):
         self.succeed(run(harness.batch(3, request, self.path("ranks.h5"), "-q")))
         self.assertEqual(self.digest(self.path("ranks.h5")), self.digest(output))
         with h5py.File(output) as archive:
-            # Rounds that know of a search are not told, and have no draws; later ones are and do.
+            # Rounds that depend on a search are not reported and have no draws. Later rounds are reported and
+            # have draws.
             burnt_in = 20 * 31 - archive["posterior/draw"].size
             self.assertIn(burnt_in, [20, 60, 140, 300])
             begins = archive["tempering/first_scan"][:]
@@ -253,7 +254,7 @@ class Search(ProgramTest):
             self.assertIn(f"[stop]\n{rule} = 5\n", shown.stdout)
         fewer = self.succeed(sleight("direct", self.search(found=9), "-n", "2", "--print-request"))
         self.assertIn("[stop]\nfound = 2\n", fewer.stdout)
-        # In place of the rules: what serves solutions best, not what served them.
+        # -n replaces the rules, and the sampler is chosen for solutions, not for the odds.
         odds = self.path("odds.toml")
         odds.write_text(ODDS)
         anew = self.succeed(sleight("direct", odds, "-n", "2", "--print-request")).stdout
@@ -271,8 +272,8 @@ class Search(ProgramTest):
             self.assertIn(complaint, result.stderr)
 
     def test_takes_end(self):
-        """Finds are there at once, then takes in their place, labelled; a signal ends it at once,
-        and a run that is cut by it goes on to the same archive."""
+        """Finds exist at once, then takes replace them, with labels. A signal ends the run at once, and an
+        interrupted run resumes to the same archive."""
         output = self.path("hi.h5")
         run = ["direct", "--word", "HI", "-n", "3", "-o", output]
         whole = self.succeed(sleight(*run))
@@ -316,7 +317,7 @@ class Search(ProgramTest):
 
     @unittest.skipUnless(os.environ.get("SLEIGHT_SOAK"), "long: for `deploy/soak programs`")
     def test_a_die_that_can_not_come_there(self):
-        # A die that would have to come to rest ten metres away, after one that can do as is wanted.
+        # A die that would have to rest ten metres away, after a die with a feasible goal.
         request = self.path("far.toml")
         request.write_text(DICE.replace("[stop]", """[[constraint.place]]
 die = 2

@@ -1,6 +1,6 @@
-"""Goal: the odds of a word that was searched for are told, the same by any number of threads, and a run that is
-stopped keeps what it knows. Method: requests for odds, by one thread and by two, and stopped; the archive and what
-`sleight archive info` says of it."""
+"""Goal: the odds of a word that was searched for are reported, are the same for any number of threads, and a
+stopped run keeps its results. Method: request odds with one thread, with two, and with a stop. Check the
+archive and `sleight archive info`."""
 
 import re
 
@@ -45,7 +45,7 @@ class SearchOdds(ProgramTest):
         self.assertRegex(stopped.stdout, r"log P about -\d+\.\d.*, still rough \([\d,]+.* islands?\)")
         self.succeed(sleight("archive", "verify", output))
         self.assertFalse(self.info(output)["tempering"]["known"])
-        # The same run knows enough for an error that is not so small.
+        # The same run is long enough for a larger error.
         whole = self.succeed(sleight("direct", request, "-o", output, "-q"))
         told = re.search(r"log P (-\d+\.\d\d) \+- 0\.\d\d \((\d+) islands\)", whole.stdout)
         odds = self.info(output)["tempering"]["log_p_throw"]

@@ -31,7 +31,7 @@ class Service(ServiceTest):
         self.assertEqual(self.digest(archive), digest)
         history = [change["state"] for change in self.ask_json("status", number, "--history")["history"]]
         self.assertEqual(history, ["queued", "starting", "running", "done"])
-        # The events are numbered from 1 without a gap, and the last is how it ended.
+        # Events are numbered from 1 without a gap, and the last one is the end.
         events = [json.loads(line) for line in
                   self.succeed(self.ask("watch", number, "--json")).stdout.splitlines()]
         numbers = [event["number"] for event in events if event["number"] > 0]
@@ -64,7 +64,7 @@ class Service(ServiceTest):
         self.assertEqual(self.digest(so_far),
                          self.quiet_digest(exact, "--set", f"output.prior_draws={draws}"))
         self.succeed(self.ask("cancel", number))
-        # Extended, it is the longer run asked for at once.
+        # An extended run equals the longer run.
         short = self.submit(self.write_request("short.toml", chains=2, scans=500))
         self.wait(short)
         self.succeed(self.ask("extend", short, "--scans", 900))
@@ -75,8 +75,8 @@ class Service(ServiceTest):
         self.assertNotEqual(refused.returncode, 0)
 
     def test_recordings_by_their_ids(self):
-        """Goal: kept recordings come as the archive has them, those asked for alone. Method: against the
-        archive's own export; ids that are not there."""
+        """Goal: requested recordings, and only these, equal the archive's. Method: compare with the archive's
+        own export; request unknown ids."""
         self.serve()
         number = self.submit(self.write_request(chains=2, scans=500))
         self.wait(number)
@@ -94,8 +94,9 @@ class Service(ServiceTest):
         self.assertFalse(self.path("none").exists() and any(self.path("none").iterdir()))
 
     def test_copies_of_a_run_that_goes_on_are_few(self):
-        """Goal: who follows a run by its archive so far doesn't fill the service's disk. Method: archives of a
-        run that goes on, each longer than the one before; the copies that the service holds."""
+        """Goal: a client that follows a run by its archives so far doesn't fill the service's disk. Method:
+        request archives of a running job, each longer than the last, and count the copies that the service
+        holds."""
         self.serve()
         number = self.submit(self.write_request(chains=2, scans=30_000_000, iterations_per_scan=400))
         self.until_running(number)
@@ -114,8 +115,8 @@ class Service(ServiceTest):
         self.succeed(self.ask("cancel", number))
 
     def test_what_the_disk_damaged_is_refused(self):
-        """Goal: neither a damaged archive, nor another job's, nor a damaged run passes for a good one. Method:
-        bytes of each are changed on the daemon's disk; a sound archive of another seed in its place."""
+        """Goal: a damaged archive, another job's archive and a damaged run are refused. Method: change bytes
+        of each on the daemon's disk, and put an archive of another seed in its place."""
         self.serve()
         number = self.submit(self.write_request(chains=1, scans=400))
         self.wait(number)
@@ -146,8 +147,8 @@ class Service(ServiceTest):
         self.assertIn("damaged", self.job(number)["end_words"])
 
     def test_a_reader_that_goes_ends_a_watch(self):
-        """Goal: `sleight watch 1 | head -1` ends, though nothing more is to be written. Method: the pipe's
-        other end is closed while the job waits for cores."""
+        """Goal: `sleight watch 1 | head -1` ends even if nothing more is written. Method: close the pipe's
+        other end while the job waits for cores."""
         self.serve("--disk-reserve", "8000TB")
         number = self.submit(self.write_request(chains=1, scans=100))
         for command in [["watch", number], ["watch", number, "--json"], ["wait", number]]:
@@ -160,13 +161,13 @@ class Service(ServiceTest):
             self.assertEqual(watcher.wait(timeout=30), -signal.SIGPIPE)
 
     def test_folders_that_somebody_deleted(self):
-        """Goal: a job whose folder is deleted begins again and says so; a deleted job store leaves folders that
-        no new job takes for its own; without its socket a server can be stopped."""
+        """Goal: a job whose folder is deleted begins again and reports that. After a deleted job store, no
+        new job uses an old folder. Without its socket, a server can be stopped."""
         self.serve()
         request = self.write_request(chains=2, scans=20_000, iterations_per_scan=250)
         number = self.submit(request)
         self.until_running(number)
-        # The run may make or take away a file under the deletion.
+        # The run may create or remove a file during the deletion.
         while self.folder_of(number).exists():
             try:
                 shutil.rmtree(self.folder_of(number))

@@ -20,7 +20,7 @@ KINDS = ["daemon", "keeper", "client", "mpirun", "rank 0", "rank"]
 
 
 def numbered(lines):
-    """Numbers of a watch's events, in the order in which they came."""
+    """Numbers of a watch's events, in order of arrival."""
     events = map(json.loads, lines)
     return [event["number"] for event in events if event["kind"] != "state" and event["number"] > 0]
 
@@ -33,7 +33,7 @@ class Faults(ServiceTest):
             env={**harness.environment(), **self.environment()})
 
     def victim(self, kind, number):
-        """Process to kill, or none if there is none just now."""
+        """Process to kill. None if there is none just now."""
         if kind == "keeper":
             return self.keeper(number)
         programs = {"mpirun": "mpirun", "rank 0": "sleight-batch", "rank": "sleight-batch"}
@@ -44,15 +44,15 @@ class Faults(ServiceTest):
         return found[-1] if kind == "rank" else found[0]
 
     def strike(self, kind, number, watcher, seen):
-        """Kills one of a kind. Returns the watcher, which may be another one that goes on after what was
-        seen, and what the first saw."""
+        """Kills a process of the kind. Returns the watcher, which may be a new one that continues, and what
+        the first one saw."""
         if kind == "daemon":
             self.kill_daemon()
             self.serve()
         elif kind == "client":
             watcher.kill()
             lines = watcher.communicate()[0].splitlines()
-            # A line that was being written is not whole.
+            # A line that was being written is incomplete.
             whole = [line for line in lines if line.startswith("{") and line.endswith("}")]
             last = max(numbered(seen + whole), default=0)
             return self.watch(number, last + 1), whole
@@ -116,12 +116,12 @@ class Faults(ServiceTest):
         filler.write_bytes(bytes(17_500_000))
         self.serve("--disk-reserve", "0B")
         number = self.submit(request)
-        # Of one answer: with a few bytes free again it may be tried again at once.
+        # Both values come from one answer, because the daemon may retry as soon as a few bytes are free.
         def is_held_by_the_disk():
             job = self.job(number)
             return job["state"] == "held" and "disk" in job["reason"].lower()
         self.until(is_held_by_the_disk, 90)
-        # Nothing that the daemon has answered is lost by it.
+        # The daemon loses nothing that it has answered.
         self.kill_daemon()
         filler.unlink()
         self.serve("--disk-reserve", "0B")
@@ -148,13 +148,13 @@ class Faults(ServiceTest):
         request = self.write_request(chains=2, scans=8000, iterations_per_scan=600)
         number = self.submit(request)
         self.until_running(number)
-        # A later build of the same results goes on with the run.
+        # A later build with the same results resumes the run.
         self.replace(own / "sleight", lambda path: shutil.copy(pathlib.Path(real) / "sleight", path))
         first = self.kill_keeper(number)
         self.until(lambda: self.job(number)["starts"] >= 2)
         self.until_running(number)
 
-        # One of other results must not: the job is held until the old ones are back.
+        # A build with other results must not: the job is held until the old one is back.
         def other(path):
             path.write_text(f"""#!/bin/sh
 [ "$1" = --version ] && printf 'sleight 9\\nresults 0000000000000000\\n' && exit 0
@@ -171,7 +171,7 @@ exec {real}/sleight "$@"
         self.assertEqual(self.job(number)["digest"], self.quiet_digest(request))
 
     def kill_keeper(self, number, after=None):
-        """Kills the keeper of the job's attempt, which may be still to come after one that was killed."""
+        """Kills the keeper of the job's attempt, and waits for it if `after` was killed before."""
         def comes():
             try:
                 return self.keeper(number) != after

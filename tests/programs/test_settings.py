@@ -1,6 +1,6 @@
-"""Goal: keys that the command line sets and the settings of the service hold, and what is wrong with
-them is told as kindly as of a file. Method: the programs' output and exit codes, and the digests of
-runs by a file and by --set, which must be equal."""
+"""Goal: keys set on the command line and settings of the service are applied, and errors in them are as
+helpful as errors in a file. Method: check the programs' output and exit codes. Digests of runs by a file and
+by --set must be equal."""
 
 import json
 
@@ -88,7 +88,7 @@ class Config(ProgramTest):
         self.assertEqual(settings["socket"], {"value": "/tmp/s", "unit": "", "from": "environment",
                                               "given_by": "SLEIGHT_SOCKET"})
         self.assertEqual(settings["keep_days"]["from"], "default")
-        # A process of a job has the cache that it has by hand.
+        # A job's process has the same cache as by hand.
         help_text = self.succeed(sleight("direct", "--help")).stdout
         self.assertRegex(help_text, rf"--cache MB\S*.*={settings['cache_mb']['value']}\n")
 

@@ -28,7 +28,7 @@ class Shared(ServiceTest):
         super().setUp()
         if os.geteuid() != 0 or harness.run([*become(ADA), harness.program("sleight"), "--version"]).returncode:
             self.skipTest("this user can't become others")
-        # Reached by all, as /run/sleight and the users' homes are.
+        # Accessible to all, like /run/sleight and the users' homes.
         self.machine = pathlib.Path(tempfile.mkdtemp(prefix="sleight-shared-"))
         self.addCleanup(shutil.rmtree, self.machine, ignore_errors=True)
         self.machine.chmod(0o755)
@@ -72,23 +72,23 @@ class Shared(ServiceTest):
         of_bob = self.submitted(BOB, chains=1, scans=100_000_000)
         self.succeed(self.as_user(ADA, "wait", of_ada))
         self.assertEqual((self.listed(ADA), self.listed(BOB)), ([of_ada], [of_bob]))
-        # To the other one it is like a job that never was.
+        # For another user, the job doesn't exist.
         never = self.as_user(ADA, "status", "999")
         for command in [["status"], ["logs"], ["cancel"], ["hold"], ["resume"], ["pin"], ["watch"], ["wait"],
                         ["fetch"], ["extend", "--scans", "9"], ["delete", "-y"], ["priority", "--to", "3"]]:
             refused = self.as_user(ADA, command[0], of_bob, *command[1:])
             self.assertNotEqual(refused.returncode, 0, command)
             self.assertIn(never.stderr.replace("999", of_bob).strip(), refused.stderr, command)
-        # Its program runs as the daemon's user, and in its folder.
+        # The job's program runs as the daemon's user, in the daemon's folder.
         self.until(lambda: json.loads(self.as_user(BOB, "status", of_bob, "--json").stdout)["state"] == "running")
         self.until(lambda: (self.folder_of(of_bob) / "attempt.json").exists())
         self.assertEqual(pathlib.Path(f"/proc/{self.keeper(of_bob)}").stat().st_uid, DAEMON)
-        # The archive comes as its user's file, with the digest of the run by hand.
+        # The archive becomes its user's file, with the digest of the run by hand.
         self.succeed(self.as_user(ADA, "fetch", of_ada, "-o", "mine.h5"))
         mine = self.machine / "ada" / "mine.h5"
         self.assertEqual(mine.stat().st_uid, ADA)
         self.assertEqual(self.digest(mine), self.quiet_digest(self.request_of(ADA, chains=2, scans=400)))
-        # Users may neither drain nor stop it; its own user may, and root.
+        # Users may neither drain nor stop the daemon. Its own user and root may.
         for command in ["drain", "stop"]:
             refused = self.as_user(BOB, "server", command)
             self.assertEqual(refused.returncode, 9, refused.stderr)
@@ -105,7 +105,7 @@ class Shared(ServiceTest):
         self.succeed(self.as_user(ADA, "list"))
 
     def test_what_can_not_be_shared_is_said(self):
-        """Root, a group that isn't there, one that the daemon's user isn't in, a socket that nobody reaches."""
+        """Errors: root, an unknown group, a group without the daemon's user, an unreachable socket."""
         daemon = harness.program("sleightd")
         env = self.environment()
 
@@ -126,21 +126,21 @@ class Shared(ServiceTest):
 
 
 class Unit(harness.ProgramTest):
-    """The unit that starts such a daemon on a machine with systemd, judged without a running one."""
+    """The unit that starts such a daemon under systemd, checked without a running systemd."""
 
     def test_systemd_finds_nothing_wrong_and_little_that_is_exposed(self):
         unit = self.path("sleightd.service")
         text = (pathlib.Path(harness.arguments.source) / "deploy/systemd/sleightd.service").read_text()
-        # It must name a program that is there, and not one that this machine may have installed.
+        # The unit must name an existing program, not one installed on this machine.
         self.assertIn("ExecStart=/usr/bin/sleightd ", text)
         unit.write_text(text.replace("/usr/bin/sleightd ", os.path.abspath(harness.program("sleightd")) + " "))
         verified = self.succeed(harness.run(["systemd-analyze", "verify", "--man=no", unit]))
-        # Of this machine's own units it may say what it likes.
+        # Messages about this machine's own units don't matter.
         self.assertNotIn("sleightd", verified.stdout + verified.stderr)
         judged = self.succeed(harness.run(["systemd-analyze", "security", "--offline=yes", "--threshold=20", unit]))
         level = float(judged.stdout.split("Overall exposure level for sleightd.service: ")[1].split()[0])
         self.assertLessEqual(level, 2)
-        # Its command line is one that the daemon takes, and jobs outlive it.
+        # The daemon accepts the unit's command line, and jobs outlive the daemon.
         options = text.split("ExecStart=/usr/bin/sleightd ")[1].splitlines()[0].split()
         self.assertEqual(options[0::2], ["--state", "--socket", "--group"])
         self.assertIn("\nKillMode=process\n", text)

@@ -21,8 +21,8 @@ from harness import ProgramTest
 
 CHAINS = 3
 SHORT_S = 25
-# Far longer than a job of 2 minutes waits for its warning, or than a grace: the machine may have been
-# busier when the undisturbed run was measured.
+# Far longer than a job of 2 minutes waits for its warning, and than a grace: the machine may have been busier
+# when the undisturbed run was measured.
 LONG_S = 180
 ENDED = ("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL", "PREEMPTED", "BOOT_FAIL")
 
@@ -31,14 +31,14 @@ class Slurm(ProgramTest):
     wholes = {}  # by seconds: scans of a chain, digest
 
     def request_for(self, seconds):
-        """A request of so much work; its scans in all, and the digest of an undisturbed run."""
+        """A request for this much work, its total scans, and the digest of an undisturbed run."""
         request = {"chains": CHAINS, "iterations_per_scan": 1000, "thin": 50}
         if seconds not in self.wholes:
             self.direct(self.write_request("probe.toml", scans=100000000, **request),
                         self.path("probe.h5"), "--time-limit", "3s")
             scans = int(self.info(self.path("probe.h5"))["scans"] / 3 * seconds)
             whole = self.path("whole.h5")
-            # The harness's time limit for one command is too short for it on a busy machine.
+            # The harness's time limit for one command is too short on a busy machine.
             subprocess.run([harness.program("sleight"), "direct",
                             self.write_request("whole.toml", scans=scans, **request), "-o", whole,
                             "-q"], check=True, env=harness.environment(), timeout=10 * seconds)
@@ -52,7 +52,7 @@ class Slurm(ProgramTest):
         environment = {
             **harness.environment(),
             "PATH": f"{pathlib.Path(harness.arguments.bin).resolve()}:{os.environ['PATH']}",
-            # Open MPI's own files: what kills leave goes away with the folder.
+            # Open MPI's own files, so that leftovers of kills are deleted with the folder.
             "OMPI_MCA_orte_tmpdir_base": str(self.folder),
             "OMPI_MCA_btl_vader_backing_directory": str(self.folder),
             "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_oob_tcp_if_include": "lo",
@@ -81,7 +81,7 @@ class Slurm(ProgramTest):
             store.close()
 
     def starts(self):
-        """What each start of the job that ended in order said of itself."""
+        """Reports of each start of the job that ended in order."""
         return [json.loads(text) for text in
                 re.findall(r"^\{$.*?^\}$", self.log.read_text(), re.MULTILINE | re.DOTALL)]
 
@@ -94,7 +94,7 @@ class Slurm(ProgramTest):
             time.sleep(0.2)
 
     def wait_for_scans(self, total):
-        """Until a tenth is stored."""
+        """Waits until a tenth is stored."""
         def computed():
             try:
                 return self.stored() > total / 10
@@ -103,7 +103,7 @@ class Slurm(ProgramTest):
         self.wait_for("a tenth of the scans", computed, 120)
 
     def check_stopped(self, total):
-        """The first start has ended: in order, and what it computed is stored."""
+        """The first start has ended in order, and all that it computed is stored."""
         first, = self.starts()
         self.assertEqual(first["end"], "interrupted")
         self.assertTrue(self.output.exists())
@@ -113,7 +113,7 @@ class Slurm(ProgramTest):
         return stored
 
     def check_resumed(self, slurm, job, total, digest):
-        """The job goes on to its end, computes nothing twice, and the result is the same."""
+        """The job resumes to its end, computes nothing twice, and has the same result."""
         self.wait_for("the end", lambda: slurm.job(job)["JobState"] in ENDED, 10 * LONG_S)
         self.assertEqual(slurm.job(job)["JobState"], "COMPLETED", self.log.read_text())
         starts = self.starts()
@@ -159,14 +159,14 @@ class Slurm(ProgramTest):
                          "--output=/dev/null", "--wrap=sleep 5")
         self.stopped_and_resumed(disturb, seconds, partition, nodes, extra)
 
-    # The way of --signal=B:USR1@60: to the script alone.
+    # As with --signal=B:USR1@60: only to the script.
     def test_warned(self):
         self.warned(nodes=1)
 
     def test_warned_on_two_nodes(self):
         self.warned(nodes=2)
 
-    # SIGCONT and SIGTERM to all processes, SIGKILL after KillWait; Slurm queues it again.
+    # SIGCONT and SIGTERM to all processes, SIGKILL after KillWait. Slurm queues the job again.
     def test_preempted_at_once(self):
         self.preempted(SHORT_S, "no_grace", nodes=1)
 
@@ -174,16 +174,16 @@ class Slurm(ProgramTest):
         self.preempted(SHORT_S, "no_grace", nodes=2)
 
     def test_preempted_with_a_warning(self):
-        # The job's own signal begins the grace; the script queues it again.
+        # The job's own signal begins the grace. The script queues the job again.
         self.preempted(SHORT_S, "grace", 1, "SlurmctldParameters=preempt_send_user_signal")
 
     def test_preempted_after_a_grace(self):
-        # SIGTERM begins the grace, but only for what srun started: Open MPI's daemon and rank 1 on
-        # the other node, which leave it to rank 0. The grace over, all goes as without any.
+        # SIGTERM begins the grace, but only for processes started by srun: Open MPI's daemon and rank 1 on
+        # the other node, which leave the decision to rank 0. After the grace, all happens as without a grace.
         self.preempted(LONG_S, "grace", nodes=2)
 
     def test_out_of_time(self):
-        # Slurm warns up to half a minute early: 2 minutes make starts of 30 to 60 s.
+        # Slurm warns up to half a minute early: 2 minutes give starts of 30 to 60 s.
         request, total, digest = self.request_for(LONG_S)
         with self.slurm() as slurm:
             job = self.submit(slurm, request, 1, "--time=2")
@@ -219,6 +219,6 @@ if __name__ == "__main__":
     if private_slurm.missing_programs():
         sys.exit(f"test_slurm.py: {', '.join(private_slurm.missing_programs())} missing: run "
                  "deploy/install-deps --slurm")
-    # As Ctrl-C: an exception, on whose way the Slurm is taken down.
+    # Like Ctrl-C: an exception, so that the Slurm is closed.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     harness.main()

@@ -19,7 +19,7 @@ import private_slurm
 from harness import ProgramTest
 from service_harness import ServiceTest
 
-# Lost nodes and ended jobs are known sooner than usual.
+# Lost nodes and ended jobs are detected sooner than usual.
 EXTRA = """SlurmdTimeout=10
 MinJobAge=300
 KillWait=5
@@ -69,7 +69,7 @@ class Slurm(backend_conformance.Conformance, ProgramTest):
         return {"more": "--begin=now+1000"}
 
     def make_away(self):
-        # An attempt whose start it has not saved yet it would end itself when it comes back.
+        # On return, the daemon would end an attempt whose start it hasn't saved yet.
         time.sleep(CONTROLLER_SAVES_S)
         self.slurm.kill("slurmctld")
 
@@ -78,13 +78,13 @@ class Slurm(backend_conformance.Conformance, ProgramTest):
 
 
 class Disturbed(ProgramTest):
-    """Attempts of a real run, each with a Slurm of its own."""
+    """Attempts of a real run, each with its own Slurm."""
 
     whole = None  # scans of a chain, digest
 
     @staticmethod
     def whole_run(test):
-        """Of a run that nobody disturbs, for some RUN_S."""
+        """Digest of an undisturbed run of some RUN_S."""
         if Disturbed.whole is None:
             test.direct(test.write_request("probe.toml", scans=100000000, **WORK), test.path("probe.h5"),
                         "--time-limit", "3s")
@@ -130,7 +130,7 @@ class Disturbed(ProgramTest):
                 "label": "sleight-17", "ranks": ranks, "options": options}
 
     def launch(self, ranks=0, **options):
-        """The next attempt; returns the number of its Slurm job."""
+        """Launches the next attempt. Returns the number of its Slurm job."""
         self.attempts += 1
         return self.ask("launch", **self.order(ranks, **options))["id"]
 
@@ -184,8 +184,8 @@ class Disturbed(ProgramTest):
             self.log().count(f"=== attempt {self.attempts}: ended")
 
     def test_the_controller_killed_as_the_attempt_starts(self):
-        # What it had saved may be older than the start: then it starts the job again, beside the first, or
-        # knows nothing of it.
+        # The saved state may be older than the start: then Slurm starts the job again, beside the first, or
+        # doesn't know it.
         self.launch()
         self.until("its start", lambda: (self.folder_of_job / "keeper.lock").exists())
         self.slurm.kill("slurmctld")
@@ -252,7 +252,7 @@ class Service(ServiceTest):
         return self.submit(self.request, "--cores", "1", *arguments)
 
     def slurm_jobs(self):
-        """Numbers and states of all that were submitted, oldest first."""
+        """Numbers and states of all submitted jobs, oldest first."""
         rows = self.slurm.call("squeue", "--states=all", "--noheader", "-o", "%i %T", check=True).stdout.split("\n")
         return sorted((int(row.split()[0]), row.split()[1]) for row in rows if row)
 
@@ -284,7 +284,7 @@ class Service(ServiceTest):
         self.kill_daemon()
         self.serve()
         self.until_computing(job)
-        # What it waited for is not charged: a second or two are, before the first list.
+        # Waiting time is not charged, except for a second or two before the first list.
         self.assertLess(self.job(job)["core_seconds"], 10)
         self.kill_daemon()
         self.serve()
@@ -380,6 +380,6 @@ if __name__ == "__main__":
     if private_slurm.missing_programs():
         sys.exit(f"test_slurm_backend.py: {', '.join(private_slurm.missing_programs())} missing: run "
                  "deploy/install-deps --slurm")
-    # As Ctrl-C: an exception, on whose way the Slurm is taken down.
+    # Like Ctrl-C: an exception, so that the Slurm is closed.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     harness.main()

@@ -1,6 +1,6 @@
-"""Goal: balls are directed to spell, and the archive holds what happened. Method: a small word of
-two bins, by threads, by mpirun, on processors without AVX2; the archive read back with h5py, drawn
-and looked at as SVG."""
+"""Goal: balls are directed to spell, and the archive records it. Method: direct a small word of two bins by
+threads, by mpirun and on processors without AVX2. Read the archive with h5py, and inspect its drawings as
+SVG."""
 
 import re
 
@@ -85,8 +85,8 @@ class Spelling(ProgramTest):
         shown = re.findall(r"chain (\d+), iteration (\d+)<", svg)
         self.assertEqual(len(shown), kept)
         self.assertLessEqual({(int(chain), int(step)) for chain, step in shown}, found)
-        # Two bins of six are tinted, seen from above; two balls, whose ways are shown, with their
-        # numbers from above and from the front.
+        # Seen from above, two of six bins are tinted. Two balls have their paths, with their numbers from
+        # above and from the front.
         self.assertEqual(svg.count('fill="#f4b8a0"'), 2 * kept)
         self.assertEqual(svg.count(">at rest after "), kept)
         for ball in ["1", "2"]:
@@ -100,8 +100,7 @@ class Spelling(ProgramTest):
         self.assertNotIn("chain 0", filled.read_text())
 
     def test_words_are_drawn_too(self):
-        # The bins of a word are the world's knowledge; the largest box is one whose request has
-        # its whole bitmap on one line.
+        # The world determines a word's bins. The largest box has a request with its whole bitmap on one line.
         for world, tinted in [('word = "I"', 5), ('bitmap = "#"\ncolumns = 40\nrows = 12', 1)]:
             request = self.path("word.toml")
             request.write_text(re.sub(r'bitmap = """.*?"""', world, REQUEST, flags=re.S))
@@ -122,7 +121,7 @@ class Spelling(ProgramTest):
         self.assertIn('kernel = "thesis"', info["request"])
         with h5py.File(self.path("thesis.h5")) as archive:
             self.assertEqual(archive.attrs["warning"].decode(), label)
-        # The correct kernel says nothing of the kind.
+        # With the correct kernel, there is no such warning.
         self.assertNotIn("biased", self.direct(self.request(), self.path("two.h5")).stderr)
         self.assertEqual(self.info(self.path("two.h5"))["warning"], "")
 

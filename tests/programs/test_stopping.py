@@ -1,6 +1,5 @@
-"""Goal: a run ends soon after it is asked to, says truly how it ended, has something to show, and
-refuses before computing what it could not write. Method: real runs with slow scans, many chains and
-unusable outputs."""
+"""Goal: a run ends soon after the request, reports correctly how it ended, leaves results, and refuses before
+computing what it couldn't write. Method: real runs with slow scans, many chains and unusable outputs."""
 
 import json
 import os
@@ -21,8 +20,8 @@ class Stopping(ProgramTest):
         return json.loads(result.stdout)
 
     def test_slow_scans_do_not_delay_a_time_limit(self):
-        # A scan of 1,000,000 proposals takes a third of a second or more; scan 0 takes none, and
-        # must not make units of hundreds of scans.
+        # A scan of 1,000,000 proposals takes a third of a second or more. Scan 0 takes no time, and must not
+        # lead to units of hundreds of scans.
         request = self.write_request(scans=1000000, iterations_per_scan=1000000)
         summary = self.limited(request, "1s")
         self.assertEqual(summary["end"], "time_limit")
@@ -36,7 +35,7 @@ class Stopping(ProgramTest):
         output = self.path("fast.h5")
         process = subprocess.Popen([harness.program("sleight"), "direct", request, "-o", output,
                                     "-q"])
-        # It is at that once it has computed for a second.
+        # The run is in that piece once it has computed for a second.
         end = time.monotonic() + 60
         ticks = os.sysconf("SC_CLK_TCK")
         times = pathlib.Path(f"/proc/{process.pid}/stat")
@@ -48,8 +47,8 @@ class Stopping(ProgramTest):
         self.limited(request, "1s")
 
     def test_many_chains_have_something_to_show(self):
-        # Slow machines and sanitizers get longer. A run that takes one chain after another would
-        # not reach them all in the longest either.
+        # Slow machines and sanitizers get more time. A run that took one chain after another would not reach
+        # all of them in that time either.
         request = self.write_request(scans=1000000000, chains=3000)
         for limit in ["2s", "18s", "54s"]:
             summary = self.limited(request, limit, "--fresh")
@@ -70,7 +69,7 @@ class WhileItWrites(ProgramTest):
         self.assertEqual(process.returncode, 130, errors)
 
     def test_it_says_how_far_it_is_and_stops(self):
-        # An archive of so many scans takes seconds.
+        # An archive of this many scans takes seconds.
         output = self.path("a.h5")
         request = self.write_request(chains=1, scans=400000)
         direct = [harness.program("sleight"), "direct", request, "-o", output]
@@ -83,13 +82,13 @@ class WhileItWrites(ProgramTest):
         self.ended_by_signal(process)
         self.assertEqual([p.name for p in self.folder.iterdir() if ".tmp." in p.name], [])
 
-        # What it has computed is there: of fewer scans an archive is written at once.
+        # The computed results are there: an archive of fewer scans is written at once.
         few = self.succeed(sleight("direct", self.write_request("few.toml", chains=1, scans=1000),
                                    "-o", output, "--json"))
         summary = json.loads(few.stdout)
         self.assertEqual((summary["end"], summary["session_scans"]), ("finished", 0))
 
-        # Once more, with an archive that stays; derived by hand too.
+        # Once more, with an archive that stays. Derive one by hand too.
         before = output.read_bytes()
         other = self.path("other.h5")
         for command, place in [(direct, output),

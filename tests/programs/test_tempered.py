@@ -1,7 +1,6 @@
-"""Goal: what holds for plain chains holds for every method: an archive is a function
-of request, seed and version alone, and what is killed or stopped goes on to the same bits. Method:
-each method's request by other means, archives compared byte for byte; draws against what the archive
-says of itself."""
+"""Goal: properties of plain chains hold for every method: an archive is a function of only request, seed and
+version, and killed or stopped runs resume to the same bits. Method: run each method's request in other ways
+and compare archives byte for byte. Compare draws with the archive's own statistics."""
 
 import random
 import subprocess
@@ -19,7 +18,7 @@ METHODS = {
     "tempered_transitions": "burn_in_rounds = 3\nsteps_per_level = 3",
     "annealed_importance": "burn_in_rounds = 3\nlanes = 3\nsteps_per_level = 2",
 }
-# Three rounds of burn-in and the annealing before them.
+# Three rounds of burn-in, and the annealing before them.
 BURN_IN = 40 * 7 + 25
 
 
@@ -108,8 +107,8 @@ thin = 3
                 self.assertEqual(cut.read_bytes(), whole.read_bytes())
 
     def test_solo_steps(self):
-        # What balls do alone is held from one iteration to the next; who computes it, and whether
-        # it is computed again, changes nothing.
+        # Results of balls alone are held between iterations. Who computes them, and whether they are computed
+        # again, changes nothing.
         request = self.path("solo.toml")
         request.write_text("""
 [world]
@@ -155,7 +154,7 @@ rounds = 3
             self.assertEqual(output.read_bytes(), one.read_bytes(), way)
 
     def test_the_first_ladder_is_as_asked(self):
-        # Later rounds have learnt theirs.
+        # Later rounds have learnt their levels.
         for power, even in [("", False), ("ladder_power = 1", True)]:
             request = self.request("parallel_tempering", 40 * 3 + 25, name="ladder.toml",
                                    extra=f"replicas = 5\n{power}")
@@ -167,8 +166,8 @@ rounds = 3
             self.assertEqual(first, asked)
 
     def test_the_index_process_is_the_ladders(self):
-        # Levels of replicas agree with the temperatures of their last states, change by one at
-        # most, and have the journeys that are counted.
+        # Levels of replicas match the temperatures of their last states, change by at most one, and contain
+        # the counted round trips.
         archive = self.path("index.h5")
         self.direct(self.request("parallel_tempering", 40 * 15 + 25), archive, "--fresh")
         with h5py.File(archive) as file:

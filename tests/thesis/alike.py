@@ -37,7 +37,7 @@ def adjusted_rand_index(a, b):
 
 
 def falls(archive, chains, draws, by):
-    """Of each kept animation its chain and how many falls came before it."""
+    """For each kept animation, its chain and the number of falls before it."""
     filled = archive["sample_stats/filled"][:]
     whole = filled.max()
     labels, count = [], 0

@@ -50,7 +50,7 @@ def world(row):
 
 
 def directed(arguments, name, text, folder):
-    """log P of a throw and its error; None and why where there is no interval."""
+    """log P of a throw and its error. None and the reason if there is no interval."""
     request = pathlib.Path(folder) / f"{name}.toml"
     request.write_text(text)
     archive = request.with_suffix(".h5")

@@ -20,13 +20,13 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from rules.shells import BARE, LIBRARIES, SHELLS  # noqa: E402
 from rules.tree import is_in  # noqa: E402
 
-# The C library's own headers may include any other of its own.
+# The C library's own headers may include each other.
 _LIBRARIES = [(name, re.compile(r"(?:.*/)?(?:" + headers + ")"))
               for name, headers, *_ in LIBRARIES if name != "memory mapping"]
 
 
 def headers_by_object(deps):
-    """What `ninja -t deps` prints, as object -> headers."""
+    """Output of `ninja -t deps`, as object -> headers."""
     found = {}
     headers = []
     for line in deps.splitlines():
@@ -38,13 +38,13 @@ def headers_by_object(deps):
 
 
 def is_bare(name):
-    """Whether an object is of a folder that is built without the outside libraries."""
+    """Returns whether an object belongs to a folder that is built without the outside libraries."""
     folder = name.split("/CMakeFiles/")[0]
     return is_in(folder, BARE) and not is_in(folder, SHELLS)
 
 
 def strangers(found):
-    """(object, library, header) of each that shouldn't be."""
+    """(object, library, header) of each forbidden header."""
     for name, headers in sorted(found.items()):
         if not is_bare(name):
             continue

@@ -16,12 +16,12 @@ from test_tidy import TidyTest  # noqa: E402
 
 
 class Documents(TidyTest):
-    # Put together here, so that the check doesn't take them for citations of this project's own.
+    # Assembled here, so that the check doesn't find citations of this project's own.
     GUIDE = "docs/" + "GUIDE"
     ARCHITECTURE = "docs/ARCHITECTURE.md"
 
     def documents(self):
-        """A glossary with names of the code, a row for a folder, links that resolve, a citation."""
+        """A glossary with names in the code, a row for a folder, links that resolve, a citation."""
         return {
             "README.md": f"[guide]({self.GUIDE}.md#how-it-works-so) and [code](common/base), "
                          "![picture](docs/a.svg), [home](https://example.com/x), `[no](link)`\n"

@@ -36,13 +36,13 @@ def write(root, files):
 
 class TidyTest(unittest.TestCase):
     def findings(self, files, check):
-        """What a check says of a tree of these files, without the check's name."""
+        """Findings of a check for a tree of these files, without the check's name."""
         with tempfile.TemporaryDirectory() as root:
             write(root, files)
             return [str(f).rsplit(" [", 1)[0] for f in rules.run(Tree(root), [check])]
 
     def assert_finds(self, files, check, *expected):
-        """Each finding starts with `file:line: ` and holds the words, in order."""
+        """Each finding starts with `file:line: ` and contains the words, in order."""
         found = self.findings(files, check)
         self.assertEqual(len(found), len(expected), found)
         for said, (place, words) in zip(found, expected):
@@ -54,7 +54,7 @@ class TidyTest(unittest.TestCase):
 
 
 def project():
-    """A small project that obeys the law."""
+    """A small project that obeys all rules."""
     return {
         "common/base/CMakeLists.txt": "sleight_library(SOURCES check.cpp LINKS fmt::fmt)\n",
         "common/base/check.h": HEADER,
@@ -123,7 +123,7 @@ class Dependencies(TidyTest):
                           ("worker/run/options.cpp:1", "worker must not include service"))
 
     def test_parts_of_programs_are_mains(self):
-        # What programs share of their mains joins sides as they do; a library that links it doesn't.
+        # A library shared by programs' mains may join sides like a main. A library that links it may not.
         files = self.with_files({
             "worker/run/CMakeLists.txt":
                 "sleight_library(LINKS worker_physics)\n"
@@ -178,7 +178,7 @@ class Shells(TidyTest):
     def with_files(self, files):
         return {**project(), **files}
 
-    # Of each outside library a header, a link, its folder, and how both are called.
+    # For each outside library: a header, a link, its folder, and the names of both.
     EXAMPLES = (
         ("mpi.h", "MPI::MPI_C", "worker/run/mpi", "MPI"),
         ("hdf5.h", "sleight_hdf5", "common/archive/hdf5", "HDF5"),
@@ -318,7 +318,7 @@ class Formatting(TidyTest):
 
 class Constructs(TidyTest):
     def assert_line(self, path, line, words):
-        """The line is found behind one of strings and comments that hold the same and are none."""
+        """Finds the line behind strings and comments with the same text, which don't count."""
         decoy = '// ' + line.strip("#/ ").rstrip(";{} ") + ' in words\nauto s = R"(' + line + ')";\n'
         self.assert_finds({path: decoy + line + "\n"}, "constructs", (f"{path}:3", words))
 
@@ -496,7 +496,7 @@ class Text(TidyTest):
                            "deploy/b": "#!/usr/bin/env bash\na=(1 2)\n"}, "text")
 
     def assert_finds(self, files, check, *expected):
-        # The line of a syntax error is the shell's affair where the place names none.
+        # The shell reports the line of a syntax error, if the place names none.
         if any(place.endswith(":") for place, _ in expected):
             found = self.findings(files, check)
             self.assertEqual(len(found), len(expected), found)

@@ -11,7 +11,7 @@ probe_avx2=$2
 probe_licensed=$3
 failures=0
 
-# hash_of NAME OUTPUT: the hash on the line of that name.
+# hash_of NAME OUTPUT: prints the hash on NAME's line.
 hash_of() { printf '%s\n' "$2" | sed -n "s/^$1 //p"; }
 fail() { echo "FAIL: $*" >&2; failures=1; }
 expect_same() { if [ -z "$2" ] || [ "$2" != "$3" ]; then fail "$1: '$2' against '$3'"; fi; }

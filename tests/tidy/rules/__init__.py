@@ -32,7 +32,7 @@ class Waiver:
 
 
 def waivers(tree):
-    """Every excuse in the tree, in order of file and line, good or not."""
+    """Every waiver in the tree, in order of file and line, valid or not."""
     found = []
     for path in tree.files:
         if is_cpp(path):
@@ -49,7 +49,7 @@ def waivers(tree):
 
 
 def run(tree, only=None):
-    """The findings of the checks, those that a good excuse covers left out, sorted."""
+    """The sorted findings of the checks, without those that a valid waiver covers."""
     names = only or list(CHECKS)
     raw = {finding for name in names for finding in
            (dataclasses.replace(f, check=name) for f in CHECKS[name].check(tree))}

@@ -23,7 +23,7 @@ class Target:
 
 
 def without_comments(text):
-    """The same lines without what follows a '#' outside quotes."""
+    """The same lines without comments (after '#' outside quotes)."""
     return "\n".join(re.match(r'(?:"(?:\\.|[^"\\])*"|[^#"]|")*', line).group(0)
                      for line in text.split("\n"))
 
@@ -33,7 +33,7 @@ def library_name(folder):
 
 
 class Project:
-    """All targets of the four sides; tests are free to link what they test."""
+    """All targets of the four sides. Tests may link anything that they test."""
 
     def __init__(self, tree):
         self.libraries = {}  # by name
@@ -55,7 +55,7 @@ class Project:
                 self.programs_by_source.setdefault(source, []).append(program)
 
     def library_of(self, path):
-        """The library of the nearest folder above a path that has one, or None."""
+        """Library of the nearest folder above a path that has one. None if none."""
         folder = posixpath.dirname(path)
         while folder:
             if folder in self.by_folder:
@@ -64,7 +64,7 @@ class Project:
         return None
 
     def is_main(self, path):
-        """Whether a file is a main: a program's source named main*.cpp, or its own header."""
+        """Returns whether a file is a main: a program's source named main*.cpp, or its own header."""
         name = posixpath.basename(path)
         return bool(self.programs_of(path)) and re.fullmatch(r"main\w*\.(cpp|h)", name) is not None
 
@@ -73,7 +73,7 @@ class Project:
         return self.programs_by_source.get(re.sub(r"\.h$", ".cpp", path), [])
 
     def closure(self, target):
-        """Names of everything linked, directly or not, without the target itself."""
+        """Names of all targets linked directly or indirectly, without the target itself."""
         seen = set()
         waiting = [name for name, _ in target.links]
         while waiting:

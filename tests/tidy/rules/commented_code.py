@@ -14,9 +14,9 @@ _CONTROL = re.compile(
     r"[\w:<>&*,\s]+[\s&*][\w:]+\(.*\)\s*(?:const|noexcept|override|\s)*\{$")
 _CLOSING = re.compile(r"\}[\s;,)]*$")
 _STATEMENT = re.compile(
-    # a call, a chain of members included; words before the name make it prose, but for a type
+    # A call, with a chain of members. Words before the name make it prose, except for a type.
     r"(?:(?:const\s+)?[\w:<>]+[&*]?\s+)?[\w:]+(?:(?:\.|->|::)\w+|\[\w*\]|\([^()]*\))*\(.*\);$|"
-    # an assignment or a definition with a value
+    # An assignment, or a definition with a value.
     r"(?:(?:const|static|constexpr|auto|unsigned)\s+)*[\w:<>,&*.\[\]()-]+(?:\s+[&*]*\w+)?\s*"
     r"[-+*/|&^]?=\s*[^=].*;$|"
     r"(?:(?:const|static)\s+)*(?:auto|bool|char|int|double|float|std::[\w:<>, ]+)[&*]*\s+\w+"

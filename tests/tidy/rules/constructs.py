@@ -8,7 +8,7 @@ from .tree import Finding, is_cmake, is_cpp, is_in
 
 # Code whose numbers reach an archive.
 RESULTS = ("common/math", "common/random", "worker")
-# Where our own functions of these names are written, and call each other unqualified.
+# Files that define our own functions of these names, which call each other unqualified.
 WRAPPED = re.compile(r"common/math/elementary\w*\.(?:h|cpp)")
 # Code in which order reaches an archive.
 ORDERED = ("worker", "common/plan", "service/core")
@@ -17,12 +17,12 @@ _TRANSCENDENTAL = (
     "sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|asinh|acosh|atanh|exp|exp2|exp10|"
     "expm1|log|log2|log10|log1p|pow|cbrt|hypot|erf|erfc|tgamma|lgamma|gamma")
 _STD_ONLY = r"sincos|beta|riemann_zeta|expint|legendre|cyl_\w+|sph_\w+|ellint_\w+|comp_ellint_\w+"
-# A call by std:: or :: or no qualifier at all; other::sin, x.sin and x->sin are other functions.
+# A call with std::, with :: or unqualified. other::sin, x.sin and x->sin are other functions.
 _LIBM = re.compile(
     rf"(?<![\w:])(?P<std>std::|::)(?:{_TRANSCENDENTAL}|{_STD_ONLY})[fl]?\s*\("
     rf"|(?P<before>(?:\b[A-Za-z_]\w*|[>&*])\s+)?(?<![\w:.>])(?:{_TRANSCENDENTAL})[fl]?\s*\(")
 
-# pattern, message; for all C++ of the tree
+# Pattern and message, for all C++ of the tree.
 EVERYWHERE = (
     (re.compile(r"\bstd::\w+_distribution\b"),
      "a distribution of the standard library differs by machine; use common/random"),
@@ -35,7 +35,7 @@ EVERYWHERE = (
     (re.compile(r"^\s*#\s*if\s+0\b"), "dead code; git remembers what was"),
 )
 
-# the same for code that feeds results
+# The same for code whose results are stored.
 IN_RESULTS = (
     (re.compile(r"\bAngleAxis\w*"), "Eigen's AngleAxis calls libm; use common/math's rotations"),
     (re.compile(r"\b(?:Matrix|RowVector|Vector|Array)X{1,2}(?:[a-z]{1,2}\b|\d)|\bEigen::Dynamic\b"),
@@ -100,6 +100,6 @@ def libm_call(code, wrapped=False):
 
 
 def _is_type(text):
-    """Whether what stands before a function's name is a type and nothing else."""
+    """Returns whether the text before a function's name is only a type."""
     return (re.fullmatch(r"\s*(?:\[\[\w+\]\]\s*)?[A-Za-z_][\w:<>,\s]*[\s&*]*", text) is not None
             and not re.search(r"\b(?:return|else|case|do|throw|co_return|not|and|or)\b", text))

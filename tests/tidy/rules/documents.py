@@ -16,8 +16,8 @@ _CODE_SPAN = re.compile(r"`([^`\n]+)`")
 _HEADING = re.compile(r"#{1,6}\s+(.*?)\s*#*$")
 _LINK = re.compile(r"\[[^\]\n]*\]\(([^()\s]+)\)")
 _ELSEWHERE = re.compile(r"[a-z]+:")
-# How comments and scripts cite a document: its name, perhaps with the title of a section, which may
-# go on in the comment's next line.
+# Citations of documents in comments and scripts: the name, perhaps with a section's title, which may continue
+# on the comment's next line.
 _CITED = re.compile(r'(?<![(\w/])docs/([A-Z][A-Z_]+|notebook/\w+)\b(?:\.md(?:,[\s/#]*"([^"]{1,100})")?)?')
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _LIBRARY = re.compile(r"^\s*sleight_library\b", re.MULTILINE)
@@ -38,7 +38,7 @@ def check(tree):
 
 
 def _folders(path):
-    """Those that a file lies in, all the way up, and the root."""
+    """The folders that contain a file, up to the root."""
     while path:
         path = posixpath.dirname(path)
         yield path or "."
@@ -61,7 +61,8 @@ def _titles(tree, path):
 
 
 def _anchors(tree, path):
-    """As code hosts make them of headings: letters, digits, hyphens; repeated ones are numbered."""
+    """Anchors as code hosts derive them from headings: letters, digits, hyphens. Repeated anchors are
+    numbered."""
     found = set()
     for title in _titles(tree, path):
         anchor = re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")

@@ -72,7 +72,7 @@ def _stem(path):
 
 
 def _tables(tree, path, remade, seen):
-    """Marks, each followed by its table, and tables, each after its mark where it wants one."""
+    """Marks, each followed by its table, and tables, each after its mark if it needs one."""
     lines = tree.lines(path)
     always = path == "docs/MEASUREMENTS.md" or path.startswith("docs/notebook/")
     fenced = False

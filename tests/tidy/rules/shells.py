@@ -13,12 +13,12 @@ from .tree import Finding, includes, is_cpp, is_in
 PURE = ("worker/physics", "worker/sampling", "worker/worlds", "service/core", "common/plan",
         "common/math", "common/random")
 PURE_TESTS = (*("tests/unit/" + folder for folder in PURE), "tests/engines", "tests/tempering")
-# What SLEIGHT_SHELLS=OFF builds, and what it leaves out of that.
+# Folders that SLEIGHT_SHELLS=OFF builds, and its exceptions.
 BARE = PURE + ("worker/run", "common/base", "common/request", "common/archive", "common/schema")
 SHELLS = ("worker/run/mpi", "common/archive/digest", "common/archive/hdf5",
           "common/archive/reader_program", "common/archive/remote", "common/schema/wire")
 
-# name, its headers, its link names, the folders that may use it, whether a program's main may too.
+# Name, headers, link names, folders that may use it, and whether a program's main may too.
 LIBRARIES = (
     ("MPI", r"mpi\.h", r"MPI::.*", ("worker/run/mpi", "service/coordinator/mpi"), True),
     ("HDF5", r"(hdf5\w*|H5\w+)\.h", r"sleight_hdf5|PkgConfig::HDF5\w*|hdf5.*",
@@ -36,12 +36,12 @@ LIBRARIES = (
     ("libpng", r"libpng\d*/.*", r"PkgConfig::PNG|PNG::.*|png", ("clients/plot",), False),
     ("libseccomp", r"seccomp\.h", r"PkgConfig::SECCOMP|seccomp", ("common/archive/reader_program",),
      False),
-    # The second maps nothing: it forbids memory that holds code.
+    # common/archive/reader_program maps nothing; it uses the header to forbid executable memory.
     ("memory mapping", r"sys/mman\.h", r"(?!)", ("common/base", "common/archive/reader_program"),
      False),
 )
 
-# What else pure code must not touch: the wall clock, files, sockets.
+# Also forbidden in pure code: the wall clock, files, sockets.
 EFFECTS = (
     ("the clock", r"chrono|ctime|time\.h|sys/time\.h"),
     ("files", r"fstream|filesystem|fcntl\.h|unistd\.h|sys/stat\.h|cstdio|stdio\.h"),

@@ -31,7 +31,7 @@ def _header(tree, path):
 
 
 def _tests(tree, path):
-    """A comment right before a test or first in its body, or the file's own that says "Goal:"."""
+    """A comment right before a test or first in its body, or the file's own comment with "Goal:"."""
     source = tree.source(path)
     if _opening_states_goal(source):
         return
@@ -58,7 +58,7 @@ def _is_comment(source, number):
 
 
 def _opens_with_comment(source, number):
-    """Whether the body that starts at or after a line begins with a comment."""
+    """Returns whether the body that starts at or after a line begins with a comment."""
     while number < len(source.code) and "{" not in source.code[number]:
         number += 1
     if number == len(source.code):

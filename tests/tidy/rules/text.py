@@ -15,7 +15,7 @@ def _either(*alternatives):
     return "(?:" + "|".join(alternatives) + ")"
 
 
-# The words are put together here so that this file doesn't find itself.
+# The words are assembled here so that this file doesn't find itself.
 _PATHS = re.compile(r"(?<![\w.})])/" + _either("work" + "/", "tmp" + r"/w\w*", "home" + r"/\w+/",
                                                 "root" + "/"))
 _HOSTS = re.compile(_either(

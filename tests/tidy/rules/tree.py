@@ -11,7 +11,7 @@ SKIPPED_FOLDERS = {"build", ".git", "node_modules", "__pycache__", "demo-out"}
 
 
 class CannotCheck(Exception):
-    """What the checks need is not there."""
+    """A requirement of the checks is missing."""
 
 
 @dataclasses.dataclass(frozen=True, order=True)
@@ -26,12 +26,12 @@ class Finding:
 
 
 def without_git(environment):
-    """An environment in which git looks at the tree, not at what a hook was called for."""
+    """Environment in which git looks at the tree, not at a hook's index."""
     return {name: value for name, value in environment.items() if not name.startswith("GIT_")}
 
 
 class Tree:
-    """The files known to git (new ones too, ignored ones not); all files where there is no git."""
+    """All files known to git (including new files, without ignored ones), or all files without git."""
 
     def __init__(self, root):
         self.root = pathlib.Path(root).resolve()
@@ -60,7 +60,7 @@ class Tree:
                 yield (pathlib.Path(folder) / name).relative_to(self.root).as_posix()
 
     def text(self, path):
-        """A file's text; empty for what is no UTF-8 text."""
+        """A file's text. Empty if it isn't UTF-8."""
         if path not in self._texts:
             try:
                 self._texts[path] = (self.root / path).read_bytes().decode("utf-8")
@@ -121,7 +121,7 @@ _INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
 def includes(tree, path):
-    """(line, name, quoted) of each #include that is not in a comment."""
+    """(line, name, quoted) of each #include outside comments."""
     source = tree.source(path)
     for number, (raw, code) in enumerate(zip(source.raw, source.code), 1):
         if "include" in code:
@@ -143,11 +143,11 @@ def is_cmake(path):
 
 
 def is_shell(tree, path):
-    """By its first line or its name."""
+    """Returns whether a file is a shell script, by its first line or its name."""
     first = tree.text(path)[:80].split("\n", 1)[0]
     return path.endswith(".sh") or bool(re.match(r"#!.*\b(ba|da)?sh\b", first))
 
 
 def is_in(path, folders):
-    """Whether a path lies in one of the folders or below it."""
+    """Returns whether a path is in one of the folders or below."""
     return any(path == folder or path.startswith(folder + "/") for folder in folders)
