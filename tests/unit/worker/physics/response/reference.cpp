@@ -218,8 +218,7 @@ Real relative_gain(const Case& made, const ImpactOutput& out) {
 
 namespace {
 
-/// Separation speed for an approach at u. The floor raises it, while gain_at(w) <= 0 or
-/// `is_granted`.
+/// Separation speed for an approach at u: raised to the floor while gain_at(w) <= 0 or granted.
 template <class Gain>
 Real separation_speed(const ContactLaw& law, Real u, bool is_granted, const Gain& gain_at) {
   const Real slow = law.restitution * u;
