@@ -107,7 +107,7 @@ thin = 3
                 self.assertEqual(cut.read_bytes(), whole.read_bytes())
 
     def test_solo_steps(self):
-        # Results of balls alone are held between iterations. Who computes them, and whether they are computed
+        # Results of balls alone are held between iterations. Which process computes them, and whether they are computed
         # again, changes nothing.
         request = self.path("solo.toml")
         request.write_text("""

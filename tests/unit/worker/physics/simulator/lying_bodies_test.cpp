@@ -43,7 +43,7 @@ const Segment& last_segment(const RecordedRun& run) {
 
 TEST(LyingBodies, AnyThrowIsCaughtSoon) {
   // Goal: a tumbling body bounces until it lies flat, then slides in pieces. Method: drop tilted
-  // cubes with speed. Their last motion is no bounce, and they rest.
+  // cubes with speed. The cubes' last motion is no bounce, and they rest.
   for (int i = 0; i < 20; ++i) {
     Scene scene = floor_scene(0.1, {.restitution = 0.4, .friction = 0.3});
     scene.bodies.push_back(box_at(
