@@ -6,8 +6,7 @@
 //   outcome           where and when the ball lands on collision n + 1
 //   log p_c           -1/2 ((x - target) / sigma)^2, so p_c is at most 1
 //   satisfied         |x - target| <= tolerance
-//   proposal          Algorithm 2.2: each normal, with a probability, plus uniform(-w, w);
-//   symmetric
+//   proposal          Algorithm 2.2: changes each normal with a probability by uniform(-w, w)
 //
 // Thread-safe: immutable after construction.
 #pragma once
@@ -41,19 +40,18 @@ class Ball2d {
   sampling::Proposal<State> propose(const State& normals, random::Stream& stream) const {
     return propose(normals, {}, stream);
   }
-  /// The scale is that of the range of changes.
+  /// Multiplies the proposal's half width by the scale.
   sampling::Proposal<State> propose(const State& normals, std::span<const double> scales,
                                     random::Stream& stream) const;
   bool has_scale(std::uint32_t /*kind*/) const { return true; }
   std::uint32_t proposal_kinds() const { return 1; }
 
-  /// A state as bytes: one double a collision. Decoding refuses any other length.
+  /// Encodes a state as one double per collision. decode refuses any other length.
   base::Bytes encode(const State& normals) const;
-  /// States and outcomes are flat.
   std::size_t owned_bytes(const State&, const Outcome&) const { return 0; }
   std::optional<State> decode(base::BytesView bytes) const;
 
-  /// In the order of layout().outcomes.
+  /// Returns the values in the order of layout().outcomes.
   std::vector<double> outcome_values(const Landing& landing) const;
 
  private:

@@ -1,15 +1,14 @@
-// The 2D ball's simulation (thesis 2.4.1): closed-form hops between collisions with a table whose
-// normal is another one at each collision.
+// The 2D ball's simulation (thesis 2.4.1): closed-form hops on a table whose normal differs from
+// collision to collision.
 //
 // Frame: x to the right, z up, the origin where the ball's centre is when the ball touches the
 // table below its start. The ball falls from (0, drop height), is reflected at each collision about
 // that collision's normal with the normal component scaled by the restitution, and lands on the
 // collision after the last normal. There is no spin, as in the thesis.
 //
-// What the thesis leaves open, made total here: a table only pushes, so a ball that a tilted normal
-// faces away from keeps its velocity; and a ball that does not leave the table (vertical velocity
-// not above zero after a collision) collides again at once, in the same place, with the next
-// normal.
+// The thesis leaves two cases open. A table only pushes, so a ball that already moves away from the
+// tilted table keeps its velocity. A ball that doesn't leave the table (vertical velocity not above
+// zero after a collision) collides again at once, in the same place, with the next normal.
 #pragma once
 
 #include <array>
@@ -21,19 +20,18 @@
 
 namespace sleight::worlds::ball_2d {
 
-/// The tilt of each collision's normal from the vertical, positive towards +x; the first
-/// WorldParameters::collisions entries count, the others are zero.
+/// The tilt of each collision's normal from the vertical, positive towards +x. Entries from
+/// WorldParameters::collisions on are unused and zero.
 using NormalAngles = std::array<double, k_collisions_max>;
 
 /// One parabolic hop, from the collision that began it (or the start) to the next.
 struct Flight {
   double start_s = 0;
   double duration_s = 0;
-  math::Vec2 position_m{0, 0};    ///< of the centre, at the start of the hop
-  math::Vec2 velocity_mps{0, 0};  ///< just after the collision that began it
+  math::Vec2 position_m{0, 0};    ///< centre at the start of the hop
+  math::Vec2 velocity_mps{0, 0};  ///< velocity just after the collision that began the hop
 };
 
-/// Where and when the last hop ends.
 struct Landing {
   double x_m = 0;
   double time_s = 0;
@@ -48,10 +46,10 @@ struct Motion {
 /// Pure, and bit-equal on every machine. REQUIRES: finite angles.
 Landing simulate_landing(const WorldParameters& world, const NormalAngles& normals);
 
-/// The same simulation with all its hops kept.
+/// Returns the same simulation with all its hops.
 Motion simulate_motion(const WorldParameters& world, const NormalAngles& normals);
 
-/// The velocity after a collision with a fixed surface of the given unit normal.
+/// Returns the velocity after a collision with a fixed surface of the given unit normal.
 math::Vec2 reflected(const math::Vec2& velocity, const math::Vec2& normal, double restitution);
 
 }  // namespace sleight::worlds::ball_2d

@@ -24,7 +24,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
       {.minimum = 1,
        .maximum = k_collisions_max,
        .help = "number of collisions with random normals; the ball lands at the next collision"});
-  // A standard deviation near 0 would leave nothing to direct, and of 0 no density.
+  // A standard deviation near 0 would leave nothing to direct, and 0 has no density.
   world.angle_deg("normal_sd_deg", p.normal_sd_rad,
                   {.minimum = 0.001,
                    .maximum = 45,

@@ -1,6 +1,5 @@
-// The 2D ball's keys in a direction request, with the thesis's values as defaults.
-//
-// Angles are in degrees in the file and in radians in Parameters; lengths are in ball diameters D.
+// The 2D ball's keys in a direction request, with the thesis's values as defaults. The file's
+// angles are in degrees and its lengths in ball diameters D.
 #pragma once
 
 #include "common/request/direction_request.h"
@@ -8,7 +7,7 @@
 
 namespace sleight::worlds::ball_2d {
 
-/// The world "ball_2d"; its requests have the world's Parameters (request::parameters_of).
+/// Binds the world "ball_2d". Its requests have the world's Parameters (request::parameters_of).
 request::WorldBinding request_binding();
 
 }  // namespace sleight::worlds::ball_2d

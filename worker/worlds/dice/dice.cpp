@@ -17,7 +17,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// It is looked so often whether all dice are at rest.
+/// Interval of the test whether all dice are at rest.
 constexpr double k_look_every_s = 0.1;
 
 physics::Tick tick_of(double time_s) {
@@ -109,8 +109,9 @@ ViewedOutcome Dice::simulate_and_view(const State& state) const {
 
 Outcome Dice::simulate_from(const State& candidate, const State& state,
                             const Outcome& outcome) const {
-  // Where nothing is alike there is nothing to go on from, nor does the candidate keep a history:
-  // mostly it is rejected, and if it isn't, the next one that resembles it does.
+  // Without resemblance, nothing can be replayed, and the candidate stores no history: most such
+  // candidates are rejected. If one is accepted, the next candidate that resembles it stores a
+  // history.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
   return simulated(candidate, {.history = true}, outcome.history);
 }
@@ -129,7 +130,7 @@ Outcome Dice::simulated(const State& state, const Wanted& wanted,
   if (!started) return stopped(started.error());
   physics::Simulation simulation = std::move(started).value();
 
-  // Run to the times that goals look at, and until all dice rest.
+  // Run to each time of a goal, and until all dice rest.
   const physics::Tick limit = tick_of(parameters_.world.time_max_s);
   Views views;
   Outcome outcome{.end = End::time_limit};
@@ -137,7 +138,7 @@ Outcome Dice::simulated(const State& state, const Wanted& wanted,
   for (physics::Tick now{}; now < limit || seen < times_s_.size();) {
     const physics::Tick goal = seen < times_s_.size() ? tick_of(times_s_[seen]) : physics::k_never;
     if (goal == now || (outcome.end == End::settled && seen < times_s_.size())) {
-      // Of dice at rest it is known how they will be.
+      // Dice at rest don't change later.
       for (std::uint32_t die = 0; die < dice(); ++die)
         views.at_times.push_back(view_of(simulation, {die}, scene.bodies[die], now));
       ++seen;
@@ -152,7 +153,7 @@ Outcome Dice::simulated(const State& state, const Wanted& wanted,
     if (all_rest) outcome.end = End::settled;
   }
 
-  // See what came of it.
+  // Evaluate the end.
   const physics::Recording& recorded = simulation.recording();
   for (std::uint32_t die = 0; die < dice(); ++die) {
     views.at_end.push_back(view_of(simulation, {die}, scene.bodies[die], simulation.now()));
@@ -179,15 +180,16 @@ void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
   outcome.collisions = static_cast<std::uint32_t>(touches.size());
   if (touches.empty()) return;
 
-  // The mean weight of each control point, summed in the order of collisions. A collision counts
-  // by how long the die flew to it: most are small bounces of a die that settles.
+  // The mean weight of each control point, summed in the order of collisions. A collision's weight
+  // is the duration of the die's flight to it, because most collisions are small bounces of a
+  // settling die.
   std::map<GridIndex, double> sums;
   std::vector<physics::Tick> before;
   for (const physics::BodyDescription& body : scene.bodies)
     before.push_back(body.start_tick);
   double flown_s = 0;
   for (const physics::SurfaceTouch& touch : touches) {
-    // At one tick, too, it is a collision.
+    // A collision in the same tick as the previous one counts as one tick.
     const double flight_s =
         physics::seconds(std::max<physics::TickCount>(1, touch.tick - before[touch.body]));
     before[touch.body] = touch.tick;

@@ -1,20 +1,20 @@
-// The world of dice on a random table (thesis 2.4.4): which table, and which throws, make dice come
-// to rest as is wanted?
+// The world of dice on a random table (thesis 2.4.4): which tables and throws bring dice to rest as
+// the goals demand?
 //
-//   random variables  the table's control points (random_table.h); of each die's start those
-//                     components that are not fixed (state.h)
+//   random variables  the table's control points (random_table.h); the components of each die's
+//                     start that aren't fixed (state.h)
 //   log p_w           as in state.h
-//   outcome           the dice at rest, or at the time limit, and at the times that goals look at
+//   outcome           the dice at rest or at the time limit, and at the times of the goals
 //   log p_c           as in goals.h; at most 0; -infinity if there is no simulation
 //   satisfied         all goals are met, and all dice rest
 //   proposal          proposals.h
 //
-// All dice of a throw meet each other: one simulation has them all. It is looked at each tenth of a
-// second whether all are at rest.
+// One simulation contains all dice of a throw, so dice can collide with each other. Every tenth of
+// a second, the simulation tests whether all dice are at rest.
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
-//   2. simulate_from gives, bit for bit, what simulate does, but for what serves to go on from it.
+//   2. simulate_from returns the same bits as simulate, except for Outcome::history.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -41,57 +41,56 @@
 
 namespace sleight::worlds::dice {
 
-/// Heights of control points are counted by how many standard deviations they are high: below
-/// k_offset_first_sd, in steps of k_offset_step_sd from there, and above the last of these.
+/// Bins of a histogram of control-point heights, in standard deviations: one bin below
+/// k_offset_first_sd, then bins of width k_offset_step_sd, and a last bin for all greater heights.
 inline constexpr std::size_t k_offset_bins = 14;
 inline constexpr double k_offset_first_sd = -3;
 inline constexpr double k_offset_step_sd = 0.5;
-/// The bin of a standard score.
+/// Returns the bin of a standard score.
 std::size_t offset_bin_of(double score);
 
-/// How a simulation ended.
 enum class End : std::uint8_t {
   settled,     ///< all dice at rest
-  time_limit,  ///< some die moved for too long
-  impossible,  ///< dice start in one place or in the table
-  failed       ///< the simulator could not go on: no sample
+  time_limit,  ///< a die moved until the time limit
+  impossible,  ///< dice start overlapping each other or the table
+  failed       ///< the simulator failed: no sample
 };
 
 struct Outcome {
   End end = End::settled;
-  double end_s = 0;              ///< when the last die came to rest, or the limit
+  double end_s = 0;              ///< when the last die came to rest, or the time limit
   Judgement judgement{};         ///< empty if there is no animation
-  ContactShares contacts{};      ///< of the table's control points
-  std::uint32_t collisions = 0;  ///< of dice with the table
-  /// log p_w of the control points that collisions hung on, normalised: how plausible what one sees
-  /// of the table is.
+  ContactShares contacts{};      ///< weights of the table's control points in collisions
+  std::uint32_t collisions = 0;  ///< collisions of dice with the table
+  /// Normalised log p_w of the control points that influenced collisions: the plausibility of the
+  /// visible part of the table.
   double log_plausibility = 0;
-  /// How many of these have which height, and the sum of their heights' squares, in standard
-  /// deviations; nothing where heights are not random.
+  /// Histogram of these control points' heights, and the sum of the squared heights, in standard
+  /// deviations. Zero if heights aren't random.
   std::array<std::uint32_t, k_offset_bins> offsets{};
   double offset_squares = 0;
   std::vector<DieView> at_end{};   ///< unnumbered; the judgement has numberings
-  plan::FailurePointer failure{};  ///< why it failed
-  /// For simulate_from, which makes it; none if that is not wanted, or the candidate had nothing in
-  /// common with the state.
+  plan::FailurePointer failure{};  ///< reason if End is failed
+  /// Input for simulate_from, which also creates it. Null if not requested, or if the candidate had
+  /// nothing in common with the state.
   std::shared_ptr<const physics::History> history{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
 
-/// What a simulation came to, and what goals look at; empty if there is no animation.
+/// A simulation's outcome, and what goals judge. Views are empty if there is no animation.
 struct ViewedOutcome {
   Outcome outcome;
   Views views;
 };
 
-/// A simulation with its motion, which is empty if there is no animation.
+/// A simulation with its motion. The recording is empty if there is no animation.
 struct Animation {
   Outcome outcome;
   physics::Recording recording;
 };
 
-/// Whether simulations are made from what is known of similar ones. Changes no result.
+/// Whether simulations reuse the histories of similar ones. Changes no result.
 enum class Replays : std::uint8_t { no, yes };
 
 class Dice {
@@ -107,18 +106,19 @@ class Dice {
   State draw_prior(random::Stream& stream) const { return draw_state(parameters_.world, stream); }
   double log_prior(const State& state) const { return log_density_of(parameters_.world, state); }
   Outcome simulate(const State& state) const;
-  /// The same with what goals look at.
+  /// Returns the outcome and what goals judge.
   ViewedOutcome simulate_and_view(const State& state) const;
-  /// Of all goals (goals.h). REQUIRES: views of an animation of this world.
+  /// Returns the signed misses of all goals (goals.h). REQUIRES: views of an animation of this
+  /// world.
   std::vector<Miss> signed_misses(const Views& views) const {
     return dice::signed_misses(parameters_.goals, views, times_s_);
   }
-  /// The same of a candidate, for less, if it resembles a state whose outcome is known.
+  /// Simulates a candidate, faster if it resembles a state whose outcome is known.
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
   double log_constraint(const Outcome& outcome) const;
   plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
   bool starts_overlap(const Outcome& outcome) const { return outcome.end == End::impossible; }
-  /// Goals can only be missed.
+  /// Returns 0, because goals never increase log p_c.
   double log_constraint_at_most(const State& /*state*/) const { return 0; }
   bool satisfied(const Outcome& outcome) const {
     return outcome.end == End::settled && outcome.judgement.all_met;
@@ -126,7 +126,7 @@ class Dice {
   sampling::Proposal<State> propose(const State& state, random::Stream& stream) const {
     return propose(state, std::span<const double>{}, stream);
   }
-  /// Without change_contact's collisions: it proposes the present state.
+  /// Has no collisions to choose from, so change_contact proposes the present state.
   sampling::Proposal<State> propose(const State& state, std::span<const double> scales,
                                     random::Stream& stream) const {
     return dice::propose(parameters_, state, {}, scales, stream);
@@ -150,18 +150,19 @@ class Dice {
   }
   std::size_t owned_bytes(const State& state, const Outcome& outcome) const;
 
-  /// In the order of the archive layout's outcomes; distances are NaN if there is no simulation.
+  /// Returns values in the order of the archive layout's outcomes. Distances are NaN if there is no
+  /// simulation.
   std::vector<double> outcome_values(const Outcome& outcome) const;
 
-  /// The simulation's scene; its bodies are the dice.
+  /// Returns the physics scene; its bodies are the dice.
   physics::Scene scene(const State& state) const;
-  /// What simulate(state) gives, and the motion.
+  /// Returns the result of simulate(state) with the motion.
   Animation animate(const State& state) const;
 
  private:
-  /// What else is wanted of a simulation.
+  /// Additional results to produce.
   struct Wanted {
-    bool history = false;  ///< in the outcome
+    bool history = false;  ///< stored in the outcome
     physics::Recording* recording = nullptr;
     Views* views = nullptr;
   };
@@ -172,7 +173,7 @@ class Dice {
 
   Parameters parameters_;
   Replays replays_;
-  std::vector<double> times_s_;  ///< that goals look at
+  std::vector<double> times_s_;  ///< times of the goals
   std::shared_ptr<const physics::Compound> cube_;
 };
 

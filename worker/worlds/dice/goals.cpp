@@ -20,14 +20,14 @@ struct Overloaded : Functions... {
 template <class... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
-/// Between unit vectors.
 double angle_between(const Vec3& a, const Vec3& b) {
   return math::atan2(math::norm(math::cross(a, b)), math::dot(a, b));
 }
 
-/// Of a face, in the world's frame.
+/// A face's outward normal in the world's frame.
 Vec3 normal_of(const Quat& orientation, std::uint32_t face, std::uint32_t numbering) {
-  // A column of the matrix or its negative: equal bits for all numberings that put the face there.
+  // A column of the matrix or its negative, so the bits are equal for all numberings that put the
+  // face there.
   const AxisDirection direction = direction_of_face(face, numbering);
   const math::Mat3 axes = math::matrix_of(orientation);
   const double sign = direction.sign;
@@ -51,7 +51,7 @@ double log_density(double distance, double sigma) {
   return -0.5 * z * z;
 }
 
-/// Where the centre is wanted; none of other goals.
+/// The region in which the goal wants the centre. Nothing for other goals.
 std::optional<Region> area_of(const Goal& goal) {
   if (const auto* region = std::get_if<Region>(&goal.wanted)) return *region;
   if (const auto* place = std::get_if<Place>(&goal.wanted))
@@ -59,7 +59,7 @@ std::optional<Region> area_of(const Goal& goal) {
   return std::nullopt;
 }
 
-/// Between two areas: that of the nearest points along each axis, and of the farthest.
+/// Distances between two regions: of the nearest and of the farthest points along each axis.
 struct Apart {
   double least_m = 0;
   double most_m = 0;
@@ -72,7 +72,7 @@ Apart apart(const Region& a, const Region& b) {
   return {.least_m = math::norm(least), .most_m = math::norm(most)};
 }
 
-/// By how much the angles that two goals want differ whatever the die does; none of other goals.
+/// The angle by which two goals' wishes differ whatever the die does. Nothing for other goals.
 std::optional<double> turn_difference(const Goal& a, const Goal& b) {
   const auto* turn = std::get_if<Turn>(&a.wanted);
   const auto* face = std::get_if<FaceDirection>(&b.wanted);
@@ -93,12 +93,12 @@ std::optional<double> turn_difference(const Goal& a, const Goal& b) {
 
 std::string contradiction_of(const Goal& a, const Goal& b, double side_m) {
   if (a.at_s != b.at_s) return {};
-  // What is equal but for rounding is met.
+  // Goals that agree up to rounding don't contradict each other.
   const double slack = (a.tolerance + b.tolerance) * (1 + 1e-9) + 1e-12;
   const auto area_a = area_of(a);
   const auto area_b = area_of(b);
   if (a.die != b.die) {
-    // In flight one may be above the other.
+    // In flight, one die may be above the other.
     if (!area_a || !area_b || a.at_s) return {};
     const double most_m = apart(*area_a, *area_b).most_m + slack;
     if (most_m >= side_m / 2) return {};
@@ -145,7 +145,7 @@ std::vector<double> goal_times(std::span<const Goal> goals) {
 
 namespace {
 
-/// The goal's die when the goal looks at it.
+/// The goal's die at the goal's time.
 const DieView& die_of(const Goal& goal, const Views& views, std::span<const double> times) {
   const std::size_t dice = views.at_end.size();
   CHECK_LT(goal.die, dice);
@@ -215,7 +215,7 @@ Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& v
   const std::size_t dice = views.at_end.size();
   Judgement judgement{.numberings = std::vector<std::uint32_t>(dice, 0)};
 
-  // What hangs on the faces: which numbering each die has, and the mean over all.
+  // Goals of faces: each die's shown numbering, and the mean over all numberings.
   for (std::uint32_t die = 0; numbering == Numbering::free && die < dice; ++die) {
     std::array<double, k_numberings> logs{};
     bool has_faces = false;
@@ -234,7 +234,7 @@ Judgement judge(std::span<const Goal> goals, Numbering numbering, const Views& v
     judgement.log_constraint += sum.log_mean();
   }
 
-  // Everything else, and all distances.
+  // The other goals, and all distances.
   for (const Goal& goal : goals) {
     const double distance = distance_of(goal, views, times, judgement.numberings.at(goal.die));
     judgement.distances.push_back(distance);

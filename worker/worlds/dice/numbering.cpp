@@ -10,14 +10,15 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Where a rotation takes x, y and z.
+/// The images of x, y and z under a rotation.
 using Images = std::array<AxisDirection, 3>;
 
 constexpr bool is_even(const std::array<std::uint8_t, 3>& p) {
   return (p[0] == 0 && p[1] == 1) || (p[0] == 1 && p[1] == 2) || (p[0] == 2 && p[1] == 0);
 }
 
-/// All 24: permutations in lexicographic order, with those signs that make the determinant 1.
+/// All 24 rotations: permutations in lexicographic order, with the signs that make the determinant
+/// 1.
 constexpr std::array<Images, k_numberings> all_rotations() {
   constexpr std::array<std::array<std::uint8_t, 3>, 6> k_permutations{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
@@ -64,14 +65,14 @@ Quat rotation_of_numbering(std::uint32_t numbering) {
     const AxisDirection& image = k_rotations[numbering][column];
     return image.axis == row ? static_cast<double>(image.sign) : 0.0;
   };
-  // Of a rotation matrix of whole numbers: four times the squares are whole, so the largest
-  // component is at least 1/2.
+  // The entries of the rotation matrix are whole numbers, so four times the squares of the
+  // components are whole, and the largest component is at least 1/2.
   const double w = std::sqrt(std::max(0.0, 1 + entry(0, 0) + entry(1, 1) + entry(2, 2))) / 2;
   if (w > 0) {
     return {w, (entry(2, 1) - entry(1, 2)) / (4 * w), (entry(0, 2) - entry(2, 0)) / (4 * w),
             (entry(1, 0) - entry(0, 1)) / (4 * w)};
   }
-  // Half a turn about the axis n: the matrix is 2 n n^T - 1.
+  // Half a turn about the axis n has the matrix 2 n n^T - 1.
   const double x = std::sqrt((entry(0, 0) + 1) / 2);
   const double y = std::sqrt((entry(1, 1) + 1) / 2);
   const double z = std::sqrt((entry(2, 2) + 1) / 2);
@@ -82,7 +83,7 @@ Quat rotation_of_numbering(std::uint32_t numbering) {
 
 Quat orientation_with_face_up(std::uint32_t face, double yaw_rad) {
   constexpr double k_quarter = 0.5 * math::k_pi;
-  // The turn of each face to the top, 1 to 6: of +x about -y, of +y about +x, and so on.
+  // The turns that bring faces 1 to 6 to the top: +x about -y, +y about +x, and so on.
   const std::array<Vec3, k_faces> turns{Vec3(0, -k_quarter, 0), Vec3(k_quarter, 0, 0),
                                         Vec3(0, 0, 0),          Vec3(math::k_pi, 0, 0),
                                         Vec3(-k_quarter, 0, 0), Vec3(0, k_quarter, 0)};

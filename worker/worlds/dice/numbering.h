@@ -1,12 +1,12 @@
 // The faces of a die, and the 24 ways to number them.
 //
-// In its own frame a die has its 1 on the side of +x, 2 on +y, 3 on +z, and opposite faces add up
-// to 7: 4 on -z, 5 on -y, 6 on -x. Seen from outside, 1, 2 and 3 go round their corner
-// anticlockwise.
+// In its own frame, a die has face 1 on the side of +x, 2 on +y, 3 on +z. Opposite faces add up to
+// 7: 4 is on -z, 5 on -y, 6 on -x. Seen from outside, 1, 2 and 3 go anticlockwise round their
+// common corner.
 //
 // Idea. A cube that is turned by one of its 24 rotations before a throw moves in the same way and
-// shows other faces. So one motion of an unnumbered cube stands for 24 throws of a die: numbering s
-// is the die that was turned by rotation s in the cube's frame. Numbering 0 is the die as above.
+// shows other faces. So one motion of an unnumbered cube stands for 24 throws of a die. Numbering s
+// is a die that was turned by rotation s in the cube's frame; rotation 0 is the identity.
 // Thread safety: pure functions.
 #pragma once
 
@@ -30,18 +30,17 @@ struct AxisDirection {
   friend bool operator==(const AxisDirection&, const AxisDirection&) = default;
 };
 
-/// Where, in the cube's frame, a face is with a numbering.
+/// Returns a face's direction in the cube's frame.
 /// REQUIRES: 1 <= face <= 6, numbering < k_numberings.
 AxisDirection direction_of_face(std::uint32_t face, std::uint32_t numbering);
 
-/// The rotation of a numbering: from the numbered die's frame to the cube's.
+/// Returns the rotation from the numbered die's frame to the cube's frame.
 Quat rotation_of_numbering(std::uint32_t numbering);
 
-/// The unit vector along it.
 Vec3 vector_of(AxisDirection direction);
 
-/// An orientation in which this face is up and the die is otherwise as it was before the smallest
-/// turn that brings it there from the identity, then turned by an angle about the vertical.
+/// Returns an orientation with this face up: the smallest turn from the identity that brings the
+/// face up, followed by a turn by yaw_rad about the vertical.
 Quat orientation_with_face_up(std::uint32_t face, double yaw_rad);
 
 }  // namespace sleight::worlds::dice

@@ -1,8 +1,8 @@
-// The numbers of the dice on a random table (thesis 2.4.4), as a request gives them. SI units, z
-// up, the table about the origin at height 0.
+// Parameters of the dice on a random table (thesis 2.4.4). SI units, z up, the table around the
+// origin at height 0.
 //
-// The thesis gives none of them. Those here are chosen: the die, its throw and the table's bumps
-// are those of the scene of dice that the project compares speeds with.
+// The thesis gives no values. The die, its throw and the table's bumps are those of the dice scene
+// in the project's speed comparison.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 namespace sleight::worlds::dice {
 
 inline constexpr std::uint32_t k_dice_max = 20;
-inline constexpr std::uint32_t k_grid_max = 10'000;  ///< control points of a side of the table
-inline constexpr double k_dice_apart_m = 0.045;      ///< starts of several dice, in y
+inline constexpr std::uint32_t k_grid_max = 10'000;  ///< control points along a side
+inline constexpr double k_dice_apart_m = 0.045;      ///< between dice's starts, in y
 
-/// A number that is uniform between two, or constant where these are one.
+/// A uniform distribution between two numbers, or a constant if they are equal.
 struct Range {
   double low = 0;
   double high = 0;
@@ -28,10 +28,10 @@ struct Range {
 
 /// A random surface (random_table.h).
 struct TableParameters {
-  double spacing_m = 0.021;  ///< of the control points
+  double spacing_m = 0.021;  ///< distance between control points
   std::uint32_t columns = 64;
   std::uint32_t rows = 64;
-  /// Of a control point; the surface itself varies by 0.48 of it: 0.6 mm.
+  /// Standard deviation of a control point's height. The surface's heights have 0.48 of it: 0.6 mm.
   double height_sd_m = 0.00125;
   Range restitution{0.5, 0.5};
   Range friction{0.4, 0.4};
@@ -39,31 +39,31 @@ struct TableParameters {
 
 enum class StartOrientation : std::uint8_t { uniform, fixed };
 
-/// How a die starts: each component is normal; one whose standard deviation is 0 is fixed.
+/// A die's start. Each component is normal; a component with standard deviation 0 is fixed.
 struct DieStart {
-  Vec3 position_m{-0.15, 0, 0.1};  ///< of its centre
+  Vec3 position_m{-0.15, 0, 0.1};  ///< centre
   Vec3 position_sd_m{0.005, 0.005, 0};
   StartOrientation orientation = StartOrientation::uniform;
-  Quat fixed_orientation = Quat::Identity();  ///< where it is fixed
+  Quat fixed_orientation = Quat::Identity();  ///< used if the orientation is fixed
   Vec3 velocity_mps{0.7, 0, 0};
   Vec3 velocity_sd_mps{0.1, 0.1, 0};
   Vec3 spin_radps{0, 0, 0};
   Vec3 spin_sd_radps{20, 20, 20};
-  double start_s = 0;  ///< when it is let go
+  double start_s = 0;  ///< release time
 };
 
 struct WorldParameters {
   double side_m = 0.016;
   double density_kgpm3 = 1200;
-  double dice_restitution = 0.5;  ///< of dice that meet each other
+  double dice_restitution = 0.5;  ///< between dice
   double dice_friction = 0.4;
   double gravity_mps2 = 9.81;
-  double time_max_s = 6;  ///< if the dice are not at rest before
+  double time_max_s = 6;  ///< time limit if the dice don't come to rest before
   TableParameters table;
   std::vector<DieStart> dice{DieStart{}};
 };
 
-/// Shares of the kinds of proposals, which add up to 1, and their sizes (proposals.h).
+/// Probabilities of the kinds of proposals, which add up to 1, and step sizes (proposals.h).
 struct ProposalParameters {
   double change_all = 0.02;
   double change_die = 0.03;
@@ -78,7 +78,7 @@ struct ProposalParameters {
   double height_m = 0.001;
   double restitution = 0.2;
   double friction = 0.2;
-  std::uint32_t halvings = 4;  ///< a step is halved 0 to so many times
+  std::uint32_t halvings = 4;  ///< a step is halved 0 to this many times
 };
 
 struct Parameters {

@@ -21,7 +21,7 @@ Kind drawn_kind(const ProposalParameters& p, random::Stream& stream) {
   return static_cast<Kind>(random::draw_by_share(shares, stream));
 }
 
-/// What steps are multiplied with: 2 to a power between -halvings and 0, times the scale.
+/// Returns the factor of steps: 2 to a power between -halvings and 0, times the scale.
 double drawn_factor(const ProposalParameters& p, double scale, random::Stream& stream) {
   const std::uint64_t halvings =
       random::UniformInteger{.count = std::uint64_t{p.halvings} + 1}.draw(stream);
@@ -72,7 +72,7 @@ void change_start(const Parameters& parameters, double scale, State& state,
   }
 }
 
-/// One random field of a control point.
+/// Changes one random field of a control point.
 void change_field(const Parameters& parameters, GridIndex index, double scale, State& state,
                   random::Stream& stream) {
   const ProposalParameters& p = parameters.proposal;
@@ -111,7 +111,7 @@ GridIndex drawn_control(const TableParameters& table, random::Stream& stream) {
           first.j + static_cast<std::int32_t>(place % table.rows)};
 }
 
-/// Null where the apron was drawn.
+/// Draws a contact. Null if the apron was drawn.
 const ContactShare* drawn_contact(const ContactShares& contacts, random::Stream& stream) {
   double u = stream.uniform();
   for (const ContactShare& contact : contacts) {
@@ -131,7 +131,7 @@ double share_of(const ContactShares& contacts, GridIndex index) {
 double reflected(double x, const Range& range) {
   const double width = range.high - range.low;
   CHECK_GT(width, 0);
-  // On a ring of twice the width, of which the second half runs back.
+  // Reflect on a ring of twice the width, whose second half runs back.
   double along = x - range.low;
   along -= 2 * width * std::floor(along / (2 * width));
   if (along > width) along = 2 * width - along;
@@ -179,7 +179,8 @@ sampling::Proposal<State> propose(const Parameters& parameters, const State& sta
 
 double contact_log_q_ratio(const State& state, const ContactShares& contacts,
                            const State& candidate, const ContactShares& candidate_contacts) {
-  // A first override that is what the key has is a difference of lists alone; there is none here.
+  // An override equal to the key's own value would also count as a difference, but doesn't occur
+  // here.
   const std::vector<GridIndex> changed = differences(state.overrides, candidate.overrides);
   CHECK_EQ(changed.size(), 1U);
   const double back = share_of(candidate_contacts, changed.front());

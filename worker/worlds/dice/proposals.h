@@ -1,30 +1,29 @@
-// How throws of dice are changed (thesis 2.4.4: one control point, one initial component, or
-// everything), with the ratios that make Algorithm 2.1 right.
+// Proposals that change throws of dice (thesis 2.4.4: one control point, one initial component, or
+// everything), with the ratios that make Algorithm 2.1 correct.
 //
-//   change_all      a draw from p_w, table and all: log q ratio = log p_w of the present state less
-//                   that of the candidate
-//   change_die      one die, uniformly: its throw is drawn afresh; likewise, for that die
-//   change_start    one random component of one die: plus a Gaussian; of the orientation, a turn by
-//                   a Gaussian angle about a uniform axis, which is symmetric with respect to the
-//                   uniform measure on rotations
-//   change_control  one random field of one control point of the table, uniformly: plus a Gaussian.
-//                   Restitution and friction are reflected at the ends of their ranges, which is
-//                   symmetric as well
-//   change_contact  the same of a control point that mattered: one of the collisions of dice with
-//                   the table, with a probability proportional to how long the die flew to it, then
-//                   one of the sixteen points around it, with the probability of its weight there.
-//                   Another table makes other collisions, so the way back has another probability:
-//                   with share(c) the mean of the weight of point c over collisions, each weighed
-//                   by its flight, log q ratio = log share(c) of the candidate's collisions - log
-//                   share(c) of the present ones. It is known after the simulation, and is at most
-//                   log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds (2/3)^2.
-//                   A point that the candidate doesn't touch has no way back.
+//   `change_all` draws a state from p_w, table and all. The log q ratio is log p_w of the present
+//     state minus log p_w of the candidate.
+//   `change_die` draws the throw of one die, chosen uniformly. The ratio is likewise, for this die.
+//   `change_start` adds a Gaussian to one random component of one die. An orientation is turned by
+//     a Gaussian angle about a uniform axis, which is symmetric in the uniform measure.
+//   `change_control` adds a Gaussian to one random field of one control point of the table, chosen
+//     uniformly. Restitution and friction are reflected at their ranges' ends, also symmetric.
+//   `change_contact` does the same to a control point that influenced a collision. First a
+//     collision with the table is chosen, with probability proportional to the preceding flight's
+//     duration, then one of the sixteen points around it with the probability of its weight there.
 //
-// Throws are chaotic: what changes the end a little is far smaller early in a throw than late, and
-// differs from throw to throw. So a step's standard deviation is the greatest that is asked for,
-// halved some times, which number is drawn uniformly, and whatever the state is.
+// The reverse of change_contact has a different probability, because another table causes other
+// collisions. Let share(c) be the mean weight of point c over collisions, each weighted by its
+// flight's duration. Then log q ratio = log share(c) of the candidate's collisions - log share(c)
+// of the present ones. The ratio is known after the simulation. Before the simulation it is at most
+// log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds (2/3)^2. If the candidate
+// doesn't touch the point, there is no reverse proposal.
 //
-// A kind that finds nothing to change proposes the present state.
+// Throws are chaotic: a change early in a throw must be far smaller than a late one to have a small
+// effect on the end, and the right size differs from throw to throw. So a step's standard deviation
+// is the configured maximum, halved a uniformly drawn number of times, independently of the state.
+//
+// If a kind finds nothing to change, it proposes the present state.
 // Thread safety: pure functions.
 #pragma once
 
@@ -48,37 +47,36 @@ enum class Kind : std::uint8_t {
 };
 inline constexpr std::uint32_t k_kinds = 5;
 
-/// Whether a kind has a size that can be tuned.
 inline bool has_scale(Kind kind) {
   return kind != Kind::change_all && kind != Kind::change_die;
 }
 
-/// A control point of the table that collisions hung on, and the mean of its weight in them.
+/// A control point of the table that influenced collisions, and its mean weight in them.
 struct ContactShare {
   GridIndex index;
   double share = 0;
   friend bool operator==(const ContactShare&, const ContactShare&) = default;
 };
-/// In ascending order of places. Adds up to 1, less the weight of the apron.
+/// Ascending by index. Shares add up to 1 minus the weight of the apron.
 using ContactShares = std::vector<ContactShare>;
 
-/// 0 if it has none.
+/// Returns 0 if contacts don't contain the index.
 double share_of(const ContactShares& contacts, GridIndex index);
 
-/// No weight is larger, nor is a mean of weights, rounding included.
+/// Upper bound for a weight and for a mean of weights, rounding included.
 inline constexpr double k_share_max = 4.0 / 9.0 + 1e-9;
 
-/// Shares and sizes as the parameters and `scales` (by kind; empty: 1) have them.
+/// Multiplies step sizes by `scales` (by kind; empty: 1).
 sampling::Proposal<State> propose(const Parameters& parameters, const State& state,
                                   const ContactShares& contacts, std::span<const double> scales,
                                   random::Stream& stream);
 
-/// Of change_contact, when the candidate's collisions are known.
-/// REQUIRES: the candidate is a proposal of that kind from the state with these contacts.
+/// Returns change_contact's log q ratio once the candidate's collisions are known.
+/// REQUIRES: the candidate is a change_contact proposal from the state with these contacts.
 double contact_log_q_ratio(const State& state, const ContactShares& contacts,
                            const State& candidate, const ContactShares& candidate_contacts);
 
-/// Folded back into a range at its ends, as often as it takes. REQUIRES: the range isn't constant.
+/// Returns x folded back into the range, as often as needed. REQUIRES: the range isn't constant.
 double reflected(double x, const Range& range);
 
 }  // namespace sleight::worlds::dice

@@ -1,19 +1,21 @@
-// A bumpy table of random control points (thesis 2.4.4): made where somebody looks, and nowhere
-// else, so that a table of a hundred million points costs no more than the tens that a throw
-// touches.
+// A bumpy table of random control points (thesis 2.4.4). Control points are computed only where
+// they are used, so a table of a hundred million points costs no more than the few tens that a
+// throw touches.
 //
-// Idea. Each control point (surface_controls.h) has a height N(0, height_sd) and a restitution and
-// a friction, each uniform in its range or constant, all independent. The point (i, j) of the table
-// with key k draws them from the stream (seed k, purpose table, iteration (i, j)): a pure function.
-// So a key is a whole table, and a key drawn uniformly is a draw from the distribution of tables
-// (of 2^64 of them). Points that a sampler has changed are overrides, held one by one.
+// Idea. Each control point (surface_controls.h) has a height N(0, height_sd), a restitution and a
+// friction. Restitution and friction are uniform in their ranges or constant, and all values are
+// independent. The point (i, j) of the table with key k draws its values from the stream (seed k,
+// purpose table, iteration (i, j)), a pure function. So a key determines a whole table, and a
+// uniformly drawn key draws one of 2^64 tables. Overrides store the points that a sampler has
+// changed.
 //
-// Frame: the world's. The table's points are i = -columns/2 ... (whole division), columns of them,
-// likewise j. Beyond lies a flat apron: height 0, restitution and friction the ranges' means.
+// Frame: the world's. The table has `columns` points with i = -columns/2 ... (integer division),
+// and likewise `rows` points with j. Beyond the table lies a flat apron with height 0 and the mean
+// restitution and friction of the ranges.
 //
 // Invariants
-//   1. Of one key and parameters, at() differs at most where overrides differ.
-//   2. Overrides are in ascending order of their places, one at each, all on the table.
+//   1. at() of two tables with the same key and parameters differs at most where overrides differ.
+//   2. Overrides are in ascending order of index, without duplicates, all on the table.
 // Thread safety: immutable after construction.
 #pragma once
 
@@ -28,13 +30,13 @@
 
 namespace sleight::worlds::dice {
 
-/// The log density where there is none.
+/// The log density of an impossible value.
 inline constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
 using physics::GridIndex;
 using physics::SurfaceControl;
 
-/// A control point that isn't the key's.
+/// A control point that replaces the key's.
 struct Override {
   GridIndex index;
   SurfaceControl control;
@@ -42,24 +44,24 @@ struct Override {
 };
 using Overrides = std::vector<Override>;
 
-/// The first and the last place of a table.
+/// Return the first and the last index of a table.
 GridIndex first_of(const TableParameters& table);
 GridIndex last_of(const TableParameters& table);
 bool is_on_table(const TableParameters& table, GridIndex index);
 
-/// What the key has at a place, or the apron.
+/// Returns the key's control point at an index, or the apron's outside the table.
 SurfaceControl control_of_key(const TableParameters& table, std::uint64_t key, GridIndex index);
 
-/// Of a control point on the table; normalised over those fields that are random, -infinity where a
-/// field can't be so.
+/// Log density of a control point on the table, normalised over the random fields. -infinity if a
+/// field has an impossible value.
 double log_density_of(const TableParameters& table, const SurfaceControl& control);
 
-/// Null if the place has none.
+/// Returns null if there is no override at the index.
 const Override* find_override(const Overrides& overrides, GridIndex index);
-/// In its place in the order.
+/// Inserts or replaces an override, keeping the order.
 void set_override(Overrides& overrides, const Override& one);
 
-/// The places where two lists differ, ascending.
+/// Returns the indices at which two lists differ, ascending.
 std::vector<GridIndex> differences(const Overrides& a, const Overrides& b);
 
 class RandomTable final : public physics::SurfaceControls {
@@ -68,7 +70,8 @@ class RandomTable final : public physics::SurfaceControls {
   RandomTable(const TableParameters& table, std::uint64_t key, Overrides overrides);
 
   SurfaceControl at(GridIndex index) const override;
-  /// Where overrides differ; nothing if the key or the parameters do, or it isn't such a table.
+  /// Returns the indices at which overrides differ. Nothing if `before` isn't a RandomTable or has
+  /// another key or other parameters.
   std::optional<std::vector<GridIndex>> changed_from(const SurfaceControls& before) const override;
 
  private:

@@ -94,7 +94,7 @@ void bind_orientation(Binder& die, DieKeys& keys) {
     die.number(
         k_parts[i], keys.quaternion[i],
         {.minimum = -1, .maximum = 1, .help = "quaternion instead of up and yaw_deg, if fixed"});
-    // By its value: a normalised request has every key, given or not.
+    // Judge by value, because a normalised request has every key.
     gives_quaternion = gives_quaternion || keys.quaternion[i] != (i == 0 ? 1 : 0);
     square += keys.quaternion[i] * keys.quaternion[i];
   }
@@ -234,13 +234,13 @@ struct GoalKeys {
   std::uint32_t die = 1;
 };
 
-/// Where a goal stands.
+/// Where a goal is in the request.
 struct GoalPlace {
   std::string name;  ///< "[constraint.place]"
   std::uint32_t line = 0;
 };
 
-/// What binds the goals of one request: how many dice there are, and how long they are watched.
+/// Binds the goals of one request.
 struct GoalBinder {
   Binder& constraint;
   const WorldParameters& world;
@@ -282,7 +282,7 @@ struct GoalBinder {
         {.minimum = 0.001, .maximum = k_face_tolerance_max_deg, .help = k_tolerance_help});
   }
 
-  /// An array of goals, each of which `bind` reads, from `defaults` on.
+  /// Binds an array of tables, each a goal that `bind` reads, starting from `defaults`.
   template <class Keys>
   void tables(std::string_view key, std::string_view help,
               const std::function<void(Binder&, Keys&)>& bind) {
@@ -291,7 +291,8 @@ struct GoalBinder {
                             [&](Binder& table, Keys& keys) {
                               bind_die(table, keys);
                               bind(table, keys);
-                              // Without a table it is for the keys; one slip is told once.
+                              // Without a table, the call only registers keys. A slip is reported
+                              // once.
                               if (table.line() == 0 || !table.is_sound()) return;
                               refuse_contradictions(table, keys.goal);
                               goals.push_back(keys.goal);
@@ -463,7 +464,7 @@ void GoalBinder::bind_motion() {
       });
 }
 
-/// What goals of faces ask of each other and of how dice start.
+/// Checks face goals against each other and against the dice's starts.
 void check_faces(Binder& constraint, const Parameters& p) {
   for (std::uint32_t die = 0; die < p.world.dice.size(); ++die) {
     std::vector<const Goal*> of_faces;
@@ -546,24 +547,25 @@ void bind(request::WorldSections& sections, Parameters& parameters) {
   bind_proposal(sections.sampler, parameters.proposal);
 }
 
-/// Of the chain that relaxes a find. docs/MEASUREMENTS has what was measured.
+/// For chains that relax finds. Measured in docs/MEASUREMENTS.
 constexpr std::uint32_t k_relax_scans = 2;
 
-/// Islands, which the odds are asked of.
+/// Settings for odds: islands.
 void settle_odds(request::Settled& settled, request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
   settled.word("method", "sequential");
   settled.count("particles", sampler.particles, 32);
 }
 
-/// Chains that relax a search's finds.
+/// Settings for chains that relax a search's finds.
 void settle_relaxing(request::Settled& settled, std::uint32_t dice,
                      request::SamplerParameters& sampler) {
   settled.count("iterations_per_scan", sampler.iterations_per_scan, 10 * dice);
   settled.count("relax_scans", sampler.relax_scans, k_relax_scans);
 }
 
-/// Parallel tempering, whose rounds are short: temperatures and sizes are soon learnt.
+/// Settings for parallel tempering. Rounds are short, because temperatures and step sizes adapt
+/// soon.
 void settle_tempering(request::Settled& settled, std::uint32_t dice,
                       request::SamplerParameters& sampler) {
   sampler.method = request::Method::parallel_tempering;
@@ -573,8 +575,7 @@ void settle_tempering(request::Settled& settled, std::uint32_t dice,
   settled.count("iterations_per_scan", sampler.iterations_per_scan, dice == 1 ? 1 : 3 * dice);
 }
 
-/// What serves a request that leaves the sampler open; docs/SAMPLING, "Without a sampler", tells it
-/// to people.
+/// Chooses the sampler if the request doesn't name one (docs/SAMPLING, "Without a sampler").
 void serve_best(request::WorldSections& sections, request::SamplerParameters& sampling,
                 const request::StopRule& stop, Parameters& parameters) {
   request::Settled settled(sections.sampler);

@@ -1,7 +1,5 @@
-// The keys of the dice in a direction request.
-//
-// Lengths are in millimetres in the file and angles in degrees; in Parameters in metres and
-// radians. Dice are counted from 1 in the file.
+// The keys of the dice in a direction request. The file's lengths are in millimetres and its angles
+// in degrees. The file counts dice from 1.
 #pragma once
 
 #include "common/request/direction_request.h"
@@ -9,7 +7,7 @@
 
 namespace sleight::worlds::dice {
 
-/// The world "dice"; its requests have the world's Parameters (request::parameters_of).
+/// Binds the world "dice". Its requests have the world's Parameters (request::parameters_of).
 request::WorldBinding request_binding();
 
 }  // namespace sleight::worlds::dice

@@ -1,16 +1,16 @@
-// What is uncertain of a throw of dice, and its distribution p_w.
+// The random variables of a throw of dice, and their distribution p_w.
 //
-// The table is a key and overrides (random_table.h), the dice are their starts.
+// The table is a key with overrides (random_table.h). Each die is described by its start.
 //
-// Density. That of the starts' random components is normalised: normal in each component, and for
-// a uniform orientation with respect to the surface of the unit sphere of four dimensions. Of the
-// table it is that of its control points relative to those that its key draws: a sum over the
-// overrides of log density of the override less log density of what the key has in its place. So a
-// table just drawn has 0, however large it is. Nothing is lost: Metropolis-Hastings sees ratios
-// only. Between tables of one key the ratio is that of the tables. A proposal that draws a new key
-// has as its ratio that of two draws, the density of the present table over that of the new one;
-// times the target's own ratio that is 1, whichever density of a whole table, the key's or another,
-// both are taken relative to.
+// Density. The starts' density is normalised. It is normal in each random component; a uniform
+// orientation's density is with respect to the surface of the unit sphere in four dimensions. The
+// table's density is relative to the control points that its key draws: the sum over overrides of
+// the override's log density minus the log density of the key's point at the same index. So a
+// freshly drawn table has log density 0, whatever its size. Relative densities suffice because
+// Metropolis-Hastings uses only ratios. Between tables with the same key, the ratio is the tables'
+// true ratio. A proposal that draws a new key has the ratio of two draws: the present table's
+// density over the new table's. This ratio times the target's own ratio is 1, whichever whole table
+// both densities are relative to.
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -23,7 +23,6 @@
 
 namespace sleight::worlds::dice {
 
-/// How a die is thrown.
 struct DieThrow {
   Vec3 position_m{0, 0, 0};
   Quat orientation = Quat::Identity();
@@ -43,14 +42,14 @@ struct State {
 };
 
 DieThrow draw_throw(const DieStart& start, random::Stream& stream);
-/// -infinity where a component that is fixed isn't so.
+/// Returns -infinity if a fixed component differs from its fixed value.
 double log_density_of(const DieStart& start, const DieThrow& one);
 
 State draw_state(const WorldParameters& world, random::Stream& stream);
-/// REQUIRES: as many dice as the world has.
+/// REQUIRES: the state has as many dice as the world.
 double log_density_of(const WorldParameters& world, const State& state);
 
-/// What the table of a state has at a place.
+/// Returns the control point of a state's table at an index.
 SurfaceControl control_at(const WorldParameters& world, const State& state, GridIndex index);
 
 }  // namespace sleight::worlds::dice

@@ -1,8 +1,8 @@
-// States of throws of dice as bytes.
+// The byte encoding of throws of dice.
 //
-// The table's key (u64); the number of overrides (u64) and each: its place (i32, i32), height,
-// restitution and friction (f64); then of each die its position, orientation (w, x, y, z), velocity
-// and spin (f64).
+// The bytes contain the table's key (u64) and the number of overrides (u64), then each override's
+// index (i32, i32), height, restitution and friction (f64). Each die follows with its position,
+// orientation (w, x, y, z), velocity and spin (f64).
 // Thread safety: pure functions.
 #pragma once
 
@@ -14,8 +14,8 @@
 namespace sleight::worlds::dice {
 
 base::Bytes encode(const State& state);
-/// Refuses another length, a number that is not finite, overrides out of order or off the table or
-/// out of their ranges, and orientations that are not of norm 1.
+/// Refuses a wrong length, numbers that aren't finite, overrides that are out of order, off the
+/// table or out of range, and orientations whose norm isn't 1.
 std::optional<State> decode(const WorldParameters& world, base::BytesView bytes);
 
 }  // namespace sleight::worlds::dice

@@ -7,7 +7,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// Draws from the map before the walk, and steps of it.
+/// Draws from the map before the walk, and steps of the walk.
 constexpr std::uint32_t k_draws = 8;
 constexpr std::uint32_t k_walk_steps = 60;
 
@@ -51,7 +51,7 @@ std::optional<ThrowBuilder::Lone> ThrowBuilder::promising_throw(const Prefix& pr
   one_start.proposal = walk_;
   State state{.table_key = prefix.state.table_key, .overrides = prefix.state.overrides, .dice = {}};
 
-  // Throw it anew, some times.
+  // Throw the die several times from scratch.
   Lone best{.state = {}, .outcome = {}, .log_target = sampling::k_log_zero};
   for (std::uint32_t nth = 0; nth < k_draws; ++nth) {
     state.dice = {guide_->maps[die].draw(stream)};
@@ -63,7 +63,7 @@ std::optional<ThrowBuilder::Lone> ThrowBuilder::promising_throw(const Prefix& pr
 
   if (best.state.dice.empty()) return std::nullopt;
 
-  // Change the best of these, a component at a time.
+  // Change the best throw, one component at a time.
   for (std::uint32_t step = 0; step < k_walk_steps; ++step) {
     State changed = propose(one_start, best.state, best.outcome.contacts, {}, stream).candidate;
     if (!guide_->maps[die].is_plausible(changed.dice.front())) continue;

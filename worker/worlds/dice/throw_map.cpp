@@ -10,14 +10,14 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// More goals than that say little more of where to.
+/// Maximum misses used; further goals add little about the place.
 constexpr std::size_t k_misses_max = 8;
-/// Throws for each number that is looked at, at least: below, covariances are noise.
+/// Minimum throws per number. With fewer, covariances are noise.
 constexpr std::size_t k_throws_per_number = 3;
-/// g is wider than what was learnt of so few throws, so that it covers what they don't show.
+/// Factor by which g is widened to cover what the few throws don't show.
 constexpr double k_widened = 1.2;
 constexpr double k_variance_min = 1e-4;
-/// Of a component's mean: below, its standard deviation is taken for none.
+/// Relative to a component's mean. A smaller standard deviation counts as none.
 constexpr double k_sd_min = 1e-9;
 
 double& at(DieThrow& one, std::size_t place) {
@@ -32,7 +32,7 @@ double at(const DieThrow& one, std::size_t place) {
   return place < 6 ? one.velocity_mps[axis] : one.spin_radps[axis];
 }
 
-/// Numbers that are jointly normal: the scores of a throw, then its misses.
+/// Jointly normal numbers: the scores of a throw, then its misses.
 struct Normals {
   std::size_t count = 0;
   std::vector<double> mean;
@@ -60,7 +60,7 @@ Normals normals_of(const std::vector<std::vector<double>>& rows) {
   return n;
 }
 
-/// Conditions on the k-th number, plus noise of this standard deviation, being 0.
+/// Conditions on the k-th number plus noise (of the given standard deviation) being 0.
 void condition_on_zero(Normals& n, std::size_t k, double noise_sd) {
   const double variance = n.cov(k, k) + noise_sd * noise_sd;
   if (!(variance > 0)) return;
@@ -85,7 +85,7 @@ ThrowMap::ThrowMap(const DieStart& start, std::span<const LoneThrow> throws) : s
                .velocity_mps = start.velocity_sd_mps,
                .spin_radps = start.spin_sd_radps};
   for (std::size_t place = 0; place < k_components_max; ++place) {
-    // Within rounding of the mean a score says nothing.
+    // A score whose standard deviation is within rounding of the mean is noise.
     if (at(sds, place) > k_sd_min * std::fabs(at(means, place)))
       components_.push_back({place, at(means, place), at(sds, place)});
   }
@@ -117,7 +117,7 @@ void ThrowMap::learn(std::span<const LoneThrow> throws) {
   const std::size_t misses = std::min(k_misses_max, throws.front().misses.size());
   if (throws.size() < k_throws_per_number * (scores + misses)) return;
 
-  // Learn how scores and misses hang together, and what scores are where nothing is missed.
+  // Estimate the joint distribution of scores and misses, then condition the scores on misses of 0.
   std::vector<std::vector<double>> rows;
   for (const LoneThrow& one : throws) {
     CHECK_GE(one.misses.size(), misses);
@@ -130,7 +130,7 @@ void ThrowMap::learn(std::span<const LoneThrow> throws) {
   for (std::size_t k = 0; k < misses; ++k)
     condition_on_zero(normals, scores + k, throws.front().misses[k].sigma);
 
-  // Its Cholesky root, by which g is drawn from.
+  // The Cholesky root from which g is drawn.
   for (std::size_t i = 0; i < scores; ++i) {
     mean_[i] = normals.mean[i];
     for (std::size_t j = 0; j <= i; ++j) {
@@ -160,7 +160,7 @@ DieThrow ThrowMap::draw(random::Stream& stream) const {
 }
 
 double ThrowMap::log_g_over_p(const Scores& scores) const {
-  // Standard normals both, of the scores and of what they are in g; the rest cancels.
+  // Both densities are standard normal, in the scores and in g's coordinates; other terms cancel.
   double squares_in_p = 0;
   double squares_in_g = 0;
   Scores normals{};

@@ -1,15 +1,14 @@
-// Throws that bring a die to where its goals want it, learnt from throws of that die alone.
+// A map of throws that bring a die to its goals, learnt from throws of that die alone.
 //
-// How a throw ends is chaotic in its orientation, but where to, is mostly a matter of how fast and
-// from where the die was thrown: nearly linear, with noise. So the random components of a throw, as
-// standard scores, and by how much it missed its goals are taken for jointly normal, and the throws
-// that miss by 0 are the conditional distribution: the density
+// The die's final orientation is chaotic, but its final place depends mostly on the throw's speed
+// and position: nearly linearly, with noise. So the map treats a throw's random components (as
+// standard scores) and its signed misses as jointly normal. The map draws throws from the density
 //
 //   q = prior_share p + (1 - prior_share) g,
 //
-// p the prior's density, g that of these scores (the orientation stays the prior's). Whoever draws
-// from q weighs a throw by v = p / q, which is at most 1 / prior_share: the map may be wrong, and
-// costs no more than that.
+// where p is the prior's density and g the conditional density of the scores given that all misses
+// are 0. The orientation keeps its prior. A throw drawn from q has the weight v = p / q, which is
+// at most 1 / prior_share. So a bad map gives correct results and costs no more than this factor.
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -25,7 +24,7 @@
 
 namespace sleight::worlds::dice {
 
-/// A throw of a die alone that came to rest, and by how much it missed.
+/// A throw of a die alone that came to rest, with its misses.
 struct LoneThrow {
   DieThrow thrown;
   std::vector<Miss> misses;  ///< of the same goals for every throw
@@ -35,16 +34,16 @@ class ThrowMap {
  public:
   static constexpr double k_prior_share = 0.2;
 
-  /// Of a die that starts so. Without goals that say where to, with too few throws, or where
-  /// nothing is random but the orientation, q is the prior.
+  /// Learns the map of a die with this start. q is the prior if no goal has signed misses, if there
+  /// are too few throws, or if only the orientation is random.
   ThrowMap(const DieStart& start, std::span<const LoneThrow> throws);
 
   DieThrow draw(random::Stream& stream) const;
-  /// v = p / q. REQUIRES: the components that are fixed are as the start has them.
+  /// Returns v = p / q. REQUIRES: fixed components have the start's values.
   double prior_over_q(const DieThrow& one) const;
   bool is_prior() const { return is_prior_; }
-  /// Not so if fewer than one in 10,000 throws of the prior are as far from the start's means: the
-  /// squares of n scores add up to n + 2 sqrt(n t) + 2 t with probability e^-t at most (B. Laurent,
+  /// Returns false if fewer than one in 10,000 prior throws are as far from the start's means. The
+  /// squares of n scores add up to n + 2 sqrt(n t) + 2 t with probability at most e^-t (B. Laurent,
   /// P. Massart, Adaptive estimation of a quadratic functional by model selection, Annals of
   /// Statistics 28, 2000, lemma 1).
   bool is_plausible(const DieThrow& one) const;
@@ -54,9 +53,8 @@ class ThrowMap {
   static constexpr std::size_t k_components_max = 9;
   using Scores = std::array<double, k_components_max>;
 
-  /// One random component of the throw.
   struct Component {
-    std::size_t place;  ///< of position, velocity and spin, in this order
+    std::size_t place;  ///< index in (position, velocity, spin)
     double mean;
     double sd;
   };
@@ -68,8 +66,9 @@ class ThrowMap {
   DieStart start_;
   std::vector<Component> components_;
   bool is_prior_ = true;
-  Scores mean_{};                                ///< of g
-  std::array<Scores, k_components_max> root_{};  ///< of g's covariance: lower triangle
+  Scores mean_{};  ///< mean of g
+  std::array<Scores, k_components_max>
+      root_{};  ///< Cholesky root of g's covariance: lower triangle
   double log_root_determinant_ = 0;
 };
 

@@ -12,7 +12,7 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// The world with these of its dice alone, and their goals.
+/// The world with only these dice and their goals.
 Parameters with_dice(const Parameters& all, std::size_t first, std::size_t count) {
   Parameters some = all;
   const auto begin = all.world.dice.begin() + static_cast<std::ptrdiff_t>(first);
@@ -30,7 +30,7 @@ State with_throw(const ThrowGround& ground, const DieThrow& one) {
   return {.table_key = ground.table_key, .overrides = ground.overrides, .dice = {one}};
 }
 
-/// log p_c, or what a promise is at least.
+/// log p_c, at least log_floor.
 double promise_of(const Dice& world, const Outcome& outcome, double log_floor) {
   return outcome.is_animation() ? std::max(world.log_constraint(outcome), log_floor) : log_floor;
 }
@@ -126,14 +126,14 @@ sampling::Extension StagedDice::add(const Ground& ground, std::uint32_t stage, s
   prefix.state.dice.push_back(one.thrown);
   sampling::Extension extension{.log_weight = sampling::k_log_zero, .simulation = {}};
   if (stage == 0) {
-    // It is known, and its failure has been told, by the pool.
+    // The pool has this outcome, and has reported its failure.
     prefix.outcome = ground.first_die_alone[place];
   } else {
     prefix.outcome = first(stage + 1).simulate(prefix.state);
     extension.simulation = sampling::report_of(first(stage + 1), prefix.outcome);
   }
-  // Dice that are all thrown at once and overlap do so in any company. Where one is thrown later, a
-  // die that comes between may have pushed away what it would start in.
+  // Dice that are all thrown at once and overlap do so whatever dice follow. If a die is thrown
+  // later, another die may have pushed away what it overlaps at its start.
   const bool is_last = stage + 1 == stages();
   if (!prefix.outcome.is_animation() && (is_last || thrown_at_once_)) return extension;
   extension.log_weight =

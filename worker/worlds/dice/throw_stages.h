@@ -1,27 +1,28 @@
-// Dice as a world that acts in stages (worker/sampling/stages.h): stage i adds die i to the throw,
-// looked at alone first, then with the dice before it.
+// Dice as a world that acts in stages (worker/sampling/stages.h). Stage i adds die i to the throw:
+// first simulated alone, then with the dice before it.
 //
-// Ground: the table, and for each die a pool of n throws that an island's particles share. They are
-// drawn from the die's q (throw_map.h), and each is simulated once with no other die, so that a
-// particle may look at all of them before it chooses.
+// Ground: the table, and for each die a pool of n throws that an island's particles share. The
+// throws are drawn from the die's q (throw_map.h). Each throw is simulated once without other dice,
+// so a particle can compare all throws before it chooses.
 //
-// Choice. Throw j of the die's pool with probability v_j g_j / S, S the sum over the pool;
-// v = p / q, and g guesses how promising the throw is: p_c of the die's goals by the lone throw,
-// but e^log_floor at least, since the other dice may turn any throw into one that ends as is
-// wanted. The weight is
+// Choice. A particle chooses throw j of the die's pool with probability v_j g_j / S, where v = p /
+// q and S is the sum over the pool. The guess g estimates how promising the throw is: p_c of the
+// die's goals for the lone throw, but at least e^log_floor, since the other dice may turn any throw
+// into one that meets the goals. The weight is
 //
 //   S / (n g_j).
 //
-// Why that is right on average over pools: the probability of throw j times its weight is v_j / n;
-// summed over a pool that is drawn from q, its mean is p, whatever g is. A die has a pool of its
-// own, so no throw is used twice.
+// The estimate is unbiased over pools: the probability of throw j times its weight is v_j / n.
+// Summed over a pool drawn from q, this has mean p for any g. Each die has its own pool, so no
+// throw is used twice.
 //
-// Given a state (ground_given), its table is the ground and its throws stand first in their pools;
-// the rest is drawn as always. Places say nothing, since a pool's throws are drawn alike. So
-// conditional islands keep the table, which local moves change.
+// Given a state (ground_given), the ground has the state's table, and the state's throws come first
+// in their pools. The other throws are drawn as usual. A throw's place in its pool doesn't matter,
+// since all throws of a pool are drawn alike. So conditional islands keep the table; local moves
+// change it.
 //
-// Potential: p_c of the goals of the dice so far, e^log_floor at least: above 0, so that every
-// state is reached, also one whose last die pushes another one to its place.
+// Potential: p_c of the goals of the dice so far, but at least e^log_floor. So the potential is
+// above 0, and every state can be reached, even one whose last die pushes another die to its goal.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -43,20 +44,21 @@
 
 namespace sleight::worlds::dice {
 
-/// Throws of each die alone that its map is learnt from; each on a table of its own.
+/// Lone throws per die from which its map is learnt, each on a table of its own.
 inline constexpr std::uint32_t k_throws_of_map = 100;
 
-/// Frozen before anything counts.
+/// Fixed before sampling starts.
 struct ThrowGuide {
-  std::vector<ThrowMap> maps;                    ///< by die
-  std::vector<plan::FailurePointer> failures{};  ///< of the throws that the maps are made of
-  std::uint32_t throws_of_pool = 64;             ///< of each die
-  /// Of guesses and potentials. Lower, a die that another one pushes to its place weighs so much
-  /// that few islands have most of Z: at -8 the largest of 300 had 18% of it, at -3 3% (two dice).
+  std::vector<ThrowMap> maps;  ///< by die
+  std::vector<plan::FailurePointer>
+      failures{};                     ///< failures of the throws from which maps are learnt
+  std::uint32_t throws_of_pool = 64;  ///< per die
+  /// Minimum log guess and log potential. If lower, a die that another die pushes to its goal
+  /// weighs so much that few islands hold most of Z. Measured with two dice: the largest of 300
+  /// islands held 18% of Z at -8 and 3% at -3.
   double log_floor = -3;
 };
 
-/// A throw of a die's pool.
 struct PoolThrow {
   DieThrow thrown;
   double v = 1;
@@ -72,8 +74,9 @@ struct ThrowPool {
 struct ThrowGround {
   std::uint64_t table_key = 0;
   Overrides overrides;
-  std::vector<ThrowPool> pools;            ///< by die
-  std::vector<Outcome> first_die_alone{};  ///< by throw of the first pool: of the first stage too
+  std::vector<ThrowPool> pools;  ///< by die
+  std::vector<Outcome>
+      first_die_alone{};  ///< by throw of the first pool; also the outcomes of the first stage
   std::vector<sampling::SimulationReport> simulations{};
 };
 
@@ -92,20 +95,21 @@ class StagedDice : public Dice {
 
   explicit StagedDice(const Parameters& parameters, Replays replays = Replays::yes);
 
-  /// The guide of all runs with this seed.
+  /// Returns the guide that all runs with this seed share.
   Guide learn(std::uint64_t seed) const;
   std::span<const plan::FailurePointer> failures_of(const Guide& guide) const {
     return guide.failures;
   }
   ThrowBuilder builder(const Guide& guide) const;
-  /// Nothing of dice has a side that all searches start on: tables and throws come from all over.
+  /// Declares no value that starts at one end: searches find tables and throws from the whole
+  /// range.
   std::vector<sampling::BurnInValue> burn_in_values() const;
   std::vector<double> burn_in_values_of(const State& state, const Outcome& outcome) const;
-  /// Simulations are whole ones.
+  /// Same as simulate, because simulate always runs to the end.
   Outcome simulate_to_rest(const State& state) const { return simulate(state); }
 
   std::uint32_t stages() const { return static_cast<std::uint32_t>(dice()); }
-  /// "die 2 of 6".
+  /// Returns a name such as "die 2 of 6".
   std::string stage_name(std::uint32_t stage) const;
   Ground draw_ground(const Guide& guide, random::Stream& stream) const;
   Ground ground_given(const Guide& guide, const State& state, random::Stream& stream) const;
@@ -121,38 +125,39 @@ class StagedDice : public Dice {
     return ground.simulations;
   }
 
-  /// The world of a die alone, and that of the first dice up to and with one: with their goals.
+  /// The worlds of a single die and of the first dice, with their goals.
   const Dice& alone(std::size_t die) const { return die == 0 ? first_[0] : alone_[die - 1]; }
   const Dice& first(std::size_t dice) const { return first_[dice - 1]; }
 
  private:
-  /// Draws the pools; a given state's throws stand first.
+  /// Draws the pools. A given state's throws come first.
   Ground ground_of(const Guide& guide, State table, const State* given,
                    random::Stream& stream) const;
-  /// Adds the throw at this place of the stage's pool.
+  /// Adds the throw at this place in the stage's pool.
   sampling::Extension add(const Ground& ground, std::uint32_t stage, std::size_t place,
                           Prefix& prefix) const;
 
   bool thrown_at_once_ = true;
-  std::vector<Dice> first_;  ///< by number of dice, from 1
-  std::vector<Dice> alone_;  ///< by die, from the second on: the first one alone is first_[0]
+  std::vector<Dice> first_;  ///< by number of dice minus 1
+  std::vector<Dice> alone_;  ///< by die minus 1; the first die alone is first_[0]
 };
 
 static_assert(sampling::ActsInStages<StagedDice>);
 
-/// Throws built die by die, for search: each is thrown alone until it ends as is wanted, by draws
-/// from its map and a walk from the best of them; then with the dice before it.
+/// Builds throws die by die for search. Each die is first thrown alone until it meets its goals: by
+/// draws from its map, then by a walk from the best draw. Then the die is thrown with the dice
+/// before it.
 class ThrowBuilder {
  public:
   using Prefix = ThrowPrefix;
 
-  /// REQUIRES: world and guide outlive it.
+  /// REQUIRES: world and guide outlive the builder.
   ThrowBuilder(const StagedDice& world, const ThrowGuide& guide);
 
   std::uint32_t stages() const { return world_->stages(); }
-  /// A try is a walk of many simulations.
+  /// Low limits, because each try is a walk of many simulations.
   sampling::SearchLimits limits() const { return {.tries_of_stage = 10, .turns_per_stage = 10}; }
-  /// A table of the prior without dice.
+  /// Returns a table of the prior without dice.
   Prefix start(random::Stream& stream) const;
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
                                 sampling::SearchEffort& effort, random::Stream& stream) const;
@@ -161,7 +166,7 @@ class ThrowBuilder {
   const Outcome& outcome_of(const Prefix& prefix) const { return prefix.outcome; }
 
  private:
-  /// A die alone on the prefix's table, and what came of it.
+  /// A die alone on the prefix's table, with its outcome.
   struct Lone {
     State state;
     Outcome outcome;
@@ -169,13 +174,13 @@ class ThrowBuilder {
   };
 
   Lone looked_at(std::size_t die, State state, sampling::SearchEffort& effort) const;
-  /// A throw of the die alone that ends as is wanted; nothing after so many tries.
+  /// Returns a lone throw of the die that meets its goals. Nothing after too many tries.
   std::optional<Lone> promising_throw(const Prefix& prefix, std::size_t die,
                                       sampling::SearchEffort& effort, random::Stream& stream) const;
 
   const StagedDice* world_;
   const ThrowGuide* guide_;
-  ProposalParameters walk_;  ///< proposals of one component alone
+  ProposalParameters walk_;  ///< proposals that change one component
 };
 
 static_assert(sampling::StageBuilder<ThrowBuilder>);

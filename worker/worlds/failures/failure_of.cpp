@@ -26,8 +26,8 @@ plan::FailureKind kind_of(physics::SceneError::Kind kind) {
     case Kind::bad_reference:
     case Kind::no_balance:
       return plan::FailureKind::scene_refused;
-    case Kind::overlap:             // known outcomes are not asked about
-    case Kind::incomplete_history:  // a void replay is followed by a whole simulation
+    case Kind::overlap:             // a known outcome, handled above
+    case Kind::incomplete_history:  // handled by simulating again in full
       break;
   }
   base::check_failed("the failure comes from the simulator", "");

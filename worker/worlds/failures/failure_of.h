@@ -1,4 +1,4 @@
-// What it means for a world that the simulator stopped.
+// Converts simulator errors to failures.
 //
 // Thread safety: a pure function.
 #pragma once
@@ -9,8 +9,8 @@
 
 namespace sleight::worlds {
 
-/// The failure of a state's simulation; null if bodies overlap at their start, which is no failure
-/// but a known outcome.
+/// Returns the failure of a state's simulation. Null if bodies overlap at their start, which is a
+/// known outcome and no failure.
 plan::FailurePointer failure_of(const physics::SceneError& error, base::Bytes state);
 
 }  // namespace sleight::worlds

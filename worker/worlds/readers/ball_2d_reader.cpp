@@ -36,11 +36,11 @@ archive::WorldLayout make_layout(const WorldParameters& world) {
 }
 
 constexpr std::uint32_t k_table = 1;
-/// A tilted piece of the table, in diameters of the ball.
+/// Length of a tilted piece of the table, in ball diameters.
 constexpr double k_piece_diameters = 0.9;
 constexpr double k_piece_thickness_diameters = 0.04;
 
-/// The ball's path lies in the plane y = 0.
+/// Places the ball's path in the plane y = 0.
 math::Vec3 in_space(const math::Vec2& place) {
   return {place.x(), 0, place.y()};
 }
@@ -48,7 +48,7 @@ math::Vec3 in_space(const math::Vec2& place) {
 scene::Scene make_scene(const Parameters& parameters) {
   const double diameter_m = parameters.world.diameter_m;
   const double table_z_m =
-      -0.5 * diameter_m;  // heights count from the centre of a ball that touches
+      -0.5 * diameter_m;  // heights are relative to the centre of a touching ball
   const double drop_m = parameters.world.drop_height_diameters * diameter_m;
   const double target_m = parameters.constraint.target_diameters * diameter_m;
   scene::Scene scene;
@@ -81,7 +81,7 @@ class Ball2dReader final : public archive::StateReader {
     return {normals.begin(), normals.begin() + collisions()};
   }
 
-  /// Where it lands, and where its flights begin, along x.
+  /// The landing place and the starts of flights, along x.
   std::vector<double> likeness(base::BytesView state) const override {
     const Motion simulated = motion(state);
     std::vector<double> places_m{simulated.landing.x_m};
@@ -115,7 +115,6 @@ class Ball2dReader final : public archive::StateReader {
       cause = motion::Cause::hit;
       partner = k_table;
     }
-    // It ends where the ball lands.
     played.segments.push_back({.start_s = simulated.landing.time_s,
                                .mode = motion::Mode::resting,
                                .cause = cause,
@@ -126,7 +125,7 @@ class Ball2dReader final : public archive::StateReader {
 
   const scene::Scene& scene() const override { return scene_; }
 
-  /// The table's pieces, each tilted as its collision has it.
+  /// The table's pieces, each with the tilt of its collision.
   scene::Variation variation(base::BytesView state,
                              std::span<const motion::Segment> segments) const override {
     const NormalAngles normals = decoded(state);

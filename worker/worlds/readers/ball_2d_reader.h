@@ -1,7 +1,7 @@
-// How archives of the 2D ball name things.
+// The reader of 2D ball archives.
 //
-// Likeness distance of two animations: the largest difference between the places of equal-numbered
-// collisions, landing included, in ball diameters.
+// Likeness distance of two animations: the greatest distance between the places of collisions with
+// the same number, landing included, in ball diameters.
 // Thread safety: readers may be used from several threads.
 #pragma once
 

@@ -27,19 +27,19 @@ namespace {
 
 constexpr double k_likeness_every_s = 1.0 / 60;
 constexpr const char* k_table_name = "table";
-/// Of a cube of side 1: from its centre to a corner.
+/// Distance from a unit cube's centre to a corner.
 constexpr double k_half_diagonal = 0.8661;
 
 void append_vector(const Vec3& v, std::vector<double>& values) {
   values.insert(values.end(), {v.x(), v.y(), v.z()});
 }
 
-/// As w, x, y, z.
+/// Appends w, x, y, z.
 void append_quaternion(const Quat& q, std::vector<double>& values) {
   values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
 }
 
-/// The components of one vector of all dice's starts.
+/// One vector of all dice's starts.
 std::vector<double> components(const WorldParameters& world, Vec3 DieStart::*vector) {
   std::vector<double> values;
   for (const DieStart& die : world.dice)
@@ -140,7 +140,7 @@ archive::WorldLayout make_layout(const Dice& world) {
   return layout;
 }
 
-/// What a goal asks of its die, all but which die that is.
+/// A goal as text, without its die.
 std::string words_of(const Goal& goal) {
   const auto numbers = [](const auto&... vectors) {
     std::string text;
@@ -166,7 +166,7 @@ std::string words_of(const Goal& goal) {
                      goal.tolerance, goal.sigma, std::visit(Words{numbers}, goal.wanted));
 }
 
-/// All that is asked of a die, in the order of goals.
+/// All goals of a die as text, in the order of goals.
 std::string wishes_of(std::span<const Goal> goals, std::uint32_t die) {
   std::string wishes;
   for (const Goal& goal : goals) {
@@ -190,7 +190,7 @@ void add_goal(scene::Scene& scene, const Goal& goal, std::size_t number) {
   }
 }
 
-/// About where dice start, where they go in half a second, and where they are to be.
+/// Sets a view that contains the starts, half a second of flight, and the goals.
 void set_view(scene::Scene& scene, const WorldParameters& world) {
   constexpr double k_sds = 3;
   constexpr double k_ahead_s = 0.5;
@@ -220,7 +220,7 @@ scene::Scene make_scene(const Parameters& parameters) {
   for (std::uint32_t die = 0; die < world.dice.size(); ++die) {
     add_feature(scene, scene::FeatureKind::body, fmt::format("die {}", die + 1));
     add_part(scene, scene::Shape::die, Vec3::Constant(world.side_m));
-    // Dice of which the same is wanted look alike.
+    // Dice with the same goals look alike.
     scene.features.back().twin_of =
         first_with.emplace(wishes_of(parameters.goals, die), die).first->second;
   }
@@ -235,8 +235,8 @@ scene::Scene make_scene(const Parameters& parameters) {
   return scene;
 }
 
-/// The animations that were asked for last: the choice of kept animations compares each one with
-/// the same few others. Thread-safe.
+/// Caches the last requested animations: the choice of kept animations compares each new animation
+/// with the same few others. Thread-safe.
 class LastAnimations {
  public:
   std::shared_ptr<const Animation> of(const Dice& world, base::BytesView bytes) {
@@ -257,7 +257,8 @@ class LastAnimations {
   }
 
  private:
-  /// Some times as many as are kept of a lineage; of twenty dice they take some megabytes.
+  /// Several times the animations stored per lineage. With twenty dice, the cache uses a few
+  /// megabytes.
   static constexpr std::size_t k_held = 16;
   struct Held {
     base::Bytes bytes;
@@ -268,15 +269,15 @@ class LastAnimations {
   std::size_t next_ = 0;
 };
 
-/// What DiceReader::likeness says, by its parts.
+/// Access to the values of DiceReader::likeness.
 class Likeness {
  public:
   Likeness(std::span<const double> numbers, std::size_t dice) : numbers_(numbers), dice_(dice) {}
 
   double touches() const { return numbers_[0]; }
-  /// Those at equal distances, without the end.
+  /// Number of equally spaced times, without the end.
   std::size_t times() const { return (numbers_.size() - 1) / (3 * dice_) - 1; }
-  /// Where it was last, after the end.
+  /// The die's place; after the end, its last one.
   Eigen::Map<const Vec3> place_m(std::size_t nth, std::uint32_t die) const {
     return Eigen::Map<const Vec3>(&numbers_[1 + 3 * (std::min(nth, times()) * dice_ + die)]);
   }
@@ -300,8 +301,8 @@ class DiceReader final : public archive::StateReader {
     return values_of(decoded(bytes));
   }
 
-  /// Collisions with the table; and of each time, the animation's end last, the places of all dice,
-  /// which are NaN before a die has started.
+  /// The number of collisions with the table, then all dice's places at each time and at the end.
+  /// Places are NaN before a die starts.
   std::vector<double> likeness(base::BytesView state) const override {
     const auto animation = animations_.of(world_, state);
     CHECK(animation->outcome.is_animation());
@@ -325,7 +326,7 @@ class DiceReader final : public archive::StateReader {
 
   bool is_unlike(std::span<const double> a, std::span<const double> b,
                  double distance) const override {
-    // The distance grows with the greatest one between dice, so a part of the times may tell.
+    // The distance grows with the greatest distance between dice, so some of the times may suffice.
     const Likeness left(a, world_.dice());
     const Likeness right(b, world_.dice());
     double most_m = 0;
@@ -351,7 +352,7 @@ class DiceReader final : public archive::StateReader {
 
   const scene::Scene& scene() const override { return scene_; }
 
-  /// The table's control points under and around the places where dice touch it.
+  /// The table's control points around the places where dice touch the table.
   scene::Variation variation(base::BytesView bytes,
                              std::span<const motion::Segment> segments) const override {
     const State state = decoded(bytes);
@@ -406,7 +407,7 @@ class DiceReader final : public archive::StateReader {
     return values;
   }
 
-  /// Of all dice at one time.
+  /// Appends all dice's places at one time.
   void append_places(const physics::Recording& recording, physics::Tick tick,
                      std::vector<double>& numbers) const {
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
@@ -417,7 +418,7 @@ class DiceReader final : public archive::StateReader {
     }
   }
 
-  /// At the nth time; 0 where no die has started in both.
+  /// Greatest distance at the nth time; 0 if no die has started in both.
   double most_apart_m(const Likeness& left, const Likeness& right, std::size_t nth) const {
     double most_m = 0;
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {
@@ -436,7 +437,7 @@ class DiceReader final : public archive::StateReader {
   Dice world_;
   archive::WorldLayout layout_;
   scene::Scene scene_;
-  std::uint32_t table_;  ///< feature of the scene
+  std::uint32_t table_;  ///< number of the table's scene feature
   mutable LastAnimations animations_;
 };
 

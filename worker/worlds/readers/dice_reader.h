@@ -1,11 +1,11 @@
-// How archives of dice name things.
+// The reader of dice archives.
 //
-// Segments show each die with the numbering that it has (numbering.h): orientations are
-// those of the numbered die.
+// Segments show each die with its shown numbering (numbering.h): orientations are those of the
+// numbered die.
 //
-// Likeness distance of two animations: the greatest distance between the centres of a die in both
-// at one time, of all dice and of times a sixtieth of a second apart, in sides of a die; plus the
-// difference of their numbers of collisions with the table over the larger one.
+// Likeness distance of two animations: the greatest distance between a die's centres at the same
+// time (all dice, every sixtieth of a second), in sides of a die. Added to it is the difference of
+// the numbers of collisions with the table, divided by the larger number.
 // Thread safety: readers may be used from several threads.
 #pragma once
 

@@ -1,4 +1,4 @@
-// How a satisfying state's whole motion ended, from its outcome.
+// Reports how a satisfying state's simulation to rest ended.
 #pragma once
 
 #include "common/archive/world_layout.h"

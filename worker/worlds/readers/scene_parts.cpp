@@ -12,7 +12,7 @@ std::uint32_t count_of(const auto& list) {
   return static_cast<std::uint32_t>(list.size());
 }
 
-/// A part of the last feature whose triangles come next.
+/// Begins a part of the last feature; its triangles follow.
 void begin_mesh(scene::Scene& scene) {
   CHECK(!scene.features.empty());
   scene.parts.push_back({.feature = count_of(scene.features) - 1,

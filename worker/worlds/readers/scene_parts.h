@@ -1,4 +1,4 @@
-// Makes scenes (common/scene) of what simulators have.
+// Builds scene descriptions (common/scene) from simulator objects.
 //
 // Thread safety: pure functions of their arguments.
 #pragma once
@@ -13,13 +13,15 @@
 
 namespace sleight::worlds {
 
-/// Its number. REQUIRES: bodies come first, then what is fixed, then goals.
+/// Adds a scene feature and returns its number. REQUIRES: bodies are added first, then fixed
+/// features, then goals.
 std::uint32_t add_feature(scene::Scene& scene, scene::FeatureKind kind, std::string name);
 
-/// Parts of the feature that was added last.
+/// Appends a part to the last added feature.
 void add_part(scene::Scene& scene, scene::Shape shape, const math::Vec3& size_m,
               const math::Vec3& position_m = {0, 0, 0});
-/// The first `moving` vertices are moved by the rows of the same numbers of the offset variable.
+/// Appends a mesh to the last added feature. The offset variable's rows move the mesh's first
+/// `moving` vertices: row i moves vertex i.
 void add_mesh(scene::Scene& scene, const physics::TriangleMesh& mesh, std::uint32_t moving);
 void add_polyhedron(scene::Scene& scene, const physics::ConvexPolyhedron& polyhedron);
 

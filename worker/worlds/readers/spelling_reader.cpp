@@ -64,7 +64,7 @@ archive::WorldLayout make_layout(const Spelling& world) {
                          "enable_balls", "aim_ball", "scatter_ball", "solo_walk", "solo_step"}};
 }
 
-/// A state without offsets in which all balls are dropped where the first bin to fill is.
+/// A state without offsets, in which all balls are dropped at the first designated bin.
 State plain_state(const Spelling& world) {
   const auto vertices = world.bins().vertices_m().size();
   return {.offsets_m = std::vector<Vec3>(vertices, Vec3{0, 0, 0}),
@@ -107,12 +107,12 @@ scene::Scene make_scene(const Spelling& world, const physics::Scene& simulated) 
   return scene;
 }
 
-/// The scene's features by their numbers in the simulator's static geometry.
+/// Maps numbers in the simulator's static geometry to scene features.
 std::vector<std::int32_t> features_of(const physics::Scene& simulated, const scene::Scene& scene) {
   const physics::StaticGeometry geometry(simulated);
   std::vector<std::int32_t> features;
   for (physics::FeatureId index{}; index < geometry.feature_count(); ++index) {
-    // Such as "mesh 'bins'".
+    // Names look like "mesh 'bins'".
     const std::string_view name = geometry.name_of_feature(index);
     const auto open = name.find('\'');
     CHECK(open != std::string_view::npos && name.ends_with('\''));
@@ -129,7 +129,8 @@ class SpellingReader final : public archive::StateReader {
       : world_(parameters), layout_(make_layout(world_)) {
     if (parameters.proposal.kernel == Kernel::thesis)
       layout_.warning = "biased kernel: thesis (A.2.2 as printed)";
-    // A throw has all balls in it; there are as many as bins to fill, so all that satisfy have.
+    // A natural throw drops all balls. There are as many balls as designated bins, so all are
+    // active in every solution.
     layout_.log_natural_throw = world_.balls() * math::log(0.5);
     const auto simulated = world_.scene(plain_state(world_));
     CHECK(simulated.has_value());
@@ -144,7 +145,7 @@ class SpellingReader final : public archive::StateReader {
     return values_of(decoded(state));
   }
 
-  /// The balls of designated bins.
+  /// The balls of the designated bins.
   std::vector<double> likeness(base::BytesView state) const override {
     const std::vector<int> balls = world_.balls_of_bins(decoded(state));
     return {balls.begin(), balls.end()};
@@ -191,7 +192,7 @@ class SpellingReader final : public archive::StateReader {
   Spelling world_;
   archive::WorldLayout layout_;
   scene::Scene scene_{};
-  std::vector<std::int32_t> fixed_{};  ///< features by the simulator's numbers
+  std::vector<std::int32_t> fixed_{};  ///< scene features by static-geometry index
 };
 
 }  // namespace

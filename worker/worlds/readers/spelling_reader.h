@@ -1,6 +1,6 @@
-// How spelling archives name things.
+// The reader of spelling archives.
 //
-// Likeness distance of two animations: the share of designated bins that are not filled by the same
+// Likeness distance of two animations: the share of designated bins that aren't filled by the same
 // ball in both.
 // Thread safety: readers may be used from several threads.
 #pragma once

@@ -19,7 +19,7 @@ motion::Mode mode_of(physics::MotionMode mode) {
   base::check_failed("the mode is known", "");
 }
 
-/// What began a segment of a body, and the partner where that is a hit.
+/// Why a segment of a body began, and the partner if the cause is a hit.
 struct Beginning {
   motion::Cause cause = motion::Cause::start;
   std::int32_t partner = motion::k_no_partner;
@@ -43,7 +43,7 @@ Beginning beginning_of(const physics::EventKey& event, std::uint32_t body,
         return {.cause = motion::Cause::hit,
                 .partner = static_cast<std::int32_t>(bodies[other].feature)};
       }
-      // Others' collision took what it rested on.
+      // A collision of other bodies removed the body's support.
       return {.cause = motion::Cause::rest};
     }
     default:

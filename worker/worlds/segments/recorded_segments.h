@@ -1,4 +1,4 @@
-// A simulator's recording as segments of common/motion, which everything else takes.
+// Converts a simulator's recording to segments of common/motion.
 //
 // Thread safety: pure functions.
 #pragma once
@@ -14,18 +14,17 @@
 
 namespace sleight::worlds {
 
-/// A recorded body in the world's archive.
 struct RecordedBody {
-  std::uint32_t feature = 0;                 ///< of the scene (common/scene)
-  math::Quat turn = math::Quat::Identity();  ///< comes before each orientation
+  std::uint32_t feature = 0;                 ///< number in the scene description (common/scene)
+  math::Quat turn = math::Quat::Identity();  ///< applied before each orientation
 };
 
-/// The feature of what doesn't move, by its index in the simulator's static geometry.
+/// Maps an index in the simulator's static geometry to a fixed scene feature.
 using FixedFeature = std::function<std::int32_t(std::uint32_t index)>;
 
-/// The segments of all bodies: body by body, each in the order of time.
-/// REQUIRES: one of `bodies` for each in the recording; their moments of inertia are equal, so that
-/// they turn about a fixed axis in flight.
+/// Returns all bodies' segments: body by body, each in the order of time.
+/// REQUIRES: `bodies` has one entry per body of the recording. Each body's moments of inertia are
+/// equal, so that it turns about a fixed axis in flight.
 std::vector<motion::Segment> recorded_segments(const physics::Recording& recording,
                                                std::span<const RecordedBody> bodies,
                                                const FixedFeature& fixed);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
-/// Of one ball: p_w of how it is.
+/// log p_w of one ball's variables.
 double log_prior_of_ball(const Prior& prior, const State& state, std::size_t ball) {
   return math::log(0.5) - (state.active[ball] != 0 ? prior.log_area() : 0);
 }
@@ -39,7 +39,7 @@ double log_of(std::size_t count) {
   return math::log(static_cast<double>(count));
 }
 
-/// The ball in which two states differ; nothing if they don't.
+/// Returns the ball in which two states differ, or nothing if they don't.
 std::optional<std::size_t> changed_ball(const State& a, const State& b) {
   for (std::size_t ball = 0; ball < a.active.size(); ++ball) {
     if (a.active[ball] != b.active[ball] || a.drops_m[ball] != b.drops_m[ball]) return ball;
@@ -136,7 +136,7 @@ std::optional<sampling::Proposal<State>> aim_ball(const Prior& prior, const Wind
   proposal.candidate.active[ball] = 1;
   proposal.candidate.drops_m[ball] = windows.draw(one_of(empty, stream), stream);
   const double density_pm2 = windows.density(empty, proposal.candidate.drops_m[ball]);
-  // There the ball fills a bin, so it is one of one at least.
+  // In the candidate, the aimed ball fills a bin, so R has at least one ball.
   proposal.log_q_ratio =
       log_scatter_q(prior, p, 1, state, ball) - log_aim_q(p, loose.size(), density_pm2);
   return proposal;
@@ -153,7 +153,7 @@ std::optional<sampling::Proposal<State>> scatter_ball(const Prior& prior, const 
   State& candidate = proposal.candidate;
   candidate.active[ball] = random::Bernoulli{.p = 0.5}.draw(stream) ? 1 : 0;
   candidate.drops_m[ball] = candidate.active[ball] != 0 ? prior.draw_drop(stream) : Vec2(0, 0);
-  // There it is loose, one of one at least.
+  // In the candidate, the scattered ball fills no bin, so L has at least one ball.
   proposal.log_q_ratio = log_aim_q(p, 1, windows.greatest_density(state.drops_m[ball])) -
                          log_scatter_q(prior, p, right.size(), candidate, ball);
   return proposal;

@@ -11,9 +11,8 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// How far the surface goes on below the floor, to be closed.
+/// Depth of the closed surface below the floor.
 constexpr double k_below_m = 0.01;
-/// Thickness of the box's walls.
 constexpr double k_wall_m = 0.02;
 
 physics::StaticConvex block(const char* name, const Vec3& low_m, const Vec3& high_m) {
@@ -30,14 +29,14 @@ physics::StaticConvex block(const char* name, const Vec3& low_m, const Vec3& hig
 
 }  // namespace
 
-/// Collects vertices and triangles. A crossing is where lines between bins meet, the box's border
-/// included; column line i of columns + 1, row line j of rows + 1.
+/// Collects vertices and triangles. A crossing is where lines between bins meet, including the
+/// box's border: column line i of columns + 1, row line j of rows + 1.
 struct Bins::Builder {
   const WorldParameters& world;
   const Bins& bins;
   std::vector<Vec3> vertices_m{};
   std::vector<physics::TriangleCorners> triangles{};
-  std::map<std::array<std::uint32_t, 4>, std::uint32_t> tops{};  ///< by line i, j and side x, y
+  std::map<std::array<std::uint32_t, 4>, std::uint32_t> tops{};  ///< by lines i, j and sides x, y
 
   double line_x_m(std::uint32_t i) const {
     return (static_cast<double>(i) - 0.5 * bins.columns_) * bins.pitch_m_;
@@ -55,13 +54,13 @@ struct Bins::Builder {
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     triangles.push_back({a, b, c});
   }
-  /// Anticlockwise seen from outside.
+  /// Corners are anticlockwise, seen from outside.
   void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     triangle(a, b, c);
     triangle(a, c, d);
   }
 
-  /// The tops' corners. At the border a partition ends in two, on the border's line.
+  /// Adds the tops' corners. At the border, a partition ends in two vertices on the border's line.
   void add_partition_vertices() {
     const double half_m = 0.5 * world.partition_m;
     for (std::uint32_t j = 0; j <= bins.rows_; ++j) {
@@ -78,12 +77,12 @@ struct Bins::Builder {
       }
     }
   }
-  /// The corner of a crossing on one side of each line; on a border's line there is one side.
+  /// Returns a crossing's corner on one side of each line. A border's line has only one side.
   std::uint32_t top(std::uint32_t i, std::uint32_t j, std::uint32_t x, std::uint32_t y) const {
     return tops.at({i, j, inner_x(i) ? x : 0, inner_y(j) ? y : 0});
   }
 
-  /// The same, where there is one.
+  /// Returns the corner, or k_no_vertex at a corner of the box.
   std::uint32_t corner(std::uint32_t i, std::uint32_t j, std::uint32_t x, std::uint32_t y) const {
     return inner_x(i) || inner_y(j) ? top(i, j, x, y) : k_no_vertex;
   }
@@ -111,14 +110,14 @@ struct Bins::Builder {
     const std::uint32_t apex = add(middle_m + Vec3(0, 0, world.dome_m));
     for (std::size_t k = 0; k < 4; ++k)
       triangle(rims[k], rims[(k + 1) % 4], apex);
-    // Sides of partitions, seen from the bin.
+    // Add the partitions' sides as seen from the bin.
     if (j > 0) quad(rims[1], rims[0], top(i, j, 1, 1), top(i + 1, j, 0, 1));
     if (i + 1 < bins.columns_) quad(rims[2], rims[1], top(i + 1, j, 0, 1), top(i + 1, j + 1, 0, 0));
     if (j + 1 < bins.rows_) quad(rims[3], rims[2], top(i + 1, j + 1, 0, 0), top(i, j + 1, 1, 0));
     if (i > 0) quad(rims[0], rims[3], top(i, j + 1, 1, 0), top(i, j, 1, 1));
   }
 
-  /// Closes the surface below: a skirt inside the walls, and a bottom.
+  /// Closes the surface from below with a skirt inside the walls and a bottom.
   void close_below() {
     std::map<std::pair<std::uint32_t, std::uint32_t>, bool> edges;
     for (const auto& corners : triangles) {
@@ -140,8 +139,9 @@ struct Bins::Builder {
       below[vertex] = added;
       return added;
     };
-    // In line with the end of a partition, or nearly so far away from a thin one, triangles would
-    // be slivers: so it is in the middle of a bin, and deep below thin partitions.
+    // Triangles would be slivers in line with a partition's end, or nearly in line for a thin
+    // partition. So the bottom vertex is below the middle of a bin, and deeper below thin
+    // partitions.
     const auto middle = [&](std::uint32_t bins_along) {
       return bins_along % 2 == 0 ? 0.5 * bins.pitch_m_ : 0.0;
     };

@@ -1,17 +1,18 @@
-// The box of bins: its geometry, and where in it a place is (thesis A.2.1, figure A.1).
+// The geometry of the box of bins (thesis A.2.1, figure A.1).
 //
-// Frame: the origin in the middle of the box on the floor's rim, x along the columns to the right,
-// y along the rows upwards (row 0 of a pattern is at the largest y), z up.
+// Frame: the origin is in the middle of the box on the floor's rim; x points right along the
+// columns, y upwards along the rows (row 0 of a pattern has the largest y), z up.
 //
-// Idea. Floor domes, partition sides and partition tops are one closed surface, so that nothing can
-// be met from inside and no edge twice. The four corners of the partitions' tops at a crossing of
-// two are vertices of their own ("partition vertices"): with one for each crossing tops would stay
-// level across and balls would perch on them. Where a partition runs into the box's wall it ends in
-// two, half a thickness inside of that. Walls are blocks about all.
+// Idea. Floor domes, partition sides and partition tops form one closed surface, so that bodies
+// can't meet it from inside or meet an edge twice. Where two partitions cross, each of the four
+// corners of their tops is a vertex of its own (a "partition vertex"). With one vertex per
+// crossing, tops would stay level across, and balls would perch on them. A partition that meets the
+// box's wall ends in two vertices, half a thickness inside the wall's inner face. The walls are
+// blocks around the box.
 //
 // Invariants
-//   1. Vertices 0 to vertex_count() - 1 of the mesh are the partition vertices, in the order of
-//      crossings, row by row from the lowest y and x, and at each of their corners likewise.
+//   1. Vertices 0 to vertex_count() - 1 of the mesh are the partition vertices. They are
+//      ordered by crossing, row by row from the lowest y and x, and likewise by corner within each.
 // Thread safety: const after construction.
 #pragma once
 
@@ -48,34 +49,32 @@ class Bins {
 
   std::uint32_t columns() const { return columns_; }
   std::uint32_t rows() const { return rows_; }
-  /// Partition vertices, each with an offset of its own.
   std::uint32_t vertex_count() const { return vertex_count_; }
-  /// Without an offset.
+  /// Returns the partition vertices without offsets.
   std::span<const Vec3> vertices_m() const {
     return std::span(mesh_->vertices_m()).first(vertex_count_);
   }
-  /// From the middle of a bin to that of the next.
+  /// Distance between the middles of neighbouring bins.
   double pitch_m() const { return pitch_m_; }
-  /// Half the sides of the box inside its walls.
+  /// Half the sides of the box between its walls.
   const Vec2& half_m() const { return half_m_; }
-  /// The bin below or above a place; nothing outside of the box. On the middle of a partition it is
-  /// the one at larger coordinates.
+  /// Returns the bin below or above a place, or nothing outside the box. The middle of a partition
+  /// belongs to the bin with the larger coordinates.
   std::optional<Bin> bin_at(const Vec3& place_m) const;
   Vec3 floor_middle_m(const Bin& bin) const;
-  /// The partition vertices at a bin's corners; k_no_vertex in a corner of the box.
+  /// Returns the partition vertices at a bin's corners; k_no_vertex at a corner of the box.
   const std::array<std::uint32_t, 4>& corners(const Bin& bin) const {
     return corners_[std::size_t{bin.row} * columns_ + bin.column];
   }
 
-  /// The surface with its partition vertices moved. Nothing if the offsets turn it inside out.
+  /// Returns the surface with moved partition vertices. Nothing if the offsets turn it inside out.
   std::shared_ptr<const physics::TriangleMesh> surface(std::span<const Vec3> offsets_m) const;
-  /// A copy of the surface, without offsets.
+  /// Returns a copy of the surface without offsets.
   std::shared_ptr<physics::TriangleMesh> unmoved_surface() const {
     return std::make_shared<physics::TriangleMesh>(*mesh_);
   }
-  /// The walls of the box.
   std::span<const physics::StaticConvex> walls() const { return walls_; }
-  /// What the box stands on, at the lower end of its walls.
+  /// Returns the plane on which the box stands, at the lower end of its walls.
   physics::StaticPlane ground() const;
 
  private:

@@ -1,7 +1,7 @@
-// The box of bins as a simulator meets it, kept between simulations: only what has moved is made
-// anew, since most proposals move few partition vertices or none.
-//
-// Thread safety: BoxGeometry none; BoxGeometries may be used by several threads at once.
+// The simulator's geometry of the box of bins, reused between simulations. Only moved partition
+// vertices are updated, since most proposals move few vertices or none.
+// Thread safety: a BoxGeometry isn't thread-safe; BoxGeometries may be used by several threads at
+// once.
 #pragma once
 
 #include <cstddef>
@@ -21,20 +21,20 @@ namespace sleight::worlds::spelling {
 
 class BoxGeometry {
  public:
-  /// `with_bodies`: the scene of a box without offsets, and with a body.
+  /// `with_bodies`: a scene of a box without offsets, with at least one body.
   BoxGeometry(const physics::Scene& with_bodies, std::shared_ptr<physics::TriangleMesh> mesh,
               std::uint32_t vertices);
 
-  /// Moves the partition vertices there. False if that turns the box inside out; then nothing has
-  /// changed.
+  /// Moves the partition vertices to these offsets. Returns false, without any change, if the
+  /// offsets turn the box inside out.
   [[nodiscard]] bool move_to(const Bins& bins, std::span<const Vec3> offsets_m);
 
-  /// Of some vertices, the same ones each time, how many would have to move there.
+  /// Counts the vertices that would have to move, among a fixed selection of vertices.
   std::size_t moves_to(std::span<const Vec3> offsets_m) const;
-  /// As it is until the next move.
+  /// The mesh stays unchanged until the next move.
   const std::shared_ptr<physics::TriangleMesh>& mesh() const { return mesh_; }
   const physics::NearFeatures& near() const { return near_; }
-  /// Its memory serves one simulation after the other.
+  /// Reuses its memory from one simulation to the next.
   physics::Marbles& marbles() { return marbles_; }
 
  private:
@@ -42,11 +42,11 @@ class BoxGeometry {
   std::unique_ptr<physics::StaticGeometry> statics_;
   physics::NearFeatures near_;
   physics::Marbles marbles_;
-  std::vector<Vec3> offsets_m_;  ///< present ones
+  std::vector<Vec3> offsets_m_;
   std::vector<physics::VertexMove> moves_;
 };
 
-/// Lends each simulation that runs one of its own.
+/// Lends a BoxGeometry to each running simulation.
 class BoxGeometries {
  public:
   class Loan {
@@ -64,8 +64,8 @@ class BoxGeometries {
     std::unique_ptr<BoxGeometry> geometry_;
   };
 
-  /// The free one that is nearest to these offsets, or what `make` makes: each of several threads
-  /// so mostly gets its own back, which is where its last simulation was.
+  /// Returns the free geometry that is nearest to these offsets, or a new one from `make`. So each
+  /// thread mostly gets the geometry of its last simulation again.
   template <class Make>
   Loan borrow(std::span<const Vec3> offsets_m, const Make& make) {
     if (auto free = take(offsets_m)) return Loan(*this, std::move(free));

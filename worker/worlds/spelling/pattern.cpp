@@ -10,7 +10,7 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// A character's rows from the top, each as bits, the leftmost column the highest one.
+/// A character's rows from the top. The highest bit of a row is the leftmost column.
 struct Glyph {
   char character;
   std::uint8_t width;
@@ -109,7 +109,7 @@ const Glyph* glyph_of(char character, Font font) {
   return font == Font::rows_5 ? find(k_five) : find(k_seven);
 }
 
-/// The first character as people may see it.
+/// Returns the first character in a printable form.
 std::string character_at(std::string_view text) {
   const auto first = request::front_code_point(text);
   return request::printable(text.substr(0, first ? first->bytes : 1), 8);
@@ -174,7 +174,7 @@ base::Result<Pattern, std::string> pattern_of_word(std::string_view word, Font f
     glyphs.push_back(glyph);
     width += glyph->width + 1;
   }
-  // A column apart, and a ring of empty bins.
+  // Characters are one column apart, with a ring of empty bins around.
   const auto height = static_cast<std::uint32_t>(font);
   Pattern pattern = empty_pattern(width + 1, height + 2);
   std::uint32_t left = 1;

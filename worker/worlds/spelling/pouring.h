@@ -1,5 +1,5 @@
-// Balls that drop one after another, and what the first of them came to: what search builds
-// (pouring_builder.h) and islands extend (pouring_stages.h).
+// A pouring: balls that drop one after another, and the outcome of those dropped so far. Search
+// builds pourings (pouring_builder.h), and islands extend them (pouring_stages.h).
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -15,11 +15,10 @@ struct Pouring {
   Outcome outcome;
 };
 
-/// A box with such offsets, without balls.
+/// Returns a box with the given offsets, without balls.
 Pouring no_balls(const Spelling& world, std::vector<Vec3> offsets_m);
 
-/// The same with one ball more, simulated from the pouring before it. REQUIRES: the ball is
-/// inactive.
+/// Adds one ball, simulated from the pouring before it. REQUIRES: the ball is inactive.
 Pouring with_ball(const Spelling& world, const Pouring& pouring, std::size_t ball,
                   const Vec2& drop_m);
 

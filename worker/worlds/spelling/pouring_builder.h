@@ -1,10 +1,10 @@
 // Pourings built ball by ball, for search (worker/sampling/stage_search.h).
 //
-// Balls drop one after another and later ones seldom move earlier ones. So ball i is dropped where
-// it would fill an empty bin if it fell alone (a drop from the map of landings, or from a window
-// about the bin; then a simulation of the ball alone), and stands if after it each of the balls
-// 0 to i fills a bin. Balls that need another one's push to reach their bin are never tried: what
-// is found is plausible, and not in the model's proportions.
+// Balls drop one after another, and later balls seldom move earlier ones. So ball i is dropped
+// where it would fill an empty bin alone: draw a drop from the map of landings or from a window
+// around the bin, then simulate the ball alone. The drop is kept if each of the balls 0 to i fills
+// a bin after it. Balls that reach their bin only with another ball's push are never tried. So
+// finds are plausible, but don't occur in the model's proportions.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -20,7 +20,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// Balls that are tried alone before a try counts as failed.
+/// Lone balls simulated before a try counts as failed.
 inline constexpr std::uint32_t k_lone_tries_max = 200;
 
 class PouringBuilder {
@@ -33,7 +33,7 @@ class PouringBuilder {
 
   std::uint32_t stages() const { return world_->balls(); }
   sampling::SearchLimits limits() const { return {}; }
-  /// A box of the prior without balls.
+  /// Returns a box of the prior without balls.
   Prefix start(random::Stream& stream) const;
   std::optional<Prefix> attempt(const Prefix& prefix, std::uint32_t stage,
                                 sampling::SearchEffort& effort, random::Stream& stream) const;
@@ -42,7 +42,8 @@ class PouringBuilder {
   const Outcome& outcome_of(const Prefix& prefix) const { return prefix.outcome; }
 
  private:
-  /// Where the next ball would fill an empty bin alone; nothing after k_lone_tries_max tries.
+  /// Returns a drop with which the next ball would fill an empty bin alone. Nothing after
+  /// k_lone_tries_max tries.
   std::optional<Vec2> promising_drop(const Prefix& prefix, sampling::SearchEffort& effort,
                                      random::Stream& stream) const;
 

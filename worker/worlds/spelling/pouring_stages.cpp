@@ -15,24 +15,24 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Landings of a bin in the pool weigh as so many more that are as common as in the mean: a bin
-/// that no drop of the pool fills alone gets a share above 0.
+/// Weight of the mean share in each bin's share, as a number of drops. So a bin that no drop of the
+/// pool fills alone gets a share above 0.
 constexpr double k_drops_of_the_mean = 3;
-/// The least mean share, for pools without any landing.
+/// Minimum mean share, for pools without any landing.
 constexpr double k_mean_share_min = 1e-5;
 
 constexpr std::size_t k_ranges = std::tuple_size_v<DropOdds::ByDistance>;
 
-/// Which of DropOdds::ByDistance a distance in bins is.
+/// Returns the index in DropOdds::ByDistance of a distance in bins.
 std::uint8_t range_of(double bins) {
   return bins < 1 ? 0 : bins < 1.5 ? 1 : bins < 2.5 ? 2 : 3;
 }
 
-/// The numbers of DropOdds one after another: `own_bin` is sort 0, the kind k at range r is sort
-/// 1 + k k_ranges + r.
+/// Kinds of drops. Sorts number the values of DropOdds: `own_bin` is sort 0, kind k at range r is
+/// sort 1 + (k - 1) k_ranges + r.
 enum SortOfDrop : std::uint8_t { own_bin, beside, above_full, meets_full, misses };
 constexpr std::size_t k_sorts = 1 + 4 * k_ranges;
-constexpr std::size_t k_first_that_misses = 1 + 2 * k_ranges;  ///< alone it fills no empty bin
+constexpr std::size_t k_first_that_misses = 1 + 2 * k_ranges;  ///< fills no bin alone
 
 std::array<double, k_sorts> by_sort(const DropOdds& odds) {
   std::array<double, k_sorts> all{odds.own_bin};
@@ -48,7 +48,7 @@ std::uint8_t sort_of(const PoolDrop& drop, const std::vector<std::uint8_t>& full
   const bool into = is_full(full, drop.alone);
   const bool fills = drop.alone != k_fills_none && !into;
   if (fills && drop.alone == drop.below) return own_bin;
-  // The nearest bin that isn't full.
+  // Find the nearest bin that isn't full.
   std::size_t range = k_ranges - 1;
   for (std::size_t i = 0; i < drop.near.size() && drop.near[i] != k_fills_none; ++i) {
     if (is_full(full, drop.near[i])) continue;
@@ -61,8 +61,9 @@ std::uint8_t sort_of(const PoolDrop& drop, const std::vector<std::uint8_t>& full
   return static_cast<std::uint8_t>(1 + (kind - 1) * k_ranges + range);
 }
 
-/// Where drops are chosen for all particles together, sort by sort, as many of each sort serve best
-/// as the square root of how often it does: of n draws with odds p the variance is that of p / n.
+/// Odds for drops chosen for all particles together, sort by sort. The best number of drops of a
+/// sort is proportional to the square root of its odds: n draws with odds p have a variance
+/// proportional to p / n.
 DropOdds flattened(const DropOdds& odds) {
   const auto root = [](double x) { return std::sqrt(x); };
   DropOdds flat{.own_bin = root(odds.own_bin)};
@@ -95,7 +96,7 @@ PouringGuide StagedSpelling::learn(std::uint64_t seed) const {
 }
 
 PouringGuide StagedSpelling::for_odds(Guide guide) const {
-  // A ball elsewhere is worth a bit less than one in a bin.
+  // A ball elsewhere is worth slightly less than a ball in a bin.
   constexpr double k_log_less = 1;
   guide.odds = flattened(guide.odds);
   guide.log_elsewhere = parameters().constraint.log_lambda - k_log_less;
@@ -105,7 +106,7 @@ PouringGuide StagedSpelling::for_odds(Guide guide) const {
 }
 
 std::vector<sampling::BurnInValue> StagedSpelling::burn_in_values() const {
-  // A ball alone has nobody to help it.
+  // A single ball has no other ball to help it.
   return {{.name = "helped_balls", .starts_at_one_end = balls() > 1},
           {.name = "log_prior"},
           {.name = "filled"},
@@ -189,7 +190,7 @@ void StagedSpelling::fill_pool(const Guide& guide, random::Stream& stream, Groun
             place, ground);
   }
 
-  // How common it is that a drop of the prior fills a bin alone.
+  // Estimate the share of prior drops that fill each bin alone.
   std::vector<double> landings(balls(), 0);
   for (const PoolDrop& drop : ground.pool)
     if (drop.alone != k_fills_none) landings[static_cast<std::size_t>(drop.alone)] += drop.v;
@@ -214,7 +215,7 @@ PouringGround StagedSpelling::ground_given(const Guide& guide, const State& stat
                                            random::Stream& stream) const {
   Ground ground = empty_ground(guide, state.offsets_m);
 
-  // Put each ball's drop in an unused place of a stratum that may have given it.
+  // Put each ball's drop in an unused place of a stratum that may have produced it.
   const std::uint32_t n = drops_per_bin(guide);
   std::vector<std::uint8_t> is_retained(ground.pool.size(), 0);
   std::vector<std::uint32_t> used_of_bin(balls(), 0);
@@ -327,7 +328,7 @@ std::size_t StagedSpelling::sorts() const {
   return k_sorts + 1;
 }
 
-/// A ball may always be left out; of little use where nothing can be dropped.
+/// The mass of leaving a ball out is always positive, but of little use if nothing can be dropped.
 double StagedSpelling::mass_left_out(const Guide& guide, double mass_of_drops) const {
   constexpr double k_mass_min = 1e-300;
   return std::max(mass_of_drops, k_mass_min) * (1 - guide.takes_part);

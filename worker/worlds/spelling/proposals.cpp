@@ -21,7 +21,7 @@ Vec3 gaussian(random::Stream& stream, double sd) {
   return {x, y, z};
 }
 
-/// A length N(0, sd), of either sign, in a uniform direction: denser near 0 than a Gaussian.
+/// Draws a length N(0, sd), of either sign, in a uniform direction: denser near 0 than a Gaussian.
 Vec3 length_and_direction(random::Stream& stream, double sd) {
   const Vec3 direction = random::UniformDirection3{}.draw(stream);
   return random::Normal{.mean = 0, .sd = sd}.draw(stream) * direction;
@@ -31,16 +31,16 @@ Vec3 draw_offset(Kernel kernel, double sd, random::Stream& stream) {
   return kernel == Kernel::thesis ? length_and_direction(stream, sd) : gaussian(stream, sd);
 }
 
-/// Onto [-half, half), as on a ring.
+/// Wraps x onto [-half, half).
 double wrapped(double x, double half) {
   const double turns = std::floor((x + half) / (2 * half));
   return std::clamp(x - turns * (2 * half), -half, half);
 }
 
-/// More are never flipped, so that neither way is impossible.
+/// Maximum flip probability. Below 1, neither direction is impossible.
 constexpr double k_flip_probability_max = 0.9;
 
-/// Disables active balls, or enables the others, each with a probability. Returns log q ratio.
+/// Disables active balls, or enables inactive ones, each with a probability. Returns log q ratio.
 double flip_balls(const Prior& prior, const ProposalParameters& p, double scale, bool enable,
                   State& state, random::Stream& stream) {
   const double flip_probability =
@@ -134,7 +134,7 @@ sampling::Proposal<State> propose_of(Kind kind, const Prior& prior, const Propos
     return scales.empty() ? 1 : scales[static_cast<std::size_t>(of)];
   };
   const double scale = scale_of(kind);
-  // One for both: they are each other's way back.
+  // Both kinds share a scale, because they are each other's reverse.
   const double flip_scale = scale_of(Kind::disable_balls);
   sampling::Proposal<State> proposal{.candidate = state, .kind = static_cast<std::uint32_t>(kind)};
   State& candidate = proposal.candidate;

@@ -21,22 +21,23 @@ constexpr std::array<request::Named<Font>, 2> k_fonts{
 constexpr std::array<request::Named<Kernel>, 2> k_kernels{
     {{"correct", Kernel::correct}, {"thesis", Kernel::thesis}}};
 
-/// Of an island, of one worker at a time.
+/// Maximum bytes of an island, per worker.
 constexpr std::uint64_t k_island_bytes_max = std::uint64_t{1} << 30U;
-/// Of a ball in a simulated pouring, its history included: 6.5 to 7.1 kB of I, HI and SLEIGHT.
+/// Bytes per ball in a simulated pouring, history included. Measured: 6.5 to 7.1 kB with I, HI and
+/// SLEIGHT.
 constexpr std::uint64_t k_bytes_of_ball = 7200;
 
-/// What a particle holds of so many balls: the pouring, and which drops of the pool it has used.
+/// Bytes of a particle: its pouring, and which drops of the pool it has used.
 std::uint64_t prefix_bytes(std::uint64_t balls) {
   return balls * (k_bytes_of_ball + std::max<std::uint64_t>(k_drops_per_bin_min, balls));
 }
 
-/// There are as many prefixes again while particles are resampled.
+/// Maximum particles. Resampling needs memory for twice the prefixes.
 std::uint64_t particles_max(std::uint64_t balls) {
   return k_island_bytes_max / (2 * prefix_bytes(balls));
 }
 
-/// So many times bounce_end rest_speed and rest_time are at least.
+/// Minimum of rest_speed and rest_time as multiples of bounce_end.
 constexpr double k_bounce_ends_min = 2;
 
 struct Lengths {
@@ -56,7 +57,8 @@ void length_mm(request::Binder& binder, std::string_view key, double& value_m,
   value_m = value_mm / 1e3;
 }
 
-/// The pattern of a word or a bitmap, the thesis's HI without both; nothing if that is an error.
+/// Returns the pattern of a word or a bitmap; the thesis's HI if neither is set; nothing on an
+/// error.
 std::optional<Pattern> given_pattern(request::Binder& world, const std::string& word,
                                      const std::string& bitmap, Font font) {
   const char* key = word.empty() ? "bitmap" : "word";
@@ -81,8 +83,8 @@ std::optional<Pattern> given_pattern(request::Binder& world, const std::string& 
   return pattern;
 }
 
-/// The pattern in the middle of a box of so many bins; nothing if it doesn't fit. `key` is what the
-/// pattern came from.
+/// Returns the pattern centred in a box of the given bins, or nothing if it doesn't fit. `key` is
+/// the pattern's key.
 std::optional<Pattern> pattern_in_box(request::Binder& world, const Pattern& pattern,
                                       std::optional<std::uint32_t> columns,
                                       std::optional<std::uint32_t> rows, const char* key) {
@@ -102,7 +104,6 @@ std::optional<Pattern> pattern_in_box(request::Binder& world, const Pattern& pat
   return centred(pattern, all_columns, all_rows);
 }
 
-/// The pattern that the keys ask for.
 void bind_pattern(request::Binder& world, Pattern& pattern) {
   std::string word;
   std::string bitmap;
@@ -138,14 +139,14 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
   if (const auto whole = pattern_in_box(world, *given, columns, rows, key)) pattern = *whole;
 }
 
-/// What sizes ask of each other.
+/// Checks sizes against each other.
 void check_sizes(request::Binder& world, const WorldParameters& p) {
   for (const char* key : {"bin_mm", "partition_mm", "partition_height_mm", "drop_height_mm",
                           "vertex_sd_mm", "dome_mm", "ball_diameter_mm"}) {
     if (!world.valid(key)) return;
   }
   const auto mm = [](double value_m) { return fmt::format("{:.6g}", 1e3 * value_m); };
-  // A bit of room on each side, else a box that is one bin wide leaves no place to drop from.
+  // Leave some room on each side; otherwise a box that is one bin wide has no drop region.
   constexpr double k_room_m = 1e-5;
   if (p.ball_diameter_m > p.bin_m - k_room_m) {
     world.error("ball_diameter_mm", fmt::format("must be at most {} ({} less than bin_mm)",
@@ -230,7 +231,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
       {.minimum = 0.002,
        .maximum = 0.5,
        .help = "speed below which a balanced ball comes to rest, in sqrt(gravity x diameter)"});
-  // The slowest bounces would keep a ball from ever being so slow.
+  // Otherwise the slowest bounces would keep a ball above rest_speed.
   if (world.valid("bounce_end") && world.valid("rest_speed") &&
       p.rest_speed < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_speed",
@@ -243,8 +244,8 @@ void bind_world(request::Binder& world, WorldParameters& p) {
        .maximum = 10,
        .help =
            "time that a ball stays below rest_speed before it rests, in sqrt(diameter / gravity)"});
-  // What a ball touched longer ago than the rest time doesn't hold it: it would miss what it has
-  // just bounced from.
+  // Otherwise a touch would expire before the ball's next bounce, and the ball would never be in
+  // balance.
   if (world.valid("bounce_end") && world.valid("rest_time") &&
       p.rest_time < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_time", fmt::format("must be at least {} times bounce_end (the duration of "
@@ -259,7 +260,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   check_sizes(world, p);
 }
 
-/// What a sampler's key is set to; nothing where it has no value.
+/// Returns the value of a sampler's key, or nothing if it has none.
 std::optional<std::string> value_of(const request::Binder& sampler, std::string_view key) {
   const auto at = std::ranges::find(
       sampler.keys(), key, [](const auto& bound) { return std::string_view(bound.spec.key); });
@@ -280,7 +281,8 @@ void check_memory(request::Binder& sampler, std::uint32_t balls) {
                             k_island_bytes_max >> 20U, particles_max(balls)));
 }
 
-/// Methods other than the thesis's own build upon the distribution that the kernel should have.
+/// Refuses methods other than the thesis's own, since they require a kernel with the right
+/// distribution.
 void check_kernel(request::Binder& sampler, Kernel kernel) {
   if (kernel != Kernel::thesis || !sampler.valid("method")) return;
   if (value_of(sampler, "start") == "\"search\"") {
@@ -368,15 +370,14 @@ void bind_proposal(request::Binder& sampler, ProposalParameters& p) {
         "can't be used with kernel \"thesis\", which follows the thesis (A.2.2) as printed");
 }
 
-/// Words of more balls are drawn by chains from a search: islands of 32 particles then differ so
-/// much in weight that chains of them hardly move.
+/// With more balls, weights of islands with 32 particles differ so much that chains of islands
+/// hardly move. Such words use chains from a search.
 constexpr std::uint32_t k_balls_by_islands_max = 20;
 
-/// How long a tour of islands goes on, and of how many particles: docs/MEASUREMENTS has what was
-/// measured of HI.
+/// Scans per tour of islands, and particles. docs/MEASUREMENTS has measurements with HI.
 constexpr std::uint32_t k_tour_scans = 16;
 constexpr std::uint32_t k_tour_particles = 32;
-/// One more than the solutions that are mostly asked for: of six draws of HI, five satisfy.
+/// Chains, one more than the usual number of solutions: of six draws of HI, five satisfy.
 constexpr std::uint32_t k_tour_chains = 6;
 
 void settle_log_lambda(request::Binder& constraint, Parameters& parameters, double chosen) {
@@ -385,14 +386,14 @@ void settle_log_lambda(request::Binder& constraint, Parameters& parameters, doub
   constraint.settle("log_lambda", request::toml_number(chosen));
 }
 
-/// More balls, more that can go wrong in an island of few particles: three a ball, in sixteens,
-/// from 32 to 96. docs/MEASUREMENTS has what was measured.
+/// Three particles per ball, in steps of sixteen, from 32 to 96: more can go wrong with more balls.
+/// Measured in docs/MEASUREMENTS.
 std::uint32_t particles_for_odds(std::uint32_t balls) {
   const std::uint32_t wanted = std::clamp((3 * balls + 15) / 16 * 16, 32U, 96U);
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, particles_max(balls)));
 }
 
-/// Islands tell the odds from the first one on: they need no chain.
+/// Settings for odds. Islands estimate odds from the first one on, so they need no chain.
 void settle_odds(request::Settled& settled, std::uint32_t balls,
                  request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
@@ -400,8 +401,9 @@ void settle_odds(request::Settled& settled, std::uint32_t balls,
   settled.count("particles", sampler.particles, particles_for_odds(balls));
 }
 
-/// Chains of islands: for solutions they start anew for each one, else they go on. Islands give too
-/// few helped balls, since these weigh much where they come: a tour's steps bring in more.
+/// Settings for chains of islands. For solutions, chains restart for each one; otherwise they
+/// continue. Islands find too few helped balls, which have large weights; further steps of a tour
+/// add more.
 void settle_islands(request::Settled& settled, std::uint32_t balls, const request::StopRule& stop,
                     request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
@@ -417,7 +419,7 @@ void settle_islands(request::Settled& settled, std::uint32_t balls, const reques
   }
 }
 
-/// Where a long word's rounds are asked for.
+/// Settings for a long word whose request sets rounds.
 void settle_tempering(request::Settled& settled, std::uint32_t balls,
                       request::SamplerParameters& sampler) {
   sampler.method = request::Method::parallel_tempering;
@@ -429,8 +431,8 @@ void settle_tempering(request::Settled& settled, std::uint32_t balls,
   settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
 }
 
-/// A scan has a proposal for each ball. As many chains as solutions are mostly asked for: each of
-/// them has to burn in, and most give one.
+/// Settings for judged chains. Each chain must burn in and usually yields one solution, so there
+/// are as many chains as usually requested solutions. A scan has one proposal per ball.
 void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
                           request::SamplerParameters& sampler) {
   sampler.method = request::Method::metropolis_hastings;
@@ -442,12 +444,12 @@ void settle_judged_chains(request::Settled& settled, std::uint32_t balls,
   settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
 }
 
-/// Scans of the chain that relaxes a find. docs/MEASUREMENTS has what is left of the start then.
+/// Scans that relax a find. docs/MEASUREMENTS reports how much of the start remains after them.
 std::uint32_t relax_scans_for(std::uint32_t balls) {
   return 90 + 3 * balls / 2;
 }
 
-/// Chains that relax a search's finds: a scan has a proposal for each ball.
+/// Settings for chains that relax a search's finds. A scan has one proposal per ball.
 void settle_relaxing(request::Settled& settled, std::uint32_t balls,
                      request::SamplerParameters& sampler) {
   settled.count("iterations_per_scan", sampler.iterations_per_scan, balls);
@@ -464,8 +466,8 @@ struct Moves {
   double ball_move_sd_mm = 2;
 };
 
-/// Finds lack balls that others helped into their bins. Such a ball is mostly dropped above a
-/// neighbouring bin, so most proposals move a drop about as far.
+/// Finds lack helped balls. Such balls are usually dropped above a neighbouring bin, so most
+/// proposals move a drop about as far.
 Moves moves_that_relax(const WorldParameters& world) {
   constexpr double k_bins = 1.2;
   return {.change_all = 0,
@@ -490,18 +492,17 @@ void settle_proposals(request::Settled& settled, const Moves& moves, ProposalPar
   p.ball_sd_m = ball_move_sd_mm / 1e3;
 }
 
-/// What serves a request that leaves the sampler open. docs/SAMPLING says how the numbers were
-/// found.
+/// Chooses the sampler if the request doesn't name one. docs/SAMPLING explains the numbers.
 void serve_best(request::WorldSections& sections, request::SamplerParameters& sampling,
                 const request::StopRule& stop, Parameters& parameters) {
   request::Settled settled(sections.sampler);
   const std::uint32_t balls = parameters.pattern.count();
-  // So strict that most of what is drawn satisfies: a missing ball weighs as much as their number,
-  // times e^6. Few balls relax sooner where it weighs less.
+  // Lambda is so strict that most draws satisfy: a missing ball weighs as much as the number of
+  // balls times e^6. A few balls relax sooner with a smaller lambda.
   const double strict = std::round(6 + math::log(balls));
   const bool is_loose = stop.takes && balls <= k_balls_by_islands_max;
   settle_log_lambda(sections.constraint, parameters, is_loose ? strict - 1 : strict);
-  // Judged chains find out for themselves how many rounds they take, and tell no odds.
+  // Judged chains determine their number of rounds themselves, and estimate no odds.
   if (stop.takes) {
     settle_relaxing(settled, balls, sampling);
   } else if (stop.odds) {

@@ -1,6 +1,5 @@
 // The keys of the balls that spell in a direction request, with the thesis's values as defaults.
-//
-// Lengths are in millimetres in the file and in metres in Parameters.
+// The file's lengths are in millimetres.
 #pragma once
 
 #include "common/request/direction_request.h"
@@ -8,7 +7,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// The world "spelling"; its requests have the world's Parameters (request::parameters_of).
+/// Binds the world "spelling". Its requests have the world's Parameters (request::parameters_of).
 request::WorldBinding request_binding();
 
 }  // namespace sleight::worlds::spelling

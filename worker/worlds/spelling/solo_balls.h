@@ -1,6 +1,6 @@
 // The spelling world's surrogate (surrogate_transition.h): each ball as if it fell alone into the
-// box. Most balls meet no other one on their way, and where one falls alone hangs on its own drop
-// and the box only, so a change of one ball takes the simulation of one.
+// box. Most balls meet no other ball on their way. A lone ball's bin depends only on its drop and
+// the box, so a change of one ball requires the simulation of one ball.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -20,39 +20,39 @@ namespace sleight::worlds::spelling {
 
 class Spelling;
 
-/// Balls that are taken for granted: what they fill, and where they are dropped, by ball.
+/// Balls that the surrogate treats as given: their bins and drops, by ball.
 struct Anchor {
-  Filling bins{};               ///< k_fills_none for the others; empty if nothing is known
-  std::vector<Vec2> drops_m{};  ///< 0 for the others
+  Filling bins{};  ///< k_fills_none for balls outside the anchor; empty if nothing is known
+  std::vector<Vec2> drops_m{};  ///< 0 for balls outside the anchor
 };
 
 class SoloBalls {
  public:
   using State = spelling::State;
   struct Outcome {
-    /// False if an anchored ball differs, or if offsets leave an active ball no place to start.
+    /// False if an anchored ball differs, or if offsets leave no room for an active ball's start.
     bool possible = true;
     Filling alone{};    ///< by ball: the bin that it fills alone
-    Filling filling{};  ///< the same without second balls in a bin
+    Filling filling{};  ///< same as `alone`, without second balls in a bin
     std::uint32_t filled = 0;
-    /// Of the first ball whose simulation failed, of those that were simulated for this outcome;
-    /// it is guessed to fill none.
+    /// Failure of the first failed ball among those simulated for this outcome. Such a ball is
+    /// guessed to fill no bin.
     plan::FailurePointer failure{};
   };
-  /// A failure leaves a guess, which is as good as any.
+  /// A failed simulation leaves a usable guess.
   static constexpr bool k_guesses_on_failure = true;
 
-  /// A state in which an anchored ball is dropped elsewhere, or not at all, is not possible.
+  /// A state that drops an anchored ball elsewhere, or doesn't drop it, isn't possible.
   SoloBalls(const Spelling& world, Anchor anchor) : world_(&world), anchor_(std::move(anchor)) {}
 
   State draw_prior(random::Stream& stream) const;
   double log_prior(const State& state) const;
   Outcome simulate(const State& state) const;
-  /// Simulates the balls that differ, or all if a partition vertex does.
+  /// Simulates the balls that differ, or all balls if a partition vertex differs.
   Outcome simulate_from(const State& state, const State& from, const Outcome& of_from) const;
   double log_constraint(const Outcome& outcome) const;
   plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
-  /// A guess of the world's own starts: only a simulation counts them.
+  /// Returns false: only a real simulation counts overlapping starts.
   bool starts_overlap(const Outcome& /*outcome*/) const { return false; }
   double log_constraint_at_most(const State& state) const;
   bool satisfied(const Outcome& outcome) const;
@@ -69,8 +69,8 @@ class SoloBalls {
 
  private:
   bool leaves_anchored(const State& state) const;
-  /// Which bins are filled when anchored balls come first, and of others in one bin the first
-  /// counts.
+  /// Computes which bins are filled: anchored balls come first, then the first of the other balls
+  /// in each bin.
   void settle(Outcome& outcome) const;
 
   const Spelling* world_;

@@ -14,29 +14,29 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// After the last drop it is looked so often whether all balls are at rest.
+/// Interval of the test whether all balls stay, after the last drop.
 constexpr double k_look_every_s = 0.1;
-/// Bounding volumes of the partitions allow for offsets of so many standard deviations.
+/// Bounding volumes of the partitions allow for offsets of this many standard deviations.
 constexpr double k_slack_sds = 5;
-/// Ten balls take some 300 events together until their outcome is decided. One that is wedged, in a
-/// box that leaves it no room, may have half a million; one that leans on another, nearly in
-/// balance, some thousands a second. A run to rest has more events, and so a larger limit.
+/// Limit of events. Ten balls take about 300 events together until the outcome is decided. A ball
+/// wedged in a box without room may have half a million. A ball that leans on another, nearly in
+/// balance, has thousands per second. A run to rest has more events, and so a larger limit.
 constexpr std::uint64_t k_work_per_ball_max = 10'000;
 constexpr std::uint64_t k_work_to_rest = 5;
-/// Balls keep this distance from the walls when they are dropped.
+/// Distance from the walls of dropped balls.
 constexpr double k_clear_m = 1e-6;
-/// A walk of balls that fall alone has so many steps at most. Where walks would have to be shorter
-/// than half of those asked for, to be accepted often enough, single steps do better.
+/// Maximum steps of a walk of balls that fall alone. If walks must be shorter than half this length
+/// to be accepted often enough, single steps do better.
 constexpr double k_solo_walk_max = 60;
 constexpr double k_walk_scale_min = 0.5;
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
-/// A ball at present; `known`: what was seen of it at this tick in the simulation that its history
-/// is of, if somebody looked.
+/// Observes a ball now. `known`: the observation at this tick in the simulation of the ball's
+/// history, if there was a look.
 Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   if (const physics::MarbleHistory* history = marbles.replayed({ball})) {
-    // A ball that was left alone then, and whose way since is known, isn't alone now: other balls
-    // may be in places where it would not have been left alone.
+    // If the ball was left alone then and its further path is known, it isn't alone now: other
+    // balls may be in places that prevent it.
     if (known != nullptr && (!known->was_alone || history->is_alone_at(marbles.now())))
       return *known;
     if (history->stays && history->last.tick <= marbles.now()) {
@@ -51,7 +51,7 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
   }
   const physics::Segment& segment = marbles.segment({ball});
   const bool rests = segment.mode == physics::MotionMode::resting;
-  // One that is left alone is trapped, and counts as it was.
+  // A ball that is left alone is trapped, and counts with the state in which that began.
   if (marbles.is_suspended({ball})) {
     return {.ball = {.centre_m = segment.flight.position_m,
                      .twist = {segment.flight.velocity_mps, segment.flight.angular_velocity_radps},
@@ -63,11 +63,11 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
                    .rests = rests}};
 }
 
-/// Looks at the active balls of a simulation, one after the other.
+/// Observes the active balls of a simulation, one after the other.
 class Looks {
  public:
-  /// `known_state` and `known_history`: of a similar state, null if nothing is known. `kept`: where
-  /// what is seen goes, if anywhere.
+  /// `known_state` and `known_history`: of a similar state, or null. `kept`: where observations are
+  /// stored, or null.
   Looks(const State& state, const State* known_state, const SpellingHistory* known_history,
         SpellingHistory* kept)
       : state_(state), known_state_(known_state), known_history_(known_history), kept_(kept) {
@@ -82,7 +82,7 @@ class Looks {
     balls_.clear();
     for (std::uint32_t ball = 0; ball < state_.active.size(); ++ball) {
       if (state_.active[ball] == 0) continue;
-      // Others were elsewhere in that look, or in none.
+      // The known look had other active balls, or there was none.
       const bool is_known = !known_look.empty() && known_state_->active[ball] != 0;
       const Seen* before = is_known ? &known_look[known_state_->active_before(ball)] : nullptr;
       const Seen seen = seen_of(marbles, ball, before);
@@ -91,7 +91,7 @@ class Looks {
     }
     if (kept_ != nullptr) kept_->looks.push_back(marbles.now());
   }
-  /// In the last look, those that are active.
+  /// The active balls in the last look.
   const std::vector<Traps::Ball>& balls() const { return balls_; }
 
  private:
@@ -102,7 +102,7 @@ class Looks {
   std::vector<Traps::Ball> balls_;
 };
 
-/// A ball that is trapped is left alone. Until `traps` ends.
+/// Leaves trapped balls alone. Valid until `traps` is destroyed.
 physics::MarbleConfinement within(const Traps& traps) {
   return [&traps](physics::BodyId, const Vec3& centre_m,
                   const physics::Twist& twist) -> std::optional<physics::Box> {
@@ -111,7 +111,7 @@ physics::MarbleConfinement within(const Traps& traps) {
   };
 }
 
-/// The bin that a ball fills with others' help; k_fills_none if it would alone, or fills none.
+/// The bin that a helped ball fills. k_fills_none if the ball fills it alone, or fills none.
 std::int16_t filled_with_help(const Outcome& outcome, const SoloBalls::Outcome& solo,
                               std::size_t ball) {
   return outcome.filling[ball] == solo.alone[ball] ? k_fills_none : outcome.filling[ball];
@@ -132,7 +132,7 @@ Spelling::Spelling(const Parameters& parameters, Replays replays)
   CHECK_GT(prior_.drop_half_m.x(), 0);
   CHECK_GT(prior_.drop_half_m.y(), 0);
 
-  // Where drops are aimed at each designated bin.
+  // Add windows for each designated bin.
   const Vec2& half_m = prior_.drop_half_m;
   for (std::uint32_t row = 0; row < bins_.rows(); ++row) {
     for (std::uint32_t column = 0; column < bins_.columns(); ++column) {
@@ -237,7 +237,8 @@ Spelling::Alone Spelling::fall_alone(std::span<const Vec3> offsets_m, const Vec2
   Outcome outcome = simulated(state, Until::decided).outcome;
   if (outcome.end == End::impossible) return {.possible = false};
   if (outcome.is_animation()) return {.bin = outcome.filling.front()};
-  // It is reported as of a whole state, which can be repeated: the first ball alone.
+  // Report the failure with a whole state, which can be simulated again: only the first ball is
+  // active.
   State whole = state;
   whole.active.resize(balls(), 0);
   whole.drops_m.resize(balls(), Vec2(0, 0));
@@ -309,7 +310,7 @@ std::optional<physics::SceneError> Spelling::run(physics::Tick last_start, Engin
 }
 
 std::unique_ptr<BoxGeometry> Spelling::new_geometry() const {
-  // Any ball will do: all are alike.
+  // Any ball will do, since all are alike.
   State state{.offsets_m = std::vector<Vec3>(bins_.vertex_count(), Vec3::Zero()),
               .active = {1},
               .drops_m = {Vec2(0, 0)}};
@@ -333,8 +334,9 @@ Outcome Spelling::simulate(const State& state) const {
 
 Outcome Spelling::simulate_from(const State& candidate, const State& state,
                                 const Outcome& outcome) const {
-  // Where nothing is alike, there is nothing to go on from, nor does the candidate keep a history:
-  // mostly it is rejected, and if it isn't, the next one that resembles it does.
+  // Without resemblance, nothing can be replayed, and the candidate stores no history: most such
+  // candidates are rejected. If one is accepted, the next candidate that resembles it stores a
+  // history.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
   if (!outcome.history) return simulated(candidate, Until::decided, true).outcome;
   const Known known{.state = state, .history = *outcome.history};
@@ -376,7 +378,7 @@ std::optional<Spelling::Result> Spelling::simulated_in(BoxGeometry& geometry, co
                 until == Until::decided ? within(traps) : physics::MarbleConfinement{}, work_max,
                 {.histories = known != nullptr ? &in_common.histories : nullptr,
                  .changes = in_common.changes,
-                 // Which traps there are hangs on the vertices, too.
+                 // Traps depend on the vertices too.
                  .confinement_differs = !in_common.changes.empty(),
                  .records = records});
   if (const auto error = marbles.run_until(physics::Tick{})) {
@@ -485,7 +487,7 @@ std::optional<Bin> Spelling::filled_bin(const Vec3& centre_m) const {
   const auto bin = bins_.bin_at(centre_m);
   const bool inside =
       bin && centre_m.z() > 0 && centre_m.z() < parameters_.world.partition_height_m;
-  // Rows of a pattern are counted from the top.
+  // A pattern's rows are counted from the top.
   if (!inside || !parameters_.pattern.at(bin->column, bins_.rows() - 1 - bin->row))
     return std::nullopt;
   return bin;

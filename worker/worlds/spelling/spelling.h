@@ -1,31 +1,31 @@
-// The world of the balls that spell (thesis 2.4.3, A.2): which box, and which drops, make balls
-// come to rest in designated bins?
+// The world of the balls that spell (thesis 2.4.3, A.2): which boxes and drops bring balls to rest
+// in designated bins?
 //
-//   random variables  offsets of the partition vertices; which balls are active; where these are
-//                     dropped
-//   log p_w           offsets: each coordinate N(0, vertex_sd); a ball is active with probability
-//                     1/2, its place uniform
-//   outcome           k, how many designated bins are filled: a ball whose centre is in the bin,
-//                     below the partitions' height, at rest or for good (traps.h)
+//   random variables  offsets of the partition vertices; which balls are active; where active balls
+//                     are dropped
+//   log p_w           each offset coordinate is N(0, vertex_sd); a ball is active with probability
+//                     1/2; drop places are uniform
+//   outcome           k, the number of filled designated bins. A ball fills a bin if its centre is
+//                     in the bin, below the partitions' height, at rest or trapped (traps.h)
 //   log p_c           k log lambda; -infinity if there is no simulation
-//   satisfied         all are filled, and no active ball is elsewhere
-//   proposal          A.2.2 with the ratios that it should have (proposals.h)
+//   satisfied         all designated bins are filled, and no active ball is elsewhere
+//   proposal          A.2.2 with corrected ratios (proposals.h)
 //
-// There are as many balls as designated bins. Ball i is dropped from rest at i drop intervals; an
-// inactive one leaves its gap. The box stands on the ground; a ball that leaves it is elsewhere, as
-// is one that still moves at the time limit and may yet go anywhere.
+// There are as many balls as designated bins. Ball i is dropped from rest after i drop intervals;
+// an inactive ball leaves a gap. The box stands on the ground. A ball that leaves the box is
+// elsewhere, and so is a ball that still moves at the time limit and isn't trapped.
 //
-// Deciding early. A ball that is trapped in its bin is not simulated any further until another one
-// comes near; when all are trapped or at rest, the outcome is clear. It is what the whole
-// simulation comes to, which simulate_to_rest runs.
+// Deciding early. A trapped ball isn't simulated further until another ball comes near. When all
+// balls are trapped or at rest, the outcome is decided. It equals the outcome of the whole
+// simulation, which simulate_to_rest runs.
 //
 // Invariants
 //   1. An animation is a function of the state and the parameters.
-//   2. What is decided early is what a run to rest would find, if that ends: a simulation of far
-//      more events than others have, as of a ball that is wedged, fails, and a run to rest has more
-//      of them.
-//   3. With Kernel::thesis draws and ratios are those that A.2.2 prints: invariants 1 and 2 of a
-//      target (target.h) do not hold, and Algorithm 2.1 has another distribution.
+//   2. An early decision equals the result of a run to rest, unless the run to rest fails. A
+//      simulation with far more events than usual fails, for example with a wedged ball, and a run
+//      to rest has more events.
+//   3. With Kernel::thesis, draws and ratios are those that A.2.2 prints. Invariants 1 and 2 of a
+//      target (target.h) don't hold, and Algorithm 2.1 has another distribution.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -51,36 +51,35 @@
 
 namespace sleight::worlds::spelling {
 
-/// How a simulation ended.
 enum class End : std::uint8_t {
-  settled,     ///< every ball is at rest, or in its bin for good
-  time_limit,  ///< some ball moved for too long
-  impossible,  ///< two balls start in one place, or offsets turn the box inside out
-  failed       ///< the simulator could not go on, or it took too many events: no sample
+  settled,     ///< every ball is at rest or trapped in its bin
+  time_limit,  ///< a ball moved until the time limit
+  impossible,  ///< two balls overlap at their start, or offsets turn the box inside out
+  failed       ///< the simulator failed or took too many events: no sample
 };
 
 struct Outcome {
   std::uint32_t filled = 0;     ///< designated bins with a ball that stays there
-  std::uint32_t elsewhere = 0;  ///< active balls that fill none, second ones in a bin included
-  /// When that was clear: the simulation is looked at each tenth of a second after the last drop.
+  std::uint32_t elsewhere = 0;  ///< active balls that fill no bin, including second balls in a bin
+  /// Time of the decision. After the last drop, the simulation is tested every tenth of a second.
   double end_s = 0;
   End end = End::settled;
   Filling filling{};               ///< empty if there is no animation
-  plan::FailurePointer failure{};  ///< why it failed
-  /// For simulate_from, which makes it; none if that is not wanted, or the candidate had nothing in
-  /// common with the state.
+  plan::FailurePointer failure{};  ///< reason if End is failed
+  /// Input for simulate_from, which also creates it. Null if not requested, or if the candidate had
+  /// nothing in common with the state.
   std::shared_ptr<const SpellingHistory> history{};
 
   bool is_animation() const { return end == End::settled || end == End::time_limit; }
 };
 
-/// A whole animation, to rest or to the time limit.
+/// A whole animation, simulated to rest or to the time limit.
 struct Animation {
-  physics::Recording recording;        ///< of the active balls
-  std::vector<std::uint32_t> balls{};  ///< which they are, in the recording's order
+  physics::Recording recording;        ///< of the active balls only
+  std::vector<std::uint32_t> balls{};  ///< the balls' numbers, in the recording's order
 };
 
-/// Whether simulations are made from what is known of similar ones. Changes no result.
+/// Whether simulations reuse the histories of similar ones. Changes no result.
 enum class Replays : std::uint8_t { no, yes };
 
 class Spelling {
@@ -94,29 +93,30 @@ class Spelling {
   const Bins& bins() const { return bins_; }
   const Prior& prior() const { return prior_; }
   std::uint32_t balls() const { return prior_.balls; }
-  /// Where drops are aimed at each designated bin, in the pattern's order from the lowest y.
+  /// Windows for drops aimed at each designated bin, in the pattern's order from the lowest y.
   const Windows& windows() const { return windows_; }
-  /// The middle of a designated bin, by its number. REQUIRES: number < balls().
+  /// Middle of a designated bin. REQUIRES: number < balls().
   const Vec2& middle_m(std::size_t number) const { return middles_m_[number]; }
-  /// The number of the designated bin below a place; k_fills_none if it is of another one.
+  /// Returns the number of the designated bin below a place; k_fills_none if there is none.
   std::int16_t number_below(const Vec2& place_m) const;
 
   State draw_prior(random::Stream& stream) const {
     return draw_state(prior_, parameters_.proposal.kernel, stream);
   }
-  /// All balls dropped into a box of the prior.
+  /// Draws a state in which all balls are dropped into a box of the prior.
   State draw_throw(random::Stream& stream) const;
   double log_prior(const State& state) const { return prior_.log_density(state); }
-  /// As far as it takes to know the outcome.
+  /// Simulates until the outcome is decided.
   Outcome simulate(const State& state) const;
-  /// The same of a candidate, for less, if it resembles a state whose outcome is known.
+  /// Simulates a candidate, faster if it resembles a state whose outcome is known.
   Outcome simulate_from(const State& candidate, const State& state, const Outcome& outcome) const;
-  /// Until all balls are at rest: the same but for `end_s`.
+  /// Simulates until all balls are at rest. Returns the same outcome as simulate except for
+  /// `end_s`.
   Outcome simulate_to_rest(const State& state) const;
   double log_constraint(const Outcome& outcome) const;
   plan::FailurePointer failure(const Outcome& outcome) const { return outcome.failure; }
   bool starts_overlap(const Outcome& outcome) const { return outcome.end == End::impossible; }
-  /// Each active ball fills a bin at most.
+  /// Each active ball fills at most one bin.
   double log_constraint_at_most(const State& state) const {
     return std::max(0.0, state.active_count() * parameters_.constraint.log_lambda);
   }
@@ -128,7 +128,7 @@ class Spelling {
                                     random::Stream& stream) const {
     return spelling::propose(prior_, parameters_.proposal, state, scales, stream);
   }
-  /// With the kinds that look at the outcome, too (aimed_drops.h).
+  /// Includes the kinds that depend on the outcome (aimed_drops.h).
   sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
                                     std::span<const double> scales, random::Stream& stream) const {
     return propose(state, outcome.is_animation() ? &outcome.filling : nullptr, scales, stream);
@@ -139,15 +139,15 @@ class Spelling {
     return log_q_ratio(state, outcome.is_animation() ? &outcome.filling : nullptr, proposal,
                        candidate_outcome.is_animation() ? &candidate_outcome.filling : nullptr);
   }
-  /// The same by the filling alone, a simulation's or a surrogate's; null if that has none.
+  /// Uses only the filling, from a simulation or a surrogate. Null: no filling.
   sampling::Proposal<State> propose(const State& state, const Filling* filling,
                                     std::span<const double> scales, random::Stream& stream) const;
   double log_q_ratio(const State& state, const Filling* filling,
                      const sampling::Proposal<State>& proposal,
                      const Filling* candidate_filling) const;
 
-  // The surrogate: each ball alone (solo_balls.h). What only the simulation gets right of an
-  // animation are balls that fill a bin which they would not fill alone: others help them there.
+  // The surrogate simulates each ball alone (solo_balls.h). Only the full simulation finds helped
+  // balls.
   using Surrogate = SoloBalls;
   using Anchor = spelling::Anchor;
   SoloBalls surrogate(const Anchor& anchor) const { return SoloBalls(*this, anchor); }
@@ -156,11 +156,11 @@ class Spelling {
   double log_anchor_probability(const Anchor& anchor, const Outcome& outcome,
                                 const SoloBalls::Outcome& solo, double keep) const;
   sampling::SurrogateSteps surrogate_steps(std::span<const double> scales) const;
-  /// What a ball that falls alone comes to.
+  /// The result of a ball that falls alone.
   struct Alone {
-    bool possible = true;             ///< the offsets leave it a box, and a place to start
+    bool possible = true;             ///< the offsets leave a valid box and room for the start
     std::int16_t bin = k_fills_none;  ///< the number of the designated bin that it fills
-    plan::FailurePointer failure{};   ///< nothing is known, and `bin` is none
+    plan::FailurePointer failure{};   ///< if set, nothing is known and `bin` is k_fills_none
   };
   Alone fall_alone(std::span<const Vec3> offsets_m, const Vec2& drop_m) const;
 
@@ -168,8 +168,8 @@ class Spelling {
   std::uint32_t proposal_kinds() const { return k_kinds; }
 
   base::Bytes encode(const State& state) const { return spelling::encode(state); }
-  /// Arrays of a sample: the state's, the outcome's, and the two by ball of the surrogate's
-  /// outcome, which may hang on it.
+  /// Bytes of the state's and the outcome's arrays, and of two arrays by ball of the surrogate's
+  /// outcome, which may be stored with the sample.
   std::size_t owned_bytes(const State& state, const Outcome& outcome) const {
     return state.offsets_m.capacity() * sizeof(Vec3) + state.active.capacity() +
            state.drops_m.capacity() * sizeof(Vec2) +
@@ -179,63 +179,63 @@ class Spelling {
   std::optional<State> decode(base::BytesView bytes) const {
     return spelling::decode(prior_, bytes);
   }
-  /// In the order of the archive layout's outcomes.
+  /// Returns the values in the order of the archive layout's outcomes.
   std::vector<double> outcome_values(const Outcome& outcome) const;
 
-  /// The simulation's scene; its bodies are the active balls in ascending order. Nothing if the
+  /// Returns the physics scene; its bodies are the active balls in ascending order. Nothing if the
   /// offsets turn the box inside out.
   std::optional<physics::Scene> scene(const State& state) const;
   /// REQUIRES: simulate_to_rest(state) is an animation.
   Animation animate(const State& state) const;
-  /// By bin, row by row from the lowest y: the number of the ball that fills it, if it is
-  /// designated, -1 if none. As simulate counts them.
+  /// By bin, row by row from the lowest y: the number of the ball that fills the designated bin, or
+  /// -1. Counted as by simulate.
   std::vector<int> balls_of_bins(const State& state) const;
-  /// What balls that stay with their centres in these places, and so many others, come to; without
-  /// their filling.
+  /// Returns the outcome, without filling, of balls that stay with their centres at the given
+  /// places and of `others` balls that are elsewhere.
   Outcome judged(std::span<const Vec3> staying_m, std::uint32_t others) const;
 
  private:
-  /// Runs until all balls stay, or to the limit; or why it could not.
+  /// Runs until all balls stay, or to the time limit. Returns an error if the simulator fails.
   template <class Engine, class AllStay>
   std::optional<physics::SceneError> run(physics::Tick last_start, Engine& engine,
                                          const AllStay& all_stay) const;
   physics::Tick limit_after(physics::Tick last_start) const;
   physics::Tick start_of(std::size_t ball) const;
-  /// What a simulation came to, and where those active balls are that stay there.
+  /// An outcome, and the balls that stay with their places.
   struct Result {
     Outcome outcome{};
     std::vector<std::uint32_t> staying{};  ///< balls
     std::vector<Vec3> places_m{};
   };
   enum class Until : std::uint8_t { decided, rest };
-  /// `known`: what a similar state came to, if anything is known.
+  /// A similar state and its history.
   struct Known {
     const State& state;
     const SpellingHistory& history;
   };
   Result simulated(const State& state, Until until, bool records = false,
                    const Known* known = nullptr) const;
-  /// Nothing if what is known doesn't suffice.
+  /// Returns nothing if the history doesn't suffice.
   std::optional<Result> simulated_in(BoxGeometry& geometry, const State& state, Until until,
                                      bool records, const Known* known) const;
-  /// What of a similar state's simulation holds for a state.
+  /// What of a similar state's history also holds for a new state.
   struct InCommon {
     physics::MarbleHistories histories{};
     std::vector<physics::MarbleChange> changes{};
   };
   InCommon in_common_with(const Known& known, const State& state,
                           const BoxGeometry& geometry) const;
-  /// The result of the balls as they were seen at the end, but for the time.
+  /// Returns the result for the balls observed at the end, without the time.
   Result came_to(const State& state, std::span<const Traps::Ball> balls, const Traps& traps) const;
   Filling filling_of(const Result& result) const;
   static Result stopped(const physics::SceneError& error, const State& state);
-  /// The scene of a state in a box with such a surface; with all balls, those that aren't active
-  /// never start, else with the active ones only.
+  /// The physics scene of a state in a box with this surface. Bodies::all contains all balls, of
+  /// which inactive ones never start.
   enum class Bodies : std::uint8_t { active, all };
   physics::Scene scene_in(const State& state, std::shared_ptr<const physics::TriangleMesh> surface,
                           Bodies bodies) const;
   std::unique_ptr<BoxGeometry> new_geometry() const;
-  /// The designated bin that a ball in its place fills, if any.
+  /// Returns the designated bin that a ball with this centre fills, if any.
   std::optional<Bin> filled_bin(const Vec3& centre_m) const;
 
   Parameters parameters_;
@@ -244,8 +244,9 @@ class Spelling {
   Influence influence_;
   Prior prior_;
   Windows windows_;
-  std::vector<Vec2> middles_m_;        ///< of designated bins
-  std::vector<std::int16_t> numbers_;  ///< by bin, row by row: of the designated ones, in order
+  std::vector<Vec2> middles_m_;  ///< of designated bins
+  std::vector<std::int16_t>
+      numbers_;  ///< by bin, row by row: number among the designated bins, in order
   std::unique_ptr<BoxGeometries> geometries_ = std::make_unique<BoxGeometries>();
 };
 

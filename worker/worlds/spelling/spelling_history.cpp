@@ -9,7 +9,7 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// More than what counts as a touch, and than rounding.
+/// Greater than the touch distance and rounding.
 constexpr float k_margin_m = 1e-5F;
 
 constexpr physics::TouchBox k_nowhere = physics::k_unmeetable;

@@ -1,6 +1,6 @@
-// The history that a simulation of spelling balls leaves for those of similar states: each ball's
-// history (physics/marbles/marbles.h), and the places of all balls at each test of whether they
-// stay.
+// The history that a simulation of spelling balls stores for simulations of similar states: each
+// ball's history (physics/marbles/marbles.h), and all balls' places at each look, that is, each
+// test of whether they stay.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -19,7 +19,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// What was seen of a ball: as it was at that time, or, of one that was left alone, when it was.
+/// A ball's observed state: at the time of the look or, if it was left alone, when that began.
 struct Seen {
   Traps::Ball ball;
   bool was_alone = false;
@@ -28,12 +28,12 @@ struct Seen {
 struct SpellingHistory {
   physics::MarbleHistories histories;  ///< by ball
   std::vector<physics::Tick> looks;
-  std::vector<Seen> seen;                 ///< by look, those balls that are active
-  std::vector<std::uint32_t> flat_edges;  ///< of the box (Influence)
+  std::vector<Seen> seen;                 ///< by look: the active balls
+  std::vector<std::uint32_t> flat_edges;  ///< flat edges of the box (Influence)
   double border_m = 0;                    ///< of the box (StaticGeometry::border_m)
-  std::uint64_t simulated = 0;  ///< events that it took to know all this (Marbles::Counts::work)
+  std::uint64_t simulated = 0;  ///< events simulated to build this history (Marbles::Counts::work)
 
-  /// What was seen of all balls at a tick; nothing if that tick had no look.
+  /// Returns the observations of all balls at a tick. Empty if that tick had no look.
   std::span<const Seen> seen_at(physics::Tick tick) const {
     const auto found = std::ranges::lower_bound(looks, tick);
     if (found == looks.end() || *found != tick) return {};
@@ -51,26 +51,26 @@ struct SpellingHistory {
   }
 };
 
-/// Whether a ball takes part in both and starts in the same place.
+/// Whether a ball is active in both states and starts in the same place.
 bool starts_alike(const State& state, const State& candidate, std::size_t ball);
 /// Whether a candidate may have something in common with a state: a ball that starts alike, and at
-/// least half of the box, without which balls differ from their first collision on.
+/// least half of the box. With less of the box, balls differ from their first collision on.
 bool resembles(const State& candidate, const State& state);
 
-/// The histories that hold for a candidate as well: those of balls that start as they did.
+/// Returns the histories of balls that start alike, which hold for the candidate too.
 physics::MarbleHistories histories_that_hold(const SpellingHistory& history, const State& state,
                                              const State& candidate);
 
-/// What hangs on each partition vertex.
+/// What depends on each partition vertex.
 class Influence {
  public:
-  /// `statics`: of a scene with the bins' surface for its only mesh.
+  /// `statics`: of a physics scene whose only mesh is the bins' surface.
   Influence(const Bins& bins, const physics::StaticGeometry& statics);
-  /// Those edges of the bins' surface as it is that are flat, though its vertices move: none,
-  /// mostly.
+  /// Returns the edges of a moved surface that are flat although their vertices can move. Usually
+  /// none.
   std::vector<std::uint32_t> flat_edges(const physics::TriangleMesh& surface) const;
-  /// What is otherwise in a box whose vertices have other offsets, and which of its edges were flat
-  /// and are. Refers to this.
+  /// Returns what differs between boxes with other offsets, including edges that were flat or are
+  /// flat now. The result refers to this object.
   std::vector<physics::MarbleChange> changes(std::span<const Vec3> before_m,
                                              std::span<const std::uint32_t> flat_before,
                                              std::span<const Vec3> after_m,
@@ -79,9 +79,9 @@ class Influence {
  private:
   struct Vertex {
     physics::StaticGeometry::About about;
-    std::vector<std::uint32_t> corners;  ///< of all triangles in that
+    std::vector<std::uint32_t> corners;  ///< of all triangles in `about`
   };
-  std::vector<Vec3> vertices_m_;  ///< of the surface without offsets
+  std::vector<Vec3> vertices_m_;  ///< without offsets
   std::vector<Vertex> of_vertex_;
   std::vector<std::uint32_t> edges_;  ///< of any vertex, ascending
 };

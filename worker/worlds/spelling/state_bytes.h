@@ -1,7 +1,7 @@
-// States of spelling animations as bytes.
+// The byte encoding of spelling states.
 //
-// Doubles: the offsets of all partition vertices (x, y, z each), then for each ball 1 or 0 for
-// active, then for each ball its drop place (x, y).
+// The bytes contain doubles: the offsets of all partition vertices (x, y, z each), then 1 (active)
+// or 0 for each ball, then each ball's drop place (x, y).
 // Thread safety: pure functions.
 #pragma once
 
@@ -13,10 +13,10 @@
 
 namespace sleight::worlds::spelling {
 
-/// All numbers of a state, in that order.
+/// Returns all numbers of a state, in the order of the bytes.
 std::vector<double> values_of(const State& state);
 base::Bytes encode(const State& state);
-/// Refuses another length, an offset or place that is not finite, and any activity but 0 and 1.
+/// Refuses a wrong length, an offset or place that isn't finite, and any activity except 0 and 1.
 std::optional<State> decode(const Prior& prior, base::BytesView bytes);
 
 }  // namespace sleight::worlds::spelling

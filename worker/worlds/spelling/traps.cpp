@@ -11,14 +11,15 @@ namespace {
 /// Far more than rounding adds to a height.
 constexpr double k_margin_least_m = 1e-4;
 
-/// Pieces of motion rise above where energy takes a ball by half of the height of the slowest
-/// bounces (edge_motion.h), a quarter of the square of bounce_end in diameters; twice that.
+/// Pieces of motion exceed the height allowed by energy by half the height of the slowest bounces
+/// (edge_motion.h), that is, by a quarter of the square of bounce_end in diameters. The margin is
+/// twice that.
 double margin_of(const WorldParameters& world) {
   return std::max(k_margin_least_m,
                   0.5 * world.bounce_end * world.bounce_end * world.ball_diameter_m);
 }
 
-/// A solid ball's I / (m r^2).
+/// I / (m r^2) of a solid ball.
 constexpr double k_gyration = 0.4;
 
 }  // namespace
@@ -30,7 +31,7 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
   const double energy = math::dot(twist.velocity_mps, twist.velocity_mps) +
                         k_gyration * math::dot(turning_mps, turning_mps);
   const double reaches_m = centre_m.z() + energy / (2 * world_.gravity_mps2) + margin_m;
-  // Most balls are too fast for a look at the bin.
+  // Most balls are too fast to be trapped, so test the speed first.
   if (!(centre_m.z() > 0) || reaches_m > world_.partition_height_m) return std::nullopt;
   const auto bin = bins_.bin_at(centre_m);
   if (!bin) return std::nullopt;
@@ -45,7 +46,7 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
   if (reaches_m > lowest_m) return std::nullopt;
   const Vec3 middle_m = bins_.floor_middle_m(*bin);
   const double half_m = 0.5 * world_.bin_m + lean_m + margin_m;
-  // Partitions that lean over into the next bin would not keep balls apart.
+  // Partitions that lean over into the next bin would not separate balls.
   if (half_m > 0.5 * (world_.bin_m + world_.partition_m)) return std::nullopt;
   physics::Box box;
   for (int i = 0; i < 2; ++i) {
@@ -60,7 +61,7 @@ std::optional<Traps::Place> Traps::of(const Vec3& centre_m, const physics::Twist
 }
 
 bool Traps::all_stay(std::span<const Ball> balls) const {
-  // The last ones to be dropped are the first ones to ask.
+  // Test the last dropped balls first: they are the likeliest to move.
   for (std::size_t i = balls.size(); i-- > 0;) {
     const Ball& ball = balls[i];
     if (ball.rests) continue;
@@ -72,7 +73,8 @@ bool Traps::all_stay(std::span<const Ball> balls) const {
         if (bins_.bin_at(other.centre_m) == place->bin) return false;
         continue;
       }
-      // Its centre is more than two radii away from wherever the trapped one's may be.
+      // A resting ball's centre must be over two radii away from anywhere that the trapped ball's
+      // centre may be.
       const double radius_m = 0.5 * world_.ball_diameter_m;
       double square = 0;
       for (int axis = 0; axis < 3; ++axis) {

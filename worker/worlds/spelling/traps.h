@@ -1,10 +1,10 @@
-// Which bin a ball can't leave any more by itself.
+// Traps: bins that a ball can't leave by itself.
 //
-// A ball's energy, of its spin too, bounds the height that its centre reaches; no contact adds to
-// it. Below the lowest corner of a bin's partitions the centre is between these, wherever it goes
-// and whatever it hits, so it is there for good, unless another ball comes. Two balls that are so
-// trapped in different bins never touch each other: between them stands a partition that neither
-// reaches over.
+// A ball's energy, including its spin, bounds the height that its centre can reach, and no contact
+// adds energy. Below the lowest corner of a bin's partitions, the centre stays between the
+// partitions whatever the ball hits. So the ball stays in the bin for good unless another ball
+// comes. Two balls trapped in different bins never touch each other, because neither can reach over
+// the partition between them.
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -20,15 +20,16 @@ namespace sleight::worlds::spelling {
 
 class Traps {
  public:
-  /// Borrows all; offsets are those of the partition vertices.
+  /// Borrows all arguments. `offsets_m`: of the partition vertices.
   Traps(const WorldParameters& world, const Bins& bins, std::span<const Vec3> offsets_m)
       : world_(world), bins_(bins), offsets_m_(offsets_m) {}
 
   struct Place {
     Bin bin;
-    physics::Box box;  ///< the ball stays in it: the bin, as high as its energy takes it
+    physics::Box
+        box;  ///< contains the ball for good: the bin, up to the height allowed by its energy
   };
-  /// Where a ball with its centre at a place is trapped; nothing if it may yet go elsewhere.
+  /// Returns where a ball is trapped, or nothing if it may still leave.
   std::optional<Place> of(const Vec3& centre_m, const physics::Twist& twist) const;
 
   struct Ball {
@@ -36,10 +37,10 @@ class Traps {
     physics::Twist twist{};
     bool rests = false;
   };
-  /// Whether each ball is where it will be for good: at rest, or trapped in a bin of its own that
-  /// no ball at rest reaches over. A function of the balls' places alone: it doesn't depend on the
-  /// engine or on how far that has simulated, as long as a trapped ball is given in a state that it
-  /// has had since it was trapped.
+  /// Whether each ball is where it stays for good: at rest, or trapped in a bin of its own that no
+  /// ball at rest reaches over. The result depends only on the balls' places, not on the engine or
+  /// on how far the engine has simulated. For a trapped ball, pass any state that it had since it
+  /// was trapped.
   bool all_stay(std::span<const Ball> balls) const;
 
  private:
