@@ -1,4 +1,4 @@
-// Where each first contact of an animation stands among them, by the two things that meet.
+// Looks up the position of a first contact among all first contacts, by the two features that meet.
 #pragma once
 
 #include <array>
@@ -7,22 +7,23 @@
 
 namespace sleight::browse {
 
-/// First contacts that are compared, at most.
+/// Maximum first contacts that are compared.
 inline constexpr std::size_t k_first_contacts_max = 256;
 
-/// A table by the two things, open addressing with linear probes, a quarter full at most.
+/// Hash table with open addressing and linear probes; at most a quarter full.
 class ContactPlaces {
  public:
   static constexpr std::uint32_t k_none = 0xffffffff;
 
   ContactPlaces() { keys_.fill(k_free); }
-  /// REQUIRES: low and high, together, are not in it; at most k_first_contacts_max of them.
+  /// REQUIRES: the pair isn't in the table, and the table has fewer than k_first_contacts_max
+  /// pairs.
   void add(std::uint32_t low, std::uint32_t high, std::uint32_t place) {
     const std::size_t slot = slot_of(key_of(low, high));
     keys_[slot] = key_of(low, high);
     places_[slot] = place;
   }
-  /// k_none: it isn't in it.
+  /// Returns k_none if the pair isn't in the table.
   std::uint32_t find(std::uint32_t low, std::uint32_t high) const {
     const std::size_t slot = slot_of(key_of(low, high));
     return keys_[slot] == k_free ? k_none : places_[slot];
@@ -37,7 +38,7 @@ class ContactPlaces {
   static std::uint64_t key_of(std::uint32_t low, std::uint32_t high) {
     return std::uint64_t{low} << 32U | high;
   }
-  /// Where the key is, or would be.
+  /// Returns the key's slot, or the free slot in which it would be stored.
   std::size_t slot_of(std::uint64_t key) const {
     // The upper bits of a product depend on all bits of the key (D. Knuth, TAOCP 3, 6.4).
     std::size_t slot = key * 0x9e3779b97f4a7c15U >> (64U - k_bits);

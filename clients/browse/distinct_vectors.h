@@ -1,4 +1,4 @@
-// Vectors of which few differ, as accelerations of bodies that fall: each once, and its row.
+// Stores equal vectors once, such as the accelerations of falling bodies.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace sleight::browse {
 
-/// Rows of distinct vectors, bit for bit, in the order in which they come.
+/// Rows of bitwise distinct vectors, in order of first use.
 class DistinctVectors {
  public:
   std::uint32_t row_of(const math::Vec3& v) {
@@ -23,7 +23,6 @@ class DistinctVectors {
     if (is_new) numbers_.insert(numbers_.end(), v.begin(), v.end());
     return found->second;
   }
-  /// Row by row.
   std::span<const double> numbers() const { return numbers_; }
 
  private:

@@ -18,12 +18,12 @@ namespace sleight::browse {
 namespace {
 
 constexpr float k_far = std::numeric_limits<float>::infinity();
-/// Representatives from which distances are kept, at most: 40 kB each of 5,000 animations.
+/// Maximum representatives whose distances are cached: 40 kB each for 5,000 animations.
 constexpr std::size_t k_kept_max = 1024;
 
-/// What each point's nearest and second nearest medoid are.
+/// A point's nearest and second nearest medoid.
 struct Nearest {
-  std::size_t medoid = 0;  ///< its place in the list of medoids
+  std::size_t medoid = 0;  ///< index in the list of medoids
   float distance = k_far;
   float second = k_far;
 };
@@ -46,7 +46,7 @@ std::vector<Nearest> nearest_of(std::span<const float> matrix, std::size_t size,
   return nearest;
 }
 
-/// Each next medoid is the point that lowers the sum of distances most.
+/// Adds medoids one by one; each lowers the sum of distances most.
 std::vector<std::size_t> first_medoids(std::span<const float> matrix, std::size_t size,
                                        std::size_t k) {
   std::vector<std::size_t> medoids;
@@ -74,11 +74,11 @@ std::vector<std::size_t> first_medoids(std::span<const float> matrix, std::size_
   return medoids;
 }
 
-/// Exchanges one medoid for another point where that lowers the sum of distances most; false if no
-/// exchange does.
+/// Exchanges one medoid for another point if that lowers the sum of distances, with the best
+/// exchange. Returns false if no exchange helps.
 bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::size_t>& medoids) {
   const std::vector<Nearest> nearest = nearest_of(matrix, size, medoids);
-  // What the sum rises by if a medoid alone goes.
+  // Increase of the sum if only this medoid is removed.
   std::vector<double> loss(medoids.size(), 0);
   for (const Nearest& point : nearest)
     loss[point.medoid] += static_cast<double>(point.second) - static_cast<double>(point.distance);
@@ -87,7 +87,8 @@ bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::
   std::vector<double> change(medoids.size());
   for (std::size_t candidate = 0; candidate < size; ++candidate) {
     if (std::ranges::find(medoids, candidate) != medoids.end()) continue;
-    // What the candidate changes whichever medoid goes, and beyond that for each that may.
+    // `common`: the candidate's effect whichever medoid is removed. `change`: the further effect by
+    // removed medoid.
     double common = 0;
     std::ranges::copy(loss, change.begin());
     for (std::size_t point = 0; point < size; ++point) {
@@ -107,7 +108,7 @@ bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::
       best = {static_cast<std::size_t>(least - change.begin()), candidate};
     }
   }
-  // Rounding must not exchange for ever.
+  // Ignore tiny gains, since rounding could cause endless exchanges.
   double total = 0;
   for (const Nearest& point : nearest)
     total += static_cast<double>(point.distance);
@@ -116,7 +117,7 @@ bool exchange(std::span<const float> matrix, std::size_t size, std::vector<std::
   return true;
 }
 
-/// The member from which the sum of distances to the others is least.
+/// Returns the member with the least sum of distances to the others.
 std::size_t central_member(std::span<const float> matrix, std::size_t size,
                            std::span<const std::size_t> members) {
   std::size_t best = members.front();
@@ -133,8 +134,8 @@ std::size_t central_member(std::span<const float> matrix, std::size_t size,
   return best;
 }
 
-/// The members of the sample that stand for groups, and the group of each; none by medoids, where
-/// everyone goes to the nearest.
+/// The representatives in a sample, and each point's group. group_of is empty for medoids, because
+/// each point joins its nearest representative.
 struct Division {
   std::vector<std::size_t> representatives;
   std::vector<std::size_t> group_of;
@@ -160,7 +161,7 @@ std::vector<std::size_t> evenly_chosen(std::span<const Entry* const> entries, st
   std::vector<std::pair<std::string, std::size_t>> hashed;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const AnimationName& name = entries[i]->name;
-    // As names once were, so that an archive has the groups that it had.
+    // Hash the old form of names, so that an archive's groups stay the same.
     const std::string text =
         name.is_find ? short_text(name) : fmt::format("{}.{}", name.chain, name.draw);
     hashed.emplace_back(hash::sha256_hex(name.run + "\n" + text), i);
@@ -188,7 +189,7 @@ std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t s
                                     std::size_t k) {
   CHECK(k >= 1 && k <= size);
   std::vector<std::size_t> medoids = first_medoids(matrix, size, k);
-  // With one medoid there is no second nearest, and the first choice is the best.
+  // A single medoid has no second nearest, and the first choice is the best.
   while (k > 1 && k < size && exchange(matrix, size, medoids)) {
   }
   std::ranges::sort(medoids);
@@ -198,8 +199,8 @@ std::vector<std::size_t> medoids_of(std::span<const float> matrix, std::size_t s
 std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t size,
                                       std::size_t k) {
   CHECK(k >= 1 && k <= size);
-  // Chains of nearest neighbours find the merges in another order than by distance; sorted by it,
-  // the first size - k are those that leave k groups.
+  // Chains of nearest neighbours find the merges in another order. Sorted by distance, the first
+  // size - k merges leave k groups.
   struct Merge {
     float distance;
     std::size_t a;
@@ -229,7 +230,7 @@ std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t
       chain.push_back(nearest);
       continue;
     }
-    // The last two are each other's nearest.
+    // The last two groups are each other's nearest.
     chain.resize(chain.size() - 2);
     const auto [kept, gone] = std::minmax(last, nearest);
     merges.push_back({.distance = distance, .a = kept, .b = gone});
@@ -264,7 +265,7 @@ std::vector<std::size_t> hierarchy_of(std::span<const float> matrix, std::size_t
 }
 
 struct AlikeSet::Impl {
-  /// Those of a set that are compared with one another.
+  /// The animations of a set that are compared with one another.
   struct Sample {
     Sample(std::vector<std::size_t> chosen, std::size_t all, const Sketches& sketches,
            std::size_t threads)
@@ -275,8 +276,9 @@ struct AlikeSet::Impl {
         place_of[members[i]] = i;
     }
 
-    std::vector<std::size_t> members;   ///< ascending
-    std::vector<std::size_t> place_of;  ///< among the members; their number: it is none of them
+    std::vector<std::size_t> members;  ///< ascending
+    std::vector<std::size_t>
+        place_of;  ///< index among the members, or their number if not a member
     std::vector<float> matrix;
   };
 
@@ -303,7 +305,7 @@ struct AlikeSet::Impl {
       sorted.push_back(entries[i]);
     return sorted;
   }
-  /// Those whose groups are everyone's, for so many groups.
+  /// Returns the sample that determines this many groups.
   const Sample& sample_for(std::size_t groups) {
     std::size_t size = sorted.size();
     if (size > k_full_matrix_max)
@@ -317,7 +319,7 @@ struct AlikeSet::Impl {
         .first->second;
   }
 
-  /// Of everyone from these, where they are not known yet.
+  /// Measures the distances from these representatives to all animations, unless known.
   void measure_from(std::span<const std::size_t> representatives) {
     std::vector<std::size_t> unknown;
     for (const std::size_t one : representatives)
@@ -342,10 +344,10 @@ struct AlikeSet::Impl {
   std::vector<std::size_t> by_name;
   std::vector<const Entry*> sorted;
   Sketches sketches;
-  std::vector<std::size_t> place_by_name;  ///< of what was given, in `sorted`
-  std::mutex mutex;                        ///< of what follows
-  std::map<std::size_t, Sample> samples;   ///< by their size
-  /// By representative the distances of everyone; -1 of itself.
+  std::vector<std::size_t> place_by_name;  ///< in `sorted`, by index of the given entries
+  std::mutex mutex;                        ///< guards the members below
+  std::map<std::size_t, Sample> samples;   ///< by size
+  /// By representative: distances to all animations; -1 to itself.
   std::map<std::size_t, std::vector<double>> from;
 };
 
@@ -378,7 +380,7 @@ Groups AlikeSet::groups(std::size_t groups, Grouping by) const {
   std::vector<const std::vector<double>*> from;
   for (const std::size_t one : representatives)
     from.push_back(&set.from.at(one));
-  // Everyone goes to a group: of the sample as the grouping says, the others to the nearest.
+  // Assign animations of the sample as grouped, the others to the nearest representative.
   for (std::size_t i = 0; i < set.sorted.size(); ++i) {
     const std::size_t in_sample = sample.place_of[i];
     std::size_t group_of = 0;
@@ -399,7 +401,7 @@ Groups AlikeSet::groups(std::size_t groups, Grouping by) const {
   std::ranges::sort(found.groups, {}, [](const AlikeGroup& group) {
     return std::pair(-static_cast<std::ptrdiff_t>(group.members.size()), group.representative);
   });
-  // Back to the order in which they were given.
+  // Map back to the order of the given entries.
   for (AlikeGroup& group : found.groups) {
     group.representative = set.by_name[group.representative];
     for (std::size_t& member : group.members)

@@ -11,8 +11,7 @@
 namespace sleight::browse {
 namespace {
 
-/// Characters of a run that its animations' long names have.
-/// Relative to the size of numbers, what rounding may put a place beyond the box of its piece.
+/// Rounding margin for the box of a piece, relative to the size of its numbers.
 constexpr double k_rounding = 1e-12;
 
 std::optional<std::uint64_t> whole_number(std::string_view text) {
@@ -29,14 +28,14 @@ void widen(Box& box, double low, double high, Eigen::Index axis) {
   box.high_m[axis] = std::max(box.high_m[axis], high + margin);
 }
 
-/// What one coordinate of a piece comes to until it ends after `duration_s`.
+/// Widens the box by one coordinate of a piece that ends after `duration_s`.
 void widen(Box& box, const Piece& piece, double duration_s, Eigen::Index axis) {
   const double p = piece.position_m[axis];
   const double v = piece.velocity_mps[axis];
   const double a = piece.acceleration_mps2[axis];
   widen(box, p, p, axis);
   if (v == 0 && a == 0) return;
-  // The last piece has no end; where it moves, neither has its reach.
+  // The last piece has no end. If it moves, its reach is unbounded.
   const auto at = [&](double s) { return p + s * (v + 0.5 * a * s); };
   const double end = std::isfinite(duration_s) ? at(duration_s)
                      : a != 0                  ? std::copysign(duration_s, a)
@@ -86,7 +85,7 @@ std::optional<AskedName> parse_name(std::string_view text) {
 }
 
 bool operator==(const Entry& a, const Entry& b) {
-  // Numbers may be NaN, which is equal to itself here.
+  // Treat NaN as equal to itself.
   const auto is_same = [](double x, double y) {
     return x == y || (std::isnan(x) && std::isnan(y));
   };
@@ -113,7 +112,7 @@ void measure_reach(Entry& entry) {
   constexpr double k_infinity = std::numeric_limits<double>::infinity();
   for (std::uint32_t body = 0; body < entry.tracks.size(); ++body) {
     const auto pieces = entry.pieces_of(body);
-    // An empty box: nothing is in it.
+    // Start with an empty box.
     Box reach{.low_m = math::Vec3::Constant(k_infinity),
               .high_m = math::Vec3::Constant(-k_infinity)};
     for (std::size_t i = 0; i < pieces.size(); ++i) {

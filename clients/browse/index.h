@@ -1,10 +1,10 @@
-// What is searched and compared: of each kept animation the path of every body's centre, whom it
-// met and when, and its numbers.
+// The animation index, which queries and comparisons read: the path of every body's centre, its
+// hits and the animation's numbers, for each kept animation.
 //
-// An index is of one run (browse/reading.h fills it out of an archive). Its entries are in the
-// archive's order. Turns of bodies are left out: no query and no resemblance asks for them.
+// An index belongs to one run (browse/reading.h reads it from an archive). Entries are in the
+// archive's order. Orientations are omitted, because neither queries nor comparisons use them.
 //
-// Units are SI, times count from the animation's beginning. Thread safety: values.
+// Units are SI. Times count from the animation's beginning. Thread safety: values.
 #pragma once
 
 #include <compare>
@@ -22,37 +22,40 @@
 
 namespace sleight::browse {
 
-/// What an animation is called, whatever archive of its run it is in: run, chain and draw; of a
-/// search's finds, which belong to no chain, run and number.
+/// The name of an animation, which is the same in all archives of its run: run, chain and draw, or
+/// run and number of a search's find.
 struct AnimationName {
   std::string run{};     ///< run_id of the archive
-  bool is_find = false;  ///< then chain is 0
+  bool is_find = false;  ///< finds: chain is 0
   std::uint64_t chain = 0;
-  std::uint64_t draw = 0;  ///< of a find: its row in /finds
+  std::uint64_t draw = 0;  ///< finds: row in /finds
   friend auto operator<=>(const AnimationName&, const AnimationName&) = default;
 };
 
-/// A run's name among others, where people read it.
+/// Length of a run's short name for people.
 inline constexpr std::size_t k_run_letters = 8;
-/// Within an archive: "c0.250" (chain 0, draw 250) or "find.3", which no table takes for a number.
+/// Returns the name within an archive: "c0.250" (chain 0, draw 250) or "find.3". Spreadsheets don't
+/// mistake these for numbers.
 std::string short_text(const AnimationName& name);
-/// Among several runs: the first eight characters of the run, and that: "3f2a9c01:c0.250".
+/// Returns the name among several runs: the run's first eight characters and short_text,
+/// "3f2a9c01:c0.250".
 std::string long_text(const AnimationName& name);
 
-/// A name as a person writes it, short or long.
+/// A short or long name as written by a person.
 struct AskedName {
-  std::string run{};  ///< the first characters of its run; empty: of any
+  std::string run{};  ///< first characters of the run id; empty: any run
   bool is_find = false;
   std::uint64_t chain = 0;
   std::uint64_t draw = 0;
-  bool is_bare = false;  ///< "0.250", as ids once were: 0.25 to a table
+  bool is_bare = false;  ///< old form such as "0.250", which a spreadsheet may turn into 0.25
 };
-/// None of a text that is no name.
+/// Returns nothing if the text isn't a name.
 std::optional<AskedName> parse_name(std::string_view text);
 
-/// A piece of the path of a body's centre: position + velocity s + acceleration s^2 / 2 with s from
-/// start_s on, until the body's next piece; the last one has no end. A whole motion::Segment is
-/// twice as large: with that, an index takes twice the memory and searches are a quarter slower.
+/// A piece of the path of a body's centre: position + velocity s + acceleration s^2 / 2, with s
+/// counted from start_s. A piece lasts until the body's next one; the last has no end. With
+/// motion::Segment, which is twice as large, an index takes twice the memory and searches are a
+/// quarter slower.
 struct Piece {
   double start_s = 0;
   math::Vec3 position_m{0, 0, 0};
@@ -61,17 +64,17 @@ struct Piece {
   friend bool operator==(const Piece&, const Piece&) = default;
 };
 
-/// A box of places; the default is all of space. Its faces belong to it.
+/// A closed box in space. Default: all of space.
 struct Box {
   math::Vec3 low_m = math::Vec3::Constant(-std::numeric_limits<double>::infinity());
   math::Vec3 high_m = math::Vec3::Constant(std::numeric_limits<double>::infinity());
   friend bool operator==(const Box&, const Box&) = default;
 };
 
-/// The pieces of one body, and a box that its centre never leaves.
+/// A body's pieces, and a box that its centre never leaves.
 struct Track {
-  std::uint32_t first = 0;  ///< its first piece in Entry::pieces
-  std::uint32_t count = 0;  ///< 0: it never enters
+  std::uint32_t first = 0;  ///< index into Entry::pieces
+  std::uint32_t count = 0;  ///< 0: the body never enters
   Box reach{};
   friend bool operator==(const Track&, const Track&) = default;
 };
@@ -80,18 +83,18 @@ struct Track {
 struct Contact {
   double time_s = 0;
   std::uint32_t body = 0;
-  std::uint32_t partner = 0;  ///< a feature of the scene
+  std::uint32_t partner = 0;  ///< scene feature
   friend bool operator==(const Contact&, const Contact&) = default;
 };
 
 struct Entry {
   AnimationName name{};
-  std::uint64_t row = 0;     ///< in /animations or /finds
-  std::int64_t lineage = 0;  ///< 0 of finds
+  std::uint64_t row = 0;     ///< row in /animations or /finds
+  std::int64_t lineage = 0;  ///< 0 for finds
   bool in_proportion = false;
-  double end_s = 0;                 ///< when the last body came to rest
-  std::uint32_t events = 0;         ///< what began a segment, but for bodies that enter
-  std::vector<double> numbers{};    ///< along Index::numbers
+  double end_s = 0;                 ///< time when the last body came to rest
+  std::uint32_t events = 0;         ///< events that began a segment, except entering bodies
+  std::vector<double> numbers{};    ///< parallel to Index::numbers
   std::vector<Track> tracks{};      ///< by body
   std::vector<Piece> pieces{};      ///< body by body, each in the order of time
   std::vector<Contact> contacts{};  ///< in the order of (time, body, partner)
@@ -102,14 +105,14 @@ struct Entry {
 };
 bool operator==(const Entry& a, const Entry& b);
 
-/// A number that every animation has: "log_prior", "landing_m", "upper_face[2]".
+/// A number that every animation has, such as "log_prior", "landing_m" or "upper_face[2]".
 struct NumberName {
   std::string name{};
-  std::string unit{};  ///< "m"; "1": a pure number
+  std::string unit{};  ///< such as "m"; "1": no unit
   friend bool operator==(const NumberName&, const NumberName&) = default;
 };
 
-/// The numbers that each index has, before those of its world.
+/// Positions of the numbers that every index has, before the world's own numbers.
 inline constexpr std::size_t k_log_prior = 0;
 inline constexpr std::size_t k_log_constraint = 1;
 inline constexpr std::size_t k_chain = 2;
@@ -120,25 +123,25 @@ inline constexpr std::size_t k_events = 6;
 inline constexpr std::size_t k_in_proportion = 7;
 inline constexpr std::size_t k_own_numbers = 8;
 
-/// Their names: log_prior, log_constraint, chain, draw, lineage, rest_s (when the last body came to
-/// rest), events, in_proportion (0 or 1).
+/// Returns the names of these numbers. rest_s is the time when the last body came to rest;
+/// in_proportion is 0 or 1.
 const std::vector<NumberName>& own_numbers();
 
 struct Index {
   std::string run_id{};
-  std::string digest{};  ///< of the archive it was read from, as stored there
+  std::string digest{};  ///< as stored in the archive that was read
   std::string world{};
   scene::Scene scene{};
   std::vector<NumberName> numbers{};
   std::vector<Entry> entries{};
 };
 
-/// The piece in force, the last if several begin then; null before the first.
+/// Returns the last piece that began at or before t_s; null before the first.
 const Piece* piece_at(std::span<const Piece> pieces, double t_s);
-/// Where the centre is; nothing before the body enters. After the last piece began, what that says.
+/// Returns the centre's position; nothing before the body enters. Extrapolates the last piece.
 std::optional<math::Vec3> centre_at(std::span<const Piece> pieces, double t_s);
 
-/// Sets `reach` of every track. REQUIRES: tracks and pieces that fit.
+/// Sets `reach` of every track. REQUIRES: valid tracks and pieces.
 void measure_reach(Entry& entry);
 
 }  // namespace sleight::browse

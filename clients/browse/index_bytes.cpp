@@ -15,7 +15,7 @@
 namespace sleight::browse {
 namespace {
 
-/// Another number for another form: an index of another version is made anew.
+/// Format number. An index of another version is read again from the archive.
 constexpr std::string_view k_beginning = "sleight-browse-index 2\n";
 constexpr std::size_t k_piece_bytes = 7 * sizeof(double) + sizeof(std::uint32_t);
 constexpr std::uint64_t k_text_max = 1 << 20;
@@ -25,7 +25,7 @@ class Writer {
   template <class T>
   requires std::is_arithmetic_v<T>
   void put(T value) { writer_.put(value); }
-  /// Without its length.
+  /// Writes the text without its length.
   void put_letters(std::string_view text) {
     for (const char letter : text)
       writer_.put(letter);
@@ -63,7 +63,7 @@ class Reader {
       text += static_cast<char>(get<std::uint8_t>());
     return text;
   }
-  /// How many follow, each of at least so many bytes.
+  /// Reads a count of items that have at least this many bytes each.
   std::size_t count(std::size_t bytes_each) {
     const auto count = get<std::uint64_t>();
     if (count > rest_ / bytes_each) is_good = false;
@@ -74,7 +74,7 @@ class Reader {
     const double y = get<double>();
     return {x, y, get<double>()};
   }
-  /// Behind their number.
+  /// Reads bytes after their count.
   base::BytesView bytes() {
     const auto found = reader_.bytes(count(1));
     is_good = is_good && found.has_value();
@@ -118,14 +118,14 @@ void put_entry(const Entry& entry, DistinctVectors& accelerations, Writer& write
   }
 }
 
-/// What entries share.
+/// What all entries share.
 struct Shared {
   std::string run;
-  std::size_t numbers;  ///< of each entry
+  std::size_t numbers;  ///< per entry
   std::vector<math::Vec3> accelerations_mps2;
 };
 
-/// None of bytes that are not an entry.
+/// Returns nothing if the bytes are no valid entry.
 std::optional<Entry> entry_of(base::BytesView bytes, const Shared& shared) {
   Reader reader(bytes);
   Entry entry;
@@ -170,7 +170,7 @@ std::optional<Entry> entry_of(base::BytesView bytes, const Shared& shared) {
   return entry;
 }
 
-/// Of bytes between the beginning and the sum.
+/// Decodes the bytes between the format number and the checksum.
 std::optional<Index> index_of_content(base::BytesView bytes, std::size_t threads) {
   Reader reader(bytes);
   Index index;
@@ -215,7 +215,7 @@ base::Bytes bytes_of(const Index& index) {
     writer.put(std::string_view(number.name));
     writer.put(std::string_view(number.unit));
   }
-  // Each entry behind its length, so that several can be read at once.
+  // Write each entry after its length, so that several entries can be decoded at once.
   DistinctVectors accelerations;
   writer.put(std::uint64_t{index.entries.size()});
   for (const Entry& entry : index.entries) {
@@ -242,7 +242,7 @@ std::optional<Index> index_of(base::BytesView bytes, std::size_t threads) {
     return std::nullopt;
   const base::BytesView content = bytes.first(bytes.size() - sum.size());
   std::memcpy(sum.data(), bytes.data() + content.size(), sum.size());
-  // Beside the reading, which takes about as long.
+  // Verify the checksum while decoding, since each takes about as long.
   std::future<bool> is_right = std::async(threads > 1 ? std::launch::async : std::launch::deferred,
                                           [&] { return sum == hash::sha256_of(content); });
   std::optional<Index> index = index_of_content(content.subspan(beginning.size()), threads);

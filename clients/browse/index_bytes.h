@@ -1,8 +1,8 @@
-// An index as bytes, to be kept: what was read of an archive need not be read again.
+// Encodes an index as bytes for the cache.
 //
-// The scene is no part of it: the archive says it. The bytes are of this version of Sleight's
-// browser and of one machine's kind; they end with their SHA-256, so that what was cut or changed
-// is noticed. Thread safety: pure.
+// The bytes don't contain the scene, which the archive stores. The encoding is specific to the
+// browser's version and the machine type. It ends with its SHA-256, so truncated or changed bytes
+// are detected. Thread safety: pure.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,8 @@ namespace sleight::browse {
 
 base::Bytes bytes_of(const Index& index);
 
-/// None of bytes that are not an index of this version, whole. By so many threads.
+/// Decodes with this many threads. Returns nothing unless the bytes are a complete index of this
+/// version.
 std::optional<Index> index_of(base::BytesView bytes, std::size_t threads = 1);
 
 }  // namespace sleight::browse

@@ -8,13 +8,13 @@
 namespace sleight::browse {
 namespace {
 
-/// A parabola has a rising and a falling branch, each with one stretch at most.
+/// A parabola has a rising and a falling branch, each with at most one interval between the bounds.
 struct Stretches {
   std::array<Stretch, 2> held{};
   std::size_t count = 0;
 
   void add(double from_s, double to_s) {
-    // Two branches that meet within the bounds make one stretch.
+    // Two branches that meet between the bounds form one interval.
     if (count > 0 && held[count - 1].to_s == from_s) {
       held[count - 1].to_s = to_s;
     } else {
@@ -31,14 +31,14 @@ struct Parabola {
 
   double at(double s) const { return p + s * (v + 0.5 * a * s); }
 
-  /// Where a branch from s0 to s1, of which one end lies below and one above c, passes c.
+  /// Returns when a branch from s0 to s1 crosses c. REQUIRES: one end is below c and one above.
   double crossing(double c, double s0, double s1) const {
     const double below = p - c;
     double s = 0;
     if (a == 0) {
       s = -below / v;
     } else {
-      // The two roots of a/2 s^2 + v s + below, in the form that does not cancel.
+      // The two roots of a/2 s^2 + v s + below, in the form without cancellation.
       const double root = std::sqrt(std::max(0.0, v * v - 2 * a * below));
       const double q = -(v + std::copysign(root, v));
       const double first = q / a;
@@ -52,7 +52,7 @@ struct Parabola {
     return std::clamp(s, s0, s1);
   }
 
-  /// Adds the stretch of a branch from s0 to s1 that is between the bounds.
+  /// Adds the interval in which a branch from s0 to s1 is between the bounds.
   void add_branch(double low, double high, double s0, double s1, Stretches& stretches) const {
     const double at0 = at(s0);
     const double at1 = std::isfinite(s1) ? at(s1) : std::copysign(s1, a != 0 ? a : v);

@@ -1,7 +1,7 @@
-// When a body's centre is in a box: solved on the closed form of its path, never sampled.
+// Computes when a body's centre is in a box, exactly from the closed form of its path.
 //
-// On each axis a piece of path is a parabola in time, which has at most two stretches between two
-// bounds. The centre is in the box in the common part of the three axes' stretches.
+// On each axis, a piece of path is a parabola in time, which is between two bounds in at most two
+// time intervals. The centre is in the box where the intervals of the three axes overlap.
 #pragma once
 
 #include <limits>
@@ -12,20 +12,19 @@
 
 namespace sleight::browse {
 
-/// A stretch of time; its ends belong to it. The default is all time.
+/// A closed time interval. Default: all time.
 struct Stretch {
   double from_s = -std::numeric_limits<double>::infinity();
   double to_s = std::numeric_limits<double>::infinity();
   friend bool operator==(const Stretch&, const Stretch&) = default;
 };
 
-/// The first moment within `when` at which the piece, in force from its start until `end_s`, is in
-/// the box; nothing if it never is. Rounding apart, exact.
+/// Returns the first moment within `when` at which the piece is in the box, or nothing. The piece
+/// lasts from its start until `end_s`. Exact up to rounding.
 std::optional<double> first_inside(const Piece& piece, double end_s, const Box& box,
                                    const Stretch& when);
 
-/// Likewise of all pieces of a body. Pieces that begin after `when` or end before are not looked
-/// at.
+/// Does the same for all pieces of a body. Skips pieces that begin after `when` or end before.
 std::optional<double> first_inside(std::span<const Piece> pieces, const Box& box,
                                    const Stretch& when);
 

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
-/// Where the least of `lengths` of columns that are not closed stands: the first of equal ones.
-/// REQUIRES: there is one, and it is finite.
+/// Returns the first column with the least of `lengths` that isn't closed.
+/// REQUIRES: a finite length of an open column.
 std::size_t first_least(const std::vector<double>& lengths, const std::vector<double>& closed) {
-  // Four at a time, as each comparison would wait for the one before.
+  // Use four independent lanes, so that comparisons don't wait for each other.
   constexpr std::size_t k_lanes = 4;
   double least[k_lanes] = {k_infinity, k_infinity, k_infinity, k_infinity};
   const std::size_t size = lengths.size();
@@ -50,9 +50,9 @@ std::span<const std::uint32_t> CheapestMatching::of(std::span<const double> cost
   return column_of_;
 }
 
-/// Potentials keep every cost[row][column] - u[row] - v[column] at 0 or above, 0 where matched.
+/// Keeps every cost[row][column] - u[row] - v[column] at 0 or above, and at 0 if matched.
 void CheapestMatching::add_row(std::span<const double> costs, std::size_t size, std::size_t row) {
-  // Grow a tree of shortest paths from the row until it reaches a column that is free.
+  // Grow a tree of shortest paths from the row until it reaches a free column.
   std::ranges::fill(shortest_, k_infinity);
   std::ranges::fill(closed_, 0);
   tree_.clear();
@@ -62,7 +62,7 @@ void CheapestMatching::add_row(std::span<const double> costs, std::size_t size, 
     closed_[column] = k_infinity;
     tree_.push_back(column);
     const std::size_t from = row_of_[column];
-    // None of them overlaps another: two columns at a time.
+    // The arrays don't overlap, so process two columns at a time.
     const double* __restrict const cost = costs.data() + (from - 1) * size;
     const double u = u_[from];
     const double* __restrict const v = v_.data() + 1;
@@ -86,7 +86,7 @@ void CheapestMatching::add_row(std::span<const double> costs, std::size_t size, 
       length -= step;
     column = nearest;
   } while (row_of_[column] != 0);
-  // Turn the path round.
+  // Reverse the path.
   while (column != 0) {
     row_of_[column] = row_of_[came_from_[column]];
     column = came_from_[column];

@@ -29,7 +29,7 @@ std::optional<base::BytesView> behind_length(base::ByteReader& reader) {
   return size ? reader.bytes(*size) : std::nullopt;
 }
 
-/// None where one says of itself what can't be.
+/// Returns nothing if the bytes contain an impossible value.
 std::optional<AlikeGroup> group_of(base::ByteReader& reader, std::size_t entries) {
   AlikeGroup group;
   const auto representative = reader.get<std::uint64_t>();
@@ -50,7 +50,7 @@ std::optional<AlikeGroup> group_of(base::ByteReader& reader, std::size_t entries
   return group;
 }
 
-/// Of what stands between the version and the sum.
+/// Decodes what is between the version and the checksum.
 std::optional<Outline> outline_in(base::ByteReader& reader) {
   const auto index_bytes = behind_length(reader);
   auto index = index_bytes ? index_of(*index_bytes) : std::nullopt;

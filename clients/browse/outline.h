@@ -1,8 +1,6 @@
-// What is known of an archive's animations without their motions: what they are called, their
-// numbers, and groups of what looks alike. A page that has been here before begins with it, while
-// the index, a hundred times as large, is read.
-//
-// Thread safety: values, pure functions.
+// What a viewer can show of an archive's animations without their motions: names, numbers, and
+// groups that look alike. A page that was open before begins with the cached outline while the
+// index, a hundred times as large, is read. Thread safety: values, pure functions.
 #pragma once
 
 #include <cstddef>
@@ -15,23 +13,23 @@
 
 namespace sleight::browse {
 
-/// The groups that a page asks for first (clients/gallery/src/state/page.ts).
+/// The groups that a page requests first (clients/gallery/src/state/page.ts).
 inline constexpr std::size_t k_first_groups = 12;
 inline constexpr Grouping k_first_grouping = Grouping::medoids;
 
 struct Outline {
-  Index index{};    ///< its entries have no pieces and contacts, as if no body ever entered
-  Groups groups{};  ///< of all entries: k_first_groups by k_first_grouping
+  Index index{};    ///< entries without pieces and contacts, as if no body ever entered
+  Groups groups{};  ///< k_first_groups groups of all entries by k_first_grouping
 };
 
 /// REQUIRES: groups of all entries.
 Outline outline_of(const Index& index, Groups groups);
 
-/// `version`: of the program that made it. As an index's bytes these are one machine's, have no
-/// scene, and end with their SHA-256.
+/// `version`: the program's version. The encoding is specific to the machine type, has no scene,
+/// and ends with its SHA-256.
 base::Bytes bytes_of(const Outline& outline, std::string_view version);
 
-/// None of bytes that are no whole outline by this very version.
+/// Returns nothing unless the bytes are a complete outline of this version.
 std::optional<Outline> outline_of_bytes(base::BytesView bytes, std::string_view version);
 
 }  // namespace sleight::browse

@@ -11,11 +11,11 @@ namespace sleight::browse {
 void for_each_block(std::size_t count, std::size_t threads,
                     const std::function<void(std::size_t, std::size_t)>& work) {
   threads = std::max<std::size_t>(threads, 1);
-  // Small blocks, as their costs differ.
+  // Use small blocks, because their costs differ.
   constexpr std::size_t k_blocks_of_thread = 16;
   const std::size_t size = std::max<std::size_t>(1, count / (threads * k_blocks_of_thread));
   std::atomic<std::size_t> next{0};
-  // Memory may run out in any thread; the caller is told.
+  // Any thread may run out of memory; the caller rethrows the exception.
   std::vector<std::exception_ptr> failures(threads);
   const auto run = [&](std::size_t thread) {
     try {

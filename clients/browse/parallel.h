@@ -1,4 +1,4 @@
-// Work that is divided among threads, and fails as one.
+// Divides work among threads.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace sleight::browse {
 
-/// Calls `work` with stretches [first, end) that together are 0 .. count, each once, on so many
-/// threads (the caller's among them). Throws what one of them threw, once all have ended.
+/// Calls `work` with disjoint blocks [first, end) that cover 0 .. count, on this many threads
+/// including the caller's. After all have ended, rethrows an exception of one of them.
 void for_each_block(std::size_t count, std::size_t threads,
                     const std::function<void(std::size_t first, std::size_t end)>& work);
 

@@ -1,5 +1,5 @@
-// The parser of queries (query.h): one function a rule, each of which leaves the next token in
-// place.
+// The parser of queries (query.h): one function per rule. Each function stops at the first token
+// that it doesn't use.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 5> k_dimension_words{"a pure number", "a 
 struct Unit {
   std::string_view name;
   Dimension dimension;
-  double si;  ///< what one of it is
+  double si;  ///< value of one unit in SI
 };
 constexpr std::array k_units{
     Unit{"um", Dimension::length, 1e-6}, Unit{"mm", Dimension::length, 1e-3},
@@ -54,7 +54,7 @@ bool is_keyword(std::string_view word) {
   return std::ranges::find(k_keywords, word) != k_keywords.end();
 }
 
-/// What the gallery calls some numbers, and what they are called in a query.
+/// Names of numbers in the gallery, and their names in a query.
 struct OtherWord {
   std::string_view word;
   std::string_view name;
@@ -64,8 +64,8 @@ constexpr std::array k_other_words{OtherWord{"score", "log_constraint"},
 
 constexpr const char* k_then_joins = "'then' can only join '... in BOX' and '... touches ...'";
 
-/// Thrown by the rules, caught by parse_query alone: a result handed through ten levels of rules
-/// would hide the grammar.
+/// The rules throw a Fault, which only parse_query catches. Returning results through ten levels of
+/// rules would hide the grammar.
 struct Fault {
   QueryError error;
 };
@@ -222,7 +222,7 @@ class Parser {
            name.find_first_not_of("0123456789", kind.size() + 1) == std::string::npos);
       if (is_of_kind) who.bodies.push_back(body);
     }
-    // "any body" says the same as "any", unless some are called so.
+    // "any body" means "any", unless bodies have that name.
     if (who.bodies.empty() && kind == "body") {
       for (std::uint32_t body = 0; body < scene_.bodies(); ++body)
         who.bodies.push_back(body);
@@ -249,7 +249,7 @@ class Parser {
     return {*found};
   }
 
-  /// Words and plain numbers behind them, or one name in quotes.
+  /// Reads words with the plain numbers after them, or one quoted name.
   std::string taken_name() {
     if (next().kind == Token::Kind::quoted) return tokens_[at_++].text;
     if (next().kind != Token::Kind::word || is_keyword(next().text))
@@ -257,7 +257,7 @@ class Parser {
     std::string name = tokens_[at_++].text;
     while (true) {
       const bool is_more_words = next().kind == Token::Kind::word && !is_keyword(next().text);
-      // Of "die 3 in" the 3 is of the name; of "bounces 3..5" it is not.
+      // The 3 in "die 3 in" belongs to the name; the 3 in "bounces 3..5" doesn't.
       const bool is_its_number =
           next().kind == Token::Kind::number &&
           next().text.find_first_not_of("0123456789") == std::string::npos &&
@@ -419,7 +419,7 @@ class Parser {
       high_unit = taken_unit(dimension);
     }
     if (!low && !high) fail_at(column, "a range needs at least one end, as in 0.. or ..20");
-    // A unit behind the range is of both its ends.
+    // A unit after the range applies to both ends.
     Ends ends;
     if (low) ends.low = *low * low_unit.value_or(high_unit.value_or(1));
     if (high) ends.high = *high * high_unit.value_or(low_unit.value_or(1));
@@ -428,12 +428,12 @@ class Parser {
     return ends;
   }
 
-  /// What one of the unit is in SI; nothing where no unit stands.
+  /// Returns the unit's value in SI, or nothing if there is no unit.
   std::optional<double> taken_unit(Dimension dimension) {
     if (next().kind != Token::Kind::word) return std::nullopt;
     const Unit* unit = find_unit(next().text);
     if (unit == nullptr) {
-      // Behind a blank it is the next word.
+      // After a space, the token is the next word.
       if (next().is_joined)
         fail(fmt::format("'{}' is not a unit; the units are {}", next().text, units()));
       return std::nullopt;
@@ -460,8 +460,7 @@ class Parser {
   const std::vector<NumberName>& numbers_;
 };
 
-/// Column of the screen at which a byte of UTF-8 text stands: bytes that go on a sign count
-/// nothing.
+/// Returns the screen column of a byte in UTF-8 text. Continuation bytes don't count.
 std::size_t screen_column(std::string_view text, std::size_t byte) {
   const auto before = text.substr(0, byte);
   return static_cast<std::size_t>(std::ranges::count_if(
@@ -482,7 +481,7 @@ base::Result<Condition, QueryError> parse_query(std::string_view text, const sce
 }
 
 std::string with_mark(const QueryError& error, std::string_view text) {
-  // Of a long text what is about the place.
+  // Show only the surroundings of the error in a long text.
   constexpr std::size_t k_shown_about = 60;
   const auto is_inside_sign = [&](std::size_t byte) {
     return byte < text.size() && (static_cast<unsigned char>(text[byte]) & 0xC0U) == 0x80U;
@@ -497,7 +496,7 @@ std::string with_mark(const QueryError& error, std::string_view text) {
   const std::size_t mark = shown.size() + error.column - begin;
   shown += text.substr(begin, end - begin);
   if (end < text.size()) shown += " ...";
-  // Signs that could steer a terminal are shown as blanks.
+  // Replace control characters, which could affect a terminal.
   std::ranges::replace_if(
       shown, [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, ' ');
   return fmt::format("column {}: {}\n  {}\n  {:>{}}", screen_column(text, error.column) + 1,

@@ -5,8 +5,8 @@
 namespace sleight::browse {
 namespace {
 
-/// What a step follows: it is not met before that moment, and a hit is later than the last hit, as
-/// one hit is one event.
+/// The end of the previous step. The next step holds only from that time on, and its hit must be
+/// later than the last hit, because one hit is one event.
 struct After {
   double time_s = -std::numeric_limits<double>::infinity();
   double hit_s = -std::numeric_limits<double>::infinity();
@@ -16,7 +16,7 @@ bool overlaps(const Box& a, const Box& b) {
   return (a.low_m.array() <= b.high_m.array()).all() && (b.low_m.array() <= a.high_m.array()).all();
 }
 
-/// The earliest of what one or each of the bodies says: each, then the latest of their earliest.
+/// The earliest time for any of the bodies, or the latest of the earliest times for every body.
 template <class FirstOf>
 std::optional<double> first_of(const Bodies& who, const Entry& entry, FirstOf first_of_body) {
   std::optional<double> found;
@@ -52,7 +52,7 @@ std::optional<double> first_met(const Touches& touches, const Entry& entry, cons
   return first_of(touches.who, entry, [&](std::uint32_t body) -> std::optional<double> {
     for (auto it = begin; it != entry.contacts.end() && it->time_s <= touches.when.to_s; ++it) {
       if (it->time_s <= after.hit_s) continue;
-      // A hit of two bodies is both's, whichever of them it is recorded of.
+      // A hit of two bodies counts for both, whichever of them records it.
       const bool is_hit = (it->body == body && is_among(it->partner, touches.partners)) ||
                           (it->partner == body && is_among(it->body, touches.partners));
       if (is_hit) return it->time_s;
@@ -83,14 +83,14 @@ bool holds(const EndsIn& ends, const Entry& entry) {
 
 bool holds(const NumberIn& range, const Entry& entry) {
   const double number = entry.numbers[range.number];
-  // False of NaN: what doesn't apply is in no range.
+  // Comparisons with NaN are false, so a number that doesn't apply is in no range.
   const bool is_above = range.is_low_open ? number > range.low : number >= range.low;
   const bool is_below = range.is_high_open ? number < range.high : number <= range.high;
   return is_above && is_below;
 }
 
-/// The earliest moment of each step that the steps before leave: none can be met earlier by
-/// choosing another moment for those.
+/// Takes the earliest moment of each step after the previous one. Choosing later moments for
+/// earlier steps never helps.
 bool holds(const InOrder& order, const Entry& entry) {
   After after;
   for (const Condition& step : order.steps) {

@@ -22,12 +22,13 @@
 namespace sleight::browse {
 namespace {
 
-/// Animations between two reports of progress.
+/// Animations between two progress reports.
 constexpr std::uint64_t k_report_every = 64;
-/// Most animations of a group: more than any request may keep.
+/// Maximum animations of a group, more than any request may store.
 constexpr std::uint64_t k_animations_max = 10'000'000;
 
-/// Columns over `animation` that are no numbers of it, or that each entry has anyhow.
+/// Columns over `animation` that aren't numbers of the world, or that each entry has in another
+/// field.
 constexpr std::array<std::string_view, 14> k_no_numbers{
     "animation",  "chain",          "draw",          "lineage",       "in_proportion",
     "log_prior",  "log_constraint", "segment_start", "segment_count", "part_start",
@@ -49,7 +50,7 @@ std::vector<double> as_numbers(archive::Values values) {
 /// A dataset with numbers of each animation.
 struct NumberColumn {
   std::string dataset;
-  std::uint64_t width = 1;  ///< elements of an animation
+  std::uint64_t width = 1;  ///< elements per animation
 };
 
 class GroupReader {
@@ -69,7 +70,8 @@ class GroupReader {
   std::uint64_t count() const { return motions_.count(); }
   bool is_finds() const { return is_finds_; }
 
-  /// Names the numbers of animations. Both groups have the same; the first one that is read tells.
+  /// Names the numbers of animations. Both groups have the same numbers; the first group read
+  /// determines them.
   void find_numbers() {
     for (const archive::DatasetSpec& dataset : spec_.datasets) {
       const bool is_number = dataset.type != archive::ElementType::text && !dataset.dims.empty() &&
@@ -85,7 +87,7 @@ class GroupReader {
     }
   }
 
-  /// What is said of each animation at once: names and numbers.
+  /// Reads the names and numbers of all animations.
   void read_tables() {
     const std::uint64_t animations = count();
     const auto rows = static_cast<double>(animations);
@@ -133,8 +135,8 @@ class GroupReader {
             .draw = static_cast<std::uint64_t>(draw_[row])};
   }
 
-  /// Whether an entry of an earlier archive is that of this row: called so, with the same numbers
-  /// and as many segments.
+  /// Whether an earlier archive's entry is this row: same name, same numbers and the same number of
+  /// segments.
   bool is_same(const Entry& earlier, std::uint64_t row) const {
     const Entry entry = without_motion(row);
     const auto is_equal = [](double x, double y) {
@@ -146,7 +148,7 @@ class GroupReader {
         earlier.pieces.size() != static_cast<std::size_t>(segment_count_[row]))
       return false;
     for (std::size_t i = 0; i < entry.numbers.size(); ++i) {
-      // What the motion says is not read yet.
+      // These come from the motion, which isn't read yet.
       if (i != k_rest_s && i != k_events && !is_equal(entry.numbers[i], earlier.numbers[i]))
         return false;
     }
@@ -174,7 +176,7 @@ class GroupReader {
     return elements;
   }
 
-  /// "[2]" or "[1,0]", counted from 0 as in the archive; "" of a scalar.
+  /// Returns "[2]" or "[1,0]", counted from 0 as in the archive; "" for a scalar.
   static std::string element_text(const archive::DatasetSpec& dataset, std::uint64_t element) {
     std::string text;
     for (std::size_t i = dataset.dims.size() - 1; i >= 1; --i) {
@@ -185,7 +187,7 @@ class GroupReader {
     return text.empty() ? text : "[" + text + "]";
   }
 
-  /// Chains, draws and lineages count from 0.
+  /// Reads integers that count from 0.
   std::vector<std::int64_t> whole(const char* name) const {
     auto values = std::get<std::vector<std::int64_t>>(source_.read(group_, name, 0, count()));
     if (std::ranges::any_of(values, [](std::int64_t value) { return value < 0; })) {
@@ -262,11 +264,11 @@ class GroupReader {
   std::vector<std::int64_t> chain_{};
   std::vector<std::int64_t> draw_{};
   std::vector<std::int64_t> lineage_{};
-  /// Width and values of each dataset of numbers; no values where this group lacks it.
+  /// Width and values of each dataset of numbers. No values if this group lacks the dataset.
   std::vector<std::pair<std::size_t, std::vector<double>>> numbers_{};
 };
 
-/// The earlier index's entries of chains, or of finds.
+/// Returns the earlier index's entries of chains, or of finds.
 std::span<const Entry> earlier_entries(const Index* earlier, bool is_finds) {
   if (earlier == nullptr) return {};
   const auto first_find =
@@ -275,7 +277,8 @@ std::span<const Entry> earlier_entries(const Index* earlier, bool is_finds) {
                   : std::span(earlier->entries.begin(), first_find);
 }
 
-/// Of the same run and form, and nothing in it that this scene doesn't have.
+/// Whether the earlier index is of the same run and form, and contains nothing that the scene
+/// lacks.
 bool is_usable(const Index& earlier, const Index& index) {
   const std::uint32_t bodies = index.scene.bodies();
   const auto fits = [&](const Entry& entry) {
@@ -329,8 +332,8 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
   for (GroupReader& group : groups) {
     group.read_tables();
     const auto before = earlier_entries(earlier, group.is_finds());
-    // The kept animations of a longer cut begin with those of a shorter one, unless draws begin
-    // elsewhere: then nothing of the earlier index is right.
+    // A longer archive's animations begin with those of a shorter one, unless draws begin
+    // elsewhere. In that case nothing can be reused.
     const std::uint64_t common = std::min<std::uint64_t>(before.size(), group.count());
     bool is_beginning = true;
     for (std::uint64_t row = 0; is_beginning && row < common; ++row)

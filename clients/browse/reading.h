@@ -1,6 +1,5 @@
-// An index out of an archive, and how it grows while a run goes on.
-//
-// Thread safety: as the source's.
+// Reads an index from an archive, reusing earlier entries while a run continues. Thread safety: as
+// the source's.
 #pragma once
 
 #include <cstdint>
@@ -13,39 +12,39 @@
 
 namespace sleight::browse {
 
-/// Numbers of an animation with more elements than this are left out, as HI's offsets of vertices.
+/// Larger arrays, such as HI's vertex offsets, are left out of the index.
 inline constexpr std::size_t k_number_elements_max = 64;
 
-/// What of an archive is read, at most: a small file may claim any number. An index takes about 120
-/// bytes for a segment, 60 for a body of an animation, 8 for a number of one.
+/// Maximum amounts read from an archive, because a small file may claim any number. An index takes
+/// about 120 bytes per segment, 60 per body of an animation and 8 per number of an animation.
 inline constexpr double k_browsed_segments_max = 50e6;
 inline constexpr double k_browsed_bodies_max = 5e6;
 inline constexpr double k_browsed_numbers_max = 200e6;
 
 struct ReadingOptions {
-  /// An index of an earlier archive of the run; null: none. Its scene is not asked for. Entries are
-  /// taken over where the archive's animations are called so and have the same numbers. Of an
-  /// archive with the same digest nothing is: it may have been changed by other programs, which
-  /// leave the digest as it was.
+  /// Index of an earlier archive of the run; null: none. Its scene isn't used. Entries are reused
+  /// for animations with the same name and numbers. If the archive has the same digest, nothing is
+  /// reused: another program may have changed the archive, which leaves the digest unchanged.
   const Index* earlier = nullptr;
-  /// An index of this very file, which nobody has written since: its entries are moved out of it,
-  /// unread. Where the archive is another all the same, it is one of an earlier archive.
+  /// Index of exactly this file, unchanged since. Its entries are moved out without reading the
+  /// file. If the file changed anyway, treat the index as `earlier`.
   Index* of_this_file = nullptr;
-  /// So many of the first animations are enough, where there are more and no earlier index is of
-  /// use; 0: all are wanted.
+  /// If more than this many animations would have to be read and no earlier index is usable, read
+  /// only this many. 0: read all.
   std::uint64_t beginning_max = 0;
-  /// Told now and then: animations that were read, of how many.
+  /// Progress callback: animations read, animations in total.
   std::function<void(std::uint64_t, std::uint64_t)> progress{};
 };
 
 struct ReadIndex {
   Index index{};
-  std::uint64_t taken_over = 0;  ///< entries that are the earlier index's
-  bool is_beginning = false;     ///< there are more animations
+  std::uint64_t taken_over = 0;  ///< entries reused from the earlier index
+  bool is_beginning = false;     ///< the archive has more animations
 };
 
-/// The animations of /animations, then those of /finds; or what is wrong with its scene. Throws
-/// base::Error where it can't be read, or an animation is none.
+/// Reads the animations of /animations, then those of /finds. Returns an error text if the scene
+/// description is invalid. Throws base::Error if the archive can't be read or an animation is
+/// invalid.
 base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
                                                 const ReadingOptions& options = {});
 

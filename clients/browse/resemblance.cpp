@@ -13,15 +13,14 @@
 namespace sleight::browse {
 namespace {
 
-/// Places beyond it are taken for it, so that squares of their distances are finite floats: no
-/// scene is so large.
+/// Maximum coordinate, to keep squared distances finite floats. No scene is so large.
 constexpr double k_place_max_m = 1e18;
-/// Of all rest times, the part that the equal times reach.
+/// Share of rest times that the equal times cover.
 constexpr double k_covered = 0.95;
 constexpr std::size_t k_matching_step = k_equal_times / (k_matching_times - 1);
 static_assert(k_matching_step * (k_matching_times - 1) == k_equal_times);
 
-/// When 19 in 20 of the animations are at rest.
+/// Returns the time when 19 of 20 animations are at rest.
 double covered_duration_s(std::span<const Entry* const> entries) {
   std::vector<double> ends;
   for (const Entry* entry : entries)
@@ -40,13 +39,14 @@ float place_of(double x_m) {
   return static_cast<float>(std::clamp(x_m, -k_place_max_m, k_place_max_m));
 }
 
-/// Length of the longest rising subsequence. REQUIRES: at most k_first_contacts_max values.
+/// Returns the length of the longest increasing subsequence. REQUIRES: at most k_first_contacts_max
+/// values.
 std::size_t longest_rising(std::span<const std::uint32_t> values) {
-  // tails[n]: the least value at which a rising subsequence of n + 1 values ends.
+  // tails[n]: the least last value of an increasing subsequence of n + 1 values.
   std::array<std::uint32_t, k_first_contacts_max> tails;
   std::size_t length = 0;
   for (const std::uint32_t value : values) {
-    // How many tails are less, by halves and without a branch, which could not be foreseen.
+    // Count smaller tails by bisection without a branch, which would be unpredictable.
     std::size_t less = 0;
     for (std::size_t left = length; left > 0;) {
       const std::size_t half = (left + 1) / 2;
@@ -160,7 +160,7 @@ void Sketches::From::match(const Sketch& a, const Sketch& b) {
 double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
   const std::size_t longer = std::max(a.first.size(), b.first.size());
   if (longer == 0) return 0;
-  // Which body of the one each body of the other stands for.
+  // Which body of the one corresponds to each body of the other.
   const Sketch& one = sketches_->sketches_[one_];
   in_one_ = partner_of_;
   if (&one == &a) {
@@ -170,8 +170,8 @@ double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
   const auto in_one = [&](std::uint32_t feature) {
     return feature < in_one_.size() ? in_one_[feature] : feature;
   };
-  // No two contacts of a list are equal, so that the longest common subsequence is the longest one
-  // of the other's whose places in the one rise.
+  // Contacts of a list are distinct. So the longest common subsequence is the longest subsequence
+  // of the other's list whose positions in the one's list increase.
   std::array<std::uint32_t, k_first_contacts_max> places;
   std::size_t count = 0;
   for (const FirstContact& contact : (&one == &a ? b : a).first) {
@@ -185,7 +185,7 @@ double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
 }
 
 Sketches::Apart Sketches::apart_of(const Places& p, const Places& q) {
-  // Sums by place modulo four, as a processor has them side by side.
+  // Sum in four lanes, which the processor adds in parallel.
   constexpr std::size_t k_lanes = 4;
   double sum[k_lanes] = {};
   float greatest[k_lanes] = {};
@@ -210,7 +210,7 @@ Sketches::Apart Sketches::apart_of(const Places& p, const Places& q) {
 }
 
 Resemblance Sketches::From::to(std::size_t other) {
-  // In one order, so that it is symmetric to the last bit.
+  // Order the two, so that the result is symmetric to the last bit.
   const Sketch& a = sketches_->sketches_[std::min(one_, other)];
   const Sketch& b = sketches_->sketches_[std::max(one_, other)];
   match(a, b);
@@ -234,8 +234,8 @@ Resemblance Sketches::between(std::size_t a, std::size_t b) const {
 std::vector<float> Sketches::matrix(std::span<const std::size_t> of, std::size_t threads) const {
   const std::size_t size = of.size();
   std::vector<float> values(size * size, 0);
-  // By blocks of rows and columns whose sketches a processor's cache holds. Rows are one thread's;
-  // what stands below the diagonal is of another row, and no other writes it.
+  // Compare in blocks whose sketches fit into the processor's cache. Each row belongs to one
+  // thread. Elements below the diagonal belong to another row, and only this thread writes them.
   constexpr std::size_t k_block = 16;
   const auto compare = [&](std::size_t first, std::size_t end) {
     std::vector<From> rows;

@@ -1,22 +1,23 @@
-// How much two animations look alike, by their recordings alone.
+// Measures how different two animations look, from their recorded motions alone.
 //
 //   value = (mean + greatest) / 2 * (1 + order)                          in metres
 //
-// mean and greatest: of the distances between a body's centres in the two animations, at 64 equal
-// times from the beginning to when 19 in 20 animations of the set are at rest, and at rest itself;
-// the mean over bodies and times, the greatest over both. A body that has not entered is where it
-// will enter. order: the share of first contacts (of each two things that meet, their first hit, at
-// most 256) that does not come in the same order: 1 - longest common subsequence / the longer list.
-// So equal paths have 0 however they are told, and another order of hits can double a distance, no
-// more.
+// The mean and the greatest are over the distances between a body's centres in the two animations.
+// They cover all bodies, at 64 equally spaced times and at rest. The equal times reach from the
+// beginning to the time when 19 of 20 animations of the set are at rest. Before a body enters, it
+// is where it will enter. `order` compares the first contacts of the two animations: the first hit
+// of each pair of features, at most 256. It is 1 - longest common subsequence / length of the
+// longer list. So equal paths have 0 whatever their contacts, and a different order can at most
+// double a distance.
 //
-// Bodies that may take each other's place (scene::Feature::twin_of) are matched so that the sum of
-// squared distances at nine of the times is least (matching.h): every body is compared with every
-// other for that, and squares need no roots.
+// Interchangeable bodies (scene::Feature::twin_of) are matched so that the sum of squared distances
+// at nine of the times is least (matching.h). Squares avoid roots, since every body is compared
+// with every other.
 //
-// This is not the likeness distance that decides what a run keeps (docs/SAMPLING.md): that one
-// asks the world, this one a recording of any world. It is symmetric, and 0 of an animation and
-// itself; the triangle inequality need not hold.
+// Resemblance isn't the likeness distance that decides which animations a run stores
+// (docs/SAMPLING.md). The likeness distance is specific to the world, while resemblance works for
+// recordings of any world. Resemblance is symmetric, and 0 between an animation and itself, but the
+// triangle inequality need not hold.
 //
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
@@ -33,9 +34,9 @@
 
 namespace sleight::browse {
 
-/// Equal times at which bodies are compared; one more at rest.
+/// Equally spaced times at which bodies are compared. One more time is at rest.
 inline constexpr std::size_t k_equal_times = 64;
-/// Of these and the rest, those at which bodies are matched.
+/// Number of these times, rest included, at which bodies are matched.
 inline constexpr std::size_t k_matching_times = 9;
 
 struct Resemblance {
@@ -45,24 +46,24 @@ struct Resemblance {
   double value_m() const { return 0.5 * (mean_m + greatest_m) * (1 + order); }
 };
 
-/// A set of animations of one scene, made ready for comparing.
+/// A set of animations of one scene, prepared for comparisons.
 class Sketches {
  public:
-  /// By so many threads, with the same bits by any. REQUIRES: entries of this scene.
+  /// Uses this many threads; the bits don't depend on the number. REQUIRES: entries of this scene.
   Sketches(std::span<const Entry* const> entries, const scene::Scene& scene,
            std::size_t threads = 1);
 
   std::size_t size() const { return sketches_.size(); }
-  /// Of the entries a and b. The same for (b, a).
+  /// Compares the entries a and b; symmetric.
   Resemblance between(std::size_t a, std::size_t b) const;
 
-  /// The values of all pairs of some entries, row by row; by so many threads, with the same bits by
-  /// any.
+  /// Returns the values of all pairs of the given entries, row by row. The bits don't depend on the
+  /// number of threads.
   std::vector<float> matrix(std::span<const std::size_t> of, std::size_t threads) const;
-  /// Of all.
+  /// Returns the matrix of all entries.
   std::vector<float> matrix(std::size_t threads) const;
 
-  /// One of them, compared with many others: what that needs of it is worked out once.
+  /// Compares one animation with many others, and reuses what is computed for the one.
   class From;
 
  private:
@@ -79,13 +80,13 @@ class Sketches {
   struct Sketch {
     std::vector<Places> places{};        ///< by body
     std::vector<std::uint8_t> enters{};  ///< by body: 1 or 0
-    /// Of each class of more than one body in turn: x, y, z of its bodies at the matching times,
-    /// [time][axis][body].
+    /// For each class of at least two interchangeable bodies in turn: x, y, z of its bodies at the
+    /// matching times, [time][axis][body].
     std::vector<float> matched_by{};
     std::vector<FirstContact> first{};  ///< in the order of time
   };
 
-  /// Of two places of a body, over the times.
+  /// Distances between two places of a body, over the times.
   struct Apart {
     double sum_m = 0;
     double greatest_m = 0;
@@ -94,8 +95,8 @@ class Sketches {
   Sketch sketch_of(const Entry& entry, double duration_s) const;
   static Apart apart_of(const Places& p, const Places& q);
 
-  std::vector<std::vector<std::uint32_t>> twins_{};  ///< classes of bodies
-  double apart_m_ = 0;  ///< how far a body that enters is from one that never does
+  std::vector<std::vector<std::uint32_t>> twins_{};  ///< classes of interchangeable bodies
+  double apart_m_ = 0;  ///< distance between a body that enters and one that never does
   std::vector<Sketch> sketches_{};
 };
 
@@ -103,7 +104,7 @@ class Sketches::From {
  public:
   /// REQUIRES: `sketches` outlives this.
   From(const Sketches& sketches, std::size_t one);
-  /// Of the one and another, as between() says it.
+  /// Returns the same as Sketches::between of the one and the other.
   Resemblance to(std::size_t other);
 
  private:
@@ -112,12 +113,12 @@ class Sketches::From {
   /// Sets costs_.
   void weigh(const Sketch& a, const Sketch& b, std::span<const std::uint32_t> bodies,
              std::size_t offset);
-  /// REQUIRES: partner_of_ of a's bodies.
+  /// REQUIRES: match() has set partner_of_.
   double order_between(const Sketch& a, const Sketch& b);
 
   const Sketches* sketches_;
   std::size_t one_;
-  ContactPlaces places_{};  ///< of the one's first contacts
+  ContactPlaces places_{};  ///< first contacts of the one
   CheapestMatching matching_{};
   std::vector<double> costs_{};
   std::vector<std::uint32_t> partner_of_{};  ///< by body of the one with the smaller index

@@ -61,7 +61,7 @@ class Lexer {
     const std::size_t begin = at_;
     while (is_letter(peek(0)) || is_digit(peek(0)))
       ++at_;
-    // Of "mm/s": the only sign within a unit.
+    // The only sign within a unit is the slash in units such as "mm/s".
     const std::string_view word = text_.substr(begin, at_ - begin);
     if (peek(0) == '/' && is_letter(peek(1)) && (word == "m" || word == "mm")) {
       ++at_;
@@ -87,8 +87,8 @@ class Lexer {
   }
 
   std::optional<QueryError> read_number(Token& token) {
-    // "0..20" is 0, then "..": a point belongs to the number if a digit follows it, or if no second
-    // point does.
+    // "0..20" is 0, then "..". A point belongs to the number if a digit follows, or if no second
+    // point follows.
     const std::size_t begin = at_;
     if (peek(0) == '-' || peek(0) == '+') ++at_;
     const std::size_t digits = at_;

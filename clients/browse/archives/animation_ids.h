@@ -1,9 +1,9 @@
-// How people and programs name an archive's animations (browse/index.h): "c0.250" is the one that
-// chain 0 found at draw 250; "find.3" is the fourth that a search found (rows of /finds count from
-// 0); with the first characters of the run before it, "3f2a9c01:c0.250", one of that run alone.
+// Ids of an archive's animations (browse/index.h) for people and programs. "c0.250" is the
+// animation that chain 0 found at draw 250. "find.3" is the fourth find of a search (rows of /finds
+// count from 0). A prefix of the run id restricts the id to that run: "3f2a9c01:c0.250".
 //
-// An id stays the same while a run goes on and its archive grows, and other archives of the run
-// have the same animation by it: rows of /animations may shift.
+// An id stays the same while a run continues, and it names the same animation in all archives of
+// the run. Rows of /animations may shift.
 #pragma once
 
 #include <cstdint>
@@ -18,20 +18,20 @@ namespace sleight::browse {
 
 struct AnimationId {
   bool is_find = false;
-  std::uint64_t row = 0;  ///< of /finds or /animations
-  std::string text{};     ///< "c0.250"; plain words, whatever the archive holds
+  std::uint64_t row = 0;  ///< in /finds or /animations
+  std::string text{};     ///< such as "c0.250"; always plain text
 };
 
-/// The group that an animation's row is of.
+/// Returns the archive group that contains the animation's row.
 std::string_view group_of(const AnimationId& id);
 
-/// All of an archive: those of chains, then finds. Throws base::Error(bad_archive) where two have
-/// one id.
+/// Returns all ids of an archive: animations of chains, then finds. Throws base::Error(bad_archive)
+/// if two animations have the same id.
 std::vector<AnimationId> animation_ids(const archive::Source& source);
 
-/// Those that are asked for, in that order, each once. Throws base::Error(usage) that names an
-/// unknown id, or one of another run, and shows the first few that exist. Ids as they once were,
-/// "3.7", are taken, too; where a table may have made that of "3.700", both are named instead.
+/// Returns the requested ids in the given order, without duplicates. Throws base::Error(usage) for
+/// an unknown id or an id of another run; the message lists the first few ids. Old ids such as
+/// "3.7" are accepted. If a spreadsheet may have turned "3.700" into "3.7", the error names both.
 std::vector<AnimationId> animations_of(const archive::Source& source,
                                        std::span<const std::string> ids);
 

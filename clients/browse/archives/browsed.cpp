@@ -19,10 +19,10 @@
 namespace sleight::browse {
 namespace {
 
-/// Reading that takes less is not spoken of.
+/// Reading that takes less time isn't reported.
 constexpr double k_silent_s = 1;
 
-/// Says how the reading of one archive goes.
+/// Reports the progress of reading an archive.
 class ReadingPrinter {
  public:
   explicit ReadingPrinter(const std::string& path) : printer_("reading " + path, stderr) {}
@@ -112,7 +112,8 @@ Browsed browse_archives(const std::vector<std::string>& paths) {
       browsed.left_out.push_back({.path = path, .reason = std::move(reason)});
     };
     try {
-      // Before it is opened: an archive that is replaced meanwhile must not be kept as the new one.
+      // Get the state before opening, so that an archive replaced in between isn't cached as the
+      // new one.
       const std::optional<FileState> file = state_of_file(path);
       browsed.archives.push_back(
           {.path = path, .index = index_of(*archive::remote::open_remote(path), path, file)});
@@ -139,7 +140,7 @@ void leave_out_twice(Browsed& browsed) {
 }
 
 std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked) {
-  // First what each is asked, as archives that can't be asked go, and the others move up.
+  // Build all conditions first, because erasing archives moves the others up.
   std::vector<browse::Condition> wanted;
   std::optional<base::Error> first;
   std::erase_if(browsed.archives, [&](const BrowsedArchive& archive) {

@@ -1,4 +1,4 @@
-// Archives to be browsed together: their animations, and which archives were left out and why.
+// Opens archives to browse them together, and reports which archives were left out and why.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace sleight::browse {
 struct BrowsedArchive {
   std::string path{};
   browse::Index index{};
-  /// Of its animations, those that an archive before it has too: they are left out of its index.
+  /// Number of animations that an earlier archive also has. They are left out of this index.
   std::size_t twice = 0;
 };
 
@@ -34,61 +34,58 @@ struct Browsed {
   std::size_t animations() const;
 };
 
-/// Opens all, each by itself: one that is damaged costs its own place alone. Tells stderr how
-/// reading goes, where it takes long. Throws base::Error with the first one's reason if none is
-/// left.
+/// Opens all archives independently, so a damaged archive affects only itself. Reports slow reading
+/// on stderr. Throws base::Error with the first archive's reason if no archive can be opened.
 Browsed browse_archives(const std::vector<std::string>& paths);
 
 struct IndexingOptions {
-  /// The archive's file as it was before it was opened; none: nothing is kept.
+  /// State of the archive's file before it was opened. None: don't cache the index.
   std::optional<FileState> file{};
-  /// Of the run's archive as it was before; null: what is kept of it (index_cache.h).
+  /// Earlier index of the run's archive. Null: use the cached index (index_cache.h).
   const browse::Index* earlier = nullptr;
-  /// So many of the first animations are enough, where there are more and they would have to be
-  /// read; 0: all are wanted.
+  /// If more than this many animations would have to be read, read only this many. 0: read all.
   std::uint64_t beginning_max = 0;
-  /// Told now and then: animations that were read, of how many.
+  /// Progress callback: animations read, animations in total.
   std::function<void(std::uint64_t, std::uint64_t)> progress{};
 };
-/// The index of an archive that is open. What was read before is taken over, and the index is kept
-/// for next time unless it is a beginning. Throws base::Error where it has none, or can't be read.
+/// Returns an open archive's index. Reuses what was read before, and caches the index unless it is
+/// only a beginning. Throws base::Error if the archive has no index or can't be read.
 browse::ReadIndex read_index(const archive::Source& source, const std::string& path,
                              const IndexingOptions& options);
-/// All of it, telling stderr how it goes.
+/// Returns the complete index, and reports progress on stderr.
 browse::Index index_of(const archive::Source& source, const std::string& path,
                        const std::optional<FileState>& file);
 
-/// Takes out of each archive's index what an archive before it has too, so that each animation
-/// counts once. Part of browse_archives.
+/// Removes from each archive's index the animations that an earlier archive also has, so that each
+/// animation counts once. Part of browse_archives.
 void leave_out_twice(Browsed& browsed);
 
-/// An animation of a browsed archive.
 struct Picked {
   const BrowsedArchive* archive = nullptr;
   const browse::Entry* entry = nullptr;
 };
 
-/// What a command asks for: all of it must hold.
+/// A command's conditions, which must all hold.
 struct QueryOptions {
   std::vector<std::string> select{};  ///< queries
-  std::vector<std::string> where{};   ///< likewise; the option's name is all that differs
-  std::vector<std::string> in{};      ///< likewise; the option for what is in a box
-  std::vector<std::string> not_in{};  ///< queries of which none may hold
+  std::vector<std::string> where{};   ///< queries too; only the option's name differs
+  std::vector<std::string> in{};      ///< queries too; the option for boxes
+  std::vector<std::string> not_in{};  ///< queries that must not hold
 };
 
-/// The animations that are meant, in the archives' order. Of several archives those whose scene or
-/// numbers a query doesn't fit go to left_out. Throws base::Error(usage) that marks the place in a
-/// query that no archive understands.
+/// Returns the matching animations in the archives' order. An archive whose scene or numbers don't
+/// fit a query moves to left_out. Throws base::Error(usage) with the position in the query if no
+/// archive fits.
 std::vector<Picked> picked(Browsed& browsed, const QueryOptions& asked);
 
-/// "c0.250"; of several runs "3f2a9c01:c0.250".
+/// Returns "c0.250", or "3f2a9c01:c0.250" if there are several runs.
 std::string name_among(const Browsed& browsed, const browse::AnimationName& name);
 
-/// Lines on stderr: which archives were left out, and which animations there are twice. Asked once,
-/// when all that can be left out is.
+/// Prints to stderr which archives were left out and how many duplicate animations there are. Call
+/// it once, after everything that can be left out is.
 void say_what_is_missing(const Browsed& browsed);
 
-/// A number as people read it: six digits, "" of NaN.
+/// Formats a number with six digits; NaN as "".
 std::string shown_number(double number);
 
 }  // namespace sleight::browse

@@ -32,12 +32,11 @@ std::optional<fs::path> cache_place(const std::string& archive, std::string_view
          (hash::sha256_hex(real.string()).substr(0, k_name_letters) + std::string(ending));
 }
 
-/// Of a file that is being written; one that is this old was left by a program that was killed.
+/// Marks unfinished files. After this time, an unfinished file is left over from a killed program.
 constexpr const char* k_unfinished = ".tmp.";
 constexpr auto k_left_behind = std::chrono::hours(1);
 
-/// Deletes what was left behind, and what was used longest ago until there is room for so many
-/// bytes more.
+/// Deletes leftovers, and the least recently used files until this many bytes fit.
 void make_room(const fs::path& folder, std::uint64_t bytes) {
   struct Kept {
     fs::file_time_type used;
@@ -70,7 +69,8 @@ void make_room(const fs::path& folder, std::uint64_t bytes) {
   }
 }
 
-/// Writes both to a new file of its own beside the place; empty where that can't be done.
+/// Writes the state and the content to a new file beside the place. Returns an empty path on
+/// failure.
 std::string write_beside(const fs::path& place, const FileState& of, base::BytesView content) {
   std::string path = place.string() + ".tmp.XXXXXX";
   const int file = ::mkstemp(path.data());
@@ -110,14 +110,14 @@ std::optional<CachedBytes> cached(const std::string& archive, std::string_view e
   const auto place = cache_place(archive, ending);
   if (!place) return std::nullopt;
   std::error_code failure;
-  if (!fs::is_regular_file(*place, failure)) return std::nullopt;  // a pipe would be waited for
+  if (!fs::is_regular_file(*place, failure)) return std::nullopt;  // reading a pipe would block
   std::ifstream file(*place, std::ios::binary);
   const std::uint64_t size = fs::file_size(*place, failure);
   CachedBytes found;
   if (!file || failure || size < sizeof(found.of) || size > k_cache_bytes_max) return std::nullopt;
   if (!file.read(reinterpret_cast<char*>(&found.of), sizeof(found.of))) return std::nullopt;
   found.size = size - sizeof(found.of);
-  // Not set to 0 before: an index is hundreds of megabytes.
+  // Don't zero the memory: an index has hundreds of megabytes.
   found.bytes = std::make_unique_for_overwrite<std::byte[]>(found.size);
   if (!file.read(reinterpret_cast<char*>(found.bytes.get()),
                  static_cast<std::streamsize>(found.size)))
@@ -133,7 +133,7 @@ void keep_cached(const std::string& archive, std::string_view ending, const File
   std::error_code failure;
   fs::create_directories(place->parent_path(), failure);
   if (failure) return;
-  // What one browses is nobody else's.
+  // The folder is private, because it shows what its owner browses.
   fs::permissions(place->parent_path(), fs::perms::owner_all, failure);
   make_room(place->parent_path(), content.size());
   const std::string beside = write_beside(*place, of, content);

@@ -1,9 +1,10 @@
-// Files in which programs keep what reading an archive has cost them, from one command to the next.
+// Cache files that save reading archives again from one command to the next.
 //
-// One file an archive and kind, in $XDG_CACHE_HOME/sleight/browse (else ~/.cache/sleight/browse),
-// named by the archive's path: what another file claims to be can't get into it. It says which
-// state of the archive's file it is of, so that a change by any program is noticed. The files may
-// be deleted at any time. All functions do without where the cache can't be read or written.
+// There is one file per archive and kind, in $XDG_CACHE_HOME/sleight/browse (default
+// ~/.cache/sleight/browse). Its name comes from the archive's path, so an archive can't write into
+// another archive's cache. A cache file records the state of the archive's file, so that a change
+// by any program is noticed. Cache files may be deleted at any time. All functions work without a
+// cache if it can't be read or written.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +18,11 @@
 
 namespace sleight::browse {
 
-/// Beyond this the files that were used longest ago are deleted.
+/// Maximum size of the cache. Beyond it, the least recently used files are deleted.
 inline constexpr std::uint64_t k_cache_bytes_max = std::uint64_t{4} << 30;
 
-/// The state of a file: another size, place on the disk or time of a change is another state.
+/// The state of a file. Two states differ if the size, the place on the disk or a time of change
+/// differs.
 struct FileState {
   std::uint64_t size = 0;
   std::uint64_t device = 0;
@@ -29,23 +31,23 @@ struct FileState {
   std::int64_t changed_ns = 0;
   friend bool operator==(const FileState&, const FileState&) = default;
 };
-/// None where there is no such file.
+/// Returns nothing if there is no such file.
 std::optional<FileState> state_of_file(const std::string& path);
 
-/// The kinds of files; no ending is the end of another.
+/// Endings by kind of file. None is a suffix of another.
 inline constexpr std::string_view k_index_ending = ".index";
 inline constexpr std::string_view k_outline_ending = ".outline";
 
-/// What a file of the cache has.
+/// The content of a cache file.
 struct CachedBytes {
-  FileState of{};  ///< the archive's, when it was read
+  FileState of{};  ///< the archive's file when it was read
   std::unique_ptr<std::byte[]> bytes{};
   std::size_t size = 0;
   base::BytesView content() const { return {bytes.get(), size}; }
 };
 
 std::optional<CachedBytes> cached(const std::string& archive, std::string_view ending);
-/// Where there are too many, those that were used longest ago go.
+/// Stores a cache file, and deletes the least recently used files if the cache is too large.
 void keep_cached(const std::string& archive, std::string_view ending, const FileState& of,
                  base::BytesView content);
 

@@ -1,5 +1,5 @@
-// What was read of archives' animations, kept from one command to the next (cache_files.h): reading
-// the motions of thousands anew takes seconds.
+// Caches archives' indices from one command to the next (cache_files.h), because reading the
+// motions of thousands of animations takes seconds.
 #pragma once
 
 #include <cstddef>
@@ -12,25 +12,24 @@
 
 namespace sleight::browse {
 
-/// Smaller ones are read as fast from the archive.
+/// Minimum pieces of an index to be cached; smaller ones are read from the archive as fast.
 inline constexpr std::size_t k_pieces_worth_keeping = 20'000;
 
 struct KeptIndex {
   browse::Index index{};
-  FileState of{};  ///< what it was read from
+  FileState of{};  ///< the archive's file when it was read
 };
 
-/// What was kept of the archive at this path; it may be of an earlier state of it.
+/// Returns the cached index of the archive at this path, perhaps of an earlier state of the file.
 std::optional<KeptIndex> kept_index(const std::string& archive);
 
-/// Keeps it for next time, unless it is too small to be worth it. `of`: the archive's state before
-/// it was read.
+/// Caches an index unless it is too small. `of`: the file's state before it was read.
 void keep_index(const std::string& archive, const FileState& of, const browse::Index& index);
 
-/// What was kept of this very state of the archive by this very build of the program.
+/// Returns the cached outline of exactly this state of the file, made by this build of the program.
 std::optional<browse::Outline> kept_outline(const std::string& archive, const FileState& of);
 
-/// As keep_index. `groups`: of all entries, as an outline has them.
+/// Caches an outline, like keep_index. `groups`: of all entries (outline.h).
 void keep_outline(const std::string& archive, const FileState& of, const browse::Index& index,
                   const browse::Groups& groups);
 

@@ -15,7 +15,7 @@
 namespace sleight::browse {
 namespace {
 
-/// Why there is nothing to draw, and what to do.
+/// Throws an error with the reason why there is nothing to draw, and what to do.
 [[noreturn]] void refuse_empty(const archive::Source& source, std::optional<std::uint64_t> chain) {
   const archive::Summary summary = archive::summary_of(source);
   const std::string whose = chain ? fmt::format(" of chain {}", *chain) : "";

@@ -1,4 +1,4 @@
-// Which of an archive's kept animations to draw, and where their motions lie.
+// Selects kept animations to draw, and reads them from an archive.
 #pragma once
 
 #include <cstdint>
@@ -17,41 +17,41 @@
 
 namespace sleight::browse {
 
-/// The group whose animations are drawn: those of chains; those of a search where no chain has any.
-/// All functions below are of this group.
+/// Returns the group whose animations are drawn: the chains' if there are any, otherwise the
+/// search's. All functions below use this group.
 std::string_view drawn_group(const archive::Source& source);
 
-/// Where an animation was found: "chain 0, scan 250" by `step_of_draw`, or "find 3 of start 5".
+/// Returns where an animation was found: "chain 0, scan 250" by `step_of_draw`, or "find 3 of start
+/// 5".
 std::string where_found(const archive::Source& source, std::size_t animation,
                         const std::function<std::string(double draw)>& step_of_draw);
 
-/// One number of each kept animation.
+/// Returns one number per kept animation.
 std::vector<double> of_animations(const archive::Source& source, std::string_view dataset);
 
-/// Throws base::Error(bad_archive): "<archive>: its animation <name> <reason>". Of a row of the
-/// drawn group its number is the name.
+/// Throws base::Error(bad_archive): "<archive>: its animation <name> <reason>". The name of a row
+/// in the drawn group is its number.
 [[noreturn]] void refuse_animation(const archive::Source& source, std::string_view name,
                                    std::string_view reason);
 [[noreturn]] void refuse_animation(const archive::Source& source, std::size_t animation,
                                    std::string_view reason);
 
-/// What all animations look like. Throws base::Error(bad_archive) where it can be none.
+/// Returns the archive's scene description. Throws base::Error(bad_archive) if it is invalid.
 scene::Scene required_scene(const archive::Source& source);
 
-/// An animation as its archive keeps it.
 struct KeptAnimation {
   motion::Animation motion{};
   scene::Variation own{};
-  std::vector<math::Vec3> offsets_m{};  ///< of the scene's vertices
+  std::vector<math::Vec3> offsets_m{};  ///< offsets of the scene's vertices
 };
-/// One of /animations or /finds. Throws base::Error(bad_archive) that calls it by the name, where
-/// it is none. REQUIRES: the archive's scene and motions, a row of these.
+/// Reads a row of /animations or /finds. Throws base::Error(bad_archive) with `name` if the row is
+/// invalid. REQUIRES: the archive's scene and motions, and an existing row.
 KeptAnimation kept_animation(const archive::Source& source, const archive::KeptMotions& motions,
                              std::uint64_t row, const scene::Scene& scene, std::string_view name);
 
-/// Up to `count` animations, of one chain or of all: the first of each lineage, then the others, in
-/// the archive's order. Throws base::Error that says why when there is none, usage when there is no
-/// such chain, or finds are drawn, which have none.
+/// Returns up to `count` animations of one chain or of all: the first of each lineage, then the
+/// others, in the archive's order. Throws base::Error with the reason if there are none. Throws
+/// base::Error(usage) if the chain doesn't exist, or if finds are drawn, which have no chains.
 std::vector<std::size_t> choose_animations(const archive::Source& source,
                                            std::optional<std::uint64_t> chain, std::size_t count);
 
