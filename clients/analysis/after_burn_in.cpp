@@ -10,7 +10,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// Without what only other chains have.
+/// Removes entries that only other chains have.
 std::vector<double> known(std::vector<double> values) {
   while (!values.empty() && std::isnan(values.back()))
     values.pop_back();
@@ -68,7 +68,7 @@ std::vector<AscentReport> ascents_of(const archive::Source& source, std::uint64_
 }
 
 double effective_size_of_all(const archive::Source& source) {
-  // Twice through: the greatest weight first, so that no sum overflows.
+  // Find the greatest weight first, so that no sum overflows.
   double greatest = -std::numeric_limits<double>::infinity();
   bool unknown = true;
   for_each_of_draws(source, "log_weight", [&](double log_weight) {

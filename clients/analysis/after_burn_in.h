@@ -1,7 +1,7 @@
-// What an archive's group /tempering says of the methods that go on after a burn-in, chain by
-// chain: simulated tempering's walk over levels, tempered transitions, weighted ascents.
+// Reads from an archive's group /tempering what methods recorded after a burn-in, by chain:
+// simulated tempering's walk over levels, tempered transitions, weighted ascents.
 //
-// Archives are untrusted, as in tempering.h. Not thread-safe, as the source isn't.
+// Archives are untrusted, as in tempering.h. Not thread-safe, because the source isn't.
 #pragma once
 
 #include <cstdint>
@@ -16,30 +16,28 @@ namespace sleight::analysis {
 struct WalkReport {
   double round_trips = 0;
   std::vector<double> inverse_temperature;
-  std::vector<double> visits;      ///< scans at the level
-  std::vector<double> acceptance;  ///< of moves to the next level and back; NaN at the last
+  std::vector<double> visits;      ///< scans at each level
+  std::vector<double> acceptance;  ///< of moves to the next level and back; NaN at the last level
 };
 
-/// A chain's tempered transitions.
 struct TransitionReport {
   double acceptance = 0;
-  double levels = 0;  ///< below inverse temperature 1
+  double levels = 0;  ///< levels below inverse temperature 1
 };
 
-/// A chain's ascents.
 struct AscentReport {
   double effective_size = 0;
-  double steps = 0;  ///< scans of an ascent, the draw from the prior among them
+  double steps = 0;  ///< scans of an ascent, including the prior draw
   LogEstimate log_z;
   LogEstimate log_p_satisfied;
 };
 
-/// Of the first `chains` chains. NaN, and nothing, where the archive has no such table.
+/// Read the first `chains` chains. NaN or empty if the archive has no such table.
 std::vector<WalkReport> walks_of(const archive::Source& source, std::uint64_t chains);
 std::vector<TransitionReport> transitions_of(const archive::Source& source, std::uint64_t chains);
 std::vector<AscentReport> ascents_of(const archive::Source& source, std::uint64_t chains);
 
-/// (sum w)^2 / sum w^2 over the draws of all chains; NaN where a weight can't be.
+/// Returns (sum w)^2 / sum w^2 over the draws of all chains; NaN if a weight is invalid.
 double effective_size_of_all(const archive::Source& source);
 
 }  // namespace sleight::analysis

@@ -31,7 +31,7 @@ std::vector<LogEstimate> estimates_of(const archive::Source& source, const std::
   return ladders;
 }
 
-/// What the throw is whose odds are told, where it is no draw from the prior: of any world
+/// Returns how a natural throw differs from a draw from the prior, in words for any world
 /// (WorldLayout::log_natural_throw).
 std::string natural_throw_of(double log_natural_throw) {
   if (log_natural_throw == 0) return "";
@@ -65,10 +65,10 @@ ArchiveOdds weighted_of(const archive::Source& source, std::uint64_t chains) {
 
 constexpr std::string_view k_island_log_z = "island_log_z";
 constexpr std::string_view k_island_log_p = "island_log_satisfied";
-/// What is asked for where nothing says better: P to a tenth.
+/// Default of the suggested rule: P to a tenth.
 constexpr double k_odds_asked_for = 0.1;
 
-/// A number of the request, where that can be read.
+/// Returns a number of the request if the request can be read.
 std::optional<double> number_of(const archive::Source& source, const archive::Summary& summary,
                                 std::string_view section, std::string_view key) {
   if (!method_of(summary.request_text)) return std::nullopt;
@@ -105,8 +105,8 @@ JudgedEstimate judge_islands(const archive::Source& source, std::string_view nam
           .doubts = doubts_of_islands(islands, odds.island_number, particles)};
 }
 
-/// What the islands before the sized round said that its error would be; none where no round was
-/// sized, or they can't say it.
+/// Returns the error that the islands before the sized round predicted for it. Nothing if no round
+/// was sized, or if they can't predict one.
 std::optional<double> error_foretold(const archive::Source& source, const ArchiveOdds& odds) {
   const std::size_t sized = odds.log_p_satisfied.all.ladders;
   if (!odds.odds_from_island || sized == 0) return std::nullopt;
@@ -115,16 +115,16 @@ std::optional<double> error_foretold(const archive::Source& source, const Archiv
   return std::isfinite(error) ? std::optional(error) : std::nullopt;
 }
 
-/// An error for the rule `odds`: to two digits, and not above this one, with which the same round
-/// might be sized again.
+/// Rounds the suggested error down to two digits, so that the rule `odds` doesn't size the same
+/// round again.
 double error_to_ask_for(double error) {
   const double within = std::clamp(error, request::k_odds_min, request::k_odds_max);
   const double unit = std::pow(10, std::floor(std::log10(within)) - 1);
   return std::max(std::floor(within / unit) * unit, request::k_odds_min);
 }
 
-/// A rule that sizes the islands; a smaller error than the one asked for, where that gave too few.
-/// Only who asks for less than was foretold gets a longer round.
+/// Suggests a rule that sizes the islands. If the requested error gave too few islands, suggests a
+/// smaller one. The round only becomes longer with an error below the predicted one.
 HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> asked_for,
                                  std::optional<double> foretold) {
   const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;
@@ -134,7 +134,7 @@ HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> 
   HowToKnow how{.longer = remedy.longer,
                 .at_least = remedy.at_least,
                 .odds = is_usable ? *asked_for : k_odds_asked_for};
-  // Errors fall as the square root of the islands.
+  // Errors decrease with the square root of the number of islands.
   if (odds.island_number == IslandNumber::sized) {
     const double smaller = *how.odds / std::sqrt(remedy.longer);
     how.odds = error_to_ask_for(foretold ? std::min(smaller, 0.9 * *foretold) : smaller);
@@ -146,7 +146,7 @@ HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> 
   return how;
 }
 
-/// None where the archive has no islands.
+/// Returns nothing if the archive has no islands.
 std::optional<ArchiveOdds> islands_say(const archive::Source& source,
                                        const archive::Summary& summary) {
   const std::uint64_t chains = summary.chains;
@@ -171,13 +171,13 @@ double mean_of(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Ladders in an archive, as odds are made of them.
+/// The ladders of an archive, prepared for estimating odds.
 struct Ladders {
   const archive::Source& source;
   const archive::Summary& summary;
   std::vector<Round> rounds;
   std::size_t judged = 0;
-  std::string judged_name;  ///< "round 7 of 7"
+  std::string judged_name;  ///< such as "round 7 of 7"
 };
 
 JudgedEstimate judge(const Ladders& ladders, const std::string& name) {
@@ -193,7 +193,7 @@ JudgedEstimate judge(const Ladders& ladders, const std::string& name) {
   if (ladders.judged > 0) facts.before = of_round(ladders.judged - 1);
   JudgedEstimate estimate{
       .all = combined(facts.judged), .round = ladders.judged, .doubts = doubts_of(facts)};
-  // Where nothing satisfied there, the latest of the other rounds must do.
+  // If nothing satisfied in the judged round, use the latest round with a solution.
   for (std::size_t r = ladders.rounds.size(); r-- > 0 && estimate.all.ladders == 0;) {
     estimate.round = r;
     estimate.all = combined(of_round(r));
@@ -201,7 +201,7 @@ JudgedEstimate judge(const Ladders& ladders, const std::string& name) {
   return estimate;
 }
 
-/// Which keys help besides more rounds, where round trips are too few.
+/// Returns the keys that help besides more rounds if there are too few round trips.
 std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request) {
   const std::uint64_t chains = ladders.summary.chains;
   const auto numbers = [&](const char* name) {
@@ -225,14 +225,14 @@ std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request
 HowToKnow how_to_know(const Ladders& ladders, std::span<const Doubt> doubts) {
   const Remedy remedy = remedy_of(doubts);
   HowToKnow how{.longer = remedy.longer, .at_least = remedy.at_least};
-  if (!method_of(ladders.summary.request_text)) return how;  // no request that is known here
+  if (!method_of(ladders.summary.request_text)) return how;  // the request can't be read
   const RequestNumbers request(ladders.summary.request_text, ladders.source.name());
   if (std::ranges::find(doubts, DoubtOf::few_round_trips, &Doubt::kind) != doubts.end())
     how.besides = besides_rounds(ladders, request);
   const double first_round = request.find("sampler", "round_scans").value_or(0);
   if (!(first_round >= 1)) return how;
 
-  // Rounds double, and one has to be so long. The first is never judged alone.
+  // Rounds double, and one round must be this long. The first round is never judged alone.
   const double length = static_cast<double>(ladders.rounds[ladders.judged].scans) * remedy.longer;
   const double doublings = std::max(std::ceil(std::log2(length / first_round)), 1.0);
   if (doublings + 1 > request::k_rounds_max) return how;
@@ -253,7 +253,7 @@ bool has_rounds(OddsFrom from) {
   return from == OddsFrom::ladders || from == OddsFrom::burn_in;
 }
 
-/// What `CombinedEstimate::ladders` counts.
+/// Returns the name of what `CombinedEstimate::ladders` counts.
 const char* counted_by(OddsFrom from) {
   switch (from) {
     case OddsFrom::ladders:
@@ -267,7 +267,7 @@ const char* counted_by(OddsFrom from) {
   return "ladder";
 }
 
-/// None where the archive has no ladders.
+/// Returns nothing if the archive has no ladders.
 std::optional<ArchiveOdds> ladders_say(const archive::Source& source,
                                        const archive::Summary& summary, bool burn_in) {
   std::vector<Round> rounds = rounds_of(
@@ -290,7 +290,7 @@ std::optional<ArchiveOdds> ladders_say(const archive::Source& source,
   return odds;
 }
 
-/// "-4.54 +- 0.02 (2 ladders, jackknife within ladders), round 7 of 7"; weights are chains'.
+/// Returns, for example, "-4.54 +- 0.02 (2 ladders, jackknife within ladders), round 7 of 7".
 std::string estimate_text(const JudgedEstimate& estimate, double log_of_unit,
                           const ArchiveOdds& odds) {
   const CombinedEstimate& all = estimate.all;
@@ -330,18 +330,18 @@ void add_remedy(const HowToKnow& how, const ArchiveOdds& odds, report::Report& r
   report.for_people("", how.besides);
 }
 
-/// Where something satisfies, for people.
+/// Returns, for people, what contains solutions.
 const char* place_word(OddsFrom from) {
   if (from == OddsFrom::weights) return "draw";
   return from == OddsFrom::islands ? "island" : "round";
 }
 
-/// ", where a throw includes all bodies"; empty where a throw is a draw from the prior.
+/// Returns ", where a throw includes all bodies"; empty if a throw is a draw from the prior.
 std::string where_throws(const ArchiveOdds& odds) {
   return odds.natural_throw.empty() ? "" : ", where " + odds.natural_throw;
 }
 
-/// How an estimate whose error can't be trusted may be off.
+/// Returns how an untrusted estimate may be wrong.
 const char* caution_of(const ArchiveOdds& odds) {
   if (has_rounds(odds.from)) return "this estimate is usually too low until the ladders have mixed";
   if (odds.from == OddsFrom::weights)
@@ -352,7 +352,7 @@ const char* caution_of(const ArchiveOdds& odds) {
   return "this estimate is usually too low if few islands have most of the sum";
 }
 
-/// Of an estimate whose error can't be trusted.
+/// Adds an estimate whose error can't be trusted.
 void add_unknown(const ArchiveOdds& odds, report::Report& report) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   const bool is_none = log_p.all.ladders == 0;
@@ -415,7 +415,7 @@ void add_odds(const ArchiveOdds& odds, report::Report& report) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   report.add("tempering", as_json(odds), "log Z", estimate_text(odds.log_z, 0, odds));
   if (!log_p.known()) return add_unknown(odds, report);
-  // Where log P is not known, the lines below it say why of both.
+  // If log P is unknown, the lines below explain why for both.
   add_doubts(odds.log_z.doubts, report);
   report.for_people("by chance",
                     in_words(odds_of(log_p.all.log, odds.log_natural_throw)) + where_throws(odds));

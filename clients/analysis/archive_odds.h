@@ -1,12 +1,12 @@
-// What `sleight archive info` says of log Z and of the odds of a blind throw: an archive's own
-// estimates, of its ladders, its weighted ascents or its free islands, with an error only where
-// nothing speaks against it (odds_doubts.h).
+// Log Z and the odds of a blind throw, as `sleight archive info` reports them. The estimates come
+// from an archive's ladders, weighted ascents or free islands. An estimate has an error only if
+// there are no doubts (odds_doubts.h).
 //
-// The odds are those of a natural throw, which need not be a draw from the prior: for words the
-// prior drops each ball by chance, and a throw drops all of them (WorldLayout::log_natural_throw).
-// People are shown log P of the throw alone; machines get both.
+// The odds are those of a natural throw, which isn't always a draw from the prior. For words, the
+// prior drops each ball by chance, but a throw drops all of them (WorldLayout::log_natural_throw).
+// The text for people has only the throw's log P; JSON has both.
 //
-// Archives are untrusted, as in tempering.h. Not thread-safe, as the source isn't.
+// Archives are untrusted, as in tempering.h. Not thread-safe, because the source isn't.
 #pragma once
 
 #include <cstddef>
@@ -25,58 +25,60 @@
 namespace sleight::analysis {
 
 struct JudgedEstimate {
-  CombinedEstimate all;       ///< of no ladder: nothing satisfied
-  std::size_t round = 0;      ///< that it is of, counted from 0
-  std::vector<Doubt> doubts;  ///< none: its error can be trusted
+  CombinedEstimate all;       ///< without ladders if nothing satisfied
+  std::size_t round = 0;      ///< the estimate's round, counted from 0
+  std::vector<Doubt> doubts;  ///< empty: the error can be trusted
 
   bool known() const { return doubts.empty() && all.error_from != ErrorFrom::unknown; }
 };
 
-/// How to come to know what is doubted.
+/// What would remove the doubts about the odds.
 struct HowToKnow {
-  double longer = 1;      ///< so many times as long a round, or as many weighted draws or islands
-  bool at_least = false;  ///< of it
-  /// So many rounds of each ladder in all, and their scans; none for weighted draws and islands.
+  double longer =
+      1;  ///< factor for a round's length, or for the number of weighted draws or islands
+  bool at_least = false;  ///< `longer` is a lower bound
+  /// Total rounds of each ladder, and their scans. None for weighted draws and islands.
   std::optional<std::uint32_t> rounds{};
   std::optional<std::uint64_t> scans{};
-  std::optional<double> odds{};  ///< of islands: the rule in [stop] that sizes them
-  std::string besides{};         ///< other keys that help, for people; may be empty
+  std::optional<double> odds{};  ///< islands: the rule in [stop] that determines their number
+  std::string besides{};         ///< for people: other keys that help; may be empty
 };
 
-/// Whose estimates they are.
+/// The source of the estimates.
 enum class OddsFrom : std::uint8_t {
   ladders,
-  burn_in,  ///< of ladders too
-  weights,  ///< of ascents: no round is told, chains take the ladders' place
-  islands,  ///< no round is told, islands take the ladders' place
+  burn_in,  ///< ladders of a burn-in
+  weights,  ///< ascents: chains stand for ladders, and rounds are meaningless
+  islands,  ///< islands stand for ladders, and rounds are meaningless
 };
 
 struct ArchiveOdds {
   OddsFrom from = OddsFrom::ladders;
   std::size_t rounds = 0;
-  std::size_t judged = 0;  ///< the round whose ladders are doubted, counted from 0
+  std::size_t judged = 0;  ///< the round whose ladders are judged, counted from 0
   JudgedEstimate log_z{};
-  /// That a draw from the prior satisfies. Of another round where nothing satisfied in the judged
-  /// one; then it is doubted.
+  /// Probability that a draw from the prior satisfies. From another round if nothing satisfied in
+  /// the judged one; this casts a doubt.
   JudgedEstimate log_p_satisfied{};
-  std::size_t without_trips = 0;  ///< ladders of the judged round that made no round trip
+  std::size_t without_trips = 0;  ///< ladders of the judged round without a round trip
   double log_natural_throw = 0;
-  std::string natural_throw{};  ///< what a throw is, if no draw: "a throw includes all bodies"
-  std::optional<HowToKnow> how_to_know{};  ///< none where log P is known
+  std::string natural_throw{};  ///< how a throw differs from a draw, such as "a throw includes all
+                                ///< bodies"; may be empty
+  std::optional<HowToKnow> how_to_know{};  ///< none if log P is known
   IslandNumber island_number = IslandNumber::unknown;
-  /// Of each chain: those from here on count, which were sized; or those before, which were made in
-  /// any case.
+  /// Per chain: if set, only islands from the first number on count (the sized batch), or only
+  /// islands before the second (those made in any case).
   std::optional<std::uint64_t> odds_from_island{};
   std::optional<std::uint64_t> odds_until_island{};
 };
 
-/// None where the archive has neither ladders nor weights nor islands.
+/// Returns nothing if the archive has no ladders, weights or islands.
 std::optional<ArchiveOdds> odds_of(const archive::Source& source, const archive::Summary& summary);
 
-/// Adds `tempering`, and lines for people.
+/// Adds the key `tempering`, and lines for people.
 void add_odds(const ArchiveOdds& odds, report::Report& report);
 
-/// Numbers that are not known are null.
+/// Unknown numbers are null.
 json::Value as_json(const ArchiveOdds& odds);
 
 }  // namespace sleight::analysis

@@ -14,7 +14,8 @@
 namespace sleight::analysis {
 namespace {
 
-/// What /sample_stats holds of every world; all else of dims (chain, draw) are its outcomes.
+/// Variables of /sample_stats in every world. Other variables over (chain, draw) are the world's
+/// outcomes.
 constexpr std::array<std::string_view, 6> k_common = {"lp",        "log_prior", "log_constraint",
                                                       "satisfied", "lineage",   "acceptance_rate"};
 
@@ -95,7 +96,7 @@ std::vector<double> read_rows(const archive::Source& source, std::string_view gr
   const archive::DatasetSpec& spec = dataset_of(source, group, dataset);
   const auto inner = std::span(spec.dims).subspan(std::min<std::size_t>(1, spec.dims.size()));
   std::uint64_t held_columns = spec.dims.empty() ? 0 : 1;
-  for (const archive::Dimension& dim : inner)  // more than enough stays so, without overflow
+  for (const archive::Dimension& dim : inner)  // saturates instead of overflowing
     held_columns = std::min(held_columns * std::min(dim.size, columns + 1), columns + 1);
   const bool fits = held_columns == columns && (columns != 1 || inner.empty());
   if (!fits || spec.type == archive::ElementType::text) {

@@ -15,7 +15,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// Maximum animations of each archive that are compared pair by pair.
+/// Maximum animations per archive that are compared pair by pair.
 constexpr std::size_t k_tested_max = browse::k_full_matrix_max / 2;
 
 Spread spread_of(const browse::Index& index, std::size_t number) {
@@ -24,7 +24,7 @@ Spread spread_of(const browse::Index& index, std::size_t number) {
   for (const browse::Entry& entry : index.entries) {
     const double value = entry.numbers[number];
     if (!std::isfinite(value)) continue;
-    // Welford's recurrence, which does not cancel.
+    // Welford's recurrence avoids cancellation.
     ++spread.count;
     const double off = value - spread.mean;
     spread.mean += off / static_cast<double>(spread.count);
@@ -36,7 +36,7 @@ Spread spread_of(const browse::Index& index, std::size_t number) {
   return spread;
 }
 
-/// The values of a normalised request by key, in its order.
+/// Returns the values of a normalised request by key, in the request's order.
 std::vector<std::pair<std::string, std::string>> lines_of(const std::string& text) {
   std::vector<std::pair<std::string, std::string>> lines;
   std::map<std::string, int> tables;
@@ -52,7 +52,7 @@ std::vector<std::pair<std::string, std::string>> lines_of(const std::string& tex
     } else if (const std::size_t equals = line.find(" = "); equals != std::string::npos) {
       lines.emplace_back(section + line.substr(0, equals), line.substr(equals + 3));
     } else if (!lines.empty()) {
-      // A value of several lines.
+      // Append a further line of the value.
       lines.back().second += " " + line;
     }
   }

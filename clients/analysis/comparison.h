@@ -1,6 +1,5 @@
-// How two archives differ: their requests, the numbers of their animations, and how these look.
-//
-// Pure functions.
+// Compares two archives: their requests, the numbers of their animations, and how the animations
+// look. Thread safety: pure functions.
 #pragma once
 
 #include <array>
@@ -15,17 +14,18 @@
 
 namespace sleight::analysis {
 
-/// A line of one request, or of both, that the other has otherwise.
+/// A line that differs between two requests.
 struct OtherLine {
-  std::string key{};  ///< "stop.scans"; in the second table of an array "constraint.place[2].x_mm"
-  std::string first{};  ///< its value there; empty: it is not there
+  std::string
+      key{};  ///< such as "stop.scans", or "constraint.place[2].x_mm" for an array's second table
+  std::string first{};  ///< value in the first request; empty: missing
   std::string second{};
 };
 
-/// In what two normalised requests differ, by their keys, in the order of the first.
+/// Returns the keys in which two normalised requests differ, in the order of the first request.
 std::vector<OtherLine> other_lines(const std::string& first, const std::string& second);
 
-/// Mean and spread of a number over the animations of an archive that have it.
+/// Mean and spread of a number over an archive's animations that have it.
 struct Spread {
   std::size_t count = 0;
   double mean = 0;
@@ -39,18 +39,18 @@ struct ComparedNumber {
   std::array<Spread, 2> of{};
 };
 
-/// Each number that both have, but for chains, draws and lineages, which only count.
+/// Compares each number that both archives have, except chains, draws and lineages, which only
+/// count.
 std::vector<ComparedNumber> compared_numbers(const browse::Index& first,
                                              const browse::Index& second);
 
-/// Whether animations of two sets look alike: of each set, those whose nearest neighbours were
-/// counted, and what was counted.
+/// The comparison of two sets' looks: how many animations of each set were tested, and the result.
 struct ComparedLooks {
   std::array<std::size_t, 2> tested{};
   browse::NeighbourTest test{};
 };
 
-/// REQUIRES: animations in both, of scenes that are comparable to `scene`.
+/// REQUIRES: animations in both sets, of scenes that are comparable to `scene`.
 ComparedLooks compared_looks(const std::array<std::vector<const browse::Entry*>, 2>& sets,
                              const scene::Scene& scene, std::size_t threads);
 

@@ -21,10 +21,9 @@
 namespace sleight::analysis {
 namespace {
 
-/// Ladders that are looked at level by level.
+/// Maximum ladders that are judged level by level.
 constexpr std::uint64_t k_ladders_max = 64;
 
-/// What is looked at.
 struct Sizes {
   std::uint64_t chains = 0;
   std::uint64_t scalars = 0;
@@ -36,7 +35,8 @@ struct Judged {
   Diagnosis& diagnosis;
 };
 
-/// Mean and standard deviation of the finite values; the second is NaN for a single one.
+/// Returns mean and standard deviation of the finite values. The standard deviation of a single
+/// value is NaN.
 std::pair<double, double> moments_of_finite(std::span<const double> values) {
   double sum = 0;
   double count = 0;
@@ -63,12 +63,12 @@ ScalarReport report_of(const Rules& rules, std::string name, const DrawRange& ra
     report.verdict.sd = sd;
     report.verdict.mcse = k_not_known;
   }
-  // That there are too few draws is said once, for all.
+  // Too few draws are reported once for all scalars.
   if (range.count < rules.draws_min) report.verdict.complaints.clear();
   return report;
 }
 
-/// Worst first: with complaints, then by R-hat, then by effective sample size.
+/// Orders the worst first: with complaints, then by R-hat, then by effective sample size.
 bool is_worse(const ScalarReport& a, const ScalarReport& b) {
   const auto key = [](const ScalarReport& report) {
     const Verdict& v = report.verdict;
@@ -79,7 +79,7 @@ bool is_worse(const ScalarReport& a, const ScalarReport& b) {
   return key(a) < key(b);
 }
 
-/// Why states without probability are a reason. Only of log densities.
+/// Explains why states of probability 0 are a reason. Only for log densities.
 void complain_of_zero_density(ScalarReport& report, std::uint64_t draws) {
   const std::uint64_t count = report.not_finite.minus_infinite;
   if (count == 0) return;
@@ -97,7 +97,7 @@ void note_thinning(Judged& judged, const DrawRange& range, std::string_view what
                   what, range.stride, range.count));
 }
 
-/// Says once for all scalars that their draws are too few. `what`: "judged scans".
+/// Reports once for all scalars that there are too few draws. `what`: such as "judged scans".
 void complain_of_few(Judged& judged, const DrawRange& range, std::string_view what) {
   const double wanted = judged.rules.ess_wanted(range.chains);
   if (range.count < judged.rules.draws_min) {
@@ -131,7 +131,7 @@ void judge_scalars(Judged& judged, const DrawRange& range) {
   }
 }
 
-/// Judges the first entries of a variable and keeps those to list.
+/// Judges the first entries of a variable and selects those to list.
 VariableReport variable_report(const Judged& judged, const Quantity& variable,
                                std::uint64_t entries, const DrawRange& range) {
   VariableReport report{.name = variable.name, .entries = variable.entries(), .judged = entries};
@@ -149,7 +149,7 @@ VariableReport variable_report(const Judged& judged, const Quantity& variable,
   return report;
 }
 
-/// One reason a variable, that of its worst entry: all of them would drown the others.
+/// Adds one reason per variable, for its worst entry, since more would hide other reasons.
 void complain_of_variable(Judged& judged, const VariableReport& report) {
   if (report.failing == 0) return;
   const ScalarReport& worst = *std::ranges::min_element(report.listed, is_worse);
@@ -163,7 +163,7 @@ void complain_of_variable(Judged& judged, const VariableReport& report) {
 void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
                      const DrawRange& range) {
   if (variables.empty()) return;
-  // Where every scan's state is archived, this was said of the scans.
+  // If every scan's state is archived, the scans already had this complaint.
   if (judged.diagnosis.states < judged.diagnosis.judged.scans) {
     complain_of_few(judged, range, "archived states (see thin) among the judged scans");
   }
@@ -182,8 +182,8 @@ void judge_variables(Judged& judged, const std::vector<Quantity>& variables,
   }
 }
 
-/// The ladders in the judged round, and whether states travel from the prior and back. A burn-in's
-/// are shown only: no draw hangs on their trips.
+/// Judges the ladders in the judged round: whether states travel from the prior and back. Burn-in
+/// ladders are only shown, because no draw depends on their trips.
 void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> rounds,
                    bool burn_in) {
   const std::size_t round = judged_round(rounds);
@@ -217,7 +217,8 @@ void judge_ladders(Judged& judged, std::uint64_t chains, std::span<const Round> 
   judged.diagnosis.tempering = std::move(report);
 }
 
-/// Whether simulated tempering's states travel from inverse temperature 1 to the prior and back.
+/// Judges whether simulated tempering's states travel from inverse temperature 1 to the prior and
+/// back.
 void judge_walks(Judged& judged, std::uint64_t chains) {
   judged.diagnosis.walks = walks_of(judged.source, std::min(chains, k_ladders_max));
   std::vector<std::uint64_t> none;
@@ -231,7 +232,7 @@ void judge_walks(Judged& judged, std::uint64_t chains) {
       none.size() == chains ? "" : fmt::format(", for example chain {}", none.front())));
 }
 
-/// What weighted draws are worth.
+/// Judges the effective size of weighted draws.
 void judge_weights(Judged& judged, std::uint64_t chains) {
   WeightsReport report{.effective_size = effective_size_of_all(judged.source),
                        .log_z = {},
@@ -264,7 +265,7 @@ void judge_weights(Judged& judged, std::uint64_t chains) {
   judged.diagnosis.weights = std::move(report);
 }
 
-/// Draws of tours agree from the first scan on, so that they do says nothing.
+/// Draws of tours always agree, so agreement doesn't show mixing.
 void refuse_tours(Diagnosis& diagnosis, std::int64_t tour_scans) {
   diagnosis.reasons.insert(
       diagnosis.reasons.begin(),
@@ -274,7 +275,7 @@ void refuse_tours(Diagnosis& diagnosis, std::int64_t tour_scans) {
           tour_scans));
 }
 
-/// `draws_are_burnt_in`: the archive has no others, of islands or of chains from a search.
+/// `draws_are_burnt_in`: all draws follow a burn-in by islands or come from a search.
 void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
                   std::span<const Round> rounds, bool draws_are_burnt_in) {
   diagnosis.judged = {.first_scan = 0, .scans = diagnosis.scans};
@@ -292,10 +293,10 @@ void choose_scans(Diagnosis& diagnosis, std::optional<request::Method> method,
   }
 }
 
-/// The first of the archived states whose scan is not below the given one; their number if none.
+/// Returns the first archived state whose scan isn't below the given one, or the number of states.
 std::uint64_t first_state_from(const archive::Source& source, std::uint64_t states,
                                std::uint64_t scan) {
-  // The scans of states rise, so bisect.
+  // The states' scans increase, so bisect.
   std::uint64_t low = 0;
   std::uint64_t high = states;
   while (low < high) {
@@ -315,7 +316,7 @@ std::uint64_t first_state_from(const archive::Source& source, std::uint64_t stat
   return low;
 }
 
-/// Archived states of each chain among the judged scans.
+/// Returns the archived states of each chain among the judged scans.
 DrawRange states_in(const archive::Source& source, const Diagnosis& diagnosis, std::uint64_t states,
                     const Sizes& sizes) {
   const Round& judged = diagnosis.judged;
@@ -336,7 +337,7 @@ void note_chains(Diagnosis& diagnosis, std::uint64_t looked_at) {
   }
 }
 
-/// Scalars and state variables in the judged scans, as draws of Markov chains.
+/// Judges scalars and state variables of the judged scans as draws of Markov chains.
 void judge_draws(Judged& judged, const archive::Summary& summary) {
   Diagnosis& diagnosis = judged.diagnosis;
   const std::uint64_t chains = std::min(summary.chains, k_chains_max);

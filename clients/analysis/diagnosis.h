@@ -1,24 +1,22 @@
-// What `sleight diagnose` finds out about an archive: whether its chains have mixed, and why not.
+// The diagnosis of an archive by `sleight diagnose`: whether its chains have mixed, and why not.
 //
-// Idea. Only draws of one Markov chain can be judged. Parallel tempering learns between rounds, so
-// the draws of one round are judged (tempering.h says which); plain chains never change, and their
-// second half is judged, the first being the way from the prior. What goes on after a burn-in has
-// learnt before its first draw, and all its draws are judged. State variables are judged by their
-// archived states of these scans.
+// Idea. Only draws of one Markov chain can be judged. Parallel tempering adapts between rounds, so
+// the draws of one round are judged (tempering.h says which). Plain chains never change; their
+// second half is judged, since the first half leads away from the prior. Methods with a burn-in
+// adapt before their first draw, so all draws are judged. State variables are judged by their
+// archived states of the judged scans.
 //
-// Where each draw ends a tour of its own, draws are independent, and all measures are good however
-// little a tour has burnt in. So such a run is never said to have mixed.
-//
-// Draws of annealed importance sampling are no Markov chain: they are independent and have weights.
-// Of them their effective size is judged, and nothing else.
+// If each draw ends its own tour, draws are independent, and all measures are good even if tours
+// are too short. So such a run is never reported as mixed. Draws of annealed importance sampling
+// are independent and weighted; only their effective size is judged.
 //
 // A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
-// left such states never goes back. So they take part as the least of all values, are counted, and
-// are a reason in themselves: that chain is still on its way. Entries of state variables and
-// outcomes that do not apply (NaN) take part in the same way, and are no reason.
+// left such states never returns. So these states count as the least of all values. They are also
+// counted, and are a reason against mixing by themselves. Entries of state variables and outcomes
+// that don't apply (NaN) are treated in the same way, but are no reason.
 //
-// The measures come from outside (Rules), since clients know no sampling methods; a program's main
-// joins them. Archives are untrusted: what can't be is refused with ExitCode::bad_archive.
+// The caller passes the measures (Rules), because clients don't depend on sampling methods; a
+// program's main joins them. Archives are untrusted: invalid content throws ExitCode::bad_archive.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +38,7 @@ namespace sleight::analysis {
 
 inline constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
 
-/// Of one scalar. NaN where a number can't be given.
+/// The verdict on one scalar. NaN: unknown.
 struct Verdict {
   double mean = k_not_known;
   double sd = k_not_known;
@@ -49,7 +47,7 @@ struct Verdict {
   double ess_bulk = k_not_known;
   double ess_tail = k_not_known;
   bool constant = false;
-  std::vector<std::string> complaints;  ///< sentences that open with the scalar's name
+  std::vector<std::string> complaints;  ///< sentences that begin with the scalar's name
 };
 
 /// Draw d of chain c is values[c * draws + d].
@@ -59,9 +57,9 @@ struct ScalarDraws {
   std::size_t draws = 0;
 };
 
-/// How scalars are judged. All functions are there.
+/// The rules by which scalars are judged. All functions are set.
 struct Rules {
-  std::size_t draws_min = 0;  ///< of each chain: fewer can't be judged
+  std::size_t draws_min = 0;  ///< minimum per chain
   std::function<double(std::size_t chains)> ess_wanted;
   std::function<Verdict(std::string_view name, const ScalarDraws&)> judge;
 };
@@ -69,17 +67,17 @@ struct Rules {
 struct ScalarReport {
   std::string name;
   Verdict verdict;
-  StandIns not_finite;  ///< where there are any, mean and sd are of the others and mcse is NaN
+  StandIns not_finite;  ///< if any, mean and sd are of the finite values and mcse is NaN
 };
 
-/// Entries of an array are listed up to here; of more, the worst ones.
+/// Maximum entries of an array that are listed; larger arrays list their worst entries.
 inline constexpr std::size_t k_entries_listed_max = 10;
 
 struct VariableReport {
   std::string name;
   std::uint64_t entries = 0;
-  std::uint64_t judged = 0;            ///< the first so many
-  std::uint64_t failing = 0;           ///< of the judged
+  std::uint64_t judged = 0;            ///< the first entries
+  std::uint64_t failing = 0;           ///< among the judged
   std::vector<ScalarReport> listed{};  ///< all in order, or the worst first
 };
 
@@ -89,7 +87,7 @@ struct KindReport {
   std::uint64_t accepted = 0;
 };
 
-/// Of one ladder in the judged round.
+/// A ladder in the judged round.
 struct LadderReport {
   double barrier = 0;
   double round_trips = 0;
@@ -101,58 +99,58 @@ struct LadderReport {
 struct TemperingReport {
   std::size_t round = 0;  ///< counted from 1
   std::size_t rounds = 0;
-  bool burn_in = false;  ///< the draws came after it
+  bool burn_in = false;  ///< the draws follow the burn-in that has these rounds
   std::vector<LadderReport> ladders;
 };
 
-/// Independent draws of equal weight that those of all chains together must be worth.
+/// Minimum effective size of all chains together.
 inline constexpr double k_effective_size_min = 100;
 
 struct WeightsReport {
-  double effective_size = 0;         ///< of all chains together
-  CombinedEstimate log_z;            ///< without an error where odds_doubts.h doubts it
-  CombinedEstimate log_p_satisfied;  ///< likewise
+  double effective_size = 0;         ///< all chains together
+  CombinedEstimate log_z;            ///< without an error if there are doubts (odds_doubts.h)
+  CombinedEstimate log_p_satisfied;  ///< without an error if there are doubts
   std::vector<AscentReport> chains;
 };
 
-/// Which draws are judged.
 enum class JudgedDraws : std::uint8_t {
   second_half,
-  round,     ///< in which neither ladder nor sizes change
-  all,       ///< after a burn-in
-  tours,     ///< one at the end of each: independent, so that nothing here says how far they got
-  weighted,  ///< all, by their weights alone
+  round,     ///< draws of a round, in which the ladder and step sizes are fixed
+  all,       ///< all draws, after a burn-in
+  tours,     ///< each draw ends its own tour: independent, so mixing can't be judged
+  weighted,  ///< all draws, by their weights only
 };
 
 struct Diagnosis {
   std::string world;
-  std::string warning;  ///< the archive's own
+  std::string warning;  ///< as stored in the archive
   std::uint64_t chains = 0;
-  std::uint64_t scans = 0;  ///< of each chain: draws
-  Round judged;             ///< of these
+  std::uint64_t scans = 0;  ///< per chain: draws
+  Round judged;             ///< the judged scans
   JudgedDraws which = JudgedDraws::second_half;
   std::vector<ScalarReport> scalars;
-  std::uint64_t states = 0;  ///< of each chain, archived in the judged scans
+  std::uint64_t states = 0;  ///< per chain: archived in the judged scans
   std::vector<VariableReport> variables;
-  std::uint64_t satisfied = 0;         ///< of all scans of all chains
-  std::uint64_t satisfied_judged = 0;  ///< of the judged ones
-  std::uint64_t solutions = 0;         ///< distinct (chain, lineage) of the satisfied
-  bool solutions_more = false;         ///< more than can be counted here
-  double simulations = 0;              ///< of the run, at all temperatures; NaN: unknown
+  std::uint64_t satisfied = 0;         ///< scans, over all chains
+  std::uint64_t satisfied_judged = 0;  ///< among the judged scans
+  std::uint64_t solutions = 0;         ///< distinct (chain, lineage) of satisfied scans
+  bool solutions_more = false;         ///< there are more than the limit for counting
+  double simulations = 0;              ///< whole run, all temperatures; NaN: unknown
   std::vector<KindReport> kinds;       ///< of the judged scans, at inverse temperature 1
   std::optional<TemperingReport> tempering;
-  std::vector<WalkReport> walks;              ///< of simulated tempering, by chain
-  std::vector<TransitionReport> transitions;  ///< of tempered transitions, by chain
-  std::optional<WeightsReport> weights;       ///< of annealed importance sampling
-  std::vector<std::string> notes;             ///< what was left out, what numbers mean here
-  std::vector<std::string> reasons;  ///< why the chains have not mixed; empty: nothing says so
+  std::vector<WalkReport> walks;              ///< simulated tempering, by chain
+  std::vector<TransitionReport> transitions;  ///< tempered transitions, by chain
+  std::optional<WeightsReport> weights;       ///< annealed importance sampling
+  std::vector<std::string> notes;             ///< what was left out, and explanations of numbers
+  std::vector<std::string>
+      reasons;  ///< why the chains have not mixed; empty: no sign against mixing
   bool mixed() const { return reasons.empty(); }
 };
 
-/// Why an archive's draws are nothing that chains could have mixed; empty: they are chains'.
+/// Returns why an archive's draws can't be judged as chains; empty if they can.
 std::string why_not_diagnosed(const archive::Source& source, const archive::Summary& summary);
 
-/// Throws base::Error(usage) where why_not_diagnosed says why.
+/// Throws base::Error(usage) with the text of why_not_diagnosed unless it is empty.
 Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules);
 
 }  // namespace sleight::analysis

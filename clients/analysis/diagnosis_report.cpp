@@ -16,7 +16,7 @@ namespace {
 
 using Json = json::Value;
 
-/// Ladders shown level by level; temperatures shown side by side; reasons shown.
+/// Maximum ladders shown level by level, temperatures shown side by side, and reasons shown.
 constexpr std::size_t k_ladders_shown = 2;
 constexpr std::size_t k_columns_shown = 8;
 constexpr std::size_t k_reasons_shown = 20;
@@ -34,7 +34,7 @@ std::string percent(double share) {
   return std::isnan(share) ? "-" : fmt::format("{:.1f}%", 100 * share);
 }
 
-/// "12,345"; a number too large for that as "1.2e+20".
+/// Returns "12,345", or "1.2e+20" for large numbers.
 std::string count(double value) {
   if (std::isnan(value)) return "-";
   if (!(std::fabs(value) < 1e15)) return number(value);
@@ -116,7 +116,7 @@ report::Report report_of(const LadderReport& ladder, std::size_t index) {
 
 report::Report report_of(const WalkReport& walk, std::size_t index) {
   std::vector<double> moves = walk.acceptance;
-  if (!moves.empty()) moves.pop_back();  // the coolest has no next
+  if (!moves.empty()) moves.pop_back();  // the coldest level has no next one
   const double scans = std::accumulate(walk.visits.begin(), walk.visits.end(), 0.0);
   report::Report report;
   report.for_people("", fmt::format("chain {}", index));
@@ -225,7 +225,8 @@ void append_levels(std::string& text, const Ladder& ladder, std::size_t index) {
   text += report::indented_table(rows);
 }
 
-/// Kinds down, temperatures across: all, or as many as fit, the first and last among them.
+/// Appends a table of kinds by temperatures: all temperatures, or as many as fit, including the
+/// first and the last.
 void append_acceptance(std::string& text, const Diagnosis& diagnosis, const Ladder& ladder,
                        std::size_t index) {
   const std::size_t levels = ladder.acceptance.size();
@@ -287,7 +288,7 @@ void append_transitions(std::string& text, const std::vector<TransitionReport>& 
   text += report::indented_table(report::reports_of(transitions, k_numbered_report_of));
 }
 
-/// Weighted draws, chain by chain and together.
+/// Appends weighted draws, by chain and together.
 void append_weights(std::string& text, const Diagnosis& diagnosis) {
   const WeightsReport& weights = *diagnosis.weights;
   text += "Independent weighted draws\n";

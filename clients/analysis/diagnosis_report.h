@@ -1,4 +1,4 @@
-// A diagnosis for people, as aligned text, and for programs, as JSON.
+// Formats a diagnosis as aligned text for people, or as JSON.
 #pragma once
 
 #include <string>
@@ -8,11 +8,10 @@
 
 namespace sleight::analysis {
 
-/// Ends with a line break. Names and texts of an archive are plain words and lines: the reader
-/// refuses others.
+/// Ends with a line break. The archive's reader accepts only plain text for names and texts.
 std::string for_people(const std::string& path, const Diagnosis& diagnosis);
 
-/// Numbers that can't be given are null.
+/// Unknown numbers are null.
 json::Value as_json(const std::string& path, const Diagnosis& diagnosis);
 
 }  // namespace sleight::analysis

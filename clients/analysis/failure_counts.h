@@ -1,4 +1,4 @@
-// Failures of simulations as JSON.
+// Formats failures of simulations as JSON.
 #pragma once
 
 #include "common/json/value.h"
@@ -6,7 +6,8 @@
 
 namespace sleight::analysis {
 
-/// {"total": 3, "search_gave_up": 2, "work_limit": 1}: kinds that occurred alone.
+/// Returns, for example, {"total": 3, "search_gave_up": 2, "work_limit": 1}, without kinds that
+/// didn't occur.
 json::Value failures_json(const plan::FailureCounts& failures);
 
 }  // namespace sleight::analysis

@@ -9,7 +9,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// "ladder", or "chain" of weighted draws.
+/// Words for ladders, or for chains of weighted draws.
 struct Whose {
   const char* one;
   const char* many;
@@ -21,7 +21,7 @@ std::string so_many(std::size_t count, const Whose& whose) {
   return fmt::format("{} {}", count, count == 1 ? whose.one : whose.many);
 }
 
-/// What one ladder's log is uncertain by: its own error, or the spread of them if that is larger.
+/// Uncertainty of one ladder's log: its own error, or the ladders' spread if that is larger.
 double spread_of(const CombinedEstimate& all) {
   const auto ladders = static_cast<double>(all.ladders);
   return std::sqrt(ladders) * std::fmax(all.own_error, all.between_error);
@@ -38,7 +38,7 @@ void doubt_values(std::vector<Doubt>& doubts, const CombinedEstimate& all, std::
 
 void doubt_round_trips(std::vector<Doubt>& doubts, const LadderFacts& facts) {
   const std::vector<double>& trips = facts.round_trips;
-  // Not known is none.
+  // An unknown number of trips counts as none.
   const auto below = [&](double wanted) {
     return std::ranges::count_if(trips, [&](double made) { return !(made >= wanted); });
   };
@@ -68,7 +68,7 @@ void doubt_round_trips(std::vector<Doubt>& doubts, const LadderFacts& facts) {
   doubts.push_back(std::move(doubt));
 }
 
-/// Whether the round before says the same.
+/// Doubts an estimate that differs from the previous round's.
 void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
                  const CombinedEstimate& judged) {
   if (facts.before.empty()) {
@@ -105,7 +105,7 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
              "not every {} has an error estimate, because too few draws are solutions", whose.one),
          .at_least = true});
   } else if (!(spread <= k_spread_max)) {
-    // A variance falls as scans grow.
+    // The variance decreases with the number of scans.
     doubts.push_back(
         {.kind = DoubtOf::wide,
          .reason = fmt::format(
@@ -123,7 +123,7 @@ void doubt_spread(std::vector<Doubt>& doubts, const CombinedEstimate& all, const
   }
 }
 
-/// Why their number can't be trusted; empty where it can.
+/// Returns why the number of islands can't be trusted; empty if it can.
 const char* reason_not_sized(IslandNumber number) {
   switch (number) {
     case IslandNumber::fixed:
@@ -169,7 +169,7 @@ std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double
          .at_least = true});
   }
   if (all.ladders == 0) return doubts;
-  // An error of the log is one over the square root of what its draws are worth.
+  // The error of a log is one over the square root of the draws' effective size.
   double worth = 0;
   for (const LogEstimate& chain : chains) {
     if (std::isfinite(chain.value)) worth += 1 / (chain.error * chain.error);

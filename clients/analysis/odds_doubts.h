@@ -1,44 +1,42 @@
-// Whether an error can be given for what ladders estimate, and if not, why not and what would help.
+// Doubts: reasons why an estimate of log Z or odds gets no error, and what would help.
 //
-// Idea. A ladder that has not mixed gives a wrong log Z with a small error: its stepping stones,
-// and the jackknife over them, see only the states that are there. The cold levels then still hold
-// what climbed first, in all ladders alike, so that log Z mostly comes out too low and neither
-// errors nor the spread of ladders show it. So an estimate has an error only if facts of the judged
-// round say that its ladders have mixed. Each of these casts a doubt:
+// Idea. A ladder that has not mixed yields a wrong log Z with a small error, because its stepping
+// stones and their jackknife use only the states that were found. The cold levels still hold the
+// states that reached them first, in all ladders alike. So log Z is usually too low, and neither
+// the errors nor the spread of ladders show it. Therefore an estimate has an error only if the
+// judged round shows that its ladders have mixed. Each of these facts casts a doubt:
 //
-//   no value          A ladder has none: nothing satisfied. To leave it out would choose by luck.
-//   few round trips   A round trip is what brings a state from the prior to inverse temperature 1
-//                     and away again; without them the cold levels are those of the first states
-//                     (Syed et al. 2022). Each ladder needs k_trips_each: other ladders' trips
-//                     don't take its bias out of the mean. All together need k_renewals_in_all:
-//                     errors are only as good as the number of renewals that they are estimated
-//                     from.
-//   first round       It begins with draws of the prior at all temperatures, and no round before
-//                     it shows whether they are forgotten.
-//   rounds disagree   The round before, half as long, says something else: there is a drift yet.
-//   wide              One ladder alone knows the log to no better than k_spread_max. Then the
-//                     log's mean lies too low by more than half of that, and errors are worth
-//                     little.
-//   ladders disagree  They lie further apart than their own errors explain: each misses something
-//                     that its round trips did not bring.
+//   no value: A ladder has no value, because nothing satisfied. Leaving it out would bias the
+//     result.
+//   few round trips: Only round trips bring new states from the prior to inverse temperature 1;
+//     without them the cold levels hold the first states (Syed et al. 2022). Each ladder needs
+//     k_trips_each, because other ladders' trips don't remove its bias from the mean. All together
+//     need k_renewals_in_all, because errors are only as good as the number of renewals from which
+//     they are estimated.
+//   first round: The round begins with prior draws at all temperatures, and no earlier round shows
+//     whether they are forgotten.
+//   rounds disagree: The previous round, half as long, has a different estimate, so there is drift.
+//   wide: A single ladder's log has an error above k_spread_max. Then the mean of logs is too low
+//     by more than half of it, and errors are unreliable.
+//   ladders disagree: The ladders differ by more than their own errors explain, so each lacks
+//     something that its round trips didn't bring.
 //
-// The constants were chosen on worlds whose odds are known, where the error that is given then
-// covers the truth as often as it should (tests/statistical/odds_test.cpp).
+// The constants were chosen on worlds with known odds, where the resulting errors cover the truth
+// as often as they should (tests/statistical/odds_test.cpp).
 //
-// Weighted ascents are independent, and their mean weight is right on average whatever their
-// burn-in did. They are doubted where they are worth too few draws, where one chain alone is wide,
-// or where chains disagree.
+// Weighted ascents are independent, and their mean weight is unbiased for any burn-in. They are
+// doubted if their effective size is too small, if one chain alone is wide, or if chains disagree.
 //
-// Free islands are independent too, and each estimate is right on average. These cast doubts:
+// Free islands are independent too, and each estimate is unbiased. These facts cast doubts:
 //
-//   heavy tail  One island has more than a tenth of the sum. Then larger ones are yet to come, and
-//               neither the mean nor its error knows them.
-//   few particles  Islands of fewer than 16: the large ones that carry the mean mostly have not
-//               come, and the others look alike.
-//   not sized   What the islands said has chosen how many there are: the run ended by solutions,
-//               which come of large islands, or while the odds were not known well enough. A number
-//               is good if it was fixed before (scans, rounds) or chosen by earlier islands that
-//               don't count themselves (odds).
+//   heavy tail: One island has more than a tenth of the sum. Then larger islands are still missing,
+//     and neither the mean nor its error includes them.
+//   few particles: Islands of fewer than 16 particles usually miss the large weights that carry the
+//     mean, and the others look alike.
+//   not sized: The islands' results influenced their number, because the run ended at a number of
+//     solutions (which come from large islands), or before the odds were precise enough. A number
+//     is good if it was fixed in advance (scans, rounds) or chosen by earlier islands that don't
+//     count themselves (odds).
 //
 // Thread safety: pure functions.
 #pragma once
@@ -55,71 +53,73 @@
 
 namespace sleight::analysis {
 
-/// Of each ladder. If a round were only as long as a round trip takes (a mean of 1), chance would
-/// bring this many in 1 of 270 rounds (Poisson); so the round is several times as long.
+/// Round trips needed per ladder. If rounds were so short that the mean was 1, chance would bring
+/// this many in 1 of 270 rounds (Poisson). So the round is several times as long as a round trip.
 inline constexpr double k_trips_each = 5;
-/// Of all ladders together: a standard deviation estimated from so many is right to 11%. Weighted
-/// draws have to be worth as many draws of equal weight.
+/// Round trips needed over all ladders: a standard deviation estimated from this many is right to
+/// 11%. Also the effective size needed for weighted draws.
 inline constexpr double k_renewals_in_all = 40;
-/// Standard deviation of one ladder's log. At 1, half the variance, by which the mean of logs lies
-/// below the log of the mean, is as large as the standard error of four ladders.
+/// Maximum standard deviation of one ladder's log. At 1, half the variance, by which the mean of
+/// logs is below the log of the mean, is as large as the standard error of four ladders.
 inline constexpr double k_spread_max = 1;
-/// Standard errors of the difference that two rounds may differ by.
+/// Maximum difference between two rounds, in standard errors of the difference.
 inline constexpr double k_drift_max = 3;
-/// Of an island. The doubt was measured (docs/MEASUREMENTS, "Intervals by islands").
+/// Minimum particles per island. The doubt was measured (docs/MEASUREMENTS, "Intervals by
+/// islands").
 inline constexpr double k_particles_min = 16;
-/// How many times what ladders' own errors come to their spread may be.
+/// Maximum ratio of the ladders' spread to the spread that their own errors explain.
 inline constexpr double k_disagreement_max = 3;
 enum class DoubtOf : std::uint8_t {
   no_value,
   few_round_trips,
-  few_draws,  ///< of weighted ones: their effective size is too small
+  few_draws,  ///< weighted draws: the effective size is too small
   first_round,
   rounds_disagree,
   wide,
   ladders_disagree,
-  heavy_tail,     ///< of islands
-  few_particles,  ///< of islands
-  not_sized,      ///< of islands
+  heavy_tail,     ///< islands
+  few_particles,  ///< islands
+  not_sized,      ///< islands
 };
 
 struct Doubt {
   DoubtOf kind{};
-  std::string reason{};  ///< for people: a line without a capital and a full stop
-  /// So many times as long a round, or as many weighted draws, will likely remove it.
+  std::string reason{};  ///< for people: one line without a capital and a full stop
+  /// Factor for a round's length or the number of weighted draws that will likely remove the doubt.
   double longer = 2;
-  bool at_least = false;  ///< of `longer`: nothing measured says how much it takes
+  bool at_least =
+      false;  ///< `longer` is a lower bound, because no measurement shows the right factor
 };
 
-/// What the judged round says of every ladder.
+/// Facts about every ladder in the judged round.
 struct LadderFacts {
   std::vector<LogEstimate> judged;
-  std::vector<LogEstimate> before;  ///< the same in the round before; empty if there is none
+  std::vector<LogEstimate> before;  ///< estimates in the previous round; empty if there is none
   std::vector<double> round_trips;  ///< in the judged round
-  std::string round;                ///< "round 7 of 7"
+  std::string round;                ///< such as "round 7 of 7"
 };
 
-/// None if the estimate can be trusted. REQUIRES: as many numbers of each kind as ladders.
+/// Returns no doubts if the estimate can be trusted. REQUIRES: one number of each kind per ladder.
 std::vector<Doubt> doubts_of(const LadderFacts& facts);
 
-/// The same of weighted draws: an estimate of each chain, and what all draws together are worth.
+/// Judges weighted draws by an estimate of each chain and the effective size of all draws.
 std::vector<Doubt> doubts_of_weights(std::span<const LogEstimate> chains, double effective_size,
                                      double effective_size_min);
 
-/// What has chosen how many islands there are.
+/// How the number of islands was chosen.
 enum class IslandNumber : std::uint8_t {
   fixed,         ///< scans or rounds
-  sized,         ///< earlier islands, which don't count
-  unfinished,    ///< the odds are asked for, and the round that they size isn't complete
+  sized,         ///< by earlier islands, which don't count
+  unfinished,    ///< the request asks for odds, and the sized round isn't complete
   by_solutions,  ///< the run could end by solutions
   unknown,
 };
 
-/// The same of free islands. `particles`: of each, where the request says it.
+/// Judges free islands. `particles`: per island, if the request sets it.
 std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number,
                                      std::optional<double> particles = {});
 
-/// What it takes to remove all of them: the longest. REQUIRES: not empty.
+/// What removes all doubts: the greatest factor. REQUIRES: not empty.
 struct Remedy {
   double longer = 1;
   bool at_least = false;

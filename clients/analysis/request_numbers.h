@@ -1,4 +1,4 @@
-// Numbers out of the request text that an archive carries, for pictures that show what was asked.
+// Reads numbers from the request text in an archive, for pictures that show the request.
 #pragma once
 
 #include <optional>
@@ -11,13 +11,13 @@ namespace sleight::analysis {
 
 class RequestNumbers {
  public:
-  /// Throws base::Error(bad_archive) when the text is no request.
+  /// Throws base::Error(bad_archive) if the text isn't a request.
   RequestNumbers(std::string_view request_text, std::string_view archive);
 
-  /// None when there is no such number.
+  /// Returns nothing if there is no such number.
   std::optional<double> find(std::string_view section, std::string_view key) const;
 
-  /// Throws base::Error(bad_archive) when there is no such number.
+  /// Throws base::Error(bad_archive) if there is no such number.
   double at(std::string_view section, std::string_view key) const;
 
  private:
@@ -25,7 +25,8 @@ class RequestNumbers {
   std::string archive_;
 };
 
-/// What a step along a chain is called: "iteration" when each scan is one, else "scan".
+/// Returns the name of a step along a chain: "iteration" if each scan is one iteration, otherwise
+/// "scan".
 std::string scan_label(const RequestNumbers& numbers);
 
 }  // namespace sleight::analysis

@@ -12,7 +12,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// Refuses a dataset of /sample_stats whose type or dimensions are others.
+/// Throws if a dataset of /sample_stats has an unexpected type or dimensions.
 void check_shape(const archive::Source& source, std::string_view name, archive::ElementType type,
                  const std::vector<std::uint64_t>& sizes) {
   const archive::Group* stats = archive::find_group(source, archive::k_sample_stats);

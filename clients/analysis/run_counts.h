@@ -1,5 +1,4 @@
-// Counts over all scans of an archive, read in batches: what satisfied, by how many lineages, and
-// what became of the proposals.
+// Counts solutions, lineages and proposals over all scans of an archive, read in batches.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +10,20 @@
 
 namespace sleight::analysis {
 
-/// Lineages of one chain that are told apart; a chain with more has more than can be counted here.
+/// Maximum lineages per chain that are distinguished. Beyond it, the count is a lower bound.
 inline constexpr std::uint64_t k_lineages_max = std::uint64_t{1} << 22;
 
 struct RunCounts {
   std::uint64_t satisfied = 0;         ///< scans
-  std::uint64_t satisfied_judged = 0;  ///< of the judged ones
+  std::uint64_t satisfied_judged = 0;  ///< among the judged scans
   std::uint64_t solutions = 0;         ///< distinct (chain, lineage) of satisfied scans
-  bool solutions_more = false;         ///< there are more, k_lineages_max being reached
+  bool solutions_more = false;         ///< more exist, because k_lineages_max was reached
 };
 
-/// Throws base::Error(bad_archive) when a dataset has another shape.
+/// Throws base::Error(bad_archive) if a dataset has an unexpected shape.
 RunCounts run_counts(const archive::Source& source, const Round& judged);
 
-/// Of the judged scans of all chains, by kind. Throws base::Error(bad_archive) likewise.
+/// Counts by kind over the judged scans of all chains. Throws base::Error(bad_archive) likewise.
 std::vector<KindReport> kind_counts(const archive::Source& source, const Round& judged);
 
 }  // namespace sleight::analysis

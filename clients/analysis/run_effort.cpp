@@ -11,7 +11,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// Scans of a ladder of so many levels, of which `starts` are draws at all of them.
+/// Simulations of a ladder with this many levels. `starts` of the scans are draws at all levels.
 double on_ladder(double levels, double scans, double starts, double each) {
   return starts * levels + (scans - starts) * (1 + each * (levels - 1));
 }
@@ -22,7 +22,7 @@ double by_ladders(const archive::Source& source, const RunSizes& sizes, double e
     const auto first = static_cast<double>(sizes.rounds[r].first_scan);
     const auto scans = static_cast<double>(sizes.rounds[r].scans);
     for (const double levels : of_ladders(source, "levels", sizes.chains, r)) {
-      // Annealing comes before the first round, and then the starts are its own.
+      // Annealing scans precede the first round and include the starts.
       if (r == 0 && first > 0) sum += on_ladder(levels, first, 1, each);
       sum += on_ladder(levels, scans, first == 0 ? 1 : 0, each);
     }
@@ -30,7 +30,7 @@ double by_ladders(const archive::Source& source, const RunSizes& sizes, double e
   return sum;
 }
 
-/// What came after a burn-in.
+/// Simulations after a burn-in.
 double by_chains(const archive::Source& source, const RunSizes& sizes, double each) {
   const auto draws = static_cast<double>(sizes.draws);
   double sum = 0;
@@ -41,7 +41,7 @@ double by_chains(const archive::Source& source, const RunSizes& sizes, double ea
         sum += std::isnan(visits[level]) ? 0 : visits[level] * (level == 0 ? 1 : each);
     }
   } else if (sizes.method == request::Method::tempered_transitions) {
-    // Down to the prior and up again, with one draw there.
+    // Each excursion goes down to the prior and back, with one prior draw.
     for (const TransitionReport& chain : transitions_of(source, sizes.chains))
       sum += draws * (each + 2 * each * (chain.levels - 1) + 1);
   } else if (sizes.method == request::Method::annealed_importance) {

@@ -1,4 +1,4 @@
-// How many simulations a run took, counted from what its archive says of it.
+// Computes how many simulations a run took from its archive.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@ namespace sleight::analysis {
 struct RunSizes {
   std::optional<request::Method> method{};
   std::uint64_t chains = 0;
-  std::uint64_t draws = 0;  ///< of each chain
+  std::uint64_t draws = 0;  ///< per chain
   std::span<const Round> rounds{};
 };
 
-/// Simulations of the whole run: the number of proposals and of draws from the prior. A scan is
-/// iterations_per_scan proposals at each temperature but the prior's, where it is one draw; a start
-/// is a draw everywhere. The draws of temperatures that are added between rounds are counted as
-/// scans, which is a little too much; ascents that had not ended are left out. NaN: unknown.
+/// Returns the simulations of the whole run, which are the proposals and the draws from the prior.
+/// A scan is one draw at the prior's temperature, and iterations_per_scan proposals at each other
+/// temperature. A start is a draw at all temperatures. Draws of temperatures added between rounds
+/// count as scans, which is slightly too much. Unfinished ascents are left out. NaN: unknown.
 double simulations_of(const archive::Source& source, const std::string& request_text,
                       const RunSizes& sizes);
 

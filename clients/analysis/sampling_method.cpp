@@ -11,7 +11,7 @@ using request::Method;
 
 namespace {
 
-/// A key of [sampler] where it is there and of this type.
+/// Returns a key of [sampler] if it exists and has this type.
 template <typename T>
 std::optional<T> sampler_value(std::string_view request_text, std::string_view key) {
   const auto document = request::parse_document(request_text, "request");

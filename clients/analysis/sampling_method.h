@@ -1,4 +1,5 @@
-// How an archive was sampled, as its request says: which of its draws are comparable hangs on it.
+// Determines an archive's sampling method from its request. The method determines which draws are
+// comparable.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +12,21 @@
 
 namespace sleight::analysis {
 
-/// None where the text is no request, or names no method that is known here.
+/// Returns nothing if the text isn't a request, or names an unknown method.
 std::optional<request::Method> method_of(std::string_view request_text);
 
-/// The method's word as the request has it, known here or not; empty where the text is no request.
+/// Returns the request's word for the method, even if unknown. Empty if the text isn't a request.
 std::string method_word(std::string_view request_text);
 
-/// Whether the ladders in /tempering are those of a burn-in, whose scans are no draws.
+/// Whether the ladders in /tempering belong to a burn-in, whose scans aren't draws.
 bool burns_in(std::optional<request::Method> method);
 
-/// Whether an archive has no draws but those after a burn-in by islands or from a search: then all
-/// are judged, and how many simulations there were is not in it.
+/// Whether the archive has only draws after a burn-in by islands or from a search. If so, all draws
+/// are judged, and the archive doesn't contain the number of simulations.
 bool draws_are_burnt_in(const archive::Source& source, std::optional<request::Method> method);
 
-/// The scans of a tour where each draw ends one of its own from a fresh start; none where chains go
-/// on and on, or the text is no request.
+/// Returns the scans per tour if each draw ends a tour from a fresh start. Returns nothing if
+/// chains never restart, or if the text isn't a request.
 std::optional<std::int64_t> tour_scans_of(std::string_view request_text);
 
 }  // namespace sleight::analysis

@@ -14,7 +14,7 @@
 namespace sleight::analysis {
 namespace {
 
-/// Values that one read brings.
+/// Values per read.
 constexpr std::uint64_t k_read_values = 65536;
 
 const archive::DatasetSpec& spec_of(const archive::Source& source, const Quantity& quantity,
@@ -36,13 +36,12 @@ const archive::DatasetSpec& spec_of(const archive::Source& source, const Quantit
   return *spec;
 }
 
-/// Entries first .. first+count-1 of a quantity.
 struct Block {
   std::uint64_t first = 0;
   std::uint64_t count = 0;
 };
 
-/// The values of a block's scalars, each as long as chains * count.
+/// Returns the values of a block's scalars, chains * count each.
 std::vector<std::vector<double>> read_block(const archive::Source& source, const Quantity& quantity,
                                             const Block& block, const DrawRange& range) {
   const std::uint64_t row = quantity.entries();
@@ -50,7 +49,7 @@ std::vector<std::vector<double>> read_block(const archive::Source& source, const
   std::vector<std::vector<double>> scalars(block.count);
   for (std::vector<double>& scalar : scalars)
     scalar.reserve(range.chains * range.count);
-  // Rows that lie close are read together, those far apart one by one and only the block's part.
+  // Read near rows together; read distant rows one by one, and only the block's part.
   const std::uint64_t step = row * range.stride;
   const std::uint64_t together = step > archive::k_batch_elements ? 1 : k_read_values / step;
   for (std::uint64_t chain = 0; chain < range.chains; ++chain) {
@@ -153,7 +152,7 @@ StandIns with_stand_in(std::span<double> values) {
     }
   }
   const bool none_finite = least > greatest;
-  // Further below than any finite value can be from the median.
+  // Further below the median than any finite value.
   const double below =
       none_finite ? 0 : least - 2 * (greatest - least) - std::max(1.0, std::fabs(least));
   for (double& value : values) {

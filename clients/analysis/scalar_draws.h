@@ -1,15 +1,16 @@
-// The judged draws of an archive's scalars, one scalar of all chains at a time.
+// Reads the judged draws of an archive's scalars, one scalar of all chains at a time.
 //
-// Idea. A run may have thousands of scalars and billions of scans. What is looked at is bounded:
-// of each scalar every n-th draw, the fewer the more scalars there are but never so few that their
-// number alone could not reach the effective sample size that is wanted; and then only so many
-// entries of a variable. Draws left out make effective sample sizes smaller, never larger.
+// Idea. A run may have thousands of scalars and billions of scans, so the amount of work is
+// bounded. Only every n-th draw of a scalar is used. More scalars get fewer draws each, but never
+// so few that their number alone couldn't reach the required effective sample size. After that, the
+// number of a variable's entries is limited. Omitted draws make effective sample sizes smaller,
+// never larger.
 //
-// Rank-based measures (R-hat, effective sample sizes) need an order alone, so draws without a
-// finite value can take part: -inf, and the NaN of an entry that does not apply, become one value
-// below all others (with_stand_in).
+// Rank-based measures (R-hat, effective sample sizes) need only an order, so draws without a finite
+// value can be used. Values of -inf, and NaN of entries that don't apply, become one value below
+// all others (with_stand_in).
 //
-// Archives are untrusted: datasets of another shape are refused with ExitCode::bad_archive.
+// Archives are untrusted: datasets of an unexpected shape throw ExitCode::bad_archive.
 #pragma once
 
 #include <cstdint>
@@ -23,31 +24,31 @@
 
 namespace sleight::analysis {
 
-/// Draws that are held of one scalar; and of a block of scalars that are read in one pass.
+/// Maximum draws held of one scalar, and of a block of scalars read in one pass.
 inline constexpr std::uint64_t k_scalar_draws_max = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t k_block_draws_max = std::uint64_t{1} << 22;
-/// Draws of all scalars together: about a minute's work.
+/// Maximum draws of all scalars together: about a minute's work.
 inline constexpr std::uint64_t k_all_draws_max = std::uint64_t{1} << 25;
-/// However many scalars there are, so many draws of each are looked at, and of each chain.
+/// Minimum draws used of each scalar and of each chain, however many scalars there are.
 inline constexpr std::uint64_t k_scalar_draws_min = 16384;
 inline constexpr std::uint64_t k_chain_draws_min = 256;
-/// Chains that are looked at: with the least draws of each, they make k_scalar_draws_max.
+/// Maximum chains used: with the minimum draws of each, they reach k_scalar_draws_max.
 inline constexpr std::uint64_t k_chains_max = 4096;
 
-/// Draws first, first + stride, ... of each of the chains 0 .. chains-1.
+/// Draws first, first + stride, ... of the chains 0 .. chains-1.
 struct DrawRange {
   std::uint64_t chains = 1;
   std::uint64_t first = 0;
-  std::uint64_t count = 0;  ///< that are taken
+  std::uint64_t count = 0;  ///< number of draws used
   std::uint64_t stride = 1;
 };
 
-/// Of the `available` draws from `first` on, as many as the bounds allow with so many scalars.
-/// REQUIRES: 1 <= chains <= k_chains_max, scalars at least 1.
+/// Chooses as many of the `available` draws from `first` on as the limits allow for this many
+/// scalars. REQUIRES: 1 <= chains <= k_chains_max, scalars at least 1.
 DrawRange bounded_range(std::uint64_t chains, std::uint64_t first, std::uint64_t available,
                         std::uint64_t scalars);
 
-/// Scalars of such a range that may be looked at.
+/// Returns the maximum number of scalars for such a range.
 std::uint64_t scalars_max(const DrawRange& range);
 
 /// A dataset of doubles over (chain, draw, ...).
@@ -56,30 +57,29 @@ struct Quantity {
   std::string name;
   std::vector<archive::Dimension> inner{};  ///< dimensions after (chain, draw)
   std::uint64_t entries() const;
-  /// "normal_rad", or "normal_rad[2, 0]".
+  /// Returns "normal_rad" or "normal_rad[2, 0]".
   std::string entry_name(std::uint64_t entry) const;
 };
 
-/// The world's variables in /posterior, in order.
+/// Returns the world's variables in /posterior, in order.
 std::vector<Quantity> state_variables(const archive::Source& source);
 
-/// Calls `visit` with the values of the entries 0 .. entries-1 in order: chain by chain, each its
-/// draws. REQUIRES: entries at most those of the quantity.
+/// Calls `visit` with the values of the entries 0 .. entries-1 in order. Values are ordered by
+/// chain, then by draw. REQUIRES: entries is at most quantity.entries().
 void for_each_scalar(
     const archive::Source& source, const Quantity& quantity, std::uint64_t entries,
     const DrawRange& range,
     const std::function<void(std::uint64_t entry, std::vector<double>& values)>& visit);
 
-/// How many values were -inf or NaN.
 struct StandIns {
   std::uint64_t minus_infinite = 0;
   std::uint64_t nan = 0;
   std::uint64_t all() const { return minus_infinite + nan; }
 };
 
-/// Counts, and puts in place of each one value so far below the least finite one that it is the
-/// least also by distance from the median, as -inf would be. Where none is finite, all become 0.
-/// +inf is left alone: no scalar of ours has it.
+/// Counts these values and replaces them by a value far below the least finite one, so that it is
+/// the least even by distance from the median. If no value is finite, all become 0. Leaves +inf
+/// unchanged, since no scalar of Sleight has it.
 StandIns with_stand_in(std::span<double> values);
 
 }  // namespace sleight::analysis

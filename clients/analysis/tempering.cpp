@@ -20,7 +20,7 @@ namespace {
                                 archive::path_of(archive::k_tempering, name), reason));
 }
 
-/// More entries than any table of ours has along a dimension.
+/// Returns a limit above any table's size along a dimension.
 std::uint64_t most_along(std::string_view dim) {
   if (dim == "chain" || dim == "draw" || dim == "island") return k_run_scans_max;
   if (dim == "round") return k_rounds_max;
@@ -31,7 +31,7 @@ std::uint64_t most_along(std::string_view dim) {
 
 using Names = std::vector<std::string_view>;
 
-/// The dataset if it is there. Refuses another type, rank or size.
+/// Returns the dataset if it exists. Throws on an unexpected type, rank or size.
 const archive::DatasetSpec* find_table(const archive::Source& source, std::string_view name,
                                        const Names& dims) {
   const archive::Group* group = archive::find_group(source, archive::k_tempering);
@@ -52,7 +52,7 @@ const Names k_by_round{"chain", "round"};
 const Names k_by_level{"chain", "round", "level"};
 const Names k_by_kind{"chain", "round", "level", "proposal_kind"};
 
-/// The entries of one ladder in one round; empty where the archive has no such table.
+/// Returns the entries of one ladder in one round; empty if the archive has no such table.
 std::vector<double> read_entries(const archive::Source& source, std::string_view name,
                                  std::uint64_t chain, std::size_t round, const Names& dims) {
   const archive::DatasetSpec* spec = find_table(source, name, dims);
@@ -67,7 +67,7 @@ std::vector<double> read_entries(const archive::Source& source, std::string_view
       source.read(archive::k_tempering, name, (chain * spec->dims[1].size + round) * width, width));
 }
 
-/// A count that was stored as a double. Refuses what is none, or above `most`.
+/// Converts a count stored as a double. Throws if it isn't a count or is above `most`.
 std::uint64_t count_of(const archive::Source& source, std::string_view name, double value,
                        std::uint64_t most) {
   if (!(value >= 0 && value <= static_cast<double>(most)) || value != std::floor(value)) {
@@ -86,7 +86,7 @@ std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains
   std::vector<Round> rounds;
   std::uint64_t end = k_run_scans_max;
   for (std::size_t r = 0; r < first->dims[1].size; ++r) {
-    // The last round may be one that not all ladders have begun.
+    // Some ladders may not have begun the last round.
     const std::vector<double> begins = of_ladders(source, "first_scan", chains, r);
     if (std::ranges::any_of(begins, [](double begin) { return std::isnan(begin); })) break;
     if (std::ranges::any_of(begins, [&](double begin) { return begin != begins[0]; })) {
@@ -154,7 +154,7 @@ Ladder ladder_of(const archive::Source& source, std::uint64_t chain, std::size_t
       .swap_acceptance = read_entries(source, "swap_acceptance", chain, round, k_by_level),
       .local_barrier = read_entries(source, "local_barrier", chain, round, k_by_level),
       .acceptance = {}};
-  // Rounds and ladders have levels of their own; what the largest has more is NaN here.
+  // Tables have room for the largest ladder; unused levels are NaN.
   const auto end = std::ranges::find_if(ladder.inverse_temperature,
                                         [](double beta) { return std::isnan(beta); });
   const auto levels = static_cast<std::size_t>(end - ladder.inverse_temperature.begin());
@@ -181,7 +181,7 @@ IndexProcess index_process_of(const archive::Source& source, std::uint64_t chain
   const std::uint64_t replicas = spec->dims[2].size;
   if (chain >= spec->dims[0].size || moments != process.scan.size())
     refuse(source, k_name, "chains or moments differ from those of index_scan");
-  // Where another chain has more moments, this one's rest is NaN.
+  // Tables have room for the chain with the most moments; unused moments are NaN.
   const auto end = std::ranges::find_if(process.scan, [](double scan) { return std::isnan(scan); });
   process.scan.erase(end, process.scan.end());
   if (!std::ranges::is_sorted(process.scan))

@@ -12,15 +12,15 @@ namespace {
 
 constexpr double k_ln_10 = 2.302585092994045684;
 
-/// A count in words, and the unit apart, so that a range says it once.
+/// A count in words, with a separate unit, so that a range shows the unit once.
 struct Words {
   std::string digits;
   std::string unit;
 };
 
-/// With so many significant digits, 2 to 4.
+/// `significant`: number of digits, 2 to 4.
 Words words_of(double log10_count, int significant) {
-  // Round before choosing the unit, so that 999,999 is 1.0 million.
+  // Round before choosing the unit, so that 999,999 becomes 1.0 million.
   double exponent = std::floor(log10_count);
   double digits = std::round(std::pow(10.0, log10_count - exponent + significant - 1));
   if (digits >= std::pow(10.0, significant)) {
@@ -39,7 +39,7 @@ Words words_of(double log10_count, int significant) {
   return {count, ""};
 }
 
-/// As many digits as it takes to tell the ends of a range apart, within reason.
+/// Returns enough digits to distinguish the ends of a range, within limits.
 int digits_for(double log10_low, double log10_high) {
   const double width = log10_high - log10_low;
   if (width < 0.004) return 4;
@@ -73,7 +73,7 @@ CombinedEstimate combined(std::span<const LogEstimate> ladders) {
   if (known.empty()) return all;
   const auto count = static_cast<double>(known.size());
 
-  // The mean of the logs, and what the ladders' own errors say of it.
+  // The mean of the logs, and its error from the ladders' own errors.
   double sum = 0;
   double squared_errors = 0;
   for (const LogEstimate& ladder : known) {
@@ -83,14 +83,14 @@ CombinedEstimate combined(std::span<const LogEstimate> ladders) {
   all.log.value = sum / count;
   all.own_error = std::sqrt(squared_errors) / count;
 
-  // How far ladders lie apart.
+  // The error from the spread of ladders.
   double squares = 0;
   for (const LogEstimate& ladder : known)
     squares += (ladder.value - all.log.value) * (ladder.value - all.log.value);
   if (known.size() >= 2) all.between_error = std::sqrt(squares / (count - 1) / count);
   const double half_variance = all.between_error * all.between_error * count / 2;
 
-  // The largest; NaN is never larger.
+  // Take the largest error; a comparison with NaN is false.
   const auto consider = [&](double error, ErrorFrom from) {
     if (std::isnan(error) || error <= all.log.error) return;
     all.log.error = error;
