@@ -87,8 +87,7 @@ struct Doubt {
   std::string reason{};  ///< for people: one line without a capital and a full stop
   /// Factor for a round's length or the number of weighted draws that will likely remove the doubt.
   double longer = 2;
-  bool at_least =
-      false;  ///< `longer` is a lower bound, because no measurement shows the right factor
+  bool at_least = false;  ///< `longer` is a lower bound, since no measurement shows the factor
 };
 
 /// Facts about every ladder in the judged round.

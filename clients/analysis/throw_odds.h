@@ -51,8 +51,7 @@ struct CombinedEstimate {
   ErrorFrom error_from = ErrorFrom::unknown;
   std::size_t ladders = 0;  ///< ladders with a finite value; all islands
   double own_error = 0;  ///< error of the mean from the ladders' own errors; NaN if one is unknown
-  double between_error =
-      0;  ///< error of the mean from the spread of ladders; NaN for fewer than two
+  double between_error = 0;  ///< error of the mean from the spread; NaN for fewer than two
 };
 
 /// Sets `ladders` to 0 and the value to NaN if no ladder has a finite value. If a ladder's own

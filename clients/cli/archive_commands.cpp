@@ -32,11 +32,11 @@ constexpr int k_bad_archive = static_cast<int>(base::ExitCode::bad_archive);
 
 struct Sum {
   double value = 0;
-  std::uint64_t count = 0;  ///< of what is there: NaN stands for nothing
+  std::uint64_t count = 0;  ///< without NaN, which means no value
   double mean() const { return value / static_cast<double>(count); }
 };
 
-/// Over a whole dataset of /sample_stats, without holding it.
+/// Adds up a dataset of /sample_stats without holding all of it.
 Sum sum_of(const archive::Source& source, std::string_view dataset) {
   const std::uint64_t count = analysis::stats_size(source, dataset);
   Sum sum;
@@ -58,8 +58,8 @@ Sum sum_of(const archive::Source& source, std::string_view dataset) {
   return sum;
 }
 
-/// How plausible finds are by themselves: log p_w of the kept ones, and of blind throws the middle
-/// nine tenths.
+/// How plausible finds are: the range of log p_w of kept finds, and of the middle nine tenths of
+/// blind throws.
 struct Plausibility {
   double least = 0;
   double most = 0;
@@ -67,7 +67,7 @@ struct Plausibility {
   double throws_to = 0;
 };
 
-/// The numbers of a dataset of /finds but NaNs, which a damaged file may have.
+/// Returns the numbers of a dataset of /finds without NaN, which a damaged file may have.
 std::vector<double> numbers_of_finds(const archive::Source& source, std::string_view dataset,
                                      std::uint64_t count) {
   std::vector<double> numbers =
@@ -101,7 +101,7 @@ struct Facts {
   double acceptance = 0;  ///< mean over scans with proposals
   std::optional<analysis::ArchiveOdds> odds{};
   std::optional<Plausibility> finds{};
-  bool has_one_lineage = false;  ///< of each chain, whose method has no way to another one
+  bool has_one_lineage = false;  ///< each chain has one: the method never changes the lineage
 };
 
 Facts facts_of(const archive::Source& source) {
@@ -119,7 +119,8 @@ Facts facts_of(const archive::Source& source) {
   return facts;
 }
 
-/// "9 kept (at most 3 of each of 4 chains)": the rule that bounds their number first.
+/// Returns, for example, "9 kept (at most 3 of each of 4 chains)", with the rule that limits the
+/// number.
 std::string kept_animations(const Facts& facts) {
   const archive::Summary& summary = facts.summary;
   if (summary.keep_max <= 0) return "none kept (keep_max is 0)";

@@ -1,7 +1,7 @@
-// `sleight archive info|digest|verify|export`: what people and programs ask of an archive.
+// `sleight archive info|digest|verify|export`.
 //
-// Archives are untrusted: each is read by a process of its own (archive/remote). Results go to
-// stdout, everything else to stderr. Each function returns the program's exit code.
+// Archives are untrusted: a separate process reads each one (archive/remote). Results go to stdout,
+// everything else to stderr. Each function returns the program's exit code.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,25 @@
 
 namespace sleight::cli {
 
-/// What the archive holds, for people, or as one JSON object.
+/// Prints the archive's content for people, or as one JSON object.
 int archive_info(const std::string& path, bool json);
 
-/// The content's SHA-256, recomputed from the values: equal for equal content.
+/// Prints the content's SHA-256, recomputed from the values: equal for equal content.
 int archive_digest(const std::string& path, bool json);
 
-/// Checks structure, invariants and the stored digest; exit code 6 with every finding.
+/// Checks structure, invariants and the stored digest. Prints every finding and returns exit code 6
+/// if there are any.
 int archive_verify(const std::string& path, bool json);
 
 struct ExportOptions {
   std::string path;
   std::string table = "sample_stats";
   std::string output;  ///< empty or "-": stdout
-  /// Of a table of segments only these animations'; empty: all.
+  /// Restricts a table of segments to these animations; empty: all.
   std::vector<std::uint64_t> animations{};
 };
 
-/// A table as CSV.
+/// Writes a table as CSV.
 int archive_export_csv(const ExportOptions& options);
 
 }  // namespace sleight::cli

@@ -1,4 +1,4 @@
-// Browsed archives and animations as JSON.
+// Formats browsed archives and animations as JSON.
 #pragma once
 
 #include "clients/browse/archives/browsed.h"
@@ -6,16 +6,16 @@
 
 namespace sleight::cli {
 
-/// {"archives": [...], "left_out": [...]}
+/// Returns {"archives": [...], "left_out": [...]}.
 json::Value archives_json(const browse::Browsed& browsed);
 
-/// Its name, where it is, and its numbers; null where a number does not apply.
+/// Returns an animation's name, place and numbers. A number that doesn't apply is null.
 json::Value animation_json(const browse::Browsed& browsed, const browse::Picked& picked);
 
-/// What queries can speak of in this archive.
+/// Returns the names that queries can use in this archive.
 json::Value names_json(const browse::BrowsedArchive& archive);
 
-/// JSON has no NaN and no infinity: null.
+/// Returns null for NaN and infinity, which JSON lacks.
 json::Value number_json(double number);
 
 }  // namespace sleight::cli

@@ -36,7 +36,7 @@ struct Comparison {
   std::array<std::size_t, 2> animations{};
   std::vector<analysis::OtherLine> request;
   std::vector<analysis::ComparedNumber> numbers;
-  std::string why_no_groups;  ///< empty: there are groups and a test
+  std::string why_no_groups;  ///< empty: groups and a test exist
   std::vector<ComparedGroup> groups;
   analysis::ComparedLooks looks{};
 };
@@ -190,7 +190,7 @@ void print_comparison(const browse::Browsed& browsed, const Comparison& comparis
 
 int compare_archives(const CompareOptions& options) {
   return terminal::with_results([&] {
-    // Each by itself: numbers are of all that an archive has, also of what is in both.
+    // Browse the archives separately, so that animations in both aren't left out.
     browse::Browsed browsed = browse::browse_archives({options.first});
     browsed.archives.push_back(
         std::move(browse::browse_archives({options.second}).archives.front()));

@@ -1,4 +1,4 @@
-// `sleight compare`: in what two archives differ, and whether their animations do.
+// `sleight compare`: how two archives and their animations differ.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct CompareOptions {
   bool json = false;
 };
 
-/// Returns the exit code; throws base::Error. Both archives must be readable.
+/// Returns the exit code. Throws base::Error, also if one archive can't be read.
 int compare_archives(const CompareOptions& options);
 
 }  // namespace sleight::cli

@@ -16,7 +16,8 @@
 namespace sleight::cli {
 namespace {
 
-/// "default", or what gave it; the file by its line alone, as its path stands below.
+/// Returns "default" or a setting's source. The file is named by its line, since its path is
+/// printed below.
 std::string source_of(const config::Row& row, const std::optional<std::string>& path) {
   if (row.origin == config::Origin::fallback) return "default";
   if (row.origin == config::Origin::file && path && row.given_by.starts_with(*path))

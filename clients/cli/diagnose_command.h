@@ -1,6 +1,5 @@
-// `sleight diagnose`: whether an archive's chains have mixed.
-//
-// The archive is read by a process of its own (archive/remote). Results go to stdout.
+// `sleight diagnose`: whether an archive's chains have mixed. A separate process reads the archive
+// (archive/remote). Results go to stdout.
 #pragma once
 
 #include <string>
@@ -9,7 +8,7 @@
 
 namespace sleight::cli {
 
-/// Returns the exit code: not_mixed (7) with the reasons printed, or ok. Throws base::Error.
+/// Returns ok, or not_mixed (7) after printing the reasons. Throws base::Error.
 int diagnose_archive(const std::string& path, bool json, const analysis::Rules& rules);
 
 }  // namespace sleight::cli

@@ -17,7 +17,7 @@ namespace sleight::cli {
 
 EndReport::EndReport(const std::string& path, Missing missing) {
   if (path.empty()) return;
-  // Not blocking: a supervisor that does not read must not hold the run up.
+  // Don't block: a supervisor that doesn't read must not delay the run.
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
   if (descriptor_ < 0 && missing == Missing::tells_nothing) return;
   if (descriptor_ < 0) {
@@ -43,7 +43,7 @@ EndReport::~EndReport() {
 void EndReport::tell(const events::RunEnd& end) {
   if (descriptor_ < 0 || has_told_.exchange(true)) return;
   const std::string line = events::to_line(end);
-  // A pipe takes a line of this length whole or not at all; one that nobody reads any more must not
+  // A pipe accepts a line of this length completely or not at all. A pipe without a reader must not
   // end the process.
   const auto before = std::signal(SIGPIPE, SIG_IGN);
   const ssize_t written = ::write(descriptor_, line.data(), line.size());

@@ -1,14 +1,13 @@
-// How this process's session ended, told to a supervisor through a pipe (--end-report).
+// Reports to a supervisor, through a pipe, how this process's session ended (--end-report).
 //
-// The supervisor makes a pipe with a name (mkfifo), opens it for reading and starts the program
-// with its path: ranks under mpirun inherit no descriptors. One line comes out
-// (common/events/run_end.h), of rank 0, also where the session was refused or its disk is full; a
-// check that fails is told by the rank that it fails on, where that sees the pipe. No line: the
-// session died, or there was none:
-// --help, --print-request, a command line that can't be read (exit code 2).
+// The supervisor creates a named pipe (mkfifo), opens it for reading and starts the program with
+// its path, because ranks under mpirun don't inherit descriptors. Rank 0 writes one line
+// (common/events/run_end.h), even if the session was refused or its disk is full. If a check fails,
+// the rank where it fails writes the line, if that rank can see the pipe. Without a line, the
+// session died or never began: --help, --print-request, an invalid command line (exit code 2).
 //
-// The line says how the run ended. A program that then can't print its summary returns 5 all the
-// same.
+// The line describes how the run ended. If the program then can't print its summary, it still
+// returns 5.
 #pragma once
 
 #include <atomic>
@@ -19,23 +18,23 @@
 
 namespace sleight::cli {
 
-/// One a process: from its construction on checks that fail are told too.
+/// One per process. From its construction on, failed checks are reported too.
 class EndReport {
  public:
-  /// What becomes of a pipe that is not there, or that nobody reads.
+  /// How to treat a pipe that doesn't exist or has no reader.
   enum class Missing { is_an_error, tells_nothing };
-  /// Opens a pipe, or a file that is there, to append to. Empty: nothing is told. Throws
-  /// base::Error(usage) where it is missing, if that is an error.
+  /// Opens a pipe, or an existing file to append to. Empty path: reports nothing. Throws
+  /// base::Error(usage) if it is missing and that is an error.
   explicit EndReport(const std::string& path, Missing missing = Missing::is_an_error);
   ~EndReport();
   EndReport(const EndReport&) = delete;
   EndReport& operator=(const EndReport&) = delete;
 
-  /// Writes the line; the first counts. A supervisor that has gone is no error.
+  /// Writes the line. Only the first call counts. Ignores a missing reader.
   void tell(const events::RunEnd& end);
 
-  /// Runs `work`, which returns an exit code. Where that ends by an exception, or by an exit code
-  /// other than 0 without having told anything, tells that; exceptions go on.
+  /// Runs `work`, which returns an exit code. If `work` throws, or returns a code other than 0
+  /// without a report, reports that. Rethrows exceptions.
   int watch(const std::function<int()>& work);
 
  private:

@@ -12,15 +12,15 @@
 namespace sleight::cli {
 namespace {
 
-/// No batch system or mpirun sends it.
+/// Returns a signal that batch systems and mpirun don't send.
 int parent_signal() {
   return SIGRTMIN + 7;
 }
 
-/// As Open MPI 4 and 5 name the files that back a rank's memory.
+/// Prefixes of the files behind a rank's shared memory in Open MPI 4 and 5.
 constexpr const char* k_segment_names[] = {"vader_segment.", "sm_segment."};
 
-/// Removes the file that a line of /proc/self/maps names, if it is such a one.
+/// Removes the file that a line of /proc/self/maps names, if it is one of these.
 void unlink_segment(const char* line) {
   const char* path = std::strchr(line, '/');
   if (path == nullptr) return;
@@ -30,8 +30,8 @@ void unlink_segment(const char* line) {
   }
 }
 
-/// Async-signal-safe, so without streams or memory from elsewhere. What is mapped is known to the
-/// kernel alone: Open MPI tells no names.
+/// Async-signal-safe: uses no streams and allocates no memory. Reads the kernel's list of mappings,
+/// because Open MPI doesn't provide the names.
 void unlink_mapped_segments() {
   std::array<char, 16384> text;
   const int maps = open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
@@ -53,7 +53,7 @@ void unlink_mapped_segments() {
   close(maps);
 }
 
-// The signal comes once for each thread of mpirun that ends, so to several threads at once.
+// The signal arrives once for each ending thread of mpirun, so in several threads at once.
 std::atomic_flag is_leaving = ATOMIC_FLAG_INIT;
 
 extern "C" void on_parent_gone(int) {

@@ -1,11 +1,11 @@
-// What becomes of a rank whose mpirun is killed.
+// Ends a rank whose mpirun is killed.
 #pragma once
 
 namespace sleight::cli {
 
-/// From here on this process ends at once when its parent does, however that ends, and takes Open
-/// MPI's shared memory with it: the files that back it would stay, since the one that clears up is
-/// gone. For a rank, before MPI is started.
+/// From now on, the process ends when its parent ends in any way. It then also deletes the files
+/// behind Open MPI's shared memory, which would remain because the process that cleans up has
+/// ended. REQUIRES: call it in a rank before MPI starts.
 void end_with_mpirun();
 
 }  // namespace sleight::cli

@@ -1,4 +1,4 @@
-// Which animations of an archive are exported.
+// Selects the animations to export.
 #pragma once
 
 #include <cstddef>
@@ -12,23 +12,23 @@
 
 namespace sleight::cli {
 
-/// Without `all`, at most so many are written that were not named one by one.
+/// Maximum animations written without `all`, unless ids name them.
 inline constexpr std::size_t k_export_max = 100;
 
-/// Ids, or queries and representatives, or neither: then all.
+/// Ids, or queries with representatives. Neither: all animations.
 struct ExportChoice {
   std::vector<std::string> ids{};     ///< animation_ids.h
   std::vector<std::string> select{};  ///< queries (browse/query.h) that must all hold
-  /// Of these one for each of so many groups that look alike (browse/groups.h).
+  /// Maximum groups that look alike (browse/groups.h), of which one animation each is exported.
   std::optional<std::size_t> representatives{};
-  bool all = false;  ///< all of them, however many
-  /// The archive's file as it was before it was opened, for index_cache.h; none: it does without.
+  bool all = false;  ///< no maximum
+  /// State of the archive's file before it was opened, for index_cache.h. None: no cache.
   std::optional<browse::FileState> file{};
 };
 
-/// In the archive's order, ids in theirs, representatives with those of large groups first; at
-/// least one. Throws base::Error: usage where a query can't be understood (its place is marked),
-/// no animation is meant, or more than k_export_max are and may not be (`is_bounded`).
+/// Returns at least one animation: in the archive's order, or in the order of the given ids, or
+/// representatives of large groups first. Throws base::Error(usage) for an invalid query (with its
+/// position), for no match, and for more than k_export_max animations if `is_bounded`.
 std::vector<browse::AnimationId> chosen(const archive::Source& source, const ExportChoice& choice,
                                         bool is_bounded);
 

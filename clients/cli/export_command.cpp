@@ -43,14 +43,14 @@ bool is_film(const std::string& format) {
   return format == "png" || format == "svg" || format == "mp4";
 }
 
-/// Also what is no number, which lies in no range and outside none.
+/// Also refuses NaN.
 void check_range(const char* option, double value, double low, double high) {
   if (value >= low && value <= high) return;
   terminal::refuse_usage(
       fmt::format("{} {}: expected a number from {} to {}", option, value, low, high));
 }
 
-/// "mp4" of "a/b.MP4"; "" of what has no ending.
+/// Returns "mp4" for "a/b.MP4"; "" without an extension.
 std::string ending_of(const std::string& output) {
   std::string ending = fs::path(output).extension().string();
   std::ranges::transform(ending, ending.begin(), [](char c) {
@@ -65,7 +65,7 @@ std::string format_of(const std::string& output) {
   return found == formats.end() ? "glb" : *found;
 }
 
-/// A name that speaks of another kind of file is a slip, and no folder.
+/// Refuses a name with another kind's extension, which is a slip and not a folder.
 void refuse_other_ending(const ExportAnimationsOptions& options) {
   constexpr std::array<std::string_view, 13> k_files{
       "glb", "gltf", "csv", "png", "svg", "mp4", "mov", "avi", "gif", "jpg", "h5", "mkv", "blend"};
@@ -82,7 +82,7 @@ void refuse_other_ending(const ExportAnimationsOptions& options) {
                   options.output, options.format, options.format, ending));
 }
 
-/// What the options say by themselves, before any file is opened.
+/// Checks the options before any file is opened.
 void check(const ExportAnimationsOptions& options) {
   const std::string& format = options.format;
   const ExportChoice& choice = options.choice;
@@ -126,13 +126,13 @@ void check(const ExportAnimationsOptions& options) {
   check_range("--scale", options.scale, 1 / k_film_scale_max, k_film_scale_max);
 }
 
-/// Step one: which animations. A table grows by a line for each, all else by a file.
+/// Step one: choose animations. A table only gets longer, but other formats get a file per
+/// animation.
 std::vector<browse::AnimationId> choose(const archive::Source& source,
                                         const ExportAnimationsOptions& options) {
   return chosen(source, options.choice, options.format != "csv");
 }
 
-/// Makes the files of models.
 class GlbExport {
  public:
   GlbExport(const archive::Source& source, const ExportAnimationsOptions& options)
@@ -141,7 +141,7 @@ class GlbExport {
         scene_(browse::required_scene(source)),
         extras_(extras_of(source)) {}
 
-  /// All as clips of one file.
+  /// Writes all animations as clips of one file.
   WrittenFile write_one(std::span<const browse::AnimationId> ids) {
     ExportProgress progress(ids.size());
     gltf::Document document{.scene = scene_, .extras = extras_};
@@ -155,7 +155,7 @@ class GlbExport {
     return written;
   }
 
-  /// A file each, in the output folder.
+  /// Writes one file per animation to the output folder.
   std::vector<WrittenFile> write_each(std::span<const browse::AnimationId> ids) {
     ExportProgress progress(ids.size());
     const std::string run_id = archive::summary_of(source_).run_id;
@@ -220,7 +220,7 @@ void require_one(std::span<const browse::AnimationId> ids, const ExportAnimation
       ids.size(), options.format == "glb" ? "add --together to write clips of one file, or " : ""));
 }
 
-/// Step two, of one file.
+/// Step two for a single file.
 std::vector<WrittenFile> write_one_file(const archive::Source& source,
                                         const ExportAnimationsOptions& options,
                                         std::span<const browse::AnimationId> ids) {
@@ -239,14 +239,14 @@ std::vector<WrittenFile> write_one_file(const archive::Source& source,
   return {written};
 }
 
-/// A table may go to a pipe or device, as any filter's.
+/// A table may go to a pipe or a device.
 bool is_pipe_for(const ExportAnimationsOptions& options) {
   std::error_code none;
   const fs::file_status status = fs::status(options.output, none);
   return options.format == "csv" && fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// Before the first is drawn: the last one's turn may come in an hour.
+/// Check before drawing the first animation, because the last one may begin an hour later.
 void refuse_taken_place(const std::string& place, const ExportAnimationsOptions& options) {
   std::error_code none;
   if (options.format == "png" && fs::exists(place, none) && !fs::is_empty(place, none)) {
@@ -258,7 +258,7 @@ void refuse_taken_place(const std::string& place, const ExportAnimationsOptions&
   refuse_others_file(place, options.force);
 }
 
-/// Pictures and films, which put themselves in their places when they are whole.
+/// Writes pictures and films, which are renamed to their places when complete.
 std::vector<WrittenFile> write_films(const archive::Source& source,
                                      const ExportAnimationsOptions& options) {
   const std::vector<browse::AnimationId> ids = choose(source, options);

@@ -1,4 +1,4 @@
-// `sleight export`: an archive's animations as models for other programs (.glb), as tables, and as
+// `sleight export`: writes an archive's animations as models for other programs (.glb), tables,
 // pictures and films.
 #pragma once
 
@@ -13,18 +13,18 @@ namespace sleight::cli {
 
 struct ExportAnimationsOptions {
   std::string path;
-  std::string format{};  ///< one of export_formats(); empty: the output's ending, or glb
+  std::string format{};  ///< one of export_formats(); empty: the output's extension, or glb
   ExportChoice choice{};
-  /// A file, if its name ends as the format's do; else a folder for a file each (of png a folder
-  /// each), made if missing. Empty: the table goes to stdout.
+  /// A file if the name has the format's extension. Otherwise a folder with a file per animation
+  /// (png: a folder per animation), created if missing. Empty: tables go to stdout.
   std::string output{};
-  bool together = false;        ///< .glb: all as clips of one file
-  std::optional<double> fps{};  ///< .glb: keys on whole frames alone; films: k_film_fps if none
-  std::string view = "both";    ///< of films: one of export_views()
-  double scale = 1;             ///< of films: pixels to one of 1280 x 720
+  bool together = false;             ///< .glb: all animations as clips of one file
+  std::optional<double> fps{};       ///< .glb: keys on whole frames only; films: default k_film_fps
+  std::string view = "both";         ///< films: one of export_views()
+  double scale = 1;                  ///< films: multiplies the size of 1280 x 720 pixels
   std::string table = "animations";  ///< .csv: one of export_tables()
-  bool force = false;                ///< also over files that aren't of our making
-  bool json = false;                 ///< what was written, as JSON
+  bool force = false;                ///< replaces files that sleight didn't make
+  bool json = false;                 ///< prints what was written as JSON
 };
 
 inline constexpr double k_film_fps = 24;
@@ -36,8 +36,8 @@ std::vector<std::string> export_formats();
 std::vector<std::string> export_tables();
 std::vector<std::string> export_views();
 
-/// Returns the exit code; throws base::Error. Files appear whole or not at all. One that is there
-/// already is replaced if it is a .glb of our making or `force` is given.
+/// Returns the exit code. Throws base::Error. Files appear complete or not at all. An existing file
+/// is replaced only if sleight made it (.glb) or with `force`.
 int export_animations(const ExportAnimationsOptions& options);
 
 }  // namespace sleight::cli

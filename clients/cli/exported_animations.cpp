@@ -23,7 +23,7 @@
 namespace sleight::cli {
 namespace {
 
-/// The fields of a line of CSV as they stand in it, quotes and all.
+/// Splits a line of CSV into fields, quotes included.
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
   bool is_quoted = false;
@@ -38,14 +38,13 @@ std::vector<std::string> fields_of(const std::string& line) {
   return fields;
 }
 
-/// A table of animations of one group.
 struct CsvRows {
   std::vector<std::string> columns{};
   std::stringstream lines{};
-  std::vector<std::uint64_t> counts{};  ///< of lines, by animation
+  std::vector<std::uint64_t> counts{};  ///< lines per animation
 };
 
-/// In the order of ids, which are of one group; no columns where there are none.
+/// REQUIRES: all ids are of one group. No ids: no columns.
 CsvRows rows_of(const archive::Source& source, std::span<const browse::AnimationId> ids,
                 const std::string& table) {
   CsvRows rows;
@@ -56,7 +55,7 @@ CsvRows rows_of(const archive::Source& source, std::span<const browse::Animation
   std::string in_archive = table;
   if (ids.front().is_find) in_archive = table == "animations" ? "finds" : "find_" + table;
   archive::export_csv(source, in_archive, rows.lines, numbers);
-  // No field holds a line's end: archives have none in text but requests.
+  // No field contains a line break, because only requests have line breaks in archives.
   std::string header;
   std::getline(rows.lines, header);
   rows.columns = fields_of(header);
@@ -72,7 +71,7 @@ CsvRows rows_of(const archive::Source& source, std::span<const browse::Animation
   return rows;
 }
 
-/// The lines of the nth animation. REQUIRES: called for one after the other.
+/// Returns the lines of the nth animation. REQUIRES: animations are read in order.
 std::vector<std::string> lines_of(CsvRows& rows, std::size_t nth) {
   std::vector<std::string> lines;
   std::string line;
@@ -81,7 +80,7 @@ std::vector<std::string> lines_of(CsvRows& rows, std::size_t nth) {
   return lines;
 }
 
-/// Where each of some columns is among all. REQUIRES: all hold them.
+/// Returns the position of each of some columns among all. REQUIRES: `all` contains them.
 std::vector<std::size_t> places_in(std::span<const std::string> some,
                                    std::span<const std::string> all) {
   std::vector<std::size_t> places;
@@ -125,7 +124,7 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
   }
   clip.extras.push_back({"in_proportion", motions.in_proportion(id.row)});
   clip.extras.push_back({"duration_s", clip.motion.end_s()});
-  // Densities and outcomes are what scans have too; all else of an animation is its state.
+  // Densities and outcomes are the numbers that scans have too; other numbers are the state.
   const archive::Group* group = archive::find_group(source, group_name);
   const archive::Group* stats = archive::find_group(source, archive::k_sample_stats);
   for (const archive::DatasetSpec& spec : group->datasets) {
@@ -140,7 +139,7 @@ gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
     if (width > browse::k_number_elements_max) continue;
     std::vector<double> values =
         analysis::read_rows(source, group_name, spec.name, width, {.first = id.row, .count = 1});
-    // A world may call an outcome as we call a fact.
+    // A world may give an outcome the name of one of these facts.
     const bool is_taken = std::ranges::count(clip.extras, spec.name, &gltf::Extra::key) > 0;
     const std::string key = (is_taken ? "outcome_" : "") + spec.name;
     if (spec.dims.size() == 1) {
@@ -162,14 +161,14 @@ void write_animations_csv(const archive::Source& source, std::span<const browse:
   CsvRows from_chains = rows_of(source, of_chains, table);
   CsvRows from_finds = rows_of(source, finds, table);
 
-  // All columns: those of chains, then what finds alone have.
+  // Collect the columns of chains, then those that only finds have.
   std::vector<std::string> columns = from_chains.columns;
   for (const std::string& column : from_finds.columns) {
     if (std::ranges::count(columns, column) == 0) columns.push_back(column);
   }
   out << fmt::format("id,{}\n", fmt::join(columns, ","));
 
-  // Rows, in the order that was asked for.
+  // Write rows in the requested order.
   const std::vector<std::size_t> places_of_chains = places_in(from_chains.columns, columns);
   const std::vector<std::size_t> places_of_finds = places_in(from_finds.columns, columns);
   std::size_t next_of_chains = 0;

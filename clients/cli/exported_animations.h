@@ -1,4 +1,4 @@
-// An archive's animations as what exporters write: models with their metadata, and tables.
+// Converts an archive's animations to what exporters write: models with their metadata, and tables.
 #pragma once
 
 #include <iosfwd>
@@ -12,20 +12,19 @@
 
 namespace sleight::cli {
 
-/// What stands in a file about all its animations: world, request, run_id, results_version and,
-/// where there is one, the archive's warning.
+/// Returns a file's metadata about all its animations: world, request, run_id, results_version and
+/// the archive's warning if it has one.
 gltf::Extras extras_of(const archive::Source& source);
 
-/// The animation with its motion, what is its own of the scene, and about it: id, chain, draw and
-/// lineage (or start), in_proportion, duration_s, log densities and outcomes. Throws
-/// base::Error(bad_archive) on what can be no motion.
+/// Returns an animation with its motion, its own parts of the scene, and metadata: id, chain, draw
+/// and lineage (or start), in_proportion, duration_s, log densities and outcomes. Throws
+/// base::Error(bad_archive) if the motion is invalid.
 gltf::Clip clip_of(const archive::Source& source, const scene::Scene& scene,
                    const browse::AnimationId& id);
 
-/// A table of "animations", "segments" or "points" as CSV, of these animations in this order, with
-/// their ids as first column. Finds have other columns than animations of chains: where both are
-/// there, the table has all, and a field that a row has not is empty. REQUIRES: an animation at
-/// least.
+/// Writes a table of "animations", "segments" or "points" as CSV, for these animations in this
+/// order, with their ids in the first column. Finds and animations of chains have different
+/// columns. A mixed table has all columns, with empty fields. REQUIRES: at least one animation.
 void write_animations_csv(const archive::Source& source, std::span<const browse::AnimationId> ids,
                           const std::string& table, std::ostream& out);
 

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr auto k_progress_every = std::chrono::seconds(1);
 
-/// A model of our making says so in its first words.
+/// Whether a file is a model by sleight, according to its first words.
 bool is_ours(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string head(96, '\0');
@@ -52,7 +52,7 @@ void make_export_folder(const std::string& given) {
 
 void refuse_others_file(const std::string& path, bool force) {
   std::error_code none;
-  // A pipe would keep the writer waiting for a reader.
+  // Opening a pipe would wait for a reader.
   if (fs::exists(path, none) && !fs::is_regular_file(path, none) && !fs::is_directory(path, none))
     throw base::Error(base::ExitCode::conflict,
                       fmt::format("{}: already exists and is not a regular file", path));

@@ -1,5 +1,4 @@
-// The files that an export leaves: how they are called, and that nothing of anybody else's is
-// replaced.
+// Names an export's files, and protects files that sleight didn't make.
 #pragma once
 
 #include <chrono>
@@ -12,30 +11,30 @@
 
 namespace sleight::cli {
 
-/// A file of the output, or a folder of frames.
+/// An output file, or a folder of frames.
 struct WrittenFile {
   std::string path;
   std::vector<std::string> ids;
   std::uint64_t bytes = 0;
 };
 
-/// "3f2a9c01-c0.250": the run's first letters and digits, whatever an archive calls it, and the
-/// animation's id.
+/// Returns, for example, "3f2a9c01-c0.250": the first letters and digits of the run id, which an
+/// archive may set to anything, and the animation's id.
 std::string export_name(const std::string& run_id, const std::string& id);
 
-/// Makes it and what it lies in. Throws base::Error naming it.
+/// Creates the folder and its parents. Throws base::Error with the path.
 void make_export_folder(const std::string& path);
 
-/// Throws base::Error(conflict) if a file is there that sleight did not make, as far as can be
-/// told; not where `force`.
+/// Throws base::Error(conflict) if there is a file that sleight didn't make, as far as
+/// recognisable, unless `force`.
 void refuse_others_file(const std::string& path, bool force);
 
-/// Tells stderr how far an export is, now and then, where it takes long: a line a second at most.
-/// Throws what terminal::Interruption::check does.
+/// Prints progress of a slow export to stderr, at most one line a second. Throws as
+/// terminal::Interruption::check does.
 class ExportProgress {
  public:
   explicit ExportProgress(std::size_t all) : all_(all) {}
-  /// Animations that are done, and of the next one frames of so many.
+  /// `count`: finished animations. `frames`: finished frames of the next animation, out of `of`.
   void done(std::size_t count, std::size_t frames = 0, std::size_t of = 0);
 
  private:

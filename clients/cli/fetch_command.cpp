@@ -53,7 +53,7 @@ std::string sha256_of_file(const std::string& path) {
   return hash::to_hex(hash.finish());
 }
 
-/// How a fetch goes, on a terminal's stderr.
+/// Prints a fetch's progress on a terminal's stderr.
 class FetchPrinter {
  public:
   explicit FetchPrinter(bool quiet) : shows_(!quiet && line_.can_renew()) {}
@@ -93,7 +93,7 @@ class FetchPrinter {
   double shown_s_ = 0;
 };
 
-/// What becomes of a file that lies at the place of a fetched one.
+/// How a file at the destination compares with a fetched one.
 enum class Standing { free, same, other };
 
 Standing standing_of(const std::string& path, const rpc::FileView& file) {
@@ -105,7 +105,7 @@ Standing standing_of(const std::string& path, const rpc::FileView& file) {
   return Standing::other;
 }
 
-/// A folder, a device: what no file may take the place of.
+/// Whether the path is a folder or a device, which can't be replaced.
 bool is_no_file(const std::string& path) {
   std::error_code none;
   const fs::file_status status = fs::status(path, none);
@@ -125,13 +125,14 @@ bool is_no_file(const std::string& path) {
                                 terminal::shown(path)));
 }
 
-/// Watches the pieces of a job's files come in.
+/// Observes the arriving pieces of a job's files.
 class Arrivals {
  public:
   Arrivals(const FetchOptions& options, std::string place, bool is_file)
       : options_(options), place_(std::move(place)), is_file_(is_file), printer_(options.quiet) {}
 
-  /// A FetchProgress: false where the place is taken. Before the first piece is written.
+  /// A FetchProgress, called before the first piece is written. Returns false if the place is
+  /// taken.
   bool arrived(const rpc::FileView& file, std::uint64_t bytes) {
     if (terminal::Interruption::requested()) return false;
     const std::string path = path_of(file);
@@ -174,7 +175,7 @@ class Arrivals {
   std::string same_;
 };
 
-/// The paths that one job gave.
+/// The fetched paths of one job.
 struct Brought {
   rpc::JobId job{};
   std::vector<std::string> paths{};
@@ -200,7 +201,7 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
               : client.fetch_folder(ask, place, progress, other);
   arrivals.clear();
   if (!is_file && fetched.paths.empty()) {
-    // The folder was made for nothing; one with something in it stays.
+    // Remove the folder if it is empty.
     std::error_code none;
     fs::remove(place, none);
   }
@@ -211,7 +212,7 @@ Brought fetch_job(rpc::Client& client, rpc::FetchAsk ask, const rpc::JobView& jo
   if (options.json || options.quiet) return brought;
   for (const std::string& path : brought.paths) {
     if (arrivals.same().empty()) {
-      // What a job that goes on has given is not the last word.
+      // An unfinished job's results aren't final.
       const bool is_of_now = is_file && !rpc::is_settled(job.state);
       fmt::print(
           "{}  {}{}\n", terminal::shown(path), size_text(arrivals.bytes_of(path)),
@@ -262,14 +263,14 @@ int fetch_all(rpc::Client& client, const FetchOptions& options,
     try {
       all.push_back(fetch_job(client, of_job, job, place, options, check));
     } catch (const rpc::RefusedError& error) {
-      // One job without an archive yet keeps the others' from nobody.
+      // A job without an archive doesn't prevent fetching the others.
       if (!several) throw;
       terminal::complain(
           fmt::format("sleight: job {}: {}", job.id, service_client::words_of(error.refusal())));
       if (code == base::ExitCode::ok) code = service_client::exit_code_of(error.refusal().kind);
       continue;
     } catch (const base::Error& error) {
-      // Nor does a damaged one, or a place that is taken. Without a service all fail.
+      // A damaged file or a taken place doesn't either. Without a service, all fetches fail.
       if (!several || error.exit_code() == base::ExitCode::no_server ||
           dynamic_cast<const rpc::NoServer*>(&error) != nullptr)
         throw;
@@ -351,7 +352,7 @@ std::string place_of(const FetchOptions& options, rpc::JobId job, bool several,
 
 int fetch(const std::string& socket, const FetchOptions& options, const ArchiveCheck& check) {
   const std::vector<service_client::JobName> names = service_client::read_job_names(options.jobs);
-  static_cast<void>(fetch_ask_of(options));  // errors of usage before anything else
+  static_cast<void>(fetch_ask_of(options));  // report usage errors first
   return service_client::with_service(
       socket, [&](rpc::Client& client) { return fetch_all(client, options, names, check); });
 }

@@ -1,4 +1,4 @@
-// Animations of an archive as pictures and films (animation_frames.h).
+// Exports animations as pictures and films (animation_frames.h).
 #pragma once
 
 #include <cstddef>
@@ -13,18 +13,18 @@
 namespace sleight::cli {
 
 struct FilmOptions {
-  std::string format = "mp4";  ///< png: a folder of frames; svg: one picture; mp4
+  std::string format = "mp4";  ///< png: a folder of frames; svg: one picture; or mp4
   double fps = 24;
-  std::string view = "both";  ///< or above, front
+  std::string view = "both";  ///< both, above or front
   double scale = 1;
 };
 
 class FilmExport {
  public:
-  /// Throws base::Error(bad_archive) where its scene can be none.
+  /// Throws base::Error(bad_archive) if the scene description is invalid.
   FilmExport(const archive::Source& source, FilmOptions options);
 
-  /// At this place, whole or not at all. `progress`: frames that are done, of how many.
+  /// Writes to `place`, completely or not at all. `progress`: finished frames, total frames.
   WrittenFile write(const browse::AnimationId& id, const std::string& place,
                     const std::function<void(std::size_t, std::size_t)>& progress) const;
 

@@ -20,7 +20,7 @@
 namespace sleight::cli {
 namespace {
 
-/// The number of this name; throws base::Error(usage) where the archive has none.
+/// Returns the index of a number. Throws base::Error(usage) if the archive doesn't have it.
 std::size_t number_called(const std::string& name, const browse::BrowsedArchive& archive) {
   const auto& numbers = archive.index.numbers;
   const auto found = std::ranges::find(numbers, name, &browse::NumberName::name);
@@ -39,7 +39,7 @@ void sort_picked(const std::string& name, bool descending, std::vector<browse::P
   std::vector<std::pair<double, browse::Picked>> keyed;
   for (const browse::Picked& one : picked)
     keyed.emplace_back(one.entry->numbers[number_called(name, *one.archive)], one);
-  // What has no such number comes last, either way.
+  // Animations without the number come last in either direction.
   std::ranges::stable_sort(keyed, [&](const auto& a, const auto& b) {
     if (std::isnan(a.first) || std::isnan(b.first)) return !std::isnan(a.first);
     return descending ? a.first > b.first : a.first < b.first;
@@ -47,7 +47,7 @@ void sort_picked(const std::string& name, bool descending, std::vector<browse::P
   std::ranges::transform(keyed, picked.begin(), &std::pair<double, browse::Picked>::second);
 }
 
-/// As a word of its own: "end" is none of "ends in".
+/// Whether `name` occurs as a word: "end" doesn't occur in "ends in".
 bool is_spoken_of(const std::string& name, const std::string& words) {
   const auto is_of_word = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
@@ -60,7 +60,7 @@ bool is_spoken_of(const std::string& name, const std::string& words) {
   return false;
 }
 
-/// Names of numbers that a person asked about: in the queries, or to sort by.
+/// Returns the names of numbers in the queries and in --sort.
 std::vector<std::string> asked_numbers(const FindOptions& options, const browse::Browsed& browsed) {
   std::string words = options.sort + " ";
   for (const auto* list : {&options.asked.where, &options.asked.in, &options.asked.not_in}) {

@@ -1,4 +1,4 @@
-// `sleight find`: the animations of archives that a query means.
+// `sleight find`: lists the animations of archives that match a query.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,14 @@ namespace sleight::cli {
 struct FindOptions {
   std::vector<std::string> paths{};
   browse::QueryOptions asked{};
-  std::string sort{};       ///< a number's name; empty: in the archives' order
-  bool descending = false;  ///< the greatest first
-  std::uint64_t limit = 0;  ///< at most so many; 0: all
-  bool names = false;       ///< list what queries can speak of instead
-  bool ids = false;         ///< names alone
+  std::string sort{};       ///< a number's name; empty: the archives' order
+  bool descending = false;  ///< greatest first
+  std::uint64_t limit = 0;  ///< maximum animations; 0: all
+  bool names = false;       ///< list the names that queries can use instead
+  bool ids = false;         ///< print only names
   bool json = false;
 };
 
-/// Returns the exit code; throws base::Error.
 int find_animations(const FindOptions& options);
 
 }  // namespace sleight::cli

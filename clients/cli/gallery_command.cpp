@@ -37,8 +37,8 @@
 namespace sleight::cli {
 namespace {
 
-/// Publishes what /api/gallery says, once there is a server; and tells the terminal where nothing
-/// can be shown.
+/// Sends the answer of /api/gallery to open pages once a server exists, and warns on the terminal
+/// if nothing can be shown.
 class Publisher {
  public:
   explicit Publisher(const std::vector<std::string>& paths) : paths_(paths) {}
@@ -68,7 +68,7 @@ class Publisher {
   web::Server* server_ = nullptr;
   const gallery::Answers* answers_ = nullptr;
   const gallery::Gallery* gallery_ = nullptr;
-  std::string said_{};  ///< last; the same isn't said again and again
+  std::string said_{};  ///< last warning, not repeated
 };
 
 bool has_desktop() {
@@ -79,11 +79,11 @@ bool has_desktop() {
   return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
-/// Whether the desktop's opener was started. Nothing of ours goes on in it.
+/// Returns whether the desktop's opener was started, in a separate process.
 bool open_in_browser(const std::string& link) {
   const pid_t pid = ::fork();
   if (pid != 0) return pid > 0;
-  // A child of its own session, whose words go nowhere: browsers outlive terminals.
+  // The child has its own session and no output, because browsers outlive terminals.
   ::setsid();
   const int nothing = ::open("/dev/null", O_RDWR);
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
@@ -101,7 +101,7 @@ std::string host_name() {
   return name.data();
 }
 
-/// Tries the usual port, then any: a person who starts a second gallery wants a second gallery.
+/// Tries the default port, then any: a second gallery may run beside the first.
 std::unique_ptr<web::Server> served(const CommandOptions& options, web::ServerOptions how,
                                     const web::Server::Handler& handler) {
   const auto with_port = [&](std::uint16_t port) {
@@ -136,7 +136,7 @@ void say_how_to_open(const web::Server& server, const CommandOptions& options,
   std::fflush(stdout);
 }
 
-/// Waits for Ctrl-C or SIGTERM; Enter on a terminal makes another link.
+/// Waits for Ctrl-C or SIGTERM. Enter on a terminal prints another link.
 void wait_for_end(web::Server& server, int signals) {
   const bool is_asked = terminal::is_typed();
   std::array<pollfd, 2> waited{
@@ -161,12 +161,13 @@ void wait_for_end(web::Server& server, int signals) {
 int show_gallery(const CommandOptions& options, const std::function<std::string()>& service_called,
                  const analysis::Rules& rules) {
   if (!options.save.empty()) return save_archives(options, service_called, rules);
-  // Threads that answer take and give back whole indexes: each would keep a heap of its own.
+  // Answering threads allocate and free whole indices, so separate heaps per thread would waste
+  // memory.
   ::mallopt(M_ARENA_MAX, 2);
   const gallery::NamedArchives shown(options.paths, service_called);
   auto files = std::make_shared<const web::StaticFiles>(gallery::page_folder());
 
-  // Before any thread begins, so that all have it: signals come to the descriptor alone.
+  // Block signals before starting any thread, so that only the descriptor receives them.
   sigset_t ends;
   ::sigemptyset(&ends);
   ::sigaddset(&ends, SIGINT);

@@ -12,7 +12,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Of a word where it names a request.
+/// Maximum characters of a word in a request's name.
 constexpr std::size_t k_shown_word_characters_max = 40;
 constexpr const char* k_standard_input = "-";
 

@@ -1,4 +1,4 @@
-// A request as people give it: a file, standard input, or a word.
+// Reads a request from a file, from standard input, or from a word.
 #pragma once
 
 #include <optional>
@@ -10,30 +10,31 @@
 
 namespace sleight::cli {
 
-/// What errors call it, and its text.
+/// A request's text, and its name in errors.
 struct GivenRequest {
   std::string name{};
   std::string text{};
 };
 
-/// Reads the file, or standard input where `path` is "-"; where it is empty, makes the shortest
-/// request for `word`. Throws base::Error: usage where there is neither, environment where it can't
+/// Reads the file, or standard input if `path` is "-". If `path` is empty, makes the shortest
+/// request for `word`. Throws base::Error: usage if both are empty, environment if the file can't
 /// be read.
 GivenRequest given_request(const std::string& path, const std::string& word,
                            const std::optional<request::Asked>& asked);
 
-/// Options that give what a key of the request gives.
+/// Which options of the command line set a key of the request.
 struct OptionsGiven {
   bool seed = false;
   bool word = false;
-  std::string answer{};  ///< "--found -n 3", in place of [stop]; empty: not given
+  std::string answer{};  ///< such as "--found -n 3", which replaces [stop]; empty: not given
 };
 
-/// The error of a --set whose key an option gives, too: the option would win in silence.
+/// Returns the error of a --set whose key an option sets too; otherwise the option would win
+/// silently.
 std::optional<request::Diagnostic> given_twice(std::span<const request::KeySet> sets,
                                                const OptionsGiven& options);
 
-/// What a job of it is called: the file's name without its ending, the word, or "request".
+/// Returns a job's default name: the file's name without its extension, the word, or "request".
 std::string short_name_of(const std::string& path, const std::string& word);
 
 }  // namespace sleight::cli

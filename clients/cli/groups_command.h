@@ -1,4 +1,4 @@
-// `sleight groups`: what looks alike, each group with an animation that stands for it.
+// `sleight groups`: groups animations that look alike, each with a representative.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,17 @@ namespace sleight::cli {
 
 struct GroupsOptions {
   std::vector<std::string> paths{};
-  browse::QueryOptions asked{};  ///< only of these animations
+  browse::QueryOptions asked{};  ///< which animations to group
   std::uint64_t groups = 12;
   std::string by = "medoids";  ///< or "hierarchy"
-  std::string output{};        ///< a picture of the representatives; empty: none
+  std::string output{};        ///< file for a picture of the representatives; empty: none
   bool json = false;
 };
 
-/// Returns the exit code; throws base::Error.
 int group_animations(const GroupsOptions& options);
 
-/// The groups of picked animations. Throws base::Error(usage) where they are of scenes that can't
-/// be compared, or more groups are asked for than can be told.
+/// Groups animations. Throws base::Error(usage) if scenes can't be compared, or if too many groups
+/// are requested.
 browse::Groups groups_of(const std::vector<browse::Picked>& picked, std::uint64_t groups,
                          browse::Grouping by);
 

@@ -22,7 +22,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Of the jobs in a question.
+/// Maximum jobs listed in a question.
 constexpr std::size_t k_asked_about_max = 10;
 
 rpc::JobState state_of(const std::string& text) {
@@ -34,7 +34,7 @@ rpc::JobState state_of(const std::string& text) {
                   terminal::shown(text)));
 }
 
-/// Pages from the ask's on, until `count` jobs are there.
+/// Reads pages until there are `count` jobs.
 rpc::JobPage read_pages(rpc::Client& client, rpc::ListAsk ask, const ListOptions& options) {
   rpc::JobPage all;
   while (true) {
@@ -75,7 +75,7 @@ void print_page(const rpc::JobPage& page, const ListOptions& options) {
 }
 
 int complete(const std::string& socket) {
-  // A shell shows what comes: whatever goes wrong, it gets nothing.
+  // A shell shows any output, so print nothing on errors.
   try {
     rpc::Client client(service_client::place_of(socket), {.call_s_max = 2});
     for (const rpc::JobView& job : client.list({.count = rpc::k_page_jobs_max}).jobs)
@@ -86,7 +86,7 @@ int complete(const std::string& socket) {
   return terminal::k_ok;
 }
 
-/// What is said of a change that the job's state does not show; empty: the service's words.
+/// Returns a note about a change that the job's state doesn't show; empty: use the service's text.
 std::string words_of(const rpc::ChangeAsk& ask) {
   if (ask.kind == rpc::ChangeKind::pin) return "pinned";
   if (ask.kind == rpc::ChangeKind::unpin) return "not pinned";
@@ -103,7 +103,7 @@ int watch_named(const std::string& socket, const JobsOptions& options, std::uint
   });
 }
 
-/// "17 (hi, done, 12 MB)".
+/// Returns, for example, "17 (hi, done, 12 MB)".
 std::string about(const rpc::JobView& job) {
   return fmt::format("{} ({}, {}, {})", job.id, name_of_job(job), rpc::name_of(job.state),
                      size_text(job.bytes));
@@ -239,7 +239,7 @@ int delete_jobs(const std::string& socket, const DeleteOptions& options) {
       terminal::complain("nothing deleted");
       return terminal::k_ok;
     }
-    // Job by job, even of groups: what was looked at is deleted, and nothing else.
+    // Delete the checked jobs one by one, even in groups, so that no other job is deleted.
     std::vector<rpc::Touched> touched;
     for (const rpc::JobView& job : jobs) {
       std::ranges::move(

@@ -1,6 +1,6 @@
-// The commands on jobs that are one call or a few: list, status, watch, wait, delete, and the
-// changes cancel, hold, resume, extend, pin and priority. Each takes the socket's path and what the
-// command line gave, prints to stdout and returns the exit code.
+// The simple commands on jobs: list, status, watch, wait, delete, and the changes cancel, hold,
+// resume, extend, pin and priority. Each function takes the socket's path and the options, prints
+// to stdout and returns the exit code.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +15,18 @@ namespace sleight::cli {
 struct ListOptions {
   std::vector<std::string> states{};
   bool mine = false;
-  std::string user{};   ///< a name or a uid; empty: all that the caller may see
-  std::string group{};  ///< "g5"; empty: any
-  std::string name{};   ///< a part of the name
+  std::string user{};   ///< a name or a uid; empty: all visible jobs
+  std::string group{};  ///< such as "g5"; empty: any
+  std::string name{};   ///< part of the name
   std::uint32_t count = 50;
-  bool all = false;  ///< whatever `count` says
+  bool all = false;  ///< ignores `count`
   bool oldest_first = false;
-  std::string after{};    ///< the cursor of the page before
-  bool complete = false;  ///< for shells: never an error, never a message
+  std::string after{};    ///< cursor of the previous page
+  bool complete = false;  ///< for shell completion: no errors, no messages
   bool json = false;
 };
 
-/// What most commands have: jobs as people name them, and how to print.
+/// Options of most commands.
 struct JobsOptions {
   std::vector<std::string> jobs{};
   bool json = false;
@@ -40,7 +40,7 @@ struct WatchOptions : JobsOptions {
   std::uint64_t from_number = 1;
 };
 
-/// Exactly one of the numbers.
+/// Exactly one number is set.
 struct ExtendOptions : JobsOptions {
   std::optional<std::uint64_t> scans{};
   std::optional<std::uint32_t> rounds{};
@@ -49,22 +49,22 @@ struct ExtendOptions : JobsOptions {
 };
 
 struct DeleteOptions : JobsOptions {
-  bool yes = false;  ///< does not ask
+  bool yes = false;  ///< doesn't ask for confirmation
 };
 
 int list_jobs(const std::string& socket, const ListOptions& options);
 int show_status(const std::string& socket, const StatusOptions& options);
 int watch(const std::string& socket, const WatchOptions& options);
 int wait(const std::string& socket, const JobsOptions& options);
-/// Changes each of the named jobs, whatever target `ask` has.
+/// Changes each of the named jobs; ignores the target in `ask`.
 int change(const std::string& socket, const JobsOptions& options, const rpc::ChangeAsk& ask);
-/// Refuses all where one of them has not ended or is pinned; asks back on a terminal.
+/// Refuses to delete any job if one is unfinished or pinned. Asks for confirmation on a terminal.
 int delete_jobs(const std::string& socket, const DeleteOptions& options);
 
-/// Throws base::Error(usage) where not exactly one is given, or it is none that a request may have.
+/// Throws base::Error(usage) unless exactly one number is set and a request may have it.
 rpc::Extension extension_of(const ExtendOptions& options);
 
-/// Throws base::Error(usage) for a state or user that is none.
+/// Throws base::Error(usage) for an unknown state or user.
 rpc::ListAsk list_ask_of(const ListOptions& options);
 
 }  // namespace sleight::cli

@@ -20,7 +20,7 @@ namespace sleight::cli {
 namespace {
 
 constexpr std::size_t k_name_characters_max = 24;
-/// Beyond the year 9999 a time is none of a clock.
+/// A time beyond the year 9999 is invalid.
 constexpr double k_time_s_max = 253'370'764'800.0;
 
 std::string count_of(std::uint64_t count, std::uint64_t wanted) {
@@ -49,7 +49,7 @@ std::string rate_cell(const rpc::JobView& job) {
   return events::grouped(static_cast<std::uint64_t>(job.simulations_per_s));
 }
 
-/// Words about a job, but for those that only repeat its state: "Cancelled."
+/// Returns a job's text unless it only repeats the state, such as "Cancelled."
 std::string unless_its_state(const rpc::JobView& job, const std::string& words) {
   std::string plain;
   for (const char c : words) {
@@ -62,7 +62,7 @@ std::string reason_of(const rpc::JobView& job) {
   return unless_its_state(job, job.reason);
 }
 
-/// Why it is where it is, in states that need a reason.
+/// Returns the reason for states that need one.
 std::string why(const rpc::JobView& job) {
   switch (job.state) {
     case rpc::JobState::queued:
@@ -74,7 +74,7 @@ std::string why(const rpc::JobView& job) {
     case rpc::JobState::unknown:
       return reason_of(job);
     case rpc::JobState::starting:
-      // With how many cores is told elsewhere.
+      // The number of cores is printed elsewhere.
       return job.reason.starts_with("With ") ? "" : reason_of(job);
     case rpc::JobState::running:
     case rpc::JobState::done:
@@ -167,7 +167,7 @@ std::string size_text(std::uint64_t bytes) {
   constexpr std::array<const char*, 6> k_units = {"B", "kB", "MB", "GB", "TB", "PB"};
   auto size = static_cast<double>(bytes);
   std::size_t unit = 0;
-  // What three digits would round up to 1000 is 1 of the next unit.
+  // Use the next unit if three digits would round up to 1000.
   while (size >= 999.5 && unit + 1 < k_units.size()) {
     size /= 1000;
     ++unit;

@@ -15,7 +15,7 @@
 namespace sleight::cli {
 namespace {
 
-/// A line that is seen at once, also through a pipe.
+/// Prints a line and flushes it, so that a pipe's reader sees it at once.
 void print_now(const std::string& line) {
   fmt::print("{}\n", line);
   std::fflush(stdout);
@@ -34,7 +34,7 @@ std::string id_list(std::span<const rpc::JobView> jobs) {
   return list;
 }
 
-/// How the jobs stand after the watch; those that are gone were told of.
+/// Returns the jobs after the watch, without deleted ones, which were reported.
 std::vector<rpc::JobView> final_views(rpc::Client& client, std::span<const rpc::JobView> jobs) {
   std::vector<rpc::JobView> views;
   for (const rpc::JobView& job : jobs) {
@@ -48,7 +48,7 @@ std::vector<rpc::JobView> final_views(rpc::Client& client, std::span<const rpc::
 }
 
 void tell_the_end(rpc::Client& client, std::span<const rpc::JobView> jobs, const WatchLook& look) {
-  // Events' JSON has said that they settled.
+  // The JSON events already contain the end.
   if (look.json && !look.quiet) return;
   const std::vector<rpc::JobView> views = final_views(client, jobs);
   if (look.json) {
@@ -100,7 +100,7 @@ bool WatchPrinter::happened(const rpc::WatchedEvent& event) {
     if (!json.is_null()) print_now(on_one_line(json));
     return true;
   }
-  // A newer service's event has no words here; --json has it.
+  // An event of a newer service can't be printed as text, but --json has it.
   if (!event.event) return true;
   if (const auto* progress = std::get_if<events::Progress>(&event.event->what)) {
     printer(event.job).show(*progress);

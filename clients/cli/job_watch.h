@@ -1,9 +1,9 @@
-// Watching jobs until they end: `watch`, `wait`, and both at the end of `submit`.
+// Watches jobs until they end, for `watch`, `wait` and `submit`.
 //
-// On a terminal one progress line renews itself on stderr; elsewhere it is a plain line now and
-// then. Events and changes of state are lines on stdout, in words or as JSON. The watch goes on
-// over lost connections and restarted servers, which stderr hears of, and ends when all jobs have
-// ended.
+// On a terminal, stderr has one progress line that is updated; otherwise there is a plain line now
+// and then. Events and changes of state are lines on stdout, as text or JSON. The watch survives
+// lost connections and server restarts, which it reports on stderr. The watch ends when all jobs
+// have ended.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,12 @@
 namespace sleight::cli {
 
 struct WatchLook {
-  bool quiet = false;  ///< the end alone is told
-  bool json =
-      false;  ///< of events: a line each; when quiet: the jobs at last, as `status` has them
-  bool single = false;  ///< one job was named alone: without its id before each line
+  bool quiet = false;   ///< print only the end
+  bool json = false;    ///< events: one line each; with `quiet`: the final jobs as in `status`
+  bool single = false;  ///< a single job was named: no id before each line
 };
 
-/// Prints what a watch hears, and remembers how the jobs ended. For one thread.
+/// Prints what a watch receives, and stores how the jobs ended. Not thread-safe.
 class WatchPrinter final : public rpc::WatchSink {
  public:
   WatchPrinter(std::span<const rpc::JobView> jobs, const WatchLook& look);
@@ -41,7 +40,7 @@ class WatchPrinter final : public rpc::WatchSink {
 
   /// Ends the progress line.
   void finish();
-  /// Of all that has settled: failed before cancelled before refused before done.
+  /// Returns the exit code of all settled jobs: failed before cancelled before refused before done.
   base::ExitCode exit_code() const;
 
  private:
@@ -51,12 +50,13 @@ class WatchPrinter final : public rpc::WatchSink {
   WatchLook look_;
   std::map<rpc::JobId, std::string> names_;
   std::map<rpc::JobId, std::unique_ptr<terminal::ProgressPrinter>> printers_;
-  std::map<rpc::JobId, rpc::JobState> states_;  ///< the newest
+  std::map<rpc::JobId, rpc::JobState> states_;  ///< the newest state
   std::optional<base::ExitCode> refused_;
 };
 
-/// Watches these jobs, events from a number on (1: all), until they end or Ctrl-C comes; then tells
-/// how each stands. Returns the exit code: 0 done, 10 failed, 11 cancelled, 130 interrupted.
+/// Watches these jobs until they end or until Ctrl-C, with events from a number on (1: all). Then
+/// prints the status of each job. Returns the exit code: 0 done, 10 failed, 11 cancelled, 130
+/// interrupted.
 int watch_jobs(rpc::Client& client, std::span<const rpc::JobView> jobs, std::uint64_t from_number,
                const WatchLook& look);
 

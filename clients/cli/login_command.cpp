@@ -34,7 +34,7 @@ access::ServerAddress address_of(const std::string& text) {
   return *address;
 }
 
-/// While it lives the terminal shows nothing of what is typed.
+/// Hides typed text on the terminal during its lifetime.
 class WithoutEcho {
  public:
   WithoutEcho() {
@@ -77,7 +77,7 @@ std::string token_given(const LoginOptions& options) {
   }
   std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
   if (!access::token_of(text)) {
-    // Nothing of it is shown: it may be nearly right.
+    // Don't print the text: it may be nearly a valid token.
     terminal::refuse_usage(
         "invalid token: a token begins with sleight_ and ends with a checksum; copy the whole "
         "token");
@@ -91,8 +91,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// With or without what stands before it, in large or small digits, with colons between: the 64
-/// digits.
+/// Returns the 64 digits of a fingerprint. Accepts a prefix before them, upper case and colons.
 std::string digits_of_fingerprint(const std::string& text) {
   std::string digits = lower(text);
   const std::size_t before = digits.find_last_of("=");
@@ -106,7 +105,7 @@ std::string digits_of_fingerprint(const std::string& text) {
       "status` on the service's machine");
 }
 
-/// How the service is to be known; nothing where the system's authorities vouch for it.
+/// Sets how to verify the service; nothing if the system's authorities vouch for it.
 void set_trust(const LoginOptions& options, rpc::RemoteService& service) {
   if (!options.ca_file.empty()) {
     service.certificate = base::read_text_file(options.ca_file, k_pem_bytes_max);

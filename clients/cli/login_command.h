@@ -1,4 +1,4 @@
-// `sleight login` and `sleight logout`: services of other machines.
+// `sleight login` and `sleight logout`: stores tokens for services on other machines.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@ namespace sleight::cli {
 struct LoginOptions {
   std::string address{};
   std::string token_file{};   ///< empty: standard input
-  std::string fingerprint{};  ///< of a certificate of the service's own making
-  std::string ca_file{};      ///< PEM, of the authority that vouches for it
+  std::string fingerprint{};  ///< fingerprint of a self-signed certificate
+  std::string ca_file{};      ///< PEM file of the certificate authority
   bool json = false;
 };
 
-/// Checks the token with the service and keeps it. The token is never an argument, where others
-/// could see it. Throws base::Error: usage, not_allowed (another fingerprint, a wrong token),
+/// Checks the token with the service and stores it. The token is never an argument, which other
+/// users could see. Throws base::Error: usage, not_allowed (another fingerprint, wrong token),
 /// no_server.
 int login(const LoginOptions& options);
 

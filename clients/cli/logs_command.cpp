@@ -18,13 +18,13 @@
 namespace sleight::cli {
 namespace {
 
-/// Between two looks at a log that grows.
+/// Interval for reading a growing log.
 constexpr std::chrono::milliseconds k_log_look_again{500};
-/// A server that stays away for so many looks is given up.
+/// Maximum failed reads before a missing server is given up.
 constexpr int k_looks_in_vain_max = 1200;
 
 std::string fit(std::string_view line) {
-  // A progress line of a terminal renews itself; here each state is a line of its own.
+  // A terminal would overwrite a progress line; here each state is a separate line.
   if (line.ends_with('\r')) line.remove_suffix(1);
   std::string text;
   for (const char c : line)
@@ -41,7 +41,7 @@ void print_piece(const rpc::LogPiece& piece, bool json, LogLines& lines) {
   std::fflush(stdout);
 }
 
-/// None while the server is away.
+/// Returns nothing while the server is away.
 std::optional<rpc::LogPiece> next_piece(rpc::Client& client, const rpc::LogAsk& ask,
                                         int& looks_in_vain) {
   try {
@@ -67,7 +67,7 @@ int follow(rpc::Client& client, rpc::LogAsk ask, rpc::LogPiece piece, const Logs
     ask.from = next;
     auto more = next_piece(client, ask, looks_in_vain);
     if (!more) {
-      piece.end = next;  // so that the next look waits
+      piece.end = next;  // makes the next read wait
       continue;
     }
     piece = *std::move(more);

@@ -1,4 +1,4 @@
-// `sleight logs`: what a job's program wrote, its last lines or as it grows.
+// `sleight logs`: prints the end of a job's log, or follows it.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,20 @@ namespace sleight::cli {
 
 struct LogsOptions {
   std::string job{};
-  bool follow = false;  ///< until the job has ended, or Ctrl-C
+  bool follow = false;  ///< until the job ends or Ctrl-C
   std::uint32_t lines = 50;
   bool json = false;
 };
 
 int show_logs(const std::string& socket, const LogsOptions& options);
 
-/// Bytes of a log, cut anywhere, as lines that are fit for a terminal. A value.
+/// Splits bytes of a log into lines that are safe for a terminal.
 class LogLines {
  public:
-  /// The lines that are whole by now, each with its end; a line beyond k_line_bytes_max comes in
-  /// parts.
+  /// Appends bytes and returns the complete lines, each with its end. Lines longer than
+  /// k_line_bytes_max are returned in parts.
   std::string add(std::string_view bytes);
-  /// What is left, as a line.
+  /// Returns the rest as a line.
   std::string rest();
 
   static constexpr std::size_t k_line_bytes_max = 64U << 10U;

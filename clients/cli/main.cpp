@@ -1,4 +1,4 @@
-// The program `sleight`: parses the command line and calls what it asks for.
+// The program `sleight`: parses the command line and calls its action.
 #include <CLI/CLI.hpp>
 
 #include "clients/cli/main_app.h"

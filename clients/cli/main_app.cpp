@@ -1,4 +1,4 @@
-// The command line of `sleight`: what each local command takes and which function it hands over to.
+// The command line of `sleight`: the options of each local command and the function that runs it.
 #include "clients/cli/main_app.h"
 
 #include <cstdint>
@@ -24,7 +24,7 @@
 namespace sleight::programs {
 namespace {
 
-/// Largest chain or number of draws that can be asked for.
+/// Maximum chain number or number of draws in an option.
 constexpr std::uint64_t k_number_max = 1'000'000'000'000;
 
 void add_direct(CLI::App& app, DirectArguments& arguments, Action& action) {
@@ -71,9 +71,8 @@ void add_request_help(CLI::App& app, RequestHelpArguments& arguments, Action& ac
   keys->callback([&] { action = [&] { return print_keys(arguments.world); }; });
 }
 
-/// How `sleight diagnose` judges a scalar.
 analysis::Verdict judge(std::string_view name, const analysis::ScalarDraws& draws) {
-  // Where thin is longer than the judged scans, no state is archived of them.
+  // With `thin` above the number of judged scans, there is no archived state.
   if (draws.draws == 0) return {};
   const sampling::Convergence found = sampling::convergence_of(
       {.values = draws.values, .chains = draws.chains, .draws = draws.draws});
@@ -282,7 +281,6 @@ void build_app(CLI::App& app, CommandLine& line) {
              k_exit_codes);
   app.add_flag("-v,--verbose", line.verbose, "Log more to stderr");
 
-  // Runs and archives on this machine.
   CommandLine::Arguments& arguments = *line.arguments_;
   Action& action = line.action;
   add_direct(app, arguments.direct, action);
@@ -296,7 +294,6 @@ void build_app(CLI::App& app, CommandLine& line) {
   add_service_commands(app, action);
   add_token_commands(app, action);
 
-  // The program itself.
   add_own_commands(app, arguments.own, action);
 }
 

@@ -1,9 +1,7 @@
-// The command line of `sleight` as a CLI::App, from which parsing, help, completion and man pages
-// come.
+// The command line of `sleight` as a CLI::App, which also generates help, completion and man pages.
 //
-// Each part of it is added by one function, which says in a CLI::App what the user may give, in its
-// arguments where that goes, and in an action what is to be done. An action is set by the parsing
-// of its command and called by main alone.
+// One function adds each command with its options, and stores the parsed values in the command's
+// arguments. Parsing a command sets an action, which only main calls.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,10 +10,10 @@
 
 namespace sleight::programs {
 
-/// What a parsed command line asks for; it returns the exit code.
+/// The work of a parsed command line. Returns the exit code.
 using Action = std::function<int()>;
 
-/// Where parsing puts what it reads.
+/// Stores the parsed command line.
 class CommandLine {
  public:
   CommandLine();
@@ -23,8 +21,8 @@ class CommandLine {
   CommandLine& operator=(const CommandLine&) = delete;
   ~CommandLine();
 
-  Action action;         ///< of the command that was given
-  bool verbose = false;  ///< more on stderr
+  Action action;         ///< of the given command
+  bool verbose = false;  ///< print more to stderr
 
  private:
   friend void build_app(CLI::App& app, CommandLine& line);
@@ -32,7 +30,7 @@ class CommandLine {
   std::unique_ptr<Arguments> arguments_;
 };
 
-/// Adds all commands. REQUIRES: `line` outlives the app; each is built once.
+/// Adds all commands. REQUIRES: `line` outlives the app, and each is used once.
 void build_app(CLI::App& app, CommandLine& line);
 
 }  // namespace sleight::programs

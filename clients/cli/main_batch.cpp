@@ -1,5 +1,5 @@
-// The batch program `sleight-batch`: one request over the ranks of an MPI job. Rank 0 coordinates
-// and computes, the other ranks compute. Without mpirun it is one rank, and MPI is not started.
+// The batch program `sleight-batch` runs one request on the ranks of an MPI job. Rank 0 coordinates
+// and computes; the other ranks compute. Without mpirun there is one rank, and MPI isn't started.
 #include <fmt/format.h>
 #include <mpi.h>
 
@@ -33,7 +33,7 @@
 namespace sleight::programs {
 namespace {
 
-/// Of this process in its job, as mpirun or srun says; none: there is no job.
+/// Returns this process's rank according to mpirun or srun. Nothing if there is no MPI job.
 std::optional<std::string> rank_by_environment() {
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK"}) {
     if (const char* rank = std::getenv(name)) return rank;
@@ -51,8 +51,8 @@ schema::Hello hello_of(const request::DirectionRequest& request) {
           .threads = 1};
 }
 
-/// From rank 0. That may wait for whoever types the request: the others sleep meanwhile, as
-/// MPI_Bcast would not.
+/// Broadcasts from rank 0, which may wait until a person has typed the request. Meanwhile other
+/// ranks sleep, unlike in MPI_Bcast.
 void broadcast(void* data, std::uint64_t count, MPI_Datatype type) {
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Ibcast(data, static_cast<int>(count), type, 0, MPI_COMM_WORLD, &request);
@@ -70,15 +70,15 @@ std::string as_rank_0_has_it(std::string text) {
   return text;
 }
 
-/// Rank 0's, on all ranks, which call it at the same point: others may have no such file, and no
-/// standard input.
+/// Returns rank 0's request on all ranks, because other ranks may lack the file and standard input.
+/// All ranks must call it at the same point.
 cli::GivenRequest as_rank_0_has_it(const cli::GivenRequest& given) {
   return {.name = as_rank_0_has_it(given.name), .text = as_rank_0_has_it(given.text)};
 }
 
 struct Rank0End {
   int code = 0;
-  bool all_have_left = true;  ///< no other rank is still there
+  bool all_have_left = true;  ///< all other ranks have exited
 };
 
 Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi, cli::EndReport& end_report) {
@@ -109,7 +109,7 @@ Rank0End run_rank_0(const DirectArguments& arguments, bool with_mpi, cli::EndRep
 }
 
 void run_other_rank(DirectArguments arguments) {
-  // Signals reach every rank; only rank 0 decides what to make of them.
+  // All ranks receive signals, but only rank 0 acts on them.
   coordinator::ignore_stop_signals();
   arguments.errors_elsewhere = true;
   const cli::GivenRequest given = as_rank_0_has_it(cli::GivenRequest());
@@ -130,7 +130,7 @@ std::string name_of_rank(int rank) {
   return fmt::format("sleight-batch, rank {}", rank);
 }
 
-/// Runs this rank and returns the job's exit code; never lets an exception past MPI.
+/// Runs this rank and returns the job's exit code. Exceptions never pass MPI.
 int run_ranks(const DirectArguments& arguments, cli::EndReport& end_report, int* argc,
               char*** argv) {
   int provided = 0;
@@ -177,7 +177,7 @@ int run_ranks(const DirectArguments& arguments, cli::EndReport& end_report, int*
   }
 }
 
-/// Of a rank also how its job was started, and which it is.
+/// Also notes the rank and how its job was started.
 void note_what_repeats_of_rank(int argc, char** argv) {
   const char* const ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
   note_what_repeats(argc, argv, ranks == nullptr ? "" : fmt::format("mpirun -n {} ", ranks));
@@ -194,15 +194,15 @@ int main_of(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    std::ostringstream unheard;  // all ranks have the same to say
+    std::ostringstream unheard;  // all ranks would print the same
     const bool speaks = rank_by_environment().value_or("0") == "0";
     const int code = speaks ? app.exit(error) : app.exit(error, unheard, unheard);
     return code == 0 ? 0 : static_cast<int>(base::ExitCode::usage);
   }
   logging::log_to_stderr("sleight-batch", false);
   try {
-    // Of every rank, for bugs; how the session ended is told by rank 0 alone, and other hosts don't
-    // see its pipe.
+    // Every rank reports bugs. Only rank 0 reports how the session ended; ranks on other hosts
+    // can't see the pipe.
     const bool is_rank_0 = rank_by_environment().value_or("0") == "0";
     cli::EndReport end_report(arguments.end_report, is_rank_0
                                                         ? cli::EndReport::Missing::is_an_error

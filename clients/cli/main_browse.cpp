@@ -127,7 +127,7 @@ void add_compare(CLI::App& app, cli::CompareOptions& options, Action& action) {
   command->callback([&] { action = [&] { return cli::compare_archives(options); }; });
 }
 
-/// What is exported is chosen here; how it is written, in add_export.
+/// Adds the options that choose animations; add_export adds those of the format.
 void add_choice(CLI::App& command, cli::ExportChoice& choice) {
   command
       .add_option(

@@ -1,4 +1,4 @@
-// The commands that browse archives and take things out of them: find, groups, compare, export.
+// The commands that browse archives: find, groups, compare, export.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ struct BrowseArguments {
   cli::ExportAnimationsOptions exported{};
 };
 
-/// Adds them; `arguments` and `action` must outlive the app.
+/// Adds the commands. REQUIRES: `arguments` and `action` outlive the app.
 void add_browse_commands(CLI::App& app, BrowseArguments& arguments, Action& action);
 
 }  // namespace sleight::programs

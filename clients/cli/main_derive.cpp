@@ -63,7 +63,7 @@ int derive(const DeriveArguments& given) {
     folder.pop_back();
   refuse_what_is_no_run(folder);
 
-  // Whose run it is; another program might learn something else from its scans.
+  // Check the results version, because another program might interpret the scans differently.
   const store::StoredRequest stored = store::stored_request_of(folder);
   if (stored.results_version != results_version()) {
     throw base::Error(
@@ -82,7 +82,7 @@ int derive(const DeriveArguments& given) {
   refuse_unusable_output({.folder = folder, .output = arguments.output, .json = arguments.json},
                          request);
 
-  // Where the run stands, and its archive.
+  // Make the archive from the run store.
   const run::WorldEntry& world = catalogue.world_of(request);
   const auto plan = run::make_plan(request, world);
   request::Cut cut = coordinator::committed_cut(folder, *plan);

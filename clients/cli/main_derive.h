@@ -1,4 +1,4 @@
-// `sleight archive derive`: the archive of a run so far, out of its store.
+// `sleight archive derive`: makes the archive of an unfinished run from its run store.
 #pragma once
 
 #include <string>
@@ -6,12 +6,12 @@
 namespace sleight::programs {
 
 struct DeriveArguments {
-  std::string folder;  ///< of the run: ball.h5.run
+  std::string folder;  ///< the run's folder, such as ball.h5.run
   std::string output;
   bool json = false;
 };
 
-/// Derives, and says what the archive holds; the exit code.
+/// Makes the archive, prints its content and returns the exit code.
 int derive(const DeriveArguments& arguments);
 
 }  // namespace sleight::programs

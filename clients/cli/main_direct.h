@@ -1,4 +1,4 @@
-// `sleight direct`, `check`, `keys` and `replay`: the subcommands that need the worlds.
+// The commands that require the worlds: `sleight direct`, `check`, `keys` and `replay`.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace sleight::programs {
 
-/// Runs a request here, in this process.
+/// Runs a request in this process.
 int direct(const DirectArguments& arguments);
 
-/// Prints the normalised request, with the keys that are set in it, or its errors.
+/// Prints the normalised request with the set keys, or its errors.
 int check_request(const std::string& path, const std::vector<std::string>& sets);
 
-/// Prints all keys of a world, or the worlds when none is named.
+/// Prints all keys of a world, or the names of the worlds if `world` is empty.
 int print_keys(const std::string& world);
 
-/// Simulates the state of a failed simulation's file and says how it ends; the exit code.
+/// Repeats the failed simulation of a failure file, prints how it ends, and returns the exit code.
 int replay(const std::string& path, bool json);
 
 }  // namespace sleight::programs

@@ -1,4 +1,4 @@
-// `sleight gallery` on the command line.
+// Adds `sleight gallery` to the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 
 namespace sleight::programs {
 
-/// Adds it; `options` and `action` must outlive the app. `rules`: by which chains are judged.
+/// `rules` judge chains. REQUIRES: `options` and `action` outlive the app.
 void add_gallery_command(CLI::App& app, cli::CommandOptions& options, const analysis::Rules& rules,
                          Action& action);
 

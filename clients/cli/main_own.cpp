@@ -21,7 +21,7 @@
 namespace sleight::programs {
 namespace {
 
-/// The programs that have completion and manual pages: one for each name of k_programs.
+/// The programs with completion and manual pages, parallel to k_programs.
 constexpr std::array<const char*, 3> k_programs{"sleight", "sleight-batch", "sleightd"};
 
 command_tree::Command tree_of_program(const std::string& name) {
@@ -47,8 +47,8 @@ int print_completion(const std::string& shell, const std::string& program) {
   return static_cast<int>(base::ExitCode::ok);
 }
 
-/// "November 26, 2026": of SOURCE_DATE_EPOCH, by which packagers make the same pages again, or
-/// today.
+/// Returns a date such as "November 26, 2026": today, or SOURCE_DATE_EPOCH for reproducible
+/// packages.
 std::string page_date() {
   using std::chrono::system_clock;
   system_clock::time_point moment = system_clock::now();
@@ -116,7 +116,7 @@ void add_completion(CLI::App& app, OwnArguments& arguments, Action& action) {
 
 void add_man(CLI::App& app, OwnArguments& arguments, Action& action) {
   CLI::App* command = app.add_subcommand("man", "Print the manual page or write all pages");
-  command->group("");  // hidden: `man sleight` is what people ask
+  command->group("");  // hidden, because people use `man sleight`
   command
       ->add_option("--directory", arguments.folder,
                    "Write the manual pages of all programs to this folder")

@@ -1,5 +1,5 @@
 // Commands about the program itself: `sleight config`, `completion`, and `man`, which the build
-// calls.
+// uses.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,7 +13,7 @@ struct OwnArguments {
   bool json = false;
   std::string shell;
   std::string program = "sleight";
-  std::string folder;  ///< of manual pages; empty: the program's own on stdout
+  std::string folder;  ///< for manual pages; empty: prints the program's own page to stdout
 };
 
 void add_own_commands(CLI::App& app, OwnArguments& arguments, Action& action);

@@ -35,8 +35,8 @@
 namespace sleight::programs {
 namespace {
 
-/// A line on stderr; where that is lost, the exit code still tells. What others wrote (names of
-/// files, of archives' bodies) must not steer a terminal.
+/// Prints a line to stderr; if it is lost, the exit code remains. Text from others (names of files
+/// or bodies) must not affect a terminal.
 void complain(std::string line) {
   std::ranges::replace_if(
       line, [](char c) { return (c >= 0 && c < ' ' && c != '\n' && c != '\t') || c == '\x7f'; },
@@ -68,7 +68,7 @@ json::Value handling_json(const coordinator::Handling& handling) {
       {"cache_bytes", handling.cache.bytes}};
 }
 
-/// What the session computed, and how often a chain found its last simulation held.
+/// Prints what the session computed, and how often a chain found its last simulation cached.
 void print_effort(const coordinator::RunSummary& summary) {
   const events::Progress& progress = summary.progress;
   if (progress.session_simulations == 0) return;
@@ -84,7 +84,7 @@ void print_effort(const coordinator::RunSummary& summary) {
   fmt::print("\n");
 }
 
-/// What was refused since the simulator failed, in this session and earlier ones.
+/// Prints failed simulations of this session and earlier ones.
 void print_failures(const DirectArguments& arguments, const coordinator::RunSummary& summary) {
   const plan::FailureCounts& failures = summary.progress.failures;
   if (failures.total() == 0) return;
@@ -98,7 +98,7 @@ void print_failures(const DirectArguments& arguments, const coordinator::RunSumm
                         summary.first_failure));
 }
 
-/// What the last starts of a search had in common.
+/// Returns what the last starts of a search had in common.
 std::string why_it_gave_up(const plan::Finds& finds) {
   if (finds.relaxed < finds.relaxed_wanted && finds.found >= finds.wanted)
     return fmt::format("None of the last {} finds satisfied the constraint after relaxing.",
@@ -113,7 +113,7 @@ std::string why_it_gave_up(const plan::Finds& finds) {
       sampling::k_starts_in_vain_max, finds.stuck_at);
 }
 
-/// Why there is no archive.
+/// Returns why there is no archive.
 std::string what_is_missing(const coordinator::RunSummary& summary) {
   const plan::Finds& finds = summary.progress.finds;
   if (finds.is_all && finds.gave_up && finds.found == 0)
@@ -226,7 +226,7 @@ std::string usage_words(const CLI::App* app, const CLI::Error& error) {
                           near ? fmt::format("; did you mean '{}'?", *near) : "");
     }
   }
-  // CLI11 says this also if an integer is written as 1e3.
+  // CLI11 also uses this message for an integer written as 1e3.
   constexpr std::string_view k_value = ": Value ";
   constexpr std::string_view k_range = " not in range ";
   const std::size_t value = words.find(k_value);
@@ -348,7 +348,7 @@ namespace {
 
 using Read = base::Result<request::DirectionRequest, std::vector<request::Diagnostic>>;
 
-/// `asked` where an option replaces the request's [stop].
+/// `asked`: set if an option replaces the request's [stop].
 Read read(const run::Catalogue& catalogue, const cli::GivenRequest& given,
           std::optional<request::Asked> asked, const DirectArguments& arguments) {
   const auto sets = request::plain_sets(arguments.sets);
@@ -458,7 +458,7 @@ int report_failure(const std::string& program) {
     complain(fmt::format("{}: {}", program, base::k_too_little_memory));
     return static_cast<int>(base::ExitCode::environment);
   } catch (const std::exception& error) {
-    // Threads are refused so.
+    // Starting a thread fails with these errors.
     const auto* failed = dynamic_cast<const std::system_error*>(&error);
     if (failed != nullptr && (failed->code() == std::errc::resource_unavailable_try_again ||
                               failed->code() == std::errc::not_enough_memory)) {

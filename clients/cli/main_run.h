@@ -1,5 +1,5 @@
-// What the two programs that run requests share: options of a run, reading the request, and the
-// summary at the end. Part of the programs' mains, where the sides are joined.
+// Code shared by the two programs that run requests: options of a run, reading the request, and the
+// final summary. Part of the mains, which join clients and worker.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,89 +15,89 @@
 
 namespace sleight::programs {
 
-/// What a command line asks for in the place of a request's [stop].
+/// Options that replace a request's [stop].
 struct AnswerOptions {
   std::optional<std::uint32_t> number{};  ///< -n
   bool found = false;
   bool in_proportion = false;
 
-  /// None: nothing.
+  /// Returns nothing if no option is given.
   std::optional<request::Asked> asked() const;
-  /// What asks for it, for errors: "--found -n 3".
+  /// Returns the options' text for errors, such as "--found -n 3".
   std::string words() const;
 };
 
-/// -n, --found and --in-proportion.
+/// Adds -n, --found and --in-proportion.
 void add_answer_options(CLI::App& app, AnswerOptions& options);
 
-/// As the command line gives them.
+/// The parsed command line of a run.
 struct DirectArguments {
-  std::string request_path;       ///< or, in its place,
-  std::string word;               ///< that balls spell
-  AnswerOptions answer;           ///< in place of the request's [stop]
-  std::vector<std::string> sets;  ///< keys in place of the request's (request::KeySet)
-  bool print_request = false;     ///< and do nothing else
+  std::string request_path;  ///< or a word for balls to spell
+  std::string word;
+  AnswerOptions answer;           ///< replaces the request's [stop]
+  std::vector<std::string> sets;  ///< replace keys of the request (request::KeySet)
+  bool print_request = false;     ///< print the request and exit
   std::string output;
   bool fresh = false;
   bool json = false;
   bool quiet = false;
-  bool strict = false;            ///< a simulation that fails ends the run
+  bool strict = false;            ///< a failed simulation ends the run
   bool errors_elsewhere = false;  ///< another rank prints the request's errors
-  std::string time_limit;         ///< "20s", "5m", "1h"; empty for none
-  std::string end_report;         ///< a pipe that hears how the session ended; empty for none
+  std::string time_limit;         ///< "20s", "5m", "1h"; empty: none
+  std::string end_report;         ///< pipe for the end report; empty: none
   std::optional<std::uint64_t> seed;
-  std::size_t threads = 0;  ///< 0: one a core
+  std::size_t threads = 0;  ///< 0: one per core
   std::size_t cache_mb = run::k_cache_bytes_max >> 20U;
 
   run::WorkerResources resources() const { return {.cache_bytes_max = cache_mb << 20U}; }
 };
 
-/// From now on a bug is reported with what repeats it: the command line, and from read_request
-/// on the request and its seed. `launcher` stands before the command ("mpirun -n 3 "). For a main's
-/// first line.
+/// From now on, bug reports include what repeats the bug: the command line, and after read_request
+/// also the request and its seed. `launcher` precedes the command, such as "mpirun -n 3 ". Call it
+/// first in main.
 void note_what_repeats(int argc, const char* const* argv, const std::string& launcher = {});
 
 void add_run_options(CLI::App& app, DirectArguments& arguments);
 
-/// --set, which may be repeated.
+/// Adds --set, which may be repeated.
 void add_sets_option(CLI::App& app, std::vector<std::string>& sets);
 
-/// What is wrong with a command line, and which command's help to read: for CLI11's
+/// Returns what is wrong with a command line, and which command's help to read. Use as CLI11's
 /// failure_message.
 std::string usage_words(const CLI::App* app, const CLI::Error& error);
 
-/// The command line of `sleight-batch`: here, since `sleight man` has its page too.
+/// Builds the command line of `sleight-batch`. Shared because `sleight man` prints its page too.
 void build_batch_app(CLI::App& app, DirectArguments& arguments);
 
-/// Seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for anything else.
+/// Returns the seconds of "90", "90s", "5m" or "1.5h". Throws base::Error(usage) for other texts.
 double parse_duration_s(const std::string& text);
 
-/// The request's text, which is read once. Throws base::Error: usage where there is no request, or
-/// no output for it.
+/// Reads the request's text. Throws base::Error(usage) if there is no request, or no output for it.
 cli::GivenRequest given_request(const DirectArguments& arguments);
 
-/// --print-request: shows the request, and returns the exit code.
+/// Prints the request for --print-request, and returns the exit code.
 int print_request(const run::Catalogue& catalogue, const cli::GivenRequest& given,
                   const DirectArguments& arguments);
 
-/// Reads and checks the request; prints every error to stderr. None when there were any.
+/// Reads and checks the request. Prints every error to stderr, and returns nothing if there are
+/// any.
 std::optional<request::DirectionRequest> read_request(const run::Catalogue& catalogue,
                                                       cli::GivenRequest given,
                                                       const DirectArguments& arguments);
 
-/// Runs a read request with the given crew, with progress on stderr and a summary on stdout.
-/// Returns the exit code.
+/// Runs a request with the crew. Prints progress to stderr and a summary to stdout. Returns the
+/// exit code.
 int run_and_report(const request::DirectionRequest& request, const run::Catalogue& catalogue,
                    DirectArguments arguments, coordinator::Crew& crew, cli::EndReport& end_report);
 
-/// Ends the process while threads compute what nobody waits for.
+/// Ends the process without waiting for threads that still compute.
 [[noreturn]] void leave_at_once(int code);
 
-/// What --version says.
+/// Returns the text of --version.
 std::string version_text();
 
-/// Prints a base::Error or any other exception as "program: message" and gives its exit code; of a
-/// bug also what repeats it.
+/// Prints the current exception as "program: message" and returns its exit code. For a bug, also
+/// prints what repeats it.
 int report_failure(const std::string& program);
 
 extern const char* const k_exit_codes;

@@ -32,7 +32,7 @@ constexpr std::uint32_t k_lines_max = 100'000;
 const char* const k_jobs_help = "Job number (17), range (3..8) or group (g5)";
 const char* const k_json_help = "Print JSON";
 
-/// A command whose options live as long as the app. `run` is its work.
+/// Adds a command whose options live as long as the app. `run` executes it.
 template <class Options, class Run>
 CLI::App* add_command(CLI::App& app, const char* name, const char* help, Action& action, Run run,
                       std::shared_ptr<Options> options) {
@@ -48,7 +48,7 @@ void add_jobs(CLI::App& command, cli::JobsOptions& options) {
   command.add_flag("--json", options.json, k_json_help);
 }
 
-/// The worlds of this program, for requests that are changed before they are sent.
+/// Returns this program's worlds, for requests that are changed before they are sent.
 cli::RequestTexts request_texts() {
   return {.normalised = [](std::string_view text, std::string_view file,
                            std::span<const request::KeySet> sets,

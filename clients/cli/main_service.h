@@ -1,7 +1,7 @@
-// The commands that speak to the service: submit, list, status, watch, wait, logs, cancel, hold,
-// resume, priority, extend, fetch, delete, pin and server. Part of the programs' mains: this is
-// their place in the command line; what they do is in submit_command.h, job_commands.h,
-// fetch_command.h and server_commands.h.
+// The commands that call the service: submit, list, status, watch, wait, logs, cancel, hold,
+// resume, priority, extend, fetch, delete, pin and server. This part of the mains adds them to the
+// command line. submit_command.h, job_commands.h, fetch_command.h and server_commands.h implement
+// them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,12 +9,12 @@
 
 namespace sleight::programs {
 
-/// What commands call: a socket's path, or HOST:PORT. Throws base::Error(usage) where settings are
-/// wrong.
+/// Returns the service's address: a socket's path, or HOST:PORT. Throws base::Error(usage) if
+/// settings are wrong.
 std::string service_called();
 
-/// Adds the commands. `action` becomes what a parsed one asks for, and returns the exit code; the
-/// arguments live as long as the app.
+/// Adds the commands, whose arguments the app owns. Parsing sets `action` to the command's work,
+/// which returns the exit code.
 void add_service_commands(CLI::App& app, std::function<int()>& action);
 
 }  // namespace sleight::programs

@@ -7,7 +7,7 @@
 namespace sleight::programs {
 namespace {
 
-/// A setting that a daemon's start may give; all others are the file's.
+/// A setting that has an option; other settings are only in the file.
 struct SettingOption {
   const char* key;
   const char* option;

@@ -1,5 +1,5 @@
-// The settings of the service (common/config) as options of a command line, for `sleight server
-// start` and `sleightd`, which take the same ones.
+// Options for the service's settings (common/config), shared by `sleight server start` and
+// `sleightd`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,11 +9,11 @@
 
 namespace sleight::programs {
 
-/// Adds --cores, --memory and so on; those that are given are put into `given`, in the order of the
-/// command line's options. REQUIRES: `given` lives as long as the app.
+/// Adds --cores, --memory and so on. Appends given options to `given`, in the order in which they
+/// are defined. REQUIRES: `given` outlives the app.
 void add_setting_options(CLI::App& app, std::vector<config::Given>& given);
 
-/// The command line of `sleightd`: with those options alone. REQUIRES: likewise.
+/// Builds the command line of `sleightd`. REQUIRES: `given` outlives the app.
 void build_daemon_app(CLI::App& app, std::vector<config::Given>& given);
 
 }  // namespace sleight::programs

@@ -77,7 +77,7 @@ jobs::Options job_options_of(const config::Settings& settings) {
   return options;
 }
 
-/// The group's number. Throws base::Error where there is no such group.
+/// Returns the group's number. Throws base::Error if there is no such group.
 std::optional<std::uint32_t> group_of(const config::Setting<std::string>& setting) {
   if (setting.value.empty()) return std::nullopt;
   const group* found = ::getgrnam(setting.value.c_str());
@@ -95,7 +95,7 @@ int serve(const config::Settings& settings) {
   }
   const run::Catalogue catalogue = worlds_of_program();
   const System system = system_of(settings);
-  // Before the options: GCC 12 destroys an aggregate's members twice where a later one's
+  // Compute these before the options: GCC 12 destroys an aggregate's members twice if a later
   // initialiser throws.
   const std::optional<std::uint32_t> group = group_of(settings.group);
   daemon::ServerFacts facts = facts_of(settings);

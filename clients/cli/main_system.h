@@ -1,4 +1,4 @@
-// What runs a daemon's jobs where this machine doesn't: Slurm, or a program's system.
+// Selects the backend that runs a daemon's jobs: this machine, Slurm, or a program's system.
 #pragma once
 
 #include <map>
@@ -13,13 +13,13 @@ namespace sleight::programs {
 struct System {
   std::shared_ptr<backend::Backend> backend{};  ///< null: this machine
   std::string name{};                           ///< "local", "slurm", or the program's path
-  std::string script{};                         ///< direct.sbatch, of slurm
+  std::string script{};                         ///< path of direct.sbatch for slurm
 };
 
-/// As the settings say. Throws base::Error(usage), which names the setting.
+/// Returns the system of the settings. Throws base::Error(usage) with the wrong setting.
 System system_of(const config::Settings& settings);
 
-/// Why a job's options are no good there. Throws base::Error(usage).
+/// Throws base::Error(usage) if the system doesn't support a job's options.
 void check_options(const config::Settings& settings,
                    const std::map<std::string, std::string>& options);
 

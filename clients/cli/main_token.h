@@ -1,4 +1,4 @@
-// The commands of services on other machines: `sleight token`, `login` and `logout`.
+// The commands for services on other machines: `sleight token`, `login` and `logout`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,7 @@
 
 namespace sleight::programs {
 
-/// As add_service_commands (main_service.h).
+/// Works like add_service_commands (main_service.h).
 void add_token_commands(CLI::App& app, std::function<int()>& action);
 
 }  // namespace sleight::programs

@@ -1,4 +1,4 @@
-// Which worlds of a program have plots of their own: one function, that tests replace by their own.
+// The worlds of a program that have their own plots, as one function that tests replace.
 #pragma once
 
 #include "clients/pictures/world_plots.h"

@@ -1,4 +1,4 @@
-// Which worlds a program has: one function, that tests replace by their own.
+// The worlds of a program, as one function that tests replace.
 #pragma once
 
 #include "worker/run/catalogue.h"

@@ -22,7 +22,7 @@
 namespace sleight::cli {
 namespace {
 
-/// Any world's outcomes and log p along its chains.
+/// Draws outcomes and log p along the chains of any world.
 plot::Figure plain_trace(const archive::Source& source, const PlotOptions& options) {
   const archive::Summary summary = archive::summary_of(source);
   plot::Figure figure{.title = summary.world, .height_px = 0, .panels = {}};
@@ -46,7 +46,7 @@ plot::Figure plain_trace(const archive::Source& source, const PlotOptions& optio
   return figure;
 }
 
-/// The world's own, where it draws that; else null.
+/// Returns the world's own plots if they include `what`; otherwise null.
 const pictures::WorldPlots* plots_for(const pictures::PlotsOfWorlds& worlds, std::string_view world,
                                       std::string_view what) {
   for (const auto& plots : worlds) {
@@ -58,13 +58,13 @@ const pictures::WorldPlots* plots_for(const pictures::PlotsOfWorlds& worlds, std
   return nullptr;
 }
 
-/// A word of `--what` that only some worlds have.
+/// A choice of `--what` that only some worlds have.
 struct OwnWhat {
   pictures::WorldPlots::Kind kind{};
   std::vector<std::string> worlds{};
 };
 
-/// In the order of worlds and kinds.
+/// Returns the choices in the order of worlds and kinds.
 std::vector<OwnWhat> own_whats_of(const pictures::PlotsOfWorlds& worlds) {
   std::vector<OwnWhat> found;
   for (const auto& plots : worlds) {

@@ -1,6 +1,5 @@
-// `sleight plot`: pictures of an archive, on the terminal or as SVG or PNG.
-//
-// A trace and the animations of any world; and what single worlds have (world_plots.h).
+// `sleight plot`: draws pictures of an archive on the terminal or as SVG or PNG. Every world has a
+// trace and animations; some worlds have more (world_plots.h).
 #pragma once
 
 #include <cstdint>
@@ -14,25 +13,24 @@ namespace sleight::cli {
 
 struct PlotOptions {
   std::string path;
-  std::string output;                  ///< .svg or .png; empty: draw on the terminal
-  std::string what{};                  ///< one of whats_of; empty: the trace, or without draws
-                                       ///< the animations
+  std::string output;  ///< .svg or .png file; empty: the terminal
+  std::string what{};  ///< one of whats_of; empty: the trace, or animations if there are no draws
   std::optional<std::uint64_t> chain;  ///< none: all, up to six
-  std::uint64_t draws = 0;             ///< the first so many; 0: all
+  std::uint64_t draws = 0;             ///< number of first draws; 0: all
   std::uint64_t count = 3;             ///< animations to draw
-  std::vector<std::string> notes{};  ///< `name=value`, for an SVG's metadata (clients/plot/notes.h)
+  std::vector<std::string> notes{};  ///< `name=value` for an SVG's metadata (clients/plot/notes.h)
 };
 
-/// What can be asked for: of every world, then of single ones.
+/// Returns the choices of `what`: those of every world, then those of single worlds.
 std::vector<std::string> whats_of(const pictures::PlotsOfWorlds& worlds);
 
-/// What each of these is, for the help: "trace: ...; animations: ...; paths: ... (ball_2d)".
+/// Returns help for the choices: "trace: ...; animations: ...; paths: ... (ball_2d)".
 std::string help_of_whats(const pictures::PlotsOfWorlds& worlds);
 
-/// Returns the exit code; throws base::Error. REQUIRES: one of whats_of is asked for.
+/// Returns the exit code. Throws base::Error. REQUIRES: `what` is empty or one of whats_of.
 int plot_archive(const PlotOptions& options, const pictures::PlotsOfWorlds& worlds);
 
-/// What it draws, as a value. `whole`: for a file, with more than a terminal has room for.
+/// Returns the picture as a value. `whole`: with details for a file that don't fit on a terminal.
 pictures::Picture picture_of(const archive::Source& source, const PlotOptions& options, bool whole,
                              const pictures::PlotsOfWorlds& worlds);
 

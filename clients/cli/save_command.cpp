@@ -48,7 +48,7 @@ std::vector<gallery::SavedArchive> read_archives(const std::vector<std::string>&
       faults.push_back(error);
     }
   }
-  // The first one ends the program where nothing is left, and is said by that.
+  // If no archive is left, the first fault is thrown below instead of printed here.
   const std::size_t thrown = archives.empty() && !faults.empty() ? 1 : 0;
   for (std::size_t i = thrown; i < faults.size(); ++i)
     fmt::print(stderr, "left out: {}\n", faults[i].what());
@@ -60,7 +60,7 @@ std::vector<gallery::SavedArchive> read_archives(const std::vector<std::string>&
   return archives;
 }
 
-/// Brings the archives of jobs here: a job that has none of its own yet gives what it committed.
+/// Fetches the archives of jobs. A job without an archive yields its committed results.
 void fetch_jobs(const gallery::NamedArchives& named) {
   for (const gallery::NamedArchives::Job& job : named.jobs()) {
     service_client::with_service(named.service(), [&](rpc::Client& client) {

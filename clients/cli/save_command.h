@@ -1,4 +1,4 @@
-// `sleight gallery --save`: archives as a folder of static files (saved_gallery.h).
+// `sleight gallery --save`: saves archives as a folder of static files (saved_gallery.h).
 #pragma once
 
 #include <functional>
@@ -9,10 +9,10 @@
 
 namespace sleight::cli {
 
-/// Tells stderr how it goes, and of each archive that can't be read that it is left out. Of a job
-/// the archive is saved, or what it has committed so far. `service_called`: the service's place.
-/// Throws base::Error: of the first one where none is left, and as save_gallery. REQUIRES: a folder
-/// to save in; no other thread runs.
+/// Saves archives, or jobs' archives so far. Prints progress and archives that can't be read to
+/// stderr. `service_called` returns the service's address. Throws the first archive's base::Error
+/// if none can be read, and errors of save_gallery. REQUIRES: options.save is set; no other thread
+/// runs.
 int save_archives(const CommandOptions& options, const std::function<std::string()>& service_called,
                   const analysis::Rules& rules);
 

@@ -31,10 +31,10 @@ namespace {
 constexpr double k_start_s_max = 30;
 constexpr double k_stop_s_max = 30;
 constexpr std::chrono::milliseconds k_server_look_again{20};
-/// Of the log of a daemon that did not start.
+/// Log lines shown if a daemon doesn't start.
 constexpr std::size_t k_told_log_lines = 20;
 
-/// The daemon's words, none where none answers.
+/// Returns the daemon's status, or nothing if none answers.
 std::optional<rpc::ServerView> server_at(const std::string& socket) {
   try {
     rpc::Client client(service_client::place_of(socket), {.call_s_max = 5});
@@ -69,7 +69,7 @@ int tell_started(const rpc::ServerView& server, const std::string& socket, bool 
   throw base::Error(process.exit_code(), words);
 }
 
-/// Waits for the process that was started, or for another one that was faster.
+/// Waits for the started process, or for another process that was faster.
 int wait_for_server(service_client::ServerProcess& process, const std::string& socket,
                     const ServerStartOptions& options) {
   const base::SteadyClock clock;
@@ -87,7 +87,7 @@ int wait_for_server(service_client::ServerProcess& process, const std::string& s
   }
 }
 
-/// It has, but who started it has not asked how.
+/// Whether the process is a zombie: exited, but not reaped.
 bool has_exited(std::int64_t pid) {
   std::string line;
   std::ifstream file(fmt::format("/proc/{}/stat", pid));
@@ -96,18 +96,18 @@ bool has_exited(std::int64_t pid) {
   return name_end != std::string::npos && line.substr(name_end).starts_with(") Z");
 }
 
-/// Its socket goes first; the folder is free once the process has gone. Of one on another machine
-/// no more is seen than that it doesn't answer.
+/// Whether a daemon has exited. Its socket disappears first; its folder is free once the process
+/// has exited. A daemon on another machine counts as exited if it doesn't answer.
 bool is_gone(std::int64_t pid, const std::string& socket) {
   if (!socket.starts_with('/')) return !server_at(socket);
   if (pid > 0 && ::kill(static_cast<pid_t>(pid), 0) == 0) return has_exited(pid);
   if (pid > 0 && errno == ESRCH) return true;
-  // Another user's process can't be asked for; its socket can.
+  // Another user's process can't be signalled, so test the socket.
   return ::access(socket.c_str(), F_OK) != 0;
 }
 
-/// A server that has the folder of this socket, but does not answer: somebody has deleted the
-/// socket, or it is just ending. 0: none.
+/// Returns the pid of a server that owns this socket's folder but doesn't answer, because its
+/// socket was deleted or because it is exiting. 0: none.
 std::int64_t silent_server_at(const std::string& socket) {
   const config::Settings settings = config::settings_here({});
   if (settings.socket.value != socket) return 0;
@@ -142,7 +142,7 @@ int tell_stopped(std::int64_t pid, bool json) {
   return terminal::k_ok;
 }
 
-/// "core-hours of a user" as a key: core_hours_of_a_user.
+/// Converts "core-hours of a user" to the key core_hours_of_a_user.
 std::string key_of(std::string words) {
   std::ranges::replace_if(
       words, [](char c) { return c == ' ' || c == '-' || c == ','; }, '_');

@@ -1,8 +1,8 @@
-// `sleight server start|stop|drain|status`: the daemon of this machine.
+// `sleight server start|stop|drain|status`: controls this machine's daemon.
 //
-// `start` finds `sleightd` beside this program and starts it in a session of its own, with its
-// output in `server.log` of its state folder; it returns when the daemon answers. A daemon that is
-// there already is what was asked for.
+// `start` finds `sleightd` beside this program and starts it in its own session. The daemon's
+// output goes to `server.log` in its state folder. `start` returns when the daemon answers, and
+// succeeds if a daemon was already running.
 #pragma once
 
 #include <string>
@@ -15,26 +15,26 @@
 namespace sleight::cli {
 
 struct ServerStartOptions {
-  std::vector<config::Given> given{};  ///< settings, handed on to the daemon
-  bool foreground = false;             ///< becomes the daemon
+  std::vector<config::Given> given{};  ///< settings, passed to the daemon
+  bool foreground = false;             ///< replaces this process by the daemon
   bool json = false;
 };
 
-/// Why and how the daemon could not be started is thrown as base::Error, with the end of its log.
+/// Throws base::Error with the reason and the end of the log if the daemon can't be started.
 int start_server(const ServerStartOptions& options);
 
-/// Ends the daemon and waits until it is gone; jobs run on. Without one it says so.
+/// Stops the daemon and waits until it has exited. Jobs keep running. Reports if there was no
+/// daemon.
 int stop_server(const std::string& socket, bool json);
 
-/// It starts nothing more, and stops what runs in order.
+/// Makes the daemon start no more jobs, and stop running ones in order.
 int drain_server(const std::string& socket, bool json);
 
 int show_server(const std::string& socket, bool json);
 
-/// What `server status` prints.
 report::Report server_report(const rpc::ServerView& server, const std::string& socket);
 
-/// The daemon's command line: {"sleightd", "--cores=8"}.
+/// Returns the daemon's command line, such as {"sleightd", "--cores=8"}.
 std::vector<std::string> server_command(const std::string& program,
                                         const std::vector<config::Given>& given);
 

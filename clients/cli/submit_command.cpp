@@ -21,11 +21,11 @@
 namespace sleight::cli {
 namespace {
 
-constexpr std::size_t k_option_characters_max = 60;  // that an error shows
+constexpr std::size_t k_option_characters_max = 60;  // shown in an error
 
 using Diagnostics = std::vector<request::Diagnostic>;
 
-/// A server that is killed between call and answer is waited for so long; then people decide.
+/// How long to wait for a server killed between call and answer.
 constexpr double k_away_s_max = 30;
 constexpr double k_first_wait_s = 0.05;
 constexpr double k_wait_s_max = 1;
@@ -42,7 +42,7 @@ std::uint64_t memory_of(const std::string& text) {
 std::string job_name(const SubmitOptions& options) {
   std::string name = options.name;
   if (name.empty()) name = short_name_of(options.request_path, options.word);
-  // A name is for people: a file's may be anything.
+  // A name must be printable, but a file's name may contain anything.
   name = request::printable(name, name.size());
   if (!options.name.empty() && name.size() > rpc::k_name_bytes_max) {
     throw base::Error(base::ExitCode::usage,
@@ -52,7 +52,7 @@ std::string job_name(const SubmitOptions& options) {
   return name;
 }
 
-/// The sets that tell this request of a group from the others.
+/// Returns the sets that distinguish this request from others of its group.
 std::string what_differs(const std::vector<request::KeySet>& sets,
                          const std::vector<std::vector<request::KeySet>>& combinations) {
   std::string texts;
@@ -64,7 +64,7 @@ std::string what_differs(const std::vector<request::KeySet>& sets,
   return texts;
 }
 
-/// KEY=VALUE each; of one key the last counts.
+/// Parses KEY=VALUE texts. The last one of a key counts.
 std::vector<rpc::JobOption> job_options_of(const std::vector<std::string>& texts) {
   std::map<std::string, std::string> values;
   for (const std::string& text : texts) {
@@ -83,7 +83,7 @@ std::vector<rpc::JobOption> job_options_of(const std::vector<std::string>& texts
   return options;
 }
 
-/// Within the service's bound, cut between characters.
+/// Cuts a name to the service's limit, between characters.
 std::string cut_name(std::string name) {
   while (name.size() > rpc::k_name_bytes_max)
     name = request::printable(name, request::character_count(name) - 4);
@@ -107,7 +107,7 @@ int print_diagnostics(const Diagnostics& diagnostics) {
   return static_cast<int>(base::ExitCode::bad_request);
 }
 
-/// The service's errors of a text, which it knows by no name; fit for a terminal.
+/// Adds the request's name to the service's errors, and makes them safe for a terminal.
 Diagnostics named(Diagnostics diagnostics, const std::string& name) {
   for (request::Diagnostic& error : diagnostics) {
     error.file = terminal::shown(name);
@@ -116,8 +116,8 @@ Diagnostics named(Diagnostics diagnostics, const std::string& name) {
   return diagnostics;
 }
 
-/// The client repeats a call itself whose connection broke. A server that was killed comes back
-/// later than that; the key keeps the repeated submission from being another one.
+/// Submits, with retries. The client itself retries after a broken connection; this waits longer
+/// for a killed server. The key prevents a second submission.
 rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submission) {
   double waited_s = 0;
   for (double wait_s = k_first_wait_s;; wait_s = std::min(2 * wait_s, k_wait_s_max)) {
@@ -131,10 +131,10 @@ rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submiss
   }
 }
 
-/// What people are told right after the submission.
+/// Prints what people see right after the submission.
 void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool draining) {
   if (options.json) {
-    // With --watch a line an event follows, with --wait the job as it ended.
+    // With --watch, events follow as lines. With --wait, the ended job follows.
     fmt::print("{}\n",
                options.watch ? on_one_line(to_json(submitted)) : indented(to_json(submitted)));
   } else {
@@ -148,7 +148,7 @@ void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool dr
 
 int submit_with(rpc::Client& client, const SubmitOptions& options, const GivenRequest& given,
                 const rpc::Submission& submission) {
-  // Before the submission, so that no server at all is told from one that went away with it.
+  // Call this before submitting, to distinguish a missing server from one that exits meanwhile.
   const bool draining = client.info().draining;
   rpc::Submitted submitted;
   try {
@@ -182,7 +182,7 @@ base::Result<rpc::Submission, Diagnostics> submission_of(const SubmitOptions& op
                       fmt::format("--set defines {} jobs, above the maximum of {} per submission",
                                   count, rpc::k_submission_jobs_max));
   }
-  // What is asked of a word is in its text already.
+  // The text of a word's request already includes `asked`.
   const auto asked = options.word.empty() ? options.asked : std::nullopt;
   const std::string name =
       asked ? fmt::format("{} with {}", given.name, options.asked_by) : given.name;

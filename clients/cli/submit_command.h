@@ -1,8 +1,8 @@
-// `sleight submit`: from a file, a word and options to a submission, and what is told of it.
+// `sleight submit`: builds a submission from a file or word and options, and prints the result.
 //
-// The client reads the files; text travels, never a path. A request that nothing was changed in
-// goes as it is written, so that the service's errors have its lines. Where keys are set (`--set`,
-// `-n`), this program's worlds read it, and its normalised text goes.
+// The client reads the files and sends their text, never a path. An unchanged request is sent as
+// written, so that the service's errors have its line numbers. If options set keys (`--set`, `-n`),
+// this program's worlds read the request, and the normalised text is sent.
 #pragma once
 
 #include <cstdint>
@@ -21,44 +21,44 @@
 
 namespace sleight::cli {
 
-/// As the command line gives them.
+/// The parsed command line.
 struct SubmitOptions {
-  std::string request_path{};             ///< or, in its place,
-  std::string word{};                     ///< that balls spell
-  std::optional<request::Asked> asked{};  ///< in place of the request's [stop]
-  std::string asked_by{};                 ///< the option, for errors
+  std::string request_path{};  ///< or a word for balls to spell
+  std::string word{};
+  std::optional<request::Asked> asked{};  ///< replaces the request's [stop]
+  std::string asked_by{};                 ///< the option that sets `asked`, for errors
   std::vector<std::string> sets{};
   std::optional<std::uint32_t> cores{};
   std::uint32_t ranks = 0;
-  std::string memory{};  ///< "2 GB"; empty: the default
+  std::string memory{};  ///< such as "2 GB"; empty: the default
   std::int32_t priority = 0;
-  std::vector<std::string> options{};  ///< "partition=long", for the system that runs it
-  std::string name{};                  ///< empty: the file's, or the word
+  std::vector<std::string> options{};  ///< such as "partition=long", for the backend
+  std::string name{};                  ///< empty: from the file or the word
   bool strict = false;
   bool watch = false;
   bool wait = false;
   bool json = false;
 };
 
-/// Requests as the worlds of a program have them; its main gives these.
+/// Access to this program's worlds, passed by main.
 struct RequestTexts {
-  /// The normalised text of a request with these sets, as request::read_request_with reads it; or
-  /// what is wrong.
+  /// Returns a request's normalised text with these keys set (request::read_request_with), or the
+  /// errors.
   std::function<base::Result<std::string, std::vector<request::Diagnostic>>(
       std::string_view text, std::string_view file, std::span<const request::KeySet> sets,
       std::optional<request::Asked> asked)>
       normalised;
 };
 
-/// All jobs of a submission, without its key; or what is wrong with sets or request. Throws
-/// base::Error(usage) where it is more than a submission may be.
+/// Returns all jobs of a submission without its key, or the errors of sets or request. Throws
+/// base::Error(usage) if the submission is too large.
 base::Result<rpc::Submission, std::vector<request::Diagnostic>> submission_of(
     const SubmitOptions& options, const GivenRequest& given, const RequestTexts& texts);
 
-/// "job 17 (hi)" and what to type next, over several lines.
+/// Returns "job 17 (hi)" and the next commands to type, in several lines.
 std::string submitted_text(const rpc::Submitted& submitted, const std::string& name);
 
-/// Submits; returns the exit code: 3 after the errors of the request were printed.
+/// Submits. Returns the exit code: 3 after printing errors of the request.
 int submit(const std::string& socket, const SubmitOptions& options, const RequestTexts& texts);
 
 }  // namespace sleight::cli

@@ -71,7 +71,7 @@ report::Report report_of(const rpc::TokenView& token) {
   return report;
 }
 
-/// A file of its own for its owner alone; one that is there is left.
+/// A new file readable only by its owner. An existing file is never replaced.
 class SecretFile {
  public:
   explicit SecretFile(const std::string& path)
@@ -138,7 +138,7 @@ int create_token(const std::string& called, const TokenCreateOptions& options) {
   ask.token = access::text_of(access::draw_token());
   std::optional<SecretFile> file;
   if (!options.output.empty()) {
-    // Before the token is there: one that nobody has is of no use.
+    // Create the file before the token, because a token without a file is useless.
     file.emplace(options.output);
     file->write(ask.token + "\n");
   }
@@ -208,7 +208,7 @@ int revoke_tokens(const std::string& called, const TokenRevokeOptions& options) 
                      terminal::shown(token.name));
         }
       } catch (const rpc::RefusedError& refused) {
-        // The others are revoked all the same.
+        // Revoke the other tokens anyway.
         terminal::complain(
             fmt::format("sleight: {}: {}", id, service_client::words_of(refused.refusal())));
         code = service_client::exit_code_of(refused.refusal().kind);

@@ -1,4 +1,4 @@
-// `sleight token`: who may call the service from other machines.
+// `sleight token`: controls who may call the service from other machines.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@ namespace sleight::cli {
 struct TokenCreateOptions {
   std::string name{};
   std::vector<std::string> scopes{"read", "submit", "manage"};
-  std::string expires = "90d";        ///< "90d", "12h", "never"
+  std::string expires = "90d";        ///< such as "90d", "12h" or "never"
   std::optional<std::string> user{};  ///< none: the caller
   std::uint32_t jobs_max = 0;
   std::uint32_t cores_max = 0;
-  std::string output{};  ///< the token's file; empty: standard output
+  std::string output{};  ///< file for the token; empty: standard output
   bool json = false;
 };
 
-/// Draws a token and gives it to the service; prints it once, as it is kept nowhere.
+/// Creates a token, registers it with the service and prints it once; no plain copy is stored.
 int create_token(const std::string& called, const TokenCreateOptions& options);
 
 int list_tokens(const std::string& called, bool all, bool json);
@@ -32,7 +32,7 @@ struct TokenRevokeOptions {
 };
 int revoke_tokens(const std::string& called, const TokenRevokeOptions& options);
 
-/// Seconds of "90d", "12h" or "never" (0). Throws base::Error(usage).
+/// Returns the seconds of "90d", "12h" or "never" (0). Throws base::Error(usage).
 double validity_s_of(const std::string& text);
 
 }  // namespace sleight::cli
