@@ -17,9 +17,9 @@ Color palette::series(std::size_t index) {
 
 namespace {
 
-// Below this fraction of the magnitude, doubles are too coarse for ten ticks that differ.
+// Minimum span relative to the magnitude. With less, doubles can't represent ten distinct ticks.
 constexpr double k_relative_span_min = 1e-12;
-constexpr double k_margin = 0.05;  // of the span, on a side that the series do not fill
+constexpr double k_margin = 0.05;  // relative to the span, on sides that the series don't fill
 // From this power of ten on, plain digits are longer than "1.5×10⁶"; likewise for small steps.
 constexpr int k_plain_exponent_max = 5;
 constexpr int k_plain_decimals_max = 5;
@@ -29,7 +29,7 @@ struct Step {
   int mantissa;
   int exponent;
 
-  // Multiplying or dividing by a whole power of ten gives the double nearest to the decimal.
+  // Multiplying or dividing by a power of ten gives the double nearest to the decimal.
   double times(double count) const {
     const double scaled = count * mantissa;
     return exponent >= 0 ? scaled * std::pow(10.0, exponent) : scaled / std::pow(10.0, -exponent);
@@ -41,7 +41,7 @@ struct Step {
   }
 };
 
-// The whole multiples of a step inside a range; `first > last` where there are none.
+// The multiples of a step in a range; `first > last` if there are none.
 struct Multiples {
   double first;
   double last;
@@ -49,7 +49,7 @@ struct Multiples {
 };
 
 Multiples multiples_in(Range range, Step step) {
-  // The slack lets 0.3 count as a multiple of 0.1, which it is on paper.
+  // The slack accepts 0.3 as a multiple of 0.1.
   constexpr double k_slack = 1e-9;
   const double unit = step.times(1);
   return {std::ceil(range.low / unit - k_slack), std::floor(range.high / unit + k_slack)};
@@ -69,7 +69,7 @@ std::string with_minus(std::string text) {
   return fmt::format("{}{}", is_zero ? "" : "−", std::string_view(text).substr(1));
 }
 
-// All labels of an axis share one power of ten, so that they can be compared at a glance.
+// All labels of an axis share one power of ten, to make them comparable.
 std::vector<std::string> labels_of(const std::vector<double>& values, Step step) {
   double largest = 0;
   for (const double value : values)
@@ -107,7 +107,7 @@ struct Extent {
 struct Extents {
   Extent x;
   Extent y;
-  // A line along x may touch the left and right sides; a shape should not.
+  // A line along x may touch the left and right sides; a shape may not.
   bool x_margin = false;
 
   void add(Point point) {
@@ -160,7 +160,7 @@ struct Extents {
   }
 };
 
-// A range that can be drawn: not empty, not thinner than ticks can tell apart.
+// Widens a range that is empty or too narrow for distinct ticks.
 Range drawable(Range range) {
   const double magnitude = std::max(std::abs(range.low), std::abs(range.high));
   const double span_min = std::max(magnitude * k_relative_span_min, 1e-300);
@@ -193,7 +193,7 @@ Ticks nice_ticks(Range range, std::size_t count_max) {
   CHECK_LT(range.low, range.high);
   CHECK_GE(count_max, std::size_t{2});
   const double raw = (range.high - range.low) / static_cast<double>(count_max);
-  // Start one power too fine, since log10 may round across a whole number, and coarsen.
+  // Start one power too fine, since log10 may round up to a whole number, then coarsen.
   Step step{1, static_cast<int>(std::floor(std::log10(raw))) - 1};
   while (multiples_in(range, step).count() > static_cast<double>(count_max))
     step = step.next();

@@ -1,7 +1,7 @@
-// Axes: what range a panel shows and where its ticks stand.
+// Computes a panel's ranges and ticks.
 //
-// Ticks are multiples of 1, 2 or 5 times a power of ten, labelled with the fewest digits that tell
-// neighbours apart. Pure functions.
+// Ticks are multiples of 1, 2 or 5 times a power of ten. Labels have the fewest digits that
+// distinguish neighbours. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -14,27 +14,26 @@ namespace sleight::plot {
 
 struct Ticks {
   std::vector<double> values;
-  std::vector<std::string> labels;  ///< one per value; minus is U+2212
+  std::vector<std::string> labels;  ///< one per value; the minus sign is U+2212
 };
 
-/// The finest nice ticks inside `range` that number at most `count_max`, at least one interval
-/// where the range holds two nice values at all. REQUIRES range.low < range.high, count_max >= 2.
+/// Returns the finest nice ticks in `range`, at most `count_max`. If the range contains two nice
+/// values, returns at least two. REQUIRES range.low < range.high, count_max >= 2.
 Ticks nice_ticks(Range range, std::size_t count_max);
 
-/// The ranges that a panel shows: those it gives, otherwise the extent of its finite points with a
-/// margin. A constant or empty extent grows to something that can be drawn: always low < high, and
-/// far enough apart that ticks differ.
+/// The shown ranges of a panel: its given ranges, otherwise the extent of its finite points with a
+/// margin. A constant or empty extent is widened, so that low < high and ticks differ.
 struct PanelRanges {
   Range x;
   Range y;
 };
 PanelRanges ranges_of(const Panel& panel);
 
-/// Grows the range that has room to spare until one unit is as long in x as in y on a frame of
-/// this size. `height` per `width` is in the device's units, which must be square.
+/// Widens one of the ranges until a unit has the same length in x and y on a frame of this size.
+/// `width` and `height` are in device units, which must be square.
 PanelRanges with_equal_aspect(PanelRanges ranges, double width, double height);
 
-/// Finite and below k_infinite in both coordinates.
+/// Whether both coordinates are finite and below k_infinite.
 bool is_drawable(Point point);
 
 }  // namespace sleight::plot

@@ -1,11 +1,11 @@
-// Thinning of long series to what a device can show, extremes kept.
+// Thins long series to a device's resolution, without losing extremes.
 //
-// A line that stays within one device column (or passes through it for a while) is drawn by at most
-// four points there: the first, the lowest, the highest and the last, in the order in which they
-// came. A million points on 800 columns so become at most 3,200, and no spike is lost. A path that
-// jumps to and fro keeps its points: each visit to a column is its own run.
+// A line that stays within one device column is drawn by at most four of its points there: the
+// first, lowest, highest and last, in their order. So a million points on 800 columns become at
+// most 3,200, and no spike is lost. Each visit to a column counts separately, so a path that jumps
+// back and forth keeps its points.
 //
-// Pure functions; points are in device coordinates unless said otherwise.
+// Pure functions; points are in device coordinates unless stated otherwise.
 #pragma once
 
 #include <cstddef>
@@ -16,17 +16,17 @@
 
 namespace sleight::plot {
 
-/// The runs of neighbouring drawable points, in order: what lies between two gaps.
-/// Coordinates of any kind; the spans point into `points`.
+/// Returns the runs of drawable points between gaps, in order. Any coordinates; the spans refer to
+/// `points`.
 std::vector<std::span<const Point>> drawable_runs(std::span<const Point> points);
 
-/// One run with the points left out that can't be seen. REQUIRES drawable points, column > 0.
+/// Returns a run without invisible points. REQUIRES drawable points, column > 0.
 std::vector<Point> decimated_line(std::span<const Point> run, double column);
 
-/// The first point in each square cell with a side of `cell`, in order; drawable points only.
+/// Returns the first drawable point in each square cell of side `cell`, in order.
 std::vector<Point> decimated_markers(std::span<const Point> points, double cell);
 
-/// The corners of the line that steps draw: each value held to the next point's x. Gaps are kept.
+/// Returns the corners of a step line: each value extends to the next point's x. Keeps gaps.
 std::vector<Point> stepped(std::span<const Point> points);
 
 }  // namespace sleight::plot

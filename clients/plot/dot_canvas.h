@@ -1,8 +1,8 @@
-// A grid of small dots made of characters: braille patterns (2 x 4 dots a character), or, where the
-// terminal has ASCII alone, the four characters " ", "'", "." and ":" (1 x 2 dots). Either way a
-// dot is about as wide as it is high, since a terminal's character is twice as high as wide.
+// A grid of small dots made of characters: braille patterns (2 x 4 dots per character), or in ASCII
+// the four characters " ", "'", "." and ":" (1 x 2 dots). Dots are about square, because a
+// terminal's characters are twice as high as wide.
 //
-// Dots are numbered from the upper left. What lies outside is cut off. Not thread-safe.
+// Dots are numbered from the upper left corner. Content outside is clipped. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,6 @@
 
 namespace sleight::plot {
 
-/// One character on the screen. An empty glyph is a space.
 struct Glyph {
   std::string text;
   Color color = palette::k_ink;
@@ -22,25 +21,23 @@ struct Glyph {
 
 class DotCanvas {
  public:
-  /// REQUIRES at least one column and one row (of characters).
+  /// REQUIRES at least one column and one row of characters.
   DotCanvas(std::size_t columns, std::size_t rows, bool unicode);
 
   std::size_t rows() const { return rows_; }
-  /// Size in dots.
   std::size_t width() const { return columns_ * dots_x_; }
   std::size_t height() const { return rows_ * dots_y_; }
 
-  /// The character that holds a dot.
+  /// Return the position of the character that contains a dot.
   std::size_t column_of(double dot_x) const;
   std::size_t row_of(double dot_y) const;
 
   void dot(double x, double y, Color color);
-  /// A line of dots; with `period` above 1 only every period-th dot.
+  /// Draws a line of dots, or only every period-th dot.
   void line(Point from, Point to, Color color, std::size_t period = 1);
-  /// A character in place of the dots. REQUIRES printable text of width one.
+  /// Replaces a character's dots by text. REQUIRES printable text of width one.
   void glyph(std::size_t column, std::size_t row, std::string_view text, Color color);
 
-  /// What to print at a place.
   Glyph at(std::size_t column, std::size_t row) const;
 
  private:

@@ -1,21 +1,22 @@
-// Pictures as values: a figure is a title over a grid of panels, a panel is axes with series.
+// Pictures as values: a figure is a title and a grid of panels; a panel is axes with series.
 //
-// A figure says what to show, never how: ticks, margins, legends and the thinning of long series
-// are the writers' work (svg.h, png.h, terminal.h), so one figure serves a file and a terminal.
+// A figure describes content, not presentation. The writers choose ticks, margins and legends and
+// thin long series (svg.h, png.h, terminal.h), so the same figure serves files and terminals.
 //
 //   Panel panel{.title = "Landing position", .x_label = "iteration", .y_label = "x (D)"};
 //   panel.series.push_back(HorizontalBand{.low = 0.9, .high = 1.1, .label = "target"});
 //   panel.series.push_back(Line{.points = trace, .label = "chain 0"});
 //   save(Figure{.title = "2D ball", .panels = {panel}}, "trace.svg");
 //
-// 1. Series are drawn in the order given, except that bands lie beneath everything.
-// 2. A point with a NaN is a gap. An infinite y is a gap with a small triangle at the panel's edge,
-//    so that log p = -inf is seen; an infinite x is a gap alone. Beyond k_infinite is infinite.
-// 3. Equal labels in a panel share one legend entry; an empty label has none.
-// 4. All text is UTF-8, or is repaired to it; what can't be printed is shown as U+FFFD.
+//   1. Series are drawn in the order given, except that bands are below everything else.
+//   2. A point with a NaN is a gap. An infinite y is a gap with a small triangle at the panel's
+//      edge, so that log p = -inf is visible; an infinite x is only a gap. Coordinates beyond
+//      k_infinite count as infinite.
+//   3. Equal labels in a panel share one legend entry; an empty label has none.
+//   4. All text is UTF-8 or is repaired; characters that can't be printed become U+FFFD.
 //
-// Coordinates are the panel's own (data) units, lengths with a suffix are pixels of the SVG.
-// Values without shared state: thread-safe as any value.
+// Coordinates are in the panel's data units; lengths with a suffix are in pixels of the SVG.
+// Thread-safe as any value.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +27,7 @@
 
 namespace sleight::plot {
 
-/// Numbers of larger magnitude are drawn as infinite: the axis arithmetic stays finite below it.
+/// Larger magnitudes are drawn as infinite, so that axis arithmetic stays finite.
 inline constexpr double k_infinite = 1e150;
 
 struct Point {
@@ -35,14 +36,14 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// REQUIRES low < high, both finite, where a caller gives it.
+/// REQUIRES low < high, both finite, if the caller sets the range.
 struct Range {
   double low = 0;
   double high = 1;
   friend bool operator==(const Range&, const Range&) = default;
 };
 
-/// sRGB; `opacity` is 0 (clear) to 1.
+/// sRGB; opacity 0 is transparent.
 struct Color {
   std::uint8_t red = 0;
   std::uint8_t green = 0;
@@ -53,7 +54,7 @@ struct Color {
   Color with_opacity(double value) const { return {red, green, blue, value}; }
 };
 
-/// Okabe and Ito's colours, told apart by people with any of the common colour blindnesses.
+/// Okabe and Ito's colours, which people with common colour blindnesses can distinguish.
 namespace palette {
 inline constexpr Color k_blue{0x00, 0x72, 0xB2};
 inline constexpr Color k_vermillion{0xD5, 0x5E, 0x00};
@@ -64,11 +65,11 @@ inline constexpr Color k_sky{0x56, 0xB4, 0xE9};
 inline constexpr Color k_ink{0x33, 0x33, 0x33};
 inline constexpr Color k_grey{0x8A, 0x8A, 0x8A};
 
-/// The colour of the n-th of several series that are alike; repeats after six.
+/// Returns the colour of the n-th similar series; repeats after six.
 Color series(std::size_t index);
 }  // namespace palette
 
-/// Straight lines between points, in any order of x (a trajectory may turn back).
+/// Straight lines between points. x may decrease, as in a trajectory.
 struct Line {
   std::vector<Point> points = {};
   Color color = palette::k_blue;
@@ -76,7 +77,7 @@ struct Line {
   double width_px = 1.4;
 };
 
-/// Each value holds from its x to the next point's x: what a counter or a repeated sample does.
+/// Each value extends to the next point's x, for counters and repeated samples.
 struct Steps {
   std::vector<Point> points = {};
   Color color = palette::k_blue;
@@ -84,7 +85,6 @@ struct Steps {
   double width_px = 1.4;
 };
 
-/// A dot per point.
 struct Markers {
   std::vector<Point> points = {};
   Color color = palette::k_blue;
@@ -92,7 +92,7 @@ struct Markers {
   double radius_px = 2.5;
 };
 
-/// All y from low to high, over the panel's whole width.
+/// All y from low to high, over the panel's width.
 struct HorizontalBand {
   double low = 0;
   double high = 0;
@@ -108,7 +108,7 @@ struct HorizontalLine {
   bool dashed = true;
 };
 
-/// An event: over the panel's whole height.
+/// A line over the panel's height, for events.
 struct VerticalLine {
   double x = 0;
   std::string label = {};
@@ -126,7 +126,7 @@ struct Arrow {
   double width_px = 2;
 };
 
-/// An ellipse with the axes' directions; `radius_y` 0 means a circle in data units.
+/// An ellipse parallel to the axes. radius_y = 0: a circle in data units.
 struct Disc {
   Point center = {};
   double radius_x = 1;
@@ -136,17 +136,18 @@ struct Disc {
   bool filled = true;
 };
 
-/// With the axes' directions, from one corner to the other.
+/// A rectangle parallel to the axes.
 struct Rectangle {
   Point low = {};
   Point high = {};
   Color color = palette::k_grey;
   std::string label = {};
   bool filled = true;
-  double width_px = 1.4;  ///< of the outline, where not filled
+  double width_px = 1.4;  ///< of the outline, if not filled
 };
 
-/// A filled area: its corners in order, the last joined to the first. None if any is not finite.
+/// A filled area: its corners in order, the last joined to the first. Not drawn if a corner isn't
+/// finite.
 struct Polygon {
   std::vector<Point> corners = {};
   Color color = palette::k_grey;
@@ -155,15 +156,15 @@ struct Polygon {
 
 enum class Anchor { start, middle, end };
 
-/// Words at a point: their baseline starts, is centred or ends there.
+/// Text whose baseline starts, is centred or ends at a point.
 struct Text {
   Point at = {};
   std::string text = {};
   Anchor anchor = Anchor::start;
   Color color = palette::k_ink;
   double size_px = 12;
-  /// A label within a disc or box: the point is the middle of its height, and it has no white rim,
-  /// which sets words off from lines beneath.
+  /// For a label in a disc or box: the point is the middle of the text's height, and the text has
+  /// no white rim. The rim separates other text from lines below it.
   bool inside = false;
 };
 
@@ -174,17 +175,18 @@ struct Panel {
   std::string title = {};
   std::string x_label = {};
   std::string y_label = {};
-  /// Absent: from the series' finite points, with a margin. Points outside a given range are cut.
+  /// Default: the extent of the series' finite points, with a margin. Points outside a given range
+  /// are clipped.
   std::optional<Range> x_range = std::nullopt;
   std::optional<Range> y_range = std::nullopt;
-  /// One unit of x is as long as one of y; the range with room to spare grows on both sides.
+  /// Gives units of x and y the same length by widening one range on both sides.
   bool equal_aspect = false;
-  /// Without: no ticks, axis labels or grid in a file, the frame fills its cell. For drawings that
-  /// are no diagram. A terminal shows them always.
+  /// If false, a file has no ticks, axis labels or grid, and the frame fills its cell. For drawings
+  /// that aren't diagrams. A terminal always shows axes.
   bool axes = true;
   bool grid = true;
   bool legend = true;
-  /// Height beside the other rows of the figure; a row takes its largest.
+  /// Height relative to other rows of the figure; a row uses its panels' maximum.
   double height_share = 1;
   std::vector<Series> series = {};
 };

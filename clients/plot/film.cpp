@@ -15,7 +15,7 @@ int even(int side) {
   return side + side % 2;
 }
 
-/// Bytes of all rows. Rows of four bytes to a pixel have no gaps between them.
+/// Returns all rows' bytes. Rows with four bytes per pixel have no gaps between them.
 std::size_t bytes_of(cairo_surface_t* surface) {
   return static_cast<std::size_t>(cairo_image_surface_get_stride(surface)) *
          static_cast<std::size_t>(cairo_image_surface_get_height(surface));

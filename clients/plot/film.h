@@ -1,10 +1,10 @@
-// Frames of a film: what stands still is drawn once, what moves upon it in each frame.
+// Renders a film's frames: the still parts once, and the moving parts on top in each frame.
 //
-//   Film film(still);                  // as a PNG of it looks
-//   film.show(moving);                 // its series upon that, in the same places
-//   write(film.png());                 // or film.pixels(), for a video's encoder
+//   Film film(still);                  // looks like a PNG of the figure
+//   film.show(moving);                 // its series on top, at the same places
+//   write(film.png());                 // or film.pixels(), for a video encoder
 //
-// So a frame costs what moves, not the scenery. Not thread-safe.
+// So a frame's cost depends only on its moving parts. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,9 @@ namespace sleight::plot {
 
 class Film {
  public:
-  /// `scale` image pixels to one of the figure's. Both sides of a frame are even, as encoders of
-  /// videos ask: else a white row or column is added. Throws base::Error when it can't be drawn or
-  /// is larger than a PNG may be. REQUIRES scale > 0.
+  /// `scale`: image pixels per figure pixel. Both sides of a frame are even, as video encoders
+  /// require; a white row or column is added if necessary. Throws base::Error if the figure can't
+  /// be drawn or is larger than a PNG may be. REQUIRES scale > 0.
   explicit Film(const Figure& still, double scale = 1);
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
@@ -28,14 +28,14 @@ class Film {
   std::uint32_t columns() const;
   std::uint32_t rows() const;
 
-  /// Draws the series of a figure: no background, no titles, no axes. REQUIRES: of the same sizes,
-  /// with as many panels of the same ranges and titles, or they stand elsewhere.
+  /// Draws the series of a figure without background, titles or axes. REQUIRES the still figure's
+  /// size, number of panels, ranges and titles; otherwise places differ.
   void show(const Figure& moving);
 
-  /// The frame shown last, else the still figure.
+  /// Returns the last shown frame, or the still figure.
   base::Bytes png() const;
-  /// Likewise: row by row from above, each pixel as its blue, green, red and an unused byte. Valid
-  /// until the next call of show.
+  /// Returns the same frame row by row from the top, each pixel as blue, green, red and an unused
+  /// byte. Valid until the next show().
   base::BytesView pixels() const;
 
  private:

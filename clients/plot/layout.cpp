@@ -11,15 +11,15 @@ namespace sleight::plot {
 
 namespace {
 
-constexpr double k_frame_min = 8;  // pixels, so that maps stay defined in a tiny figure
+constexpr double k_frame_min = 8;  // pixels, so that mappings stay defined in a tiny figure
 constexpr double k_pixels_per_y_tick = 34;
 constexpr double k_pixels_per_x_tick = 60;
 constexpr double k_x_label_gap = 14;  // between neighbouring tick labels
 constexpr double k_label_gap = 7;     // between an axis label and the tick labels
 constexpr double k_legend_gap = 18;   // between entries
 
-// Between a cell and its frame. Panels of a column share left and right, panels of a row above and
-// below, so that axes line up both ways.
+// Margins between a cell and its frame. Panels of a column share left and right margins, panels of
+// a row upper and lower ones, so that axes line up both ways.
 struct ColumnMargins {
   double left = 0;
   double right = 0;
@@ -68,11 +68,11 @@ double widest(const std::vector<std::string>& labels) {
   return width;
 }
 
-/// So many ticks may stand closer than usual if fewer numbers of them show one alone.
+/// Up to this many ticks may be closer than usual if fewer ticks would leave only one.
 constexpr std::size_t k_crowded = 6;
 
-// Thins the ticks until neighbouring labels have a gap between them; but two have room, if any
-// number of them shows two.
+// Thins ticks until neighbouring labels have a gap between them, but keeps two ticks if any number
+// of ticks has two.
 Ticks x_ticks_of(Range range, double width) {
   const auto fit = [&](const Ticks& ticks) {
     const double spacing = ticks.values.size() < 2 ? width
@@ -91,7 +91,7 @@ Ticks x_ticks_of(Range range, double width) {
   return ticks;
 }
 
-// Places legend entries in rows between left and right; returns the number of rows.
+// Places legend entries in rows between left and right. Returns the number of rows.
 std::size_t place_legend(std::vector<LegendEntry>& entries, double left, double right, double top) {
   if (entries.empty()) return 0;
   std::size_t rows = 1;
@@ -111,7 +111,7 @@ std::size_t place_legend(std::vector<LegendEntry>& entries, double left, double 
   return rows;
 }
 
-// As many as have room, but two if any number of them shows two.
+// Returns as many ticks as fit, but two if any number of ticks has two.
 Ticks y_ticks_of(Range range, double height) {
   auto count = static_cast<std::size_t>(std::clamp(height / k_pixels_per_y_tick, 2.0, 8.0));
   Ticks ticks = nice_ticks(range, count);
@@ -120,7 +120,7 @@ Ticks y_ticks_of(Range range, double height) {
   return ticks;
 }
 
-// What a panel's title and legend take above its frame, and its ticks and label below.
+// Returns the height of title and legend above the frame, and of ticks and label below.
 RowMargins row_margins_of(const Panel& panel, std::size_t legend_rows) {
   RowMargins out;
   out.above = panel.title.empty() ? 4 : style::k_panel_title + 9;
@@ -131,15 +131,15 @@ RowMargins row_margins_of(const Panel& panel, std::size_t legend_rows) {
   return out;
 }
 
-// One panel in its cell, with the margins of its column and row. `need` grows to what the panel
-// itself wants of its row.
+// Places a panel in its cell with the margins of its column and row. Enlarges `need` to the panel's
+// own row margins.
 PanelLayout place(const Panel& panel, Box cell, ColumnMargins sides, RowMargins row,
                   RowMargins& need) {
   PanelLayout out;
   out.cell = cell;
   const double left = cell.left + sides.left;
   const double width = std::max(cell.width - sides.left - sides.right, k_frame_min);
-  // The legend stands right above the frame.
+  // The legend is directly above the frame.
   if (panel.legend) out.legend = legend_entries(panel);
   const std::size_t legend_rows = place_legend(out.legend, left, left + width, 0);
   const RowMargins own = row_margins_of(panel, legend_rows);
@@ -150,7 +150,7 @@ PanelLayout place(const Panel& panel, Box cell, ColumnMargins sides, RowMargins 
   const double legend_top = top - 4 - style::k_legend_row * static_cast<double>(legend_rows);
   for (LegendEntry& entry : out.legend)
     entry.baseline += legend_top;
-  // Ranges and ticks follow the frame's size.
+  // Ranges and ticks depend on the frame's size.
   out.ranges = ranges_of(panel);
   if (panel.equal_aspect) {
     out.ranges = with_equal_aspect(out.ranges, out.frame.width, out.frame.height);
@@ -165,13 +165,13 @@ PanelLayout place(const Panel& panel, Box cell, ColumnMargins sides, RowMargins 
   return out;
 }
 
-// The side margins that a placed panel's texts need.
+// Returns the side margins for a placed panel's texts.
 ColumnMargins sides_of(const Panel& panel, const PanelLayout& placed) {
   ColumnMargins sides;
   if (!panel.axes) return sides;
   sides.left = style::k_tick_length + 4 + widest(placed.y_ticks.labels);
   if (!panel.y_label.empty()) sides.left += k_label_gap + style::k_axis_label;
-  // A tick label at an end of the x axis reaches beyond the frame by half its width.
+  // A tick label at an end of the x axis extends beyond the frame by half its width.
   for (std::size_t i = 0; i < placed.x_ticks.values.size(); ++i) {
     const double at = placed.to_pixels({placed.x_ticks.values[i], placed.ranges.y.low}).x;
     const double half = text_width_px(placed.x_ticks.labels[i], style::k_tick_label) / 2;
@@ -181,7 +181,8 @@ ColumnMargins sides_of(const Panel& panel, const PanelLayout& placed) {
   return sides;
 }
 
-// The cells of the grid, row by row: frames of a figure are equally wide, rows as their shares say.
+// Returns the grid's cells, row by row. All frames of a figure have the same width; rows have
+// heights by their shares.
 std::vector<Box> cells_of(const Figure& figure, double top, const GridMargins& margins) {
   const std::size_t columns = figure.columns;
   const std::size_t rows = margins.rows.size();
@@ -255,8 +256,8 @@ FigureLayout layout_of(const Figure& figure) {
   const std::size_t rows = (figure.panels.size() + figure.columns - 1) / figure.columns;
   GridMargins margins{std::vector(figure.columns, ColumnMargins{50, 10}),
                       std::vector(rows, RowMargins{})};
-  // Margins follow the ticks, and ticks the margins: the second pass sees the first one's ticks,
-  // and by the third nothing moves any more.
+  // Margins depend on ticks, and ticks on margins. The second pass uses the first one's ticks;
+  // after the third, nothing changes.
   for (int pass = 0; pass < 3; ++pass) {
     const std::vector<Box> cells = cells_of(figure, top, margins);
     GridMargins needed{std::vector(figure.columns, ColumnMargins{}),

@@ -1,9 +1,9 @@
-// Where everything of a figure stands, in pixels: frames of panels, ticks, rows of legends.
+// Computes the positions of a figure's parts in pixels: panel frames, ticks, legend rows.
 //
-// Nothing overlaps: margins follow the measured texts, the legend has rows of its own above the
-// frame, tick labels are thinned until they have room, and too long a text is cut with an ellipsis.
-// Panels of a column share left and right margins, panels of a row those above and below, and all
-// frames are equally wide, so that axes line up both ways. Pure.
+// Nothing overlaps: margins follow the measured texts, the legend has its own rows above the frame,
+// tick labels are thinned until they fit, and long texts end in an ellipsis. Panels of a column
+// share left and right margins, and panels of a row share upper and lower ones. All frames have the
+// same width, so axes line up both ways. Pure.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace sleight::plot {
 
-/// Sizes of the house style, all in pixels.
+/// Sizes of the house style in pixels.
 namespace style {
 inline constexpr double k_figure_title = 17;
 inline constexpr double k_panel_title = 13.5;
@@ -22,7 +22,7 @@ inline constexpr double k_axis_label = 12.5;
 inline constexpr double k_tick_label = 11.5;
 inline constexpr double k_legend = 11.5;
 inline constexpr double k_tick_length = 4;
-inline constexpr double k_outer = 14;           ///< between the figure's edge and anything in it
+inline constexpr double k_outer = 14;           ///< minimum distance from the figure's edge
 inline constexpr double k_between_panels = 18;  ///< both ways
 inline constexpr double k_legend_row = 19;
 inline constexpr double k_legend_swatch = 22;
@@ -38,28 +38,28 @@ struct Box {
   double bottom() const { return top + height; }
 };
 
-/// What stands for a series in the legend.
+/// The sample of a series in the legend.
 enum class Swatch { line, dashed_line, dot, area, arrow };
 
 struct LegendEntry {
   std::string label;
   Swatch swatch = Swatch::line;
   Color color;
-  double left = 0;      ///< of the swatch
-  double baseline = 0;  ///< of the label
+  double left = 0;      ///< left edge of the swatch
+  double baseline = 0;  ///< baseline of the label
 };
 
-/// The labels of a panel, each once, in order of first use; positions not yet set.
+/// Returns the labels of a panel without duplicates, in order of first use, without positions.
 std::vector<LegendEntry> legend_entries(const Panel& panel);
 
 struct PanelLayout {
-  Box cell;   ///< everything of the panel
-  Box frame;  ///< the data
+  Box cell;   ///< the whole panel
+  Box frame;  ///< the data area
   PanelRanges ranges;
   Ticks x_ticks;
   Ticks y_ticks;
   std::vector<LegendEntry> legend;
-  std::string title;  ///< all three fitted to their place
+  std::string title;  ///< title and labels are cut to fit
   std::string x_label;
   std::string y_label;
 
@@ -69,11 +69,11 @@ struct PanelLayout {
 struct FigureLayout {
   std::string title;
   double title_baseline = 0;
-  std::vector<PanelLayout> panels;  ///< as the figure's
+  std::vector<PanelLayout> panels;  ///< in the figure's order
 };
 
-/// REQUIRES columns >= 1 and a positive size. A figure too small for its texts keeps frames of a
-/// few pixels rather than negative ones.
+/// REQUIRES columns >= 1 and a positive size. If a figure is too small for its texts, frames keep a
+/// few pixels.
 FigureLayout layout_of(const Figure& figure);
 
 }  // namespace sleight::plot

@@ -1,7 +1,7 @@
-// Where a picture comes from, kept within its file: lines `name: value` in an SVG's <metadata>.
+// The origin of a picture, stored in the file as lines `name: value` in an SVG's <metadata>.
 //
-// Programs take them as they are given (`--note commit=1f2e3d4c`), so the same figure with the same
-// notes gives the same bytes. deploy/figures gives command, commit and seed. Pure.
+// Programs accept notes as options (`--note commit=1f2e3d4c`), so the same figure with the same
+// notes has the same bytes. deploy/figures passes command, commit and seed. Pure.
 #pragma once
 
 #include <span>
@@ -17,8 +17,8 @@ struct Note {
 };
 using Notes = std::vector<Note>;
 
-/// Of texts `name=value`, in their order. Throws base::Error (usage) for another text, and for a
-/// name that comes twice.
+/// Parses texts `name=value`, in their order. Throws base::Error (usage) for other texts and for
+/// duplicate names.
 Notes notes_of(std::span<const std::string> texts);
 
 }  // namespace sleight::plot

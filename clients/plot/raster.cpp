@@ -15,8 +15,8 @@
 #include "common/base/memory.h"
 
 #if defined(__SANITIZE_ADDRESS__)
-// Pango loads fonts in a thread of its own, and it and fontconfig keep them until the process ends:
-// not leaks, though the sanitizer can't see who holds them.
+// Pango loads fonts in its own thread, and Pango and fontconfig hold them until the process ends.
+// These aren't leaks, but the sanitizer can't see the owners.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libfontconfig\nleak:libpango\n";
 }
@@ -38,7 +38,7 @@ using Context = std::unique_ptr<cairo_t, ReleaseContext>;
 
 constexpr std::size_t k_drawing_bytes = std::size_t{128} << 20U;
 
-/// How quick_png_of compresses: rows as they are, which suits flat colours.
+/// quick_png_of compresses rows without filters, which suits flat colours.
 constexpr int k_quick_level = 2;
 
 void append_png(png_structp writer, png_bytep data, std::size_t length) {
@@ -47,7 +47,7 @@ void append_png(png_structp writer, png_bytep data, std::size_t length) {
   out.insert(out.end(), first, first + length);
 }
 
-/// Whether it could be encoded. Nothing here has a destructor: libpng leaves by longjmp.
+/// Returns false on failure. No local may have a destructor here, because libpng leaves by longjmp.
 bool write_quickly(png_structp writer, png_infop info, cairo_surface_t* surface,
                    base::Bytes& bytes) {
   if (setjmp(png_jmpbuf(writer)) != 0) return false;
@@ -94,9 +94,9 @@ Surface white_surface(int columns, int rows) {
 }
 
 SvgDocument::SvgDocument(std::string_view svg) {
-  // Fonts and all: librsvg, pango and fontconfig crash where there is less.
+  // Includes fonts: librsvg, pango and fontconfig crash without enough memory.
   base::require_memory(k_drawing_bytes);
-  // Pango makes one, and ends the process where it can't.
+  // Pango starts a thread, and ends the process if that fails; so try it first.
   std::thread([] {}).join();
   GError* error = nullptr;
   RsvgHandle* handle =

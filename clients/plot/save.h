@@ -1,4 +1,4 @@
-// Figures as files.
+// Saves figures as files.
 #pragma once
 
 #include <string>
@@ -9,12 +9,13 @@
 namespace sleight::plot {
 
 struct SaveOptions {
-  Notes notes = {};  ///< REQUIRES an SVG, if there are any
+  Notes notes = {};  ///< REQUIRES an SVG unless empty
 };
 
-/// Writes an SVG or a PNG, as the path's ending says (".svg", ".png", of any case). Written beside
-/// its place and renamed: a viewer never sees half a picture. Throws base::Error: usage for another
-/// ending or notes in a PNG, environment when it can't be written.
+/// Writes an SVG or a PNG, depending on the path's extension (".svg", ".png", in any case). The
+/// file is written under a temporary name and renamed, so a viewer never sees half a picture.
+/// Throws base::Error: usage for another extension or for notes in a PNG, environment on a write
+/// error.
 void save(const Figure& figure, const std::string& path, const SaveOptions& options = {});
 
 }  // namespace sleight::plot

@@ -1,6 +1,4 @@
-// The colours of scenes and of what happens in them, the same in pictures and in exported models.
-//
-// Values without shared state: thread-safe as any value.
+// The colours of scene features, shared by pictures and exported models. Thread-safe as any value.
 #pragma once
 
 #include <algorithm>
@@ -14,16 +12,16 @@
 namespace sleight::plot::scene_colors {
 
 inline constexpr Color k_table{0xF6, 0xF4, 0xEF};
-inline constexpr Color k_fixed{0xD5, 0xD5, 0xD5};  ///< what stands still: its highest pieces
+inline constexpr Color k_fixed{0xD5, 0xD5, 0xD5};  ///< fixed things: their highest pieces
 inline constexpr Color k_ivory{0xFF, 0xFD, 0xF5};  ///< dice
 inline constexpr Color k_ring{0xC4, 0x12, 0x30};   ///< a goal of one body; no body has this colour
-inline constexpr Color k_tint{0xF4, 0xB8, 0xA0};   ///< where any body may be
+inline constexpr Color k_tint{0xF4, 0xB8, 0xA0};   ///< a goal of any body
 
-/// More bodies than this have colours by their order, as so many can't be told apart by hue.
+/// Maximum bodies with distinct hues. More bodies are coloured by their order.
 inline constexpr std::uint32_t k_hues = 6;
 
-/// `share` of the way from the first body to the last: viridis, which grows in lightness alike for
-/// people with any of the common colour blindnesses and on grey prints.
+/// Returns a colour of the viridis map; `share` is from 0 (first body) to 1 (last). Its lightness
+/// increases evenly for people with common colour blindnesses and in grey prints.
 inline Color in_order(double share) {
   constexpr std::array<std::array<double, 3>, 5> k_stops = {
       {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
@@ -37,7 +35,6 @@ inline Color in_order(double share) {
   return {channel(0), channel(1), channel(2)};
 }
 
-/// Of a body among so many.
 inline Color of_body(std::uint32_t body, std::uint32_t bodies) {
   if (bodies <= k_hues) return palette::series(body);
   return in_order(static_cast<double>(body) / static_cast<double>(bodies - 1));

@@ -15,9 +15,9 @@ namespace {
 constexpr Color k_grid{0xE9, 0xE9, 0xE9};
 constexpr Color k_axis{0x66, 0x66, 0x66};
 constexpr double k_infinity_mark = 4;  // half a side of the triangle at the edge, pixels
-constexpr double k_head_length = 8;    // of an arrow, pixels, at a width of 2
+constexpr double k_head_length = 8;    // length of an arrow's head in pixels, at a width of 2
 constexpr double k_half_capital =
-    0.36;  // a text's baseline is so far below its middle, of its size
+    0.36;  // distance of a text's baseline below its middle, relative to its size
 
 void draw_arrow(SvgWriter& svg, Point from, Point to, Stroke stroke) {
   const double dx = to.x - from.x;
@@ -28,7 +28,7 @@ void draw_arrow(SvgWriter& svg, Point from, Point to, Stroke stroke) {
   const double head = std::min(k_head_length * std::max(stroke.width / 2, 0.5), length);
   const Point neck{to.x - head * along.x, to.y - head * along.y};
   const double half = head * 0.42;
-  // The shaft ends inside the head, so that its square end does not blunt the tip.
+  // The shaft ends inside the head, so that its square end doesn't blunt the tip.
   svg.segment(from, {neck.x + 0.3 * head * along.x, neck.y + 0.3 * head * along.y}, stroke);
   const Point corners[] = {to,
                            {neck.x - half * along.y, neck.y + half * along.x},
@@ -36,7 +36,7 @@ void draw_arrow(SvgWriter& svg, Point from, Point to, Stroke stroke) {
   svg.polygon(corners, stroke.color);
 }
 
-// Draws one series in a panel's frame. Bands are drawn before, by draw_band.
+// Draws a series in a panel's frame. draw_band has drawn bands before.
 class SeriesPainter {
  public:
   SeriesPainter(SvgWriter& svg, const PanelLayout& layout) : svg_(svg), layout_(layout) {}
@@ -111,7 +111,7 @@ class SeriesPainter {
   }
 
  private:
-  // Gaps stay gaps: a point that is not drawable keeps its NaN or infinity.
+  // Gaps remain: points that aren't drawable keep their NaN or infinity.
   std::vector<Point> to_pixels(const std::vector<Point>& points) const {
     std::vector<Point> out;
     out.reserve(points.size());
@@ -132,7 +132,7 @@ class SeriesPainter {
     }
   }
 
-  // A triangle at the edge for each infinite y, one for a few pixels at most.
+  // Draws a triangle at the edge for each infinite y, at most one per few pixels.
   void infinities(const std::vector<Point>& points, Color color) const {
     double drawn_to[] = {-k_infinite, -k_infinite};
     for (const Point point : points) {
@@ -222,7 +222,7 @@ void draw_legend_entry(SvgWriter& svg, const LegendEntry& entry) {
   svg.text({entry.left + width + 6, entry.baseline}, entry.label, {.size = style::k_legend});
 }
 
-/// The data, cut to the frame; a line upon the edge keeps its whole width.
+/// Draws the data, clipped to the frame; a line on the edge keeps its whole width.
 void draw_series(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) {
   svg.begin_clipped({layout.frame.left - 1, layout.frame.top - 1, layout.frame.width + 2,
                      layout.frame.height + 2});
@@ -232,13 +232,13 @@ void draw_series(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) 
 }
 
 void draw_panel(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) {
-  // What lies beneath the data: bands, then the grid.
+  // Draw bands, then the grid, below the data.
   for (const Series& series : panel.series) {
     if (const auto* band = std::get_if<HorizontalBand>(&series)) draw_band(svg, layout, *band);
   }
   if (panel.grid && panel.axes) draw_grid(svg, layout);
   draw_series(svg, panel, layout);
-  // Axes and words.
+  // Draw axes and text.
   if (panel.axes) draw_axes(svg, layout);
   svg.text({layout.frame.left, layout.cell.top + style::k_panel_title}, layout.title,
            {.size = style::k_panel_title, .weight = Weight::bold});

@@ -1,8 +1,8 @@
-// A figure as an SVG document.
+// Writes a figure as an SVG document.
 //
-// Light background, dark ink, DejaVu Sans; words stay words (searchable, selectable). Long series
-// are thinned to the pixels (decimate.h), so a million points make a file of some 40 kB. The same
-// figure with the same notes gives the same bytes. Pure.
+// The style has a light background, dark ink and DejaVu Sans. Text stays searchable and selectable.
+// Long series are thinned to the pixels (decimate.h), so a million points become a file of about 40
+// kB. The same figure with the same notes has the same bytes. Pure.
 #pragma once
 
 #include <string>
@@ -12,12 +12,11 @@
 
 namespace sleight::plot {
 
-/// Notes stand in a <metadata> element; without notes there is none. REQUIRES what figure.h
-/// requires of its fields.
+/// Writes notes to a <metadata> element. REQUIRES what figure.h requires of its fields.
 std::string to_svg(const Figure& figure, const Notes& notes = {});
 
-/// Its panels' series alone, where the whole figure has them, on nothing: to be drawn upon another
-/// picture of the same sizes (film.h). Bands are left out.
+/// Writes only the panels' series, at their usual places on a transparent background, to be drawn
+/// over another picture of the same size (film.h). Omits bands.
 std::string svg_of_series(const Figure& figure);
 
 }  // namespace sleight::plot

@@ -13,7 +13,7 @@ namespace sleight::plot {
 
 namespace {
 
-// Coordinates beyond this are outside any page; renderers keep them in 32-bit fixed point.
+// Coordinates beyond this are outside any page. Renderers use 32-bit fixed point.
 constexpr double k_pixel_far = 1e5;
 
 std::string number(double value) {
@@ -118,7 +118,7 @@ void SvgWriter::disc(Point center, double radius, Color fill) {
 
 void SvgWriter::dots(std::span<const Point> centers, double radius, Color fill) {
   if (centers.empty()) return;
-  // A line of no length with round ends is a dot.
+  // A line of length 0 with round ends is a dot.
   out_ += "<path d=\"";
   for (const Point center : centers)
     out_ += fmt::format("M{} {}h0", number(center.x), number(center.y));

@@ -19,18 +19,18 @@ namespace {
 constexpr std::size_t k_columns_min = 24;
 constexpr std::size_t k_rows_min = 6;
 constexpr std::size_t k_plot_rows_min = 4;
-constexpr std::size_t k_band_period = 4;  // dots from one to the next on a band's edge
+constexpr std::size_t k_band_period = 4;  // distance of dots on a band's edge
 constexpr std::size_t k_disc_corners = 72;
 
 using Row = std::vector<Glyph>;
 
-// Words in the terminal's alphabet, cut to a width.
+// Converts text to the terminal's alphabet and cuts it to a width.
 std::string words(std::string_view text, const TerminalOptions& options, std::size_t width) {
   const std::string clean = printable(text);
   return std::string(first_of(options.unicode ? clean : to_ascii(clean), width));
 }
 
-// Writes words into a row from a column on; what lies outside is left out.
+// Writes text into a row from a column on. Text outside is clipped.
 void put(Row& row, std::size_t column, std::string_view text, Color color = palette::k_ink) {
   while (!text.empty() && column < row.size()) {
     const std::string_view character = first_of(text, 1);
@@ -39,7 +39,7 @@ void put(Row& row, std::size_t column, std::string_view text, Color color = pale
   }
 }
 
-// Draws series onto dots. The range's ends lie on the first and the last dot.
+// Draws series as dots. The ends of a range are at the first and the last dot.
 class DotPainter {
  public:
   DotPainter(DotCanvas& canvas, PanelRanges ranges, const TerminalOptions& options)
@@ -89,11 +89,11 @@ class DotPainter {
     };
     for (std::size_t i = 0; i < k_disc_corners; ++i) {
       canvas_.line(corner(i), corner(i + 1), disc.color);
-      // A chord straight down from each corner fills what is no larger than the corners are dense.
+      // Chords straight down from each corner fill the disc if the corners are dense enough.
       if (disc.filled) canvas_.line(corner(i), corner(k_disc_corners - i), disc.color);
     }
   }
-  /// The outline alone: dots have no lighter shade that what stands in front could be seen upon.
+  /// Draws only the outline: dots have no lighter shade on which other series would be visible.
   void operator()(const Rectangle& rectangle) const {
     if (!is_drawable(rectangle.low) || !is_drawable(rectangle.high)) return;
     const Point a = to_dots(rectangle.low);
@@ -147,7 +147,7 @@ class DotPainter {
     infinities(points, color);
   }
 
-  // An arrow at the edge for each infinite y.
+  // Draws an arrow at the edge for each infinite y.
   void infinities(const std::vector<Point>& points, Color color) const {
     for (const Point point : points) {
       if (!(point.x >= ranges_.x.low && point.x <= ranges_.x.high)) continue;
@@ -166,7 +166,7 @@ class DotPainter {
   const TerminalOptions& options_;
 };
 
-// Which rows besides the plot, its axis and the tick labels there is room for.
+// The optional rows for which there is room, besides plot, axis and tick labels.
 struct Furniture {
   bool title = false;
   bool y_label = false;
@@ -225,7 +225,7 @@ Ticks terminal_ticks(Range range, std::size_t count_max, const TerminalOptions& 
   return ticks;
 }
 
-// The dots with the y axis to their left, in column left - 1, and its labels.
+// Returns the dots with the y axis and its labels on their left; the axis is in column left - 1.
 std::vector<Row> plot_rows_of(const DotCanvas& canvas, const DotPainter& painter,
                               const Ticks& ticks, std::size_t left,
                               const TerminalOptions& options) {
@@ -245,7 +245,7 @@ std::vector<Row> plot_rows_of(const DotCanvas& canvas, const DotPainter& painter
   return rows;
 }
 
-// The axis below the plot and its labels, each only where it has room.
+// Draws the axis below the plot, and its labels if they fit.
 void draw_x_axis(Row& axis, Row& labels, const Ticks& ticks, const DotPainter& painter,
                  const DotCanvas& canvas, std::size_t left, const TerminalOptions& options) {
   axis[left - 1] = {options.unicode ? "└" : "+"};
@@ -275,7 +275,7 @@ std::string joined(const std::vector<Row>& rows, bool color) {
       const Color& wanted = row[i].color;
       if (color && !row[i].text.empty() && wanted.with_opacity(1) != pen) {
         pen = wanted.with_opacity(1);
-        // Ink is the terminal's own foreground: it may be light on dark.
+        // Ink is the terminal's own foreground, which may be light on dark.
         const auto level = [](std::uint8_t channel) { return (channel * 5 + 127) / 255; };
         out += pen == palette::k_ink
                    ? "\x1b[39m"
@@ -299,7 +299,7 @@ std::string to_terminal(const Panel& panel, const TerminalOptions& wanted) {
   const Furniture furniture = furniture_of(panel, options);
   const std::size_t plot_rows = options.rows - 2 - furniture.rows();
 
-  // Left of the plot: the widest label of a first guess at the ticks, then the axis.
+  // Left of the plot: the widest label of a first estimate of the ticks, then the axis.
   PanelRanges ranges = ranges_of(panel);
   const std::size_t left = widest(terminal_ticks(ranges.y, plot_rows / 3, options)) + 2;
   DotCanvas canvas(options.columns - left, plot_rows, options.unicode);
@@ -311,7 +311,7 @@ std::string to_terminal(const Panel& panel, const TerminalOptions& wanted) {
   for (const Series& series : panel.series)
     std::visit(painter, series);
 
-  // From top to bottom: words, the plot, its axis, words.
+  // From top to bottom: text, the plot, its axis, text.
   std::vector<Row> rows;
   const auto add_words = [&](std::string_view text, std::size_t column) {
     rows.emplace_back(options.columns);

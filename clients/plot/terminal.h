@@ -21,21 +21,21 @@
 namespace sleight::plot {
 
 struct TerminalOptions {
-  std::size_t columns = 80;  ///< fewer than 24 are taken as 24
-  std::size_t rows = 24;     ///< fewer than 6 are taken as 6; titles and legend give way first
-  bool unicode = true;       ///< otherwise ASCII alone, letters included
+  std::size_t columns = 80;  ///< values below 24 count as 24
+  std::size_t rows = 24;     ///< values below 6 count as 6; titles and legend are omitted first
+  bool unicode = true;       ///< false: ASCII only, letters included
   bool color = false;        ///< ANSI escapes with 256 colours
 };
 
-/// Lines joined and ended by '\n', without trailing spaces. Pure.
+/// Returns lines that end in '\n', without trailing spaces. Pure.
 std::string to_terminal(const Panel& panel, const TerminalOptions& options);
 
-/// The options that fit what the file descriptor is connected to: its size (the default where it
-/// is no terminal), colours on a terminal that has escapes unless NO_COLOR is set, Unicode where
-/// the locale's variables say UTF-8. Reads the environment; changes nothing.
+/// Returns options for the terminal of a file descriptor: its size (default if it isn't a
+/// terminal), colours if the terminal has escape codes and NO_COLOR is unset, and Unicode if the
+/// locale is UTF-8. Reads the environment.
 TerminalOptions detect_terminal(int file_descriptor);
 
-/// Whether a locale name such as "en_GB.UTF-8" or "C.utf8" says UTF-8.
+/// Whether a locale name is UTF-8, such as "en_GB.UTF-8" or "C.utf8".
 bool names_utf8(std::string_view locale);
 
 }  // namespace sleight::plot

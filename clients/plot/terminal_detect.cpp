@@ -14,7 +14,7 @@ std::string_view environment(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-// The variables in their order of precedence (POSIX): the first that is not empty decides.
+// Returns the first non-empty variable in the order of precedence (POSIX).
 std::string_view locale_name() {
   for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
     if (!environment(name).empty()) return environment(name);
@@ -37,7 +37,7 @@ TerminalOptions detect_terminal(int file_descriptor) {
   const auto terminal = base::terminal_at(file_descriptor);
   if (!terminal) return options;
   options.columns = terminal->columns;
-  // One row is left for the prompt that follows.
+  // Leave a row for the next prompt.
   options.rows = terminal->rows - 1;
   options.color = environment("NO_COLOR").empty() && terminal->has_escapes;
   return options;

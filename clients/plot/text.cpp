@@ -26,7 +26,7 @@ bool is_continuation(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
-// Length of the valid, shortest-form UTF-8 sequence at the front of `text`; 0 where there is none.
+// Returns the length of the valid, shortest-form UTF-8 sequence at the front; 0 if there is none.
 std::size_t sequence_length(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   const std::size_t length = lead < 0x80   ? 1
@@ -40,7 +40,7 @@ std::size_t sequence_length(std::string_view text) {
     if (!is_continuation(text[i])) return 0;
   }
   if (length < 3) return length;
-  // Left out: overlong forms, surrogates, beyond U+10FFFF, and the two that XML forbids.
+  // Exclude overlong forms, surrogates, code points beyond U+10FFFF, and the two that XML forbids.
   const auto second = static_cast<unsigned char>(text[1]);
   if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
       (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F)) {
@@ -139,7 +139,7 @@ std::string to_ascii(std::string_view text) {
   };
   std::string out;
   while (!text.empty()) {
-    // Without raised digits, a power of ten is written as a computer would: 1.5e6.
+    // Without raised digits, write a power of ten like a computer: 1.5e6.
     constexpr std::string_view k_power = "×10";
     if (text.starts_with(k_power) && text.size() > k_power.size()) {
       out += 'e';
