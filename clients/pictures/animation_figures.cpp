@@ -29,9 +29,9 @@ constexpr double k_beside_px = 24;  ///< between the view from above and the ins
 constexpr double k_title_room_px = 9;
 constexpr std::size_t k_instants = 8;
 constexpr double k_panel_height_max_px = 400;
-constexpr double k_above_share_max = 0.6;  ///< of the width, for the view from above
+constexpr double k_above_share_max = 0.6;  ///< maximum share of the width, for the view from above
 
-/// What the signs mean that the view from above has.
+/// Explains the symbols in the view from above.
 std::string caption_from_above(const scene::Scene& scene, const ShownAnimation& animation,
                                std::string words) {
   bool has_tint = false;
@@ -60,7 +60,7 @@ double first_s(const ShownAnimation& animation) {
   return first < 1e300 ? first : 0;
 }
 
-/// What became of the bodies: which faces of dice are up, how far from their places they are.
+/// Returns the outcome: the dice's upper faces, and distances from the goals.
 std::string outcome_of(const scene::Scene& scene, const ShownAnimation& animation) {
   std::string up;
   double furthest_mm = 0;
@@ -89,7 +89,7 @@ std::string outcome_of(const scene::Scene& scene, const ShownAnimation& animatio
   return words + fmt::format("at rest after {:.2f} s", end_s(animation) - first_s(animation));
 }
 
-// Few bodies: their ways, from above and beneath from the front.
+// Few bodies: paths from above and, below, from the front.
 
 struct WaysSizes {
   std::size_t columns = 1;
@@ -116,7 +116,7 @@ WaysSizes ways_sizes(const SceneExtent& extent, std::size_t panels, bool flat) {
       std::max(extent.width_mm() * sizes.px_per_mm, std::min(room_px, k_panel_width_px_min));
   sizes.above_height_px = depth_mm * sizes.px_per_mm;
   sizes.front_height_px = extent.height_mm() * sizes.px_per_mm;
-  // A word beneath the front, too.
+  // Reserve space for a caption below the front view too.
   sizes.height_px = sizes.front_height_px + 2 * k_caption_px;
   if (!flat) sizes.height_px += sizes.above_height_px + k_between_px + k_caption_px;
   return sizes;
@@ -165,8 +165,8 @@ struct InstantSizes {
   double height_px = 0;
 };
 
-/// Frames in so many columns, all as large as width and height allow; the view from above as high
-/// as the frames together, but not wider than its share.
+/// Returns sizes for frames in this many columns, as large as width and height allow. The view from
+/// above is as high as all frames together, but limited by its share of the width.
 InstantSizes instant_sizes_in(const SceneExtent& extent, std::size_t columns) {
   const double rows = static_cast<double>(k_instants) / static_cast<double>(columns);
   const double captions_px = rows * k_caption_px + (rows - 1) * k_between_px;
@@ -174,7 +174,7 @@ InstantSizes instant_sizes_in(const SceneExtent& extent, std::size_t columns) {
   const double frames_z_mm = rows * extent.height_mm();
   const double all_px = k_figure_width_px - 2 * plot::style::k_outer;
   const double room_px = all_px - k_beside_px - static_cast<double>(columns - 1) * k_between_px;
-  // Views that are equally high: ratio * (frames_z * scale + others_px) + frames_x * scale = room.
+  // Solve for equal heights: ratio * (frames_z * scale + others_px) + frames_x * scale = room.
   const double ratio = extent.width_mm() / extent.depth_mm();
   const double others_px = captions_px - 2 * k_caption_px;
   const double equal = (room_px - ratio * others_px) / (ratio * frames_z_mm + frames_x_mm);
@@ -189,7 +189,7 @@ InstantSizes instant_sizes_in(const SceneExtent& extent, std::size_t columns) {
   return sizes;
 }
 
-/// As many columns of frames as let both kinds of views be large.
+/// Chooses the number of columns for which both kinds of views are large.
 InstantSizes instant_sizes(const SceneExtent& extent) {
   InstantSizes best{.height_px = k_panel_height_max_px};
   for (const std::size_t columns : {8U, 4U, 2U, 1U}) {
@@ -201,9 +201,10 @@ InstantSizes instant_sizes(const SceneExtent& extent) {
   return best;
 }
 
-/// Equally spaced from the first entry until what entered last has bounced, then at rest.
+/// Returns equally spaced times from the first entry until the last entered body has bounced, and
+/// the time at rest.
 std::array<double, k_instants> instants_of(const ShownAnimation& animation) {
-  constexpr double k_bounces_s = 0.4;  // what falls some centimetres takes an eighth of a second
+  constexpr double k_bounces_s = 0.4;  // a fall of a few centimetres takes an eighth of a second
   const double begin_s = first_s(animation);
   double last_s = begin_s;
   for (const motion::Path& path : animation.motion.paths()) {
@@ -218,7 +219,7 @@ std::array<double, k_instants> instants_of(const ShownAnimation& animation) {
   return instants;
 }
 
-/// As much as stands above a frame without reaching the next one's.
+/// Returns a caption that fits above a frame.
 std::string frame_caption(std::size_t instant, double time_s, double width_px) {
   const std::string time = fmt::format("{:.2f} s", time_s);
   const std::string whole = instant == 0                ? "from the front, " + time
@@ -271,7 +272,7 @@ plot::Panel instants_panel(const scene::Scene& scene, const SceneExtent& extent,
   return panel;
 }
 
-/// One view alone, in millimetres.
+/// A single view in millimetres.
 plot::Panel single_panel(const scene::Scene& scene, const SceneExtent& extent, bool flat,
                          const ShownAnimation& animation) {
   const bool is_many = scene.bodies() > k_ways_max;

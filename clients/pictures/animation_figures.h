@@ -1,10 +1,10 @@
-// Pictures of kept animations of any world, by the scene and the motions that their archive holds:
-// the thesis's figures 2.7 and 2.13.
+// Draws pictures of kept animations of any world, as in the thesis's figures 2.7 and 2.13, from the
+// archive's scene description and motions.
 //
-// Few bodies: the scene from above and, beneath, from the front. Of each body its centre at equal
-// times, its outline at each third of them, fading in, and the body where it comes to rest. Many:
-// the scene from above at rest, bodies numbered and coloured in the order of their numbers, and
-// beside it eight instants from the front. Wanted places are tinted, or rings.
+// A few bodies are shown from above and, below that, from the front. Each body is drawn as its
+// centre at equal times, its outline at every third of them (fading in), and the body at rest. Many
+// bodies are shown from above at rest, numbered and coloured by number, beside eight instants from
+// the front. Goals are tinted areas or rings.
 #pragma once
 
 #include <cstddef>
@@ -20,31 +20,30 @@
 
 namespace sleight::pictures {
 
-/// More bodies are shown at instants instead of by their ways.
+/// Maximum bodies whose paths are drawn. More bodies are shown at instants.
 inline constexpr std::uint32_t k_ways_max = 6;
 
-/// What one panel shows.
 struct ShownAnimation {
   std::string title{};
   motion::Animation motion{};
   scene::Variation own{};
-  std::vector<math::Vec3> offsets_m{};  ///< of the scene's vertices
+  std::vector<math::Vec3> offsets_m{};  ///< of the scene description's vertices
 };
 
 struct AnimationFigureOptions {
-  std::optional<std::uint64_t> chain{};  ///< none: of all chains
-  std::size_t count = 4;                 ///< at most so many animations
-  /// Without: one view alone, in millimetres, for a terminal's few dots: from above, or from the
-  /// front where that is where things move.
+  std::optional<std::uint64_t> chain{};  ///< none: all chains
+  std::size_t count = 4;                 ///< maximum animations
+  /// If false, a single view in millimetres for a terminal: from above, or from the front if bodies
+  /// move in that plane.
   bool whole = true;
 };
 
-/// A panel for each animation. REQUIRES: an animation at least; a sound scene.
+/// Draws a panel per animation. REQUIRES: at least one animation; a valid scene description.
 plot::Figure animation_figure(const std::string& title, const scene::Scene& scene,
                               const std::vector<ShownAnimation>& animations, bool whole = true);
 
-/// The same of an archive's kept animations, chosen as choose_animations does. Throws
-/// base::Error(bad_archive) on what can be no scene or no motion.
+/// Draws an archive's kept animations, chosen by choose_animations. Throws base::Error(bad_archive)
+/// if the scene description or a motion is invalid.
 plot::Figure animation_figure(const archive::Source& source, const AnimationFigureOptions& options);
 
 }  // namespace sleight::pictures

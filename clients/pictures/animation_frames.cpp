@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double k_title_px = plot::style::k_panel_title + 9;  ///< what layout gives a title
+constexpr double k_title_px = plot::style::k_panel_title + 9;  ///< height of a title
 constexpr double k_width_px_min = 320;                         ///< for the captions
 constexpr double k_frame_px_per_mm_max = 8;
 constexpr double k_side_px_min = 100;
@@ -39,12 +39,11 @@ double up_to_even(double side) {
   return 2 * std::ceil(0.5 * side);
 }
 
-/// The views of a frame, and their sizes in pixels.
 struct FrameSizes {
   std::vector<Seen> views{};
-  bool beside = false;  ///< each other, not one beneath the other
+  bool beside = false;  ///< beside each other instead of below
   double px_per_mm = 0;
-  double width_px = 0;  ///< of the panel
+  double width_px = 0;  ///< panel width
   double height_px = 0;
 };
 
@@ -71,7 +70,7 @@ FrameSizes sizes_in(const SceneExtent& extent, const std::vector<Seen>& views, b
   return sizes;
 }
 
-/// One view beneath the other, or beside it where that is larger.
+/// Arranges the views below each other, or beside each other if that is larger.
 FrameSizes sizes_of(const SceneExtent& extent, bool flat, const FrameLook& look) {
   std::vector<Seen> views;
   if (look.views == FrameViews::above || (look.views == FrameViews::both && !flat))
@@ -84,7 +83,7 @@ FrameSizes sizes_of(const SceneExtent& extent, bool flat, const FrameLook& look)
   return beside.px_per_mm > beneath.px_per_mm ? beside : beneath;
 }
 
-/// What all frames of an animation have in common, and how each is drawn. All is borrowed.
+/// Draws the frames of an animation. Holds what they share; borrows all arguments.
 class FrameArtist {
  public:
   FrameArtist(const scene::Scene& scene, const ShownAnimation& animation, const FrameLook& look)
@@ -120,9 +119,9 @@ class FrameArtist {
   FrameArtist(const FrameArtist&) = delete;
   FrameArtist& operator=(const FrameArtist&) = delete;
 
-  /// What is in every frame.
+  /// Returns the still parts of all frames.
   plot::Figure still() const { return figure_of(still_panel()); }
-  /// What a frame has beside that.
+  /// Returns the moving parts of a frame.
   plot::Figure moving(double t_s) const {
     plot::Panel panel = panel_;
     add_moving(t_s, panel);
@@ -166,12 +165,12 @@ class FrameArtist {
   const scene::Scene& scene_;
   const ShownAnimation& animation_;
   SceneExtent extent_;
-  plot::Figure figure_;  ///< its sizes
+  plot::Figure figure_;  ///< sizes only
   plot::Panel panel_;    ///< without series
   std::vector<SceneView> views_;
 };
 
-/// Draws all frames one after the other; `take` gets the number of each, from 0, once it is shown.
+/// Draws all frames in order. Calls `take` with each frame's number, from 0, after it is shown.
 void draw_frames(const FrameArtist& artist, plot::Film& film, std::size_t count,
                  const FramesOptions& options, const std::function<void(std::size_t frame)>& take) {
   for (std::size_t frame = 0; frame < count; ++frame) {
@@ -181,7 +180,7 @@ void draw_frames(const FrameArtist& artist, plot::Film& film, std::size_t count,
   }
 }
 
-/// A folder that is filled beside its place and renamed when it is whole.
+/// A folder that is filled under a temporary name and renamed when complete.
 class FolderBeside {
  public:
   explicit FolderBeside(const std::string& folder)
@@ -197,7 +196,7 @@ class FolderBeside {
   }
   FolderBeside(const FolderBeside&) = delete;
   FolderBeside& operator=(const FolderBeside&) = delete;
-  /// Removes what has not been put in place.
+  /// Removes the folder unless it was renamed.
   ~FolderBeside() {
     std::error_code none;
     if (!beside_.empty()) fs::remove_all(beside_, none);
@@ -206,7 +205,7 @@ class FolderBeside {
   const std::string& path() const { return beside_; }
 
   void put_in_place() {
-    // The system itself refuses to replace a folder that is not empty.
+    // rename() refuses to replace a folder that isn't empty.
     if (::rename(beside_.c_str(), place_.c_str()) != 0) {
       if (errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR) refuse_used();
       throw base::Error(
@@ -222,7 +221,7 @@ class FolderBeside {
   }
 
   std::string place_;
-  std::string beside_;  ///< empty: not made, or already put in place
+  std::string beside_;  ///< empty: not created, or already renamed
 };
 
 void write_file(base::FileSystem& files, const std::string& path, base::BytesView bytes) {

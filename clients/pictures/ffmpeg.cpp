@@ -23,13 +23,13 @@
 namespace sleight::pictures {
 namespace {
 
-/// Of its messages.
+/// Maximum lines of its messages that are shown.
 constexpr std::size_t k_lines_shown = 6;
 constexpr long k_tail_bytes = 4096;
-/// So many, whatever the machine has: the film of the same frames is the same file.
+/// Fixed number of threads, so that the same frames give the same file on any machine.
 constexpr int k_threads = 4;
 
-/// The last lines of a file, each as people can read it.
+/// Returns the last lines of a file in printable form.
 std::vector<std::string> last_lines(std::FILE* file) {
   std::fseek(file, 0, SEEK_END);
   const long size = std::ftell(file);
@@ -60,16 +60,16 @@ std::vector<std::string> last_lines(std::FILE* file) {
 
 std::vector<std::string> ffmpeg_command(const FfmpegOptions& options) {
   return {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostats",
-          // What comes in.
+          // Input.
           "-f", "rawvideo", "-pixel_format", "bgr0", "-video_size",
           fmt::format("{}x{}", options.columns, options.rows), "-framerate",
           fmt::format("{}", options.fps), "-i", "pipe:0",
-          // How it is encoded: as every player can show it. Flat colours gain nothing from x264's
-          // slower presets: HI's film is no smaller by them and takes half as long again.
+          // Encoding that every player supports. Slower presets of x264 don't help with flat
+          // colours: HI's film takes half as long again and isn't smaller.
           "-an", "-c:v", "libx264", "-preset", "veryfast", "-pix_fmt", "yuv420p", "-threads",
           fmt::format("{}", k_threads), "-movflags", "+faststart", "-fflags", "+bitexact",
           "-flags:v", "+bitexact",
-          // Where it goes: a file, also where its name looks like another protocol or an option.
+          // Output: a file, even if its name looks like another protocol or an option.
           "-f", "mp4", "-y", "file:" + options.output};
 }
 
@@ -92,7 +92,7 @@ bool is_whole_mp4(const std::string& path) {
     std::uint64_t size = number(4);
     std::array<char, 4> kind{};
     file.read(kind.data(), kind.size());
-    // A size of 1 stands for one of 64 bits behind the kind.
+    // A size of 1 means that a 64-bit size follows the kind.
     if (size == 1) size = number(8);
     if (!file || size < k_head_bytes || size > bytes - at) return false;
     has_film = has_film || std::string_view(kind.data(), kind.size()) == "mdat";
@@ -109,7 +109,7 @@ Ffmpeg::Ffmpeg(const FfmpegOptions& options)
   CHECK_EQ(options.columns % 2 + options.rows % 2, 0U);
   if (!messages_)
     throw base::Error(fmt::format("can't create a temporary file: {}", std::strerror(errno)));
-  // A socket's other end may go without a signal to us, unlike a pipe's.
+  // Use a socket: if its other end closes, no signal is sent, unlike for a pipe.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw base::Error(fmt::format("can't create a socket: {}", std::strerror(errno)));
@@ -169,7 +169,7 @@ int Ffmpeg::wait() {
 }
 
 void Ffmpeg::fail() {
-  // Without input it ends by itself, and says why before.
+  // Without input, ffmpeg ends by itself after printing the reason.
   if (input_ >= 0) ::close(input_);
   input_ = -1;
   if (id_ >= 0) wait();

@@ -1,7 +1,7 @@
-// The program `ffmpeg` as an encoder: it gets frames as raw pixels and makes an MP4 of H.264.
+// Runs the program `ffmpeg` as an encoder: raw pixels of frames become an H.264 MP4.
 //
-// It runs as a process of its own, started without a shell; frames go to its standard input. Its
-// messages are kept, and shown where it fails. Not thread-safe.
+// ffmpeg runs as a separate process without a shell, and reads frames from its standard input. Its
+// messages are stored, and shown if it fails. Not thread-safe.
 #pragma once
 
 #include <sys/types.h>
@@ -17,34 +17,33 @@
 namespace sleight::pictures {
 
 struct FfmpegOptions {
-  std::string output;         ///< a file, which is replaced, of whatever name
+  std::string output;         ///< file of any name, replaced if it exists
   std::uint32_t columns = 0;  ///< even
   std::uint32_t rows = 0;     ///< even
   double fps = 24;
 };
 
-/// The command, its name first.
+/// Returns the command line, with the program's name first.
 std::vector<std::string> ffmpeg_command(const FfmpegOptions& options);
 
-/// Whether a file is an MP4 from its first to its last byte: its boxes fill it, and the film and
-/// its index are among them (ISO/IEC 14496-12, 4.2). On a full disk ffmpeg may end well all the
-/// same.
+/// Whether a file is a complete MP4: its boxes fill the file and include the film and its index
+/// (ISO/IEC 14496-12, 4.2). The check is needed because ffmpeg may report success on a full disk.
 bool is_whole_mp4(const std::string& path);
 
 class Ffmpeg {
  public:
-  /// Throws base::Error(environment) that says what to install where there is no `ffmpeg` on PATH.
+  /// Throws base::Error(environment) with installation advice if there is no `ffmpeg` on PATH.
   explicit Ffmpeg(const FfmpegOptions& options);
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
-  /// Ends it where it still runs.
+  /// Kills the process if it still runs.
   ~Ffmpeg();
 
-  /// A frame: rows from above, each pixel as blue, green, red and an unused byte. Throws
-  /// base::Error(environment) with ffmpeg's last words when it has ended.
-  /// REQUIRES: 4 * columns * rows bytes; finish was not called.
+  /// Sends a frame: rows from the top, each pixel as blue, green, red and an unused byte. Throws
+  /// base::Error(environment) with ffmpeg's last messages if it has ended.
+  /// REQUIRES: 4 * columns * rows bytes; finish() was not called.
   void send(base::BytesView frame);
-  /// Waits until the file is whole; likewise.
+  /// Waits until the file is complete. Throws like send().
   void finish();
 
  private:

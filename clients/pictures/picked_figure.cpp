@@ -18,7 +18,7 @@
 namespace sleight::pictures {
 namespace {
 
-/// The animation itself, out of its archive's file.
+/// Reads an animation from its archive's file.
 ShownAnimation read_picked(const archive::Source& source, const browse::Picked& picked,
                            std::string title) {
   const auto group = picked.entry->name.is_find ? archive::k_finds : archive::k_animations;
@@ -47,7 +47,7 @@ plot::Figure picked_figure(const std::string& title, const std::vector<PickedPan
     std::unique_ptr<archive::Source>& source = sources[path];
     if (source == nullptr) {
       source = archive::remote::open_remote(path);
-      // Rows are those of the archive that was browsed.
+      // The rows refer to the archive that was browsed.
       if (archive::summary_of(*source).content_digest != panel.picked.archive->index.digest)
         throw base::Error(fmt::format("{}: the archive was replaced meanwhile; try again", path));
     }

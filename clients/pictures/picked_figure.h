@@ -1,4 +1,4 @@
-// A picture of some animations of browsed archives.
+// Draws a picture of selected animations of browsed archives.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,6 @@
 
 namespace sleight::pictures {
 
-/// Most animations of one picture.
 inline constexpr std::size_t k_picked_panels_max = 24;
 
 struct PickedPanel {
@@ -18,8 +17,9 @@ struct PickedPanel {
   std::string title{};
 };
 
-/// A panel for each, out of its archive's file. Throws base::Error(bad_archive) where the file
-/// holds it no more. REQUIRES: at least one, of comparable scenes.
+/// Draws a panel per animation, read from its archive's file. Throws base::Error(bad_archive) if
+/// the file doesn't contain the animation any more. REQUIRES: at least one panel, comparable
+/// scenes.
 plot::Figure picked_figure(const std::string& title, const std::vector<PickedPanel>& panels);
 
 }  // namespace sleight::pictures

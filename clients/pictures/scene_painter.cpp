@@ -20,22 +20,22 @@ using plot::scene_colors::k_ring;
 using plot::scene_colors::k_table;
 using plot::scene_colors::k_tint;
 
-constexpr double k_instant_s = 1.0 / 60;     ///< between the centres that are shown
-constexpr std::size_t k_instants_max = 360;  ///< of a body; longer motions have rarer ones
-constexpr std::size_t k_outline_every = 3;   ///< of these
+constexpr double k_instant_s = 1.0 / 60;     ///< interval between the centres that are shown
+constexpr std::size_t k_instants_max = 360;  ///< per body; longer motions have longer intervals
+constexpr std::size_t k_outline_every = 3;   ///< in centres
 constexpr double k_faintest = 0.10;
 constexpr double k_strongest = 0.55;
 constexpr std::size_t k_points_per_way = 60;
-constexpr double k_number_px_min = 7;  ///< smaller numbers can't be read
-constexpr double k_grid_px_min = 5;    ///< closer lines are none
+constexpr double k_number_px_min = 7;  ///< smaller numbers are illegible
+constexpr double k_grid_px_min = 5;    ///< a denser grid isn't drawn
 constexpr double k_margin_mm = 4;
-constexpr double k_flat_m = 1e-6;  ///< what moves no further in y moves in a plane
+constexpr double k_flat_m = 1e-6;  ///< bodies that move less in y move in a plane
 
 constexpr Color k_grid{0xE2, 0xDE, 0xD5};
-constexpr Color k_low{0xFA, 0xFA, 0xFA};  ///< the lowest pieces of what stands still
+constexpr Color k_low{0xFA, 0xFA, 0xFA};  ///< the lowest pieces of fixed things
 constexpr Color k_high = plot::scene_colors::k_fixed;
-constexpr double k_see_through = 0.15;       ///< of what stands still, from the front
-constexpr Color k_shaded{0xE6, 0xE2, 0xD6};  ///< faces that look neither up nor to the front
+constexpr double k_see_through = 0.15;       ///< opacity of fixed things, from the front
+constexpr Color k_shaded{0xE6, 0xE2, 0xD6};  ///< faces that point neither up nor to the front
 constexpr Color k_white{0xFF, 0xFF, 0xFF};
 
 Color between(const Color& a, const Color& b, double share) {
@@ -45,7 +45,7 @@ Color between(const Color& a, const Color& b, double share) {
   return {channel(a.red, b.red), channel(a.green, b.green), channel(a.blue, b.blue)};
 }
 
-/// White on dark, ink on light.
+/// White on dark colours, ink on light ones.
 Color on_top_of(const Color& color) {
   return 0.3 * color.red + 0.59 * color.green + 0.11 * color.blue < 140 ? k_white
                                                                         : plot::palette::k_ink;
@@ -94,7 +94,7 @@ SceneExtent extent_of(const scene::Scene& scene, const std::vector<ShownAnimatio
     if (part.shape == scene::Shape::mesh) {
       for (std::uint32_t i = 0; i < part.triangles; ++i) {
         for (const std::uint32_t vertex : scene.triangles[part.first_triangle + i]) {
-          // Of what reaches beyond where bodies move, such as walls, a margin is enough.
+          // Of fixed things outside the bodies' range, such as walls, include only a margin.
           const Vec3 place_m =
               scene.vertices[vertex].place_m.cwiseMax(scene.low_m).cwiseMin(scene.high_m);
           extent.add(k_mm_per_m * place_m, k_margin_mm);
@@ -152,7 +152,7 @@ void ScenePainter::polygon(const SceneView& view, const std::vector<Point>& corn
   panel_.series.push_back(std::move(shape));
 }
 
-/// What of a convex outline lies within the extent: by its four sides, one after the other.
+/// Clips a convex outline to the extent, one side after the other.
 std::vector<Point> ScenePainter::clipped(const SceneView& view,
                                          std::vector<Point> corners_mm) const {
   const bool from_above = view.seen == Seen::from_above;
@@ -216,7 +216,7 @@ void ScenePainter::scenery(const SceneView& view) {
   outline(low, high, k_grid);
 }
 
-/// The grid of its control points; where these are known its patches, darker where they are lower.
+/// Draws the grid of control points or, if these are known, the patches: darker if lower.
 void ScenePainter::surface(const SceneView& view, const scene::Part& part) {
   if (view.seen == Seen::from_front) {
     const double z_mm = k_mm_per_m * part.position_m.z();
@@ -269,7 +269,7 @@ void ScenePainter::ground(const SceneView& view, const scene::Part& part) {
   line({view.at({extent_.low_mm.x(), z_mm}), right}, plot::palette::k_grey, 1);
 }
 
-/// From above darker where it is higher; from the front one sees through it.
+/// Draws fixed things: from above darker if higher, from the front transparent.
 void ScenePainter::fixed(const SceneView& view, const scene::Part& part) {
   const std::vector<FlatPiece> pieces =
       flat_pieces(scene_, part, {}, view.seen, animation_.offsets_m);
@@ -287,16 +287,16 @@ void ScenePainter::fixed(const SceneView& view, const scene::Part& part) {
     if (piece.radius_mm == 0 && shown.corners_mm.empty()) continue;
     fill(view, shown,
          from_above ? between(k_low, k_high, share) : k_high.with_opacity(k_see_through));
-    // Triangles are parts of a larger surface; other pieces are things of their own.
+    // Triangles are parts of a larger surface; other pieces get an edge.
     if (piece.corners_mm.size() != 3) edge(view, shown, plot::palette::k_grey, 0.8);
   }
 }
 
-/// Where any body may be it is tinted; what is for one body is a ring.
+/// Draws goals: a tinted area for any body, a ring for a single body.
 void ScenePainter::wanted(const SceneView& view, const scene::Part& part) {
   const bool is_of_one = scene_.features[part.feature].body != scene::k_none;
   if (view.seen == Seen::from_front) {
-    // A line on the ground.
+    // Draw a line on the ground.
     const double half_mm = 0.5 * k_mm_per_m * part.size_m.x();
     const Point middle_mm = projected_mm(part.position_m, view.seen);
     line({view.at({middle_mm.x - half_mm, middle_mm.y}),
@@ -409,7 +409,7 @@ void ScenePainter::edge(const SceneView& view, const FlatPiece& piece, const Col
   line(closed(std::move(edges)), color, width_px);
 }
 
-/// Bodies are told apart by numbers, from one on, where these can be read.
+/// Numbers bodies from 1 if the numbers are legible.
 void ScenePainter::number_on(const SceneView& view, const FlatPiece& piece, std::uint32_t number) {
   if (scene_.bodies() == 1) return;
   const std::string words = std::to_string(number + 1);
@@ -433,7 +433,7 @@ void ScenePainter::instant(const SceneView& view, double since_s, double time_s)
       const double share = static_cast<double>(i) / k_points_per_way;
       const auto centre_m = path.centre_at(from_s + (time_s - from_s) * share);
       const Point place_mm = centre_m ? projected_mm(*centre_m, view.seen) : Point{NAN, NAN};
-      // What has left the scene would lie upon other pictures.
+      // Clip what has left the scene, since it would cover other pictures.
       track.points.push_back(is_in(view, place_mm) ? view.at(place_mm) : Point{NAN, NAN});
     }
     if (!track.points.empty()) panel_.series.push_back(std::move(track));

@@ -1,4 +1,4 @@
-// Draws a scene and its animations into a panel. Private to animation_figures and animation_frames.
+// Draws a scene and its animations into a panel. Private to clients/pictures.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@ namespace sleight::pictures {
 
 inline constexpr double k_caption_px = 18;  ///< above a view
 inline constexpr double k_caption_size_px = 11.5;
-inline constexpr double k_between_px = 12;  ///< views
+inline constexpr double k_between_px = 12;  ///< between views
 
-/// What is to be seen, in millimetres.
+/// The visible extent in millimetres.
 struct SceneExtent {
   math::Vec3 low_mm{1e300, 1e300, 1e300};
   math::Vec3 high_mm{-1e300, -1e300, -1e300};
@@ -26,16 +26,16 @@ struct SceneExtent {
   double height_mm() const { return high_mm.z() - low_mm.z(); }
 };
 
-/// Of all that bodies do in the animations, what stands still but the ground, and goals.
+/// Returns the extent of all bodies' motions, of fixed things except the ground, and of goals.
 SceneExtent extent_of(const scene::Scene& scene, const std::vector<ShownAnimation>& animations);
 
-/// Whether all bodies move in planes of constant y: then the view from the front shows all.
+/// Whether all bodies move in planes of constant y, so that the view from the front is sufficient.
 bool is_flat(const std::vector<ShownAnimation>& animations);
 
-/// Places a plane of the scene in a panel.
+/// Maps a view of the scene to a panel.
 struct SceneView {
   Seen seen;
-  plot::Point origin;  ///< where the scene's origin is drawn
+  plot::Point origin;  ///< position of the scene's origin
   double px_per_mm = 1;
 
   plot::Point at(const plot::Point& place_mm) const {
@@ -43,22 +43,22 @@ struct SceneView {
   }
 };
 
-/// Equally spaced from when a body enters until it rests, at most some hundred; then its rest.
-/// REQUIRES: it enters.
+/// Returns equally spaced times from a body's entry until it rests (at most some hundred), then the
+/// time at rest. REQUIRES: the body enters.
 std::vector<double> instants_of(const motion::Path& path);
 
 class ScenePainter {
  public:
-  /// All are borrowed.
+  /// Borrows all arguments.
   ScenePainter(const scene::Scene& scene, const SceneExtent& extent,
                const ShownAnimation& animation, plot::Panel& panel);
 
   void caption(const plot::Point& at, std::string words, plot::Anchor anchor = plot::Anchor::start);
-  /// What stands still, and goals.
+  /// Draws fixed things and goals.
   void scenery(const SceneView& view);
-  /// The ways of all bodies, then the bodies at rest.
+  /// Draws the paths of all bodies, then the bodies at rest.
   void ways(const SceneView& view);
-  /// The bodies as they are at a time, with their centres' ways since another.
+  /// Draws the bodies at a time, with the paths of their centres since an earlier time.
   void instant(const SceneView& view, double since_s, double time_s);
 
  private:

@@ -11,7 +11,7 @@ namespace {
 using math::Quat;
 using math::Vec3;
 
-/// From a part's frame to the scene's.
+/// Maps a part's frame to the scene's.
 struct Frame {
   Vec3 origin_m;
   Quat turn;
@@ -24,7 +24,7 @@ Frame frame_of(const scene::Part& part, const motion::Pose& pose) {
           .turn = math::composed(pose.orientation, part.orientation)};
 }
 
-/// A face that is seen has an outward normal with at least this part towards the viewer.
+/// Minimum component towards the viewer of a visible face's outward normal.
 constexpr double k_facing_min = 0.02;
 
 double towards_viewer(const Vec3& direction, Seen seen) {

@@ -12,10 +12,9 @@
 namespace sleight::pictures {
 namespace {
 
-/// More lines in one panel can't be told apart: the palette has so many colours.
+/// Maximum chains per panel: the palette has no more colours.
 constexpr std::uint64_t k_chains_drawn_max = 6;
 
-/// Keeps the first, lowest, highest and last point of each stretch of `stretch` points.
 class Thinner {
  public:
   explicit Thinner(std::uint64_t stretch) : stretch_(stretch) {}
@@ -52,8 +51,8 @@ class Thinner {
   }
 
   std::uint64_t stretch_;
-  std::uint64_t seen_ = 0;             ///< of the current stretch
-  std::array<plot::Point, 4> kept_{};  ///< of the current stretch: first, lowest, highest, last
+  std::uint64_t seen_ = 0;             ///< number of points in the current stretch
+  std::array<plot::Point, 4> kept_{};  ///< first, lowest, highest and last of the current stretch
   std::vector<plot::Point> points_;
 };
 

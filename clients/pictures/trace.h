@@ -1,4 +1,4 @@
-// Series out of an archive: one scalar of /sample_stats along one chain.
+// Reads series from an archive: one scalar of /sample_stats along a chain.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +12,24 @@
 
 namespace sleight::pictures {
 
-/// Most points of one series in a picture; longer ones are thinned while they are read.
+/// Maximum points of a series in a picture. Longer series are thinned while they are read.
 inline constexpr std::size_t k_trace_points_max = 20'000;
 
 struct TraceRange {
   std::uint64_t chain = 0;
-  std::uint64_t draws = 0;  ///< the first so many; 0 for all
+  std::uint64_t draws = 0;  ///< number of first draws; 0: all
   std::size_t points_max = k_trace_points_max;
 };
 
-/// (draw, value * scale) of a variable with dims (chain, draw). Of a chain too long for
-/// `points_max` the first, lowest, highest and last of each stretch are kept, so spikes stay
-/// and memory is bounded. Throws base::Error(usage) when the archive has no such chain, bad_archive
-/// when it has no such variable.
+/// Returns (draw, value * scale) of a variable over (chain, draw). If the chain is longer than
+/// `points_max`, only the first, lowest, highest and last point of each stretch remain, so spikes
+/// stay and memory is limited. Throws base::Error: usage if there is no such chain, bad_archive if
+/// there is no such variable.
 std::vector<plot::Point> trace(const archive::Source& source, std::string_view variable,
                                const TraceRange& range, double scale);
 
-/// The chains whose traces are drawn into one panel: the one asked for, or the first six. Throws
-/// base::Error(usage) when the archive has no such chain.
+/// Returns the requested chain, or the first six. Throws base::Error(usage) if the archive has no
+/// such chain.
 std::vector<std::uint64_t> chains_to_draw(const archive::Source& source,
                                           std::optional<std::uint64_t> asked);
 

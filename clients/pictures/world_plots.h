@@ -1,13 +1,12 @@
-// Plots that only one world has: how it draws what no other world's archives hold.
+// Plots specific to one world.
 //
-// `sleight plot` draws any world's trace and animations from what all archives have
-// (plot_command.h, animation_figures.h). A world that has more to show, or a trace of its own, says
-// so by one WorldPlots in clients/world_plots; a program's main lists these, as it lists the
-// worlds. What
-// `--what` takes, its help and what is said of a picture that an archive can't have come from the
-// list, so no command knows a world's name.
+// `sleight plot` draws a trace and animations of any world from what all archives contain
+// (plot_command.h, animation_figures.h). A world with further plots, or with its own trace, defines
+// a WorldPlots in clients/world_plots; a program's main lists them. The list determines the values
+// and help of `--what` and the errors about unavailable pictures, so no command contains a world's
+// name.
 //
-// Thread safety: const functions may be called from several threads, on sources of their own.
+// Thread safety: const functions may be called from several threads with separate sources.
 #pragma once
 
 #include <cstdint>
@@ -22,18 +21,18 @@
 
 namespace sleight::pictures {
 
-/// What every world's archives can be asked for.
+/// Kinds available for every world.
 inline constexpr std::string_view k_trace = "trace";
 inline constexpr std::string_view k_drawn_animations = "animations";
 
-/// What of an archive is drawn.
+/// Which part of an archive to draw.
 struct DrawnPart {
-  std::optional<std::uint64_t> chain{};  ///< none: all that the picture has room for
-  std::uint64_t draws = 0;               ///< the first so many; 0: all
-  std::uint64_t count = 3;               ///< animations, where a picture shows single ones
+  std::optional<std::uint64_t> chain{};  ///< none: all that fit into the picture
+  std::uint64_t draws = 0;               ///< number of first draws; 0: all
+  std::uint64_t count = 3;               ///< number of animations, for pictures of single ones
 };
 
-/// A picture, and words to go with it: lines, each ended.
+/// A picture with explanatory lines, each with its line break.
 struct Picture {
   plot::Figure figure{};
   std::string words{};
@@ -41,25 +40,24 @@ struct Picture {
 
 class WorldPlots {
  public:
-  /// A word of `--what`.
+  /// A value of `--what`.
   struct Kind {
     std::string what{};
-    std::string help{};  ///< what it shows, in a few words; unused of k_trace
+    std::string help{};  ///< short description; unused for k_trace
   };
 
   virtual ~WorldPlots() = default;
-  /// Whose archives these are of: their attribute `world`.
+  /// Returns the attribute `world` of the archives that these plots are for.
   virtual std::string world() const = 0;
-  /// All that it draws; k_trace among them where its trace is another than everyone's.
+  /// Returns all kinds, including k_trace if the world's trace differs from the common one.
   virtual std::vector<Kind> kinds() const = 0;
-  /// Throws base::Error: bad_archive on a damaged archive, usage on what this one can't have,
-  /// environment where there is nothing to draw. REQUIRES: one of its kinds; an archive of its
-  /// world.
+  /// Throws base::Error: bad_archive for a damaged archive, usage for an unavailable plot,
+  /// environment if there is nothing to draw. REQUIRES: a kind of kinds(); an archive of world().
   virtual Picture draw(std::string_view what, const archive::Source& source,
                        const DrawnPart& part) const = 0;
 };
 
-/// Of the worlds that have some: one entry a world.
+/// One entry per world with its own plots.
 using PlotsOfWorlds = std::vector<std::unique_ptr<WorldPlots>>;
 
 }  // namespace sleight::pictures
