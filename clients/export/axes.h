@@ -1,10 +1,8 @@
-// From the scene's axes to those of glTF, both right-handed and in metres.
+// Converts from the scene's axes to those of glTF, both right-handed and in metres.
 //
 // The scene has z up; glTF has y up and +z towards the viewer: (x, y, z) becomes (x, z, -y). All
-// data are so converted, instead of turning one root node, so that no rounding enters: a program
-// with z up that undoes it (Blender) has the archive's numbers, to float's precision.
-//
-// Pure functions.
+// data are converted, instead of rotating a root node, to avoid rounding. A program with z up that
+// reverses the conversion (Blender) gets the archive's numbers in float precision. Pure functions.
 #pragma once
 
 #include <array>
@@ -17,19 +15,19 @@ namespace sleight::gltf {
 using Float3 = std::array<float, 3>;
 using Float4 = std::array<float, 4>;
 
-/// A place, a direction or a displacement. Has no -0, which would be printed as such.
+/// Converts a place, a direction or a displacement. Avoids -0, which would be printed.
 inline Float3 y_up(const math::Vec3& v) {
   return {static_cast<float>(v.x() + 0.0), static_cast<float>(v.z() + 0.0),
           static_cast<float>(0.0 - v.y())};
 }
 
-/// A rotation, in glTF's order of components: x, y, z, w.
+/// Converts a rotation; components are in glTF's order x, y, z, w.
 inline Float4 y_up(const math::Quat& q) {
   return {static_cast<float>(q.x() + 0.0), static_cast<float>(q.z() + 0.0),
           static_cast<float>(0.0 - q.y()), static_cast<float>(q.w() + 0.0)};
 }
 
-/// Sizes along the axes: no sign.
+/// Node scales of visible and hidden things.
 inline constexpr Float3 k_shown{1, 1, 1};
 inline constexpr Float3 k_hidden{0, 0, 0};
 

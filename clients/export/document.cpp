@@ -20,10 +20,10 @@ namespace {
 using Json = json::Value;
 using scene::FeatureKind;
 
-/// Without shine: what light comes back, comes back everywhere.
+/// Without shine: reflects evenly in all directions.
 constexpr double k_roughness = 0.6;
 
-/// Printable lines.
+/// Makes text printable line by line.
 std::string clean_text(const std::string& text) {
   std::string clean;
   std::size_t begin = 0;
@@ -61,7 +61,8 @@ Json json_of(const Extras& extras) {
   return json;
 }
 
-/// glTF has linear colours, we those of screens (IEC 61966-2-1). Four digits are finer than those.
+/// Converts from screen colours (IEC 61966-2-1) to glTF's linear ones. Four digits are finer than a
+/// channel's steps.
 double linear(std::uint8_t channel) {
   const double share = channel / 255.0;
   const double value = share <= 0.04045 ? share / 12.92 : math::pow((share + 0.055) / 1.055, 2.4);
@@ -81,7 +82,7 @@ Json json_of(const Material& material) {
   return json;
 }
 
-/// A feature as some of the animations have it.
+/// A scene feature's look that some of the animations share.
 struct Shown {
   std::uint32_t feature = 0;
   Look look{};
@@ -92,7 +93,7 @@ std::size_t first_in(const Shown& shown) {
   return static_cast<std::size_t>(std::ranges::find(shown.in, true) - shown.in.begin());
 }
 
-/// What is to be seen of each feature, by feature and then by the first clip that has it.
+/// Returns all looks, by feature and then by the first clip with the look.
 std::vector<Shown> all_shown(const Document& document) {
   std::vector<Shown> all;
   const auto features = static_cast<std::uint32_t>(document.scene.features.size());
@@ -176,7 +177,7 @@ class Assembler {
     return document_.scene.features[shown.feature].kind == FeatureKind::body;
   }
 
-  /// Scale is animated where, in any clip, the thing isn't there all the time.
+  /// Whether the scale is animated, because some clip shows the thing only at times.
   bool comes_and_goes(const Shown& shown) const {
     for (std::size_t clip = 0; clip < shown.in.size(); ++clip) {
       if (!shown.in[clip] || (is_body(shown) && keys_[clip][shown.feature].enters_s > 0))
@@ -240,7 +241,7 @@ class Assembler {
                    {"channels", Json::array()}};
     for (std::size_t node = 0; node < shown_.size(); ++node)
       add_channels(node, number, animation);
-    // glTF has no clip without a channel.
+    // glTF doesn't allow a clip without a channel.
     if (animation["channels"].empty()) {
       const std::size_t node = put_node({{"name", plot::printable(clip.name)}});
       add_steps(node, {.times_s = {0}, .values = {k_shown}}, animation);
@@ -285,11 +286,10 @@ class Assembler {
   const Document& document_;
   const Options& options_;
   std::vector<Shown> shown_;
-  std::vector<std::vector<BodyKeys>>
-      keys_{};  ///< by clip and body; empty of those that never enter
+  std::vector<std::vector<BodyKeys>> keys_{};  ///< by clip and body; empty if the body never enters
   GlbWriter writer_{};
   std::vector<Material> materials_{};
-  std::vector<Json> meshes_{};  ///< their primitives
+  std::vector<Json> meshes_{};  ///< by primitives
   Json json_{};
 };
 

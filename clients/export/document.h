@@ -1,24 +1,21 @@
-// Animations of a scene as one glTF 2.0 binary file (.glb).
+// Writes animations of a scene as one glTF 2.0 binary file (.glb).
 //
-// A file holds a node for each feature, with the feature's name ("die 3"), and a clip (glTF's
+// A file has a node for each scene feature, named after it ("die 3"), and a clip (glTF's
 // "animation") for each animation. A body's node has the channels translation and rotation
-// (keys.h). Scale says whether a thing is there: a body that enters later has the scale 0 until it
-// enters, by a channel of steps.
+// (keys.h). A node's scale is 0 while the thing is absent: for example, before a body enters.
 //
-// Several animations in one file share a node where they look alike. What differs (a table's
-// heights, vertices that were moved) has a node for each look, called "table (c0.250)" by the first
-// animation that has it, and each clip shows its own by steps of scale. A body that never enters
-// has no node; where another animation has it, its scale is 0 in the clip.
+// Several animations in one file share a node if they look alike. A thing that differs (a table's
+// heights, moved vertices) has a node for each look, named after the first animation with it:
+// "table (c0.250)". Each clip shows its own look by steps of scale. A body that never enters has no
+// node, or scale 0 if another animation has the node.
 //
-// 1. Same input, same bytes.
-// 2. Names and texts are made valid UTF-8 without control characters, and the file's JSON is ASCII.
-// 3. What is not animated is the first animation as it begins.
+//   1. Same input, same bytes.
+//   2. Names and texts are made valid UTF-8 without control characters, and the JSON is ASCII.
+//   3. The pose without animation is the beginning of the first animation.
 //
-// The document's extras are those of `asset`, a clip's its own. Each node says its kind ("body",
-// "fixed", "wanted") in its extras. Axes: axes.h. (The namespace is not the folder's name, as
-// `export` is a word of the language.)
-//
-// Pure functions.
+// The document's extras are stored in `asset`, a clip's extras in the clip. The extras of a node
+// contain its kind ("body", "fixed", "wanted"). Axes: axes.h. The namespace differs from the
+// folder's name because `export` is a keyword. Pure functions.
 #pragma once
 
 #include <optional>
@@ -34,10 +31,10 @@
 namespace sleight::gltf {
 
 struct Clip {
-  std::string name{};  ///< "c0.250"
+  std::string name{};  ///< such as "c0.250"
   motion::Animation motion{};
   scene::Variation own{};
-  std::vector<math::Vec3> offsets_m{};  ///< of the scene's vertices
+  std::vector<math::Vec3> offsets_m{};  ///< of the scene description's vertices
   Extras extras{};
 };
 
@@ -48,17 +45,19 @@ struct Document {
 };
 
 struct Options {
-  /// Keys on whole frames and nowhere else, instead of those that keys.h says.
+  /// If set, keys are only on whole frames, instead of as in keys.h.
   std::optional<double> fps{};
 };
 
-/// Of a file: what shows in some clips only has a channel in each, so they grow with the square of
-/// the clips: five hundred of those with a table each.
+/// Maximum channels of a file. A thing that only some clips show has a channel in each clip, so
+/// channels grow with the square of the clips. The limit allows 500 clips that each have their own
+/// table.
 inline constexpr std::size_t k_channels_max = 250'000;
 
-/// The file; or why there is none, as a predicate: too many keys, channels or bytes.
-/// REQUIRES: a sound scene (scene::fault_of); each clip of all its bodies, variations sound; fps in
-/// (0, k_fps_max].
+/// Returns the file, or an error text that follows the file's name: too many keys, channels or
+/// bytes.
+/// REQUIRES: a valid scene description (scene::fault_of); each clip has all its bodies and a valid
+/// variation; fps in (0, k_fps_max].
 base::Result<Glb, std::string> glb_of(const Document& document, const Options& options = {});
 
 }  // namespace sleight::gltf

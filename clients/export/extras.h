@@ -1,6 +1,4 @@
-// What an exported file says besides how things look and move: ordered words with values.
-//
-// Values; thread-safe as any value.
+// Metadata of an exported file: ordered keys with values. Thread-safe as any value.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +8,7 @@
 
 namespace sleight::gltf {
 
-/// A list is of numbers that belong together: an outcome of several elements.
+/// A list holds numbers that belong together, such as an outcome of several elements.
 using ExtraValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>>;
 
 struct Extra {
@@ -18,8 +16,8 @@ struct Extra {
   ExtraValue value{};
 };
 
-/// Written in this order. Numbers that are NaN or infinite become null, as JSON has none; text is
-/// made valid UTF-8 without control characters but line ends.
+/// Written in this order. NaN and infinity become null, because JSON lacks them. Text is made valid
+/// UTF-8 without control characters except line breaks.
 using Extras = std::vector<Extra>;
 
 }  // namespace sleight::gltf

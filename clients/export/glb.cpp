@@ -17,7 +17,7 @@ using Json = json::Value;
 constexpr std::uint16_t k_unsigned_short = 5123;
 constexpr std::uint16_t k_unsigned_int = 5125;
 constexpr std::uint16_t k_float = 5126;
-/// The greatest index of 16 bits means "begin anew".
+/// The greatest 16-bit index is reserved for primitive restart.
 constexpr std::uint32_t k_short_index_max = 65534;
 
 constexpr std::uint32_t k_magic = 0x46546C67;  // "glTF"
@@ -28,7 +28,6 @@ constexpr std::size_t k_head_bytes = 12;
 constexpr std::size_t k_chunk_head_bytes = 8;
 constexpr std::size_t k_alignment = 4;
 
-/// Little-endian.
 void put(std::string& bytes, std::uint32_t value, int count = 4) {
   for (int i = 0; i < count; ++i)
     bytes += static_cast<char>(static_cast<unsigned char>(value >> (8 * i)));
@@ -143,7 +142,7 @@ base::Result<Glb, std::string> GlbWriter::finish(Json document) const {
   }
   if (!buffer_.empty()) document["buffers"] = {{{"byteLength", buffer_.size()}}};
 
-  // ASCII alone: whatever shows this text, no name in it can steer it.
+  // Write ASCII only, so that names can't affect what displays the text.
   std::string json = document.dump(-1, true);
   pad(json, ' ');
   std::string binary = buffer_;

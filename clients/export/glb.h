@@ -1,12 +1,11 @@
-// The container of glTF 2.0 binary files (.glb): a JSON text and one buffer of numbers.
+// Writes the container of glTF 2.0 binary files (.glb): a JSON text and one buffer of numbers.
 //
 // Source: Khronos Group, "glTF 2.0 Specification", sections 3.6 (binary data) and 4.4 (GLB).
 //
-// A writer collects columns of numbers. Each becomes an accessor with a buffer view of its own,
-// aligned to four bytes; a column that is there already is used again, so that equal meshes and
-// equal times are stored once. The bytes depend on the calls alone. (Of Debian's tinygltf, only the
-// writing would be used: it brings image codecs, and orders objects and prints numbers by its own
-// rules, on which equal bytes would then depend.)
+// A writer collects columns of numbers. Each becomes an accessor with its own buffer view, aligned
+// to four bytes. Equal columns, such as meshes and times, are stored once. The bytes depend only on
+// the calls. (tinygltf isn't used: it brings image codecs, and the bytes would depend on its order
+// of objects and its printing of numbers.)
 //
 // Thread safety: one thread at a time uses a writer.
 #pragma once
@@ -25,32 +24,31 @@
 
 namespace sleight::gltf {
 
-/// Writers and readers hold files whole, some of them several times.
+/// Maximum size. Writers and readers hold files in memory, some of them several times.
 inline constexpr std::uint64_t k_glb_bytes_max = std::uint64_t{512} << 20;
 
-/// A whole file.
 struct Glb {
   std::string bytes{};
 };
 
 class GlbWriter {
  public:
-  /// The number of an accessor.
   using Accessor = std::size_t;
 
-  /// Of vertices. With least and greatest values, which glTF wants of positions.
+  /// Columns of vertices. Positions have minimum and maximum values, as glTF requires.
   Accessor add_positions(std::span<const Float3> places);
   Accessor add_normals(std::span<const Float3> normals);
-  /// As 16 bits where all fit. REQUIRES: not empty.
+  /// Stored as 16 bits if all fit. REQUIRES: not empty.
   Accessor add_indices(std::span<const std::uint32_t> indices);
 
-  /// Of animations' samplers. Times have bounds too. REQUIRES: not empty; times ascend.
+  /// Columns of animation samplers. Times also have minimum and maximum. REQUIRES: not empty; times
+  /// ascend.
   Accessor add_times(std::span<const float> times_s);
   Accessor add_values(std::span<const Float3> values);
   Accessor add_values(std::span<const Float4> values);
 
-  /// The file: `document` with the accessors, buffer views and the buffer added; or why there is
-  /// none. REQUIRES: all text in it is valid UTF-8.
+  /// Returns the file, with accessors, buffer views and the buffer added to `document`, or an error
+  /// text. REQUIRES: all text in `document` is valid UTF-8.
   base::Result<Glb, std::string> finish(json::Value document) const;
 
  private:
@@ -73,7 +71,7 @@ class GlbWriter {
 
   std::string buffer_;
   std::vector<Column> columns_;
-  /// By a hash of the bytes.
+  /// by a hash of the bytes
   std::unordered_multimap<std::uint64_t, Accessor> known_;
 };
 

@@ -16,10 +16,10 @@ using math::Quat;
 using math::Vec3;
 using motion::Segment;
 
-/// |phi''| <= |a| (1 + |w| d), where |w| d is at most k_turn_rad.
+/// Factor of |phi''| <= |a| (1 + |w| d), where |w| d is at most k_turn_rad.
 constexpr double k_bend = 1 + k_turn_rad;
 
-/// A segment while it is in force.
+/// A segment during its effective time.
 struct Piece {
   Segment segment;
   double from_s = 0;
@@ -35,7 +35,8 @@ bool moves(const Segment& s) {
           s.angular_acceleration_radps2 != Vec3::Zero());
 }
 
-/// Those that hold for some time from 0 on, and the last one, which may hold for none.
+/// Returns the segments that last for some time from 0 on, and the last one, which may last no
+/// time.
 std::vector<Piece> pieces_of(const motion::Path& path, double end_s) {
   std::vector<Piece> pieces;
   const auto segments = path.segments();
@@ -59,11 +60,11 @@ Float4 opposite(const Float4& q) {
   return {-q[0], -q[1], -q[2], -q[3]};
 }
 
-/// Collects the keys of one channel, in strictly ascending order of rounded times.
+/// Collects the keys of a channel, in strictly ascending order of rounded times.
 template <class Value>
 class Keys {
  public:
-  /// A key that falls onto the one before takes its place.
+  /// Adds a key, or replaces the previous one if the rounded times are equal.
   void add(float time_s, const Value& value) {
     if (!channel.times_s.empty() && time_s <= channel.times_s.back()) {
       channel.values.back() = value;
@@ -83,7 +84,7 @@ class Keys {
   Channel<Value> channel{};
 };
 
-/// Turns q and -q are the same: each is written as the one that is nearer to the one before.
+/// Chooses between q and -q, which are the same rotation: the one nearer to the previous one.
 void make_neighbours(std::vector<Float4>& rotations) {
   for (std::size_t i = 1; i < rotations.size(); ++i) {
     float along = 0;
@@ -93,7 +94,7 @@ void make_neighbours(std::vector<Float4>& rotations) {
   }
 }
 
-/// In how many equal parts a piece is cut.
+/// Returns the number of equal parts into which a piece is cut.
 double parts_for_places(const Piece& piece) {
   return std::max(1.0, std::ceil(std::sqrt(bow_m(piece.segment, piece.duration_s()) / k_bow_m)));
 }
@@ -106,7 +107,7 @@ double parts_for_turns(const Piece& piece) {
     return math::norm(segment.angular_velocity_radps + (t_s - segment.start_s) * a);
   };
   const double d = piece.duration_s();
-  // The speed is convex in time: it is greatest at an end.
+  // The speed is convex in time, so its maximum is at an end.
   const double by_turn = d * std::max(speed_at(piece.from_s), speed_at(piece.to_s)) / k_turn_rad;
   const double by_bend = d * std::sqrt(k_bend * math::norm(a) / (8 * k_turn_off_rad));
   return std::max(1.0, std::ceil(std::max(by_turn, by_bend)));
@@ -118,7 +119,7 @@ void add_pieces(const std::vector<Piece>& pieces, const std::vector<double>& par
   auto value = at(pieces.front(), pieces.front().from_s);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
-    // The event that begins it.
+    // Add the event that begins the piece.
     const auto begin = at(piece, piece.from_s);
     const auto begin_s = static_cast<float>(piece.from_s);
     if (i > 0 && is_jump(value, begin)) {
@@ -126,7 +127,7 @@ void add_pieces(const std::vector<Piece>& pieces, const std::vector<double>& par
     } else {
       keys.add(begin_s, written(begin));
     }
-    // What is between, each at its rounded time.
+    // Add the keys in between, each at its rounded time.
     for (double part = 1; part < parts[i]; ++part) {
       const auto time_s = static_cast<float>(piece.from_s + piece.duration_s() * (part / parts[i]));
       if (time_s > begin_s && time_s < piece.to_s) keys.add(time_s, written(at(piece, time_s)));
@@ -143,8 +144,8 @@ std::string too_many(double keys) {
       k_keys_max);
 }
 
-/// Turns of one piece in the order of time, each from the one before: from the beginning each
-/// would take as many steps as all before it.
+/// Computes a piece's orientations in the order of time, each from the previous one. Starting from
+/// the beginning would repeat all earlier steps each time.
 class Turning {
  public:
   Quat operator()(const Piece& piece, double t_s) {
@@ -159,7 +160,7 @@ class Turning {
   }
 
  private:
-  std::optional<Segment> known_;  ///< as if the segment had begun when it was last asked for
+  std::optional<Segment> known_;  ///< the segment, as if it had begun at the last requested time
   double piece_from_s_ = 0;
 };
 
@@ -174,7 +175,7 @@ base::Result<BodyKeys, std::string> at_frames(const std::vector<Piece>& pieces, 
   Turning turning;
   std::size_t i = 0;
   for (double frame = first; frame <= last; ++frame) {
-    // A product that was rounded up may be divided to a moment before it.
+    // A rounded product divided by fps may give a moment before from_s.
     const double t_s = std::max(frame / fps, from_s);
     while (i + 1 < pieces.size() && pieces[i + 1].from_s <= t_s)
       ++i;
@@ -194,7 +195,7 @@ base::Result<BodyKeys, std::string> keys_of(const motion::Path& path, double end
   CHECK(path.enters());
   const std::vector<Piece> pieces = pieces_of(path, end_s);
 
-  // How many, before any is made. With frames too: it bounds how far they have to turn.
+  // Count the keys before making any. With frames too, since the count limits rotations.
   std::vector<double> for_places;
   std::vector<double> for_turns;
   double total = 0;

@@ -1,22 +1,19 @@
-// A body's motion as keys between which players interpolate: places along straight lines, turns the
-// shortest way (glTF's LINEAR).
+// Converts a body's motion to keys between which players interpolate: straight lines for places,
+// the shortest rotation for orientations (glTF's LINEAR).
 //
-// What lies between keys is off by at most k_bow_m and k_turn_off_rad. Both come from closed forms,
-// so keys of a segment are equally spaced and none is found by trying:
+// Between keys, the error is at most k_bow_m and k_turn_off_rad. Both bounds have closed forms, so
+// keys of a segment are equally spaced without any search:
 //
-//   place   |a| d^2 / 8 of keys d apart, the sagitta of a parabola
-//   turn    phi(t), the rotation vector since a key, has |phi''| <= |a| (1 + |w| d) while it is
-//           small; straight in between it is off by |phi''| d^2 / 8
+//   `place`: |a| d^2 / 8 for keys d apart, the sagitta of a parabola.
+//   `turn`: phi(t), the rotation vector since a key, has |phi''| <= |a| (1 + |w| d) while it is
+//     small. A straight interpolation is off by |phi''| d^2 / 8.
 //
-// Keys are also at most k_turn_rad of a turn apart. So "the shortest way" is the right one, and
-// players that interpolate the four numbers and normalise (Blender), which lag behind or lead by
-// some turn^3 / 1000, stay within the same tenth of a degree.
+// Keys are also at most a rotation of k_turn_rad apart, so the shortest rotation is the right one.
+// Some players interpolate the four numbers and normalise (Blender). They lag or lead by about
+// turn^3 / 1000, which stays within the same tenth of a degree.
 //
-// Times are single-precision, and each key has what the motion is at its rounded time; so rounding
-// costs what happens between an event and that: for 10 m/s, 0.01 mm up to 16 s and 0.1 mm up to 200
-// s.
-//
-// Pure functions.
+// Times are in single precision, and each key has the motion at its rounded time. So rounding only
+// moves events: at 10 m/s by 0.01 mm up to 16 s and 0.1 mm up to 200 s. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -30,21 +27,21 @@
 
 namespace sleight::gltf {
 
-// Three quarters of what is promised (0.1 mm, 0.2 degrees): the rest is for rounding. Half of them
-// would make 40% more keys.
+// Three quarters of the promised bounds (0.1 mm, 0.2 degrees); the rest is for rounding. Half of
+// the bounds would need 40% more keys.
 inline constexpr double k_bow_m = 75e-6;
 inline constexpr double k_turn_off_rad = 0.1 * 3.141592653589793 / 180;
 inline constexpr double k_turn_rad = 40 * 3.141592653589793 / 180;
 
-/// A segment that begins further than this from where the one before ends is a jump.
+/// If a segment begins further than this from the end of the previous one, it is a jump.
 inline constexpr double k_jump_m = 10e-6;
 inline constexpr double k_jump_rad = 0.02 * 3.141592653589793 / 180;
 
-/// Of one body: a hundred times what a die of a long throw has.
+/// Maximum keys per body: a hundred times those of a die in a long throw.
 inline constexpr std::uint64_t k_keys_max = 1'000'000;
 inline constexpr double k_fps_max = 1000;
 
-/// Times ascend strictly and are not negative.
+/// Times ascend strictly and are at least 0.
 template <class Value>
 struct Channel {
   std::vector<float> times_s{};
@@ -53,18 +50,19 @@ struct Channel {
 
 struct BodyKeys {
   Channel<Float3> translation{};
-  Channel<Float4> rotation{};  ///< neighbours lie on the same half of the sphere
-  float enters_s = 0;          ///< when the body is there
+  Channel<Float4> rotation{};  ///< neighbours are in the same hemisphere
+  float enters_s = 0;          ///< time when the body appears
 };
 
-/// Keys from when the body enters until its last segment begins or, if it still moves in that,
-/// until `end_s`. At each segment's start is a key; where that is a jump, two keys, a float apart.
-/// What happens before time 0 is left out.
+/// Returns keys from the body's entry until its last segment begins, or until `end_s` if the body
+/// still moves then. Each segment's start has a key, or two keys one float apart if it is a jump.
+/// Motion before time 0 is omitted.
 ///
-/// With `fps`, keys at whole multiples of 1 / fps instead and nowhere else: from the first one when
-/// the body is there to the first one when its motion has ended.
+/// With `fps`, keys are only at whole multiples of 1 / fps: from the first one at which the body
+/// exists to the first one after its motion.
 ///
-/// Says why there are none: too many. REQUIRES: it enters; fps in (0, k_fps_max].
+/// Returns an error text if there are too many keys. REQUIRES: the body enters; fps in (0,
+/// k_fps_max].
 base::Result<BodyKeys, std::string> keys_of(const motion::Path& path, double end_s,
                                             std::optional<double> fps = std::nullopt);
 

@@ -21,11 +21,12 @@ using math::Vec3;
 using scene::FeatureKind;
 using scene::Shape;
 
-constexpr double k_ribbon = 0.06;  ///< of the diameter, or of the shorter side
+constexpr double k_ribbon = 0.06;  ///< width relative to the diameter or the shorter side
 constexpr std::uint32_t k_ring_corners = 36;
-constexpr std::uint32_t k_side_pieces = 8;  ///< of a rectangle's ribbon, to follow the table
+constexpr std::uint32_t k_side_pieces =
+    8;  ///< pieces per side of a rectangle's ribbon, to follow the table
 constexpr double k_tint_opacity = 0.5;
-constexpr double k_ground_reach = 0.4;  ///< of the shorter side: below a flat goal, not beside it
+constexpr double k_ground_reach = 0.4;  ///< of the shorter side, below a flat goal
 
 Frame frame_of(const scene::Part& part) {
   return {.origin_m = part.position_m, .turn = math::normalized(part.orientation)};
@@ -108,7 +109,7 @@ class Maker {
     return solid();
   }
 
-  /// Where any body may be it is tinted; what is for one body is a ring. A disc is one always.
+  /// Adds a goal: a tinted area for any body, a ring for a single body. A disc is always a ring.
   void add_wanted(const scene::Part& part) {
     const bool is_flat = part.size_m.z() == 0;
     const bool is_of_one = feature_.body != scene::k_none;
@@ -126,8 +127,8 @@ class Maker {
     }
   }
 
-  /// How high the vertices of what stands still are above the middle of a flat goal; those near its
-  /// rim are of walls around it, those far above it of what hangs there.
+  /// Returns the height of fixed vertices above the middle of a flat goal. Ignores vertices near
+  /// its rim, which belong to walls, and vertices far above it, which belong to hanging things.
   double ground_above_m(const scene::Part& part, const Frame& frame) const {
     const double reach_m = k_ground_reach * std::min(part.size_m.x(), part.size_m.y());
     double highest_m = 0;
@@ -177,7 +178,7 @@ class Maker {
                width_m, surface());
   }
 
-  /// The one that things lie on, if there is one.
+  /// Returns the surface below the things, if there is one.
   const scene::Surface* surface() {
     if (surface_ || own_.points.empty()) return surface_ ? &*surface_ : nullptr;
     const auto part = std::ranges::find_if(

@@ -1,10 +1,9 @@
-// What a feature of a scene looks like, as triangles with materials.
+// Converts a scene feature to triangles with materials.
 //
-// Of bodies the triangles are in the body's frame, of all else in the scene's; both with y up
-// (axes.h). Spheres have 192 triangles and smooth normals; pips are discs a hundredth of a die's
-// half side above its faces; a surface has sixteen squares to a patch. Goals lie a fifth of a
-// millimetre above the table, so that renderers show one of the two; a ring follows the surface
-// below it.
+// Triangles of a body are in the body's frame, others in the scene's; both with y up (axes.h).
+// Spheres have 192 triangles and smooth normals. Pips are discs above a die's faces, at a hundredth
+// of its half side. A surface has sixteen squares per patch. Goals are 0.2 mm above the table, so
+// that renderers show only one of the two; a ring follows the surface below it.
 //
 // Pure functions.
 #pragma once
@@ -32,14 +31,15 @@ struct Primitive {
   Material material{};
   std::vector<Float3> places{};
   std::vector<Float3> normals{};
-  std::vector<std::uint32_t> corners{};  ///< three to a triangle, counter-clockwise from outside
+  std::vector<std::uint32_t> corners{};  ///< three per triangle, counter-clockwise from outside
   friend bool operator==(const Primitive&, const Primitive&) = default;
 };
 
-/// No primitive is empty; none at all where there is nothing to see.
+/// No primitive is empty. Invisible features have none.
 using Look = std::vector<Primitive>;
 
-/// In one animation. REQUIRES: a sound scene (scene::fault_of), a sound variation.
+/// Returns the look in one animation. REQUIRES: a valid scene description (scene::fault_of) and
+/// variation.
 Look look_of(const scene::Scene& scene, std::uint32_t feature, const scene::Variation& own,
              std::span<const math::Vec3> offsets_m);
 

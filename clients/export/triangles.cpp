@@ -12,14 +12,14 @@ namespace {
 
 using math::Vec3;
 
-constexpr std::int32_t k_squares = 4;  ///< of a patch, on either side
-/// Larger surfaces than any table has have a square to a patch.
+constexpr std::int32_t k_squares = 4;  ///< squares per side of a patch
+/// Larger surfaces than any table's have one square per patch.
 constexpr std::size_t k_fine_patches_max = 20'000;
 
-/// Closer control points are none of a table, and its slopes no numbers.
+/// Minimum spacing of control points; closer points give invalid slopes.
 constexpr double k_spacing_m_min = 1e-9;
 
-/// The height of a patch, and how steep it is, from its sixteen control points.
+/// Height and slopes of a patch, from its sixteen control points.
 class PatchHeights {
  public:
   PatchHeights(std::span<const scene::ControlPoint> points, const scene::Surface::Patch& patch) {
@@ -48,7 +48,7 @@ class PatchHeights {
   std::array<std::array<double, 4>, 4> heights_m_{};
 };
 
-/// The slopes of scene::spline_weights; they add up to 0.
+/// Derivatives of scene::spline_weights; they add up to 0.
 std::array<double, 4> weight_slopes(double u) {
   const double v = 1 - u;
   return {-v * v / 2, (3 * u * u - 4 * u) / 2, -(3 * v * v - 4 * v) / 2, u * u / 2};
@@ -73,7 +73,7 @@ void Triangles::fan(std::span<const std::uint32_t> numbers) {
 
 namespace {
 
-/// Its direction is the normal's; none where the polygon has no area.
+/// Returns a vector along the normal, or nothing if the polygon has no area.
 std::optional<Vec3> area_of(std::span<const Vec3> corners_m) {
   Vec3 area{0, 0, 0};
   for (std::size_t i = 1; i + 1 < corners_m.size(); ++i)

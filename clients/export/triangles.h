@@ -1,4 +1,4 @@
-// Collects the triangles of a look, material by material. Private to look.cpp and triangles.cpp.
+// Collects the triangles of a look by material. Private to look.cpp and triangles.cpp.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace sleight::gltf {
 
-/// Of goals above what they lie on.
+/// Height of goals above the ground.
 inline constexpr double k_lift_m = 0.2e-3;
 
-/// From a part's frame to its feature's.
+/// Maps a part's frame to its feature's.
 struct Frame {
   math::Vec3 origin_m{0, 0, 0};
   math::Quat turn = math::Quat::Identity();
@@ -28,12 +28,12 @@ class Triangles {
  public:
   explicit Triangles(const Material& material) { primitive.material = material; }
 
-  /// Returns its number. REQUIRES: the normal isn't zero.
+  /// Adds a vertex and returns its number. REQUIRES: the normal isn't zero.
   std::uint32_t vertex(const math::Vec3& place_m, const math::Vec3& normal);
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
-  /// A flat polygon, counter-clockwise seen from outside; nothing where it has no area.
+  /// Adds a flat polygon, counter-clockwise from outside, unless it has no area.
   void polygon(std::span<const math::Vec3> corners_m);
-  /// The same of a piece of a curved surface; neighbours share vertices.
+  /// Adds a piece of a curved surface; neighbours share vertices.
   void curved(std::span<const math::Vec3> corners_m, std::span<const math::Vec3> normals);
 
   Primitive primitive{};
@@ -45,10 +45,9 @@ class Triangles {
 };
 
 void add_facet(Triangles& to, const Frame& frame, const shapes::Facet& facet);
-/// Its patches.
 void add_surface(Triangles& to, std::span<const scene::ControlPoint> points, double spacing_m);
-/// A closed ribbon beside a line, to its left, which runs counter-clockwise seen from above. Each
-/// place is raised to the surface, where there is one above it.
+/// Adds a closed ribbon to the left of a line that runs counter-clockwise seen from above. Places
+/// below the surface are raised to it.
 void add_ribbon(Triangles& to, std::span<const math::Vec3> line_m, double width_m,
                 const scene::Surface* surface);
 
