@@ -29,17 +29,17 @@ constexpr const char* k_paths = "paths";
 
 constexpr int k_points_per_hop = 40;
 
-/// Most hops of a path.
+/// Maximum hops per path.
 constexpr std::uint64_t k_hops_max = 10'000;
 
-/// Panels beside each other.
+/// Maximum panels beside each other.
 constexpr std::size_t k_columns_max = 4;
 
 struct Asked {
   double diameter_m;
-  double target;  ///< in diameters, as all that follows
+  double target;  ///< all lengths are in diameters
   double tolerance;
-  std::string step;  ///< what a draw is called
+  std::string step;  ///< name of a draw's unit
 };
 
 Asked asked_of(const archive::Source& source) {
@@ -58,10 +58,11 @@ Asked asked_of(const archive::Source& source) {
   return asked;
 }
 
-/// One animation's hops: all segments but the last, where the ball lies.
+/// An animation's hops: all segments except the last, in which the ball lies.
 struct Hops {
   std::vector<motion::Segment> segments;
-  std::vector<double> normal_rad;  ///< of the collision that began each; NaN for the drop
+  std::vector<double>
+      normal_rad;  ///< normal of the collision that began each hop; NaN for the drop
 };
 
 Hops read_hops(const archive::Source& source, const scene::Scene& scene, std::size_t animation) {
@@ -83,7 +84,7 @@ Hops read_hops(const archive::Source& source, const scene::Scene& scene, std::si
   return hops;
 }
 
-/// A segment until the next one as points of its parabola, in diameters.
+/// Appends points of a segment's parabola up to the next segment, in diameters.
 void append_hop(const motion::Segment& segment, double end_s, double diameter_m,
                 std::vector<plot::Point>& path) {
   for (int i = 0; i <= k_points_per_hop; ++i) {
@@ -94,8 +95,8 @@ void append_hop(const motion::Segment& segment, double end_s, double diameter_m,
   }
 }
 
-/// The range of nearly all values, so that the few of a chain's way from its start don't flatten
-/// the rest; it includes `least`. Values outside are cut, as in the thesis's figure.
+/// Returns a range with nearly all values, so that a chain's first steps don't flatten the rest.
+/// The range includes `least`. Values outside are clipped, as in the thesis's figure.
 plot::Range range_of_most(std::vector<double> values, const plot::Range& least) {
   plot::Range range = least;
   if (!values.empty()) {
@@ -117,7 +118,8 @@ void append_values(const std::vector<plot::Point>& points, std::vector<double>& 
 plot::Panel path_panel(const Hops& hops, const Asked& asked) {
   plot::Panel panel{
       .x_label = "x (ball diameters)", .y_label = "height (diameters)", .equal_aspect = true};
-  // The target is a flat disc on the table, the table the line on which the ball's centre bounces.
+  // The target is a flat disc on the table. The table is the line on which the ball's centre
+  // bounces.
   panel.series.push_back(
       plot::HorizontalLine{.y = 0, .color = plot::palette::k_grey, .dashed = false});
   panel.series.push_back(plot::Disc{.center = {asked.target, 0},

@@ -1,10 +1,9 @@
 // Plots of the 2D ball: the thesis's figures 2.3 and 2.4.
 //
-// trace   figure 2.4: where the ball lands along chains, in diameters, with the band of the
-//         tolerance, and log p below. Of one chain, or of the first six.
-// paths   figure 2.3: paths of the ball's centre in some kept animations, chosen as
-//         choose_animations does, with an arrow along each collision's normal and the target on the
-//         table.
+//   `trace` is figure 2.4: landing places along chains in diameters, with the tolerance as a
+//     band, and log p below. The plot shows one chain or the first six.
+//   `paths` is figure 2.3: paths of the ball's centre in some kept animations (choose_animations),
+//     with an arrow along each collision's normal and the target on the table.
 #pragma once
 
 #include <string>

@@ -22,8 +22,8 @@
 namespace sleight::world_plots {
 namespace {
 
-constexpr std::uint64_t k_dice_max = 1000;  ///< more than any request has
-constexpr double k_edge_sd = 3.75;          ///< panels end there
+constexpr std::uint64_t k_dice_max = 1000;  ///< above any request's maximum
+constexpr double k_edge_sd = 3.75;          ///< where panels end
 constexpr std::size_t k_curve_points = 81;
 constexpr double k_row_px = 240;
 constexpr std::size_t k_columns = 4;
@@ -32,7 +32,7 @@ double normal_density(double x) {
   return std::exp(-0.5 * x * x) / std::sqrt(2 * std::numbers::pi);
 }
 
-/// Scores by the bins of control points.
+/// Counts scores in the bins of control points.
 std::vector<double> counted(std::span<const double> scores) {
   std::vector<double> counts(k_offset_bins);
   for (const double score : scores)
@@ -40,7 +40,7 @@ std::vector<double> counted(std::span<const double> scores) {
   return counts;
 }
 
-/// Bars whose area is 1, and the prior. The outermost bins are drawn as wide as others.
+/// Draws bars with area 1, and the prior. The outermost bins are drawn as wide as the others.
 plot::Panel panel_of(const std::string& title, std::span<const double> counts) {
   plot::Panel panel{.title = title,
                     .x_label = "standard scores",
@@ -65,7 +65,7 @@ plot::Panel panel_of(const std::string& title, std::span<const double> counts) {
   return panel;
 }
 
-/// What is normally distributed of a die's start.
+/// A normally distributed vector of a die's start.
 struct NormalVector {
   const char* variable;
   const char* name;  ///< for people
@@ -75,7 +75,7 @@ constexpr std::array<NormalVector, 3> k_normal_vectors{{{"start_position_m", "po
                                                         {"start_spin_radps", "spin"}}};
 constexpr std::array k_axes{"x", "y", "z"};
 
-/// How many dice an archive is of: the rows of a start's variable.
+/// Returns the number of dice of an archive: the rows of a start's variable.
 std::uint64_t dice_of(const archive::Source& source) {
   const std::string name = fmt::format("{}_prior_sd", k_normal_vectors.front().variable);
   const archive::DatasetSpec* spec =
@@ -89,13 +89,13 @@ std::uint64_t dice_of(const archive::Source& source) {
   return spec->dims[0].size;
 }
 
-/// Three numbers of each die.
+/// Reads three numbers for each die.
 std::vector<double> of_dice(const archive::Source& source, const std::string& name,
                             std::uint64_t dice) {
   return analysis::read_rows(source, archive::k_prior, name, 3, {.first = 0, .count = dice});
 }
 
-/// Whether control points of blind throws have heights other than the mean.
+/// Whether control points of blind throws have random heights.
 bool is_table_random(const archive::Source& source) {
   constexpr const char* k_squares = "offset_squares";
   const archive::DatasetSpec* spec =
@@ -125,18 +125,19 @@ bool is_table_random(const archive::Source& source) {
                                 archive::path_of(group, variable)));
 }
 
-/// One variable of all animations.
+/// Reads one variable of all animations.
 std::vector<double> read_all(const archive::Source& source, std::string_view variable,
                              std::uint64_t width) {
   return analysis::read_rows(source, archive::k_animations, variable, width,
                              {.first = 0, .count = archive::summary_of(source).animations});
 }
 
-/// No throw's scores are beyond.
+/// Limit above any throw's scores.
 constexpr double k_score_max = 1e6;
-constexpr double k_points_max = 1e9;  ///< more control points no throw meets
+constexpr double k_points_max = 1e9;  ///< limit above the control points of any throw
 
-/// Reads scores of the starts. By animation, half the sum of their squares less their number.
+/// Reads the starts' scores. Returns, by animation, half of (the sum of their squares minus their
+/// number).
 std::vector<double> read_start(const archive::Source& source, const DicePrior& prior,
                                std::span<const std::size_t> animations, DicePlausibility& found) {
   const std::uint64_t width = 3 * prior.dice;
@@ -159,7 +160,7 @@ std::vector<double> read_start(const archive::Source& source, const DicePrior& p
   return costs;
 }
 
-/// The same of the table.
+/// Does the same for the table.
 std::vector<double> read_table(const archive::Source& source,
                                std::span<const std::size_t> animations, DicePlausibility& found) {
   found.offsets.resize(k_offset_bins);
@@ -182,7 +183,7 @@ std::vector<double> read_table(const archive::Source& source,
   return costs;
 }
 
-/// Animations' lineages, as numbers from 0; how many there are.
+/// Numbers the animations' lineages from 0. Returns how many there are.
 std::size_t number_lineages(const archive::Source& source, std::span<const std::size_t> animations,
                             std::vector<std::size_t>& numbers) {
   const std::vector<double> chain = browse::of_animations(source, "chain");
@@ -193,7 +194,7 @@ std::size_t number_lineages(const archive::Source& source, std::span<const std::
   return seen.size();
 }
 
-/// The error of the mean is that of sums over lineages.
+/// Computes a mean and its error, with sums over lineages as independent values.
 PlausibilityCost cost_of(std::span<const double> costs, std::span<const std::size_t> lineage_of,
                          std::size_t lineages, double spread) {
   const auto count = static_cast<double>(costs.size());
@@ -264,7 +265,7 @@ DicePrior dice_prior_of(const archive::Source& source) {
       for (std::uint64_t axis = 0; axis < k_axes.size(); ++axis) {
         const double sd = sds[i].at(3 * die + axis);
         const double mean = means[i].at(3 * die + axis);
-        // 0 of what is fixed, NaN of what is otherwise distributed.
+        // 0 if fixed, NaN if not normal.
         if (!(sd > 0)) continue;
         if (!std::isfinite(sd) || !std::isfinite(mean)) {
           refuse_number(source, fmt::format("{}_prior_mean", k_normal_vectors[i].variable),

@@ -1,16 +1,16 @@
-// How plausible dice that come to rest as is wanted are: their starts and the table under them
-// beside what blind throws have.
+// Plots how plausible the dice's solutions are: their starts and the table below them, compared
+// with blind throws.
 //
-// All that is random of a throw but its orientation, which is uniform, and the table's restitution
-// and friction, likewise, is normal: N(0, 1) in standard scores. So one curve is the prior of every
-// panel, and half the sum of the squares of so many scores less their number is by how much a log
-// density lies below the mean of blind throws' (in nats; single blind throws vary by the square
-// root of half that number). Which control points a throw meets hangs on their heights a little; in
-// some 4,000 blind throws each of three tables that moved the mean by less than 0.15.
+// A throw's random numbers are normal, N(0, 1) as standard scores, except the orientation and the
+// table's restitution and friction, which are uniform. So each panel has the same prior curve. A
+// log density lies below the mean of blind throws by half of (the sum of squared scores minus their
+// number), in nats. Single blind throws vary by the square root of half that number. Which control
+// points a throw meets depends slightly on their heights. In some 4,000 blind throws on each of
+// three tables, this moved the mean by less than 0.15.
 //
-// What is judged are the kept animations, unlike each other and few to a lineage, each counted
-// once: also where draws have weights. Errors are those of the mean over lineages, whose animations
-// hang together.
+// The plot uses the kept animations, which differ from each other and are few per lineage. Each
+// counts once, even if draws have weights. Errors are those of the mean over lineages, because
+// animations of a lineage are dependent.
 #pragma once
 
 #include <cstddef>
@@ -27,71 +27,71 @@
 namespace sleight::world_plots {
 
 /// Bins of the outcome `offsets`, by a control point's height in standard deviations: below the
-/// first edge, in steps from there, above the last. Its long_name says the same.
+/// first edge, then in steps, and a last bin. The outcome's long_name describes the same bins.
 inline constexpr std::size_t k_offset_bins = 14;
 inline constexpr double k_offset_first_sd = -3;
 inline constexpr double k_offset_step_sd = 0.5;
 std::size_t offset_bin_of(double score);
 
-/// A random number of a throw: a column of an archive's variable.
+/// A random number of a throw, which is a column of an archive's variable.
 struct StartComponent {
-  std::string variable;  ///< "start_velocity_mps"
-  std::string name;      ///< for people: "velocity x"
+  std::string variable;  ///< such as "start_velocity_mps"
+  std::string name;      ///< for people, such as "velocity x"
   std::uint64_t die = 0;
   std::uint64_t axis = 0;
   double mean = 0;  ///< in the variable's unit
   double sd = 1;    ///< above 0
 };
 
-/// What blind throws have.
+/// The prior of throws.
 struct DicePrior {
   std::uint64_t dice = 0;
   std::vector<StartComponent> start{};
-  bool is_table_random = true;  ///< the heights of its control points
+  bool is_table_random = true;  ///< whether control points have random heights
 };
 
-/// From /prior and /sample_stats_prior. Throws base::Error(bad_archive) when it is damaged.
+/// Reads /prior and /sample_stats_prior. Throws base::Error(bad_archive) if they are damaged.
 DicePrior dice_prior_of(const archive::Source& source);
 
-/// By how much log densities lie below blind throws' mean.
+/// How far log densities lie below the mean of blind throws.
 struct PlausibilityCost {
-  bool is_random = false;  ///< whether anything is
+  bool is_random = false;  ///< whether anything is random
   double mean = 0;         ///< of the animations
-  double error = 0;        ///< standard error of that; NaN with fewer than two lineages
+  double error = 0;        ///< standard error of the mean; NaN with fewer than two lineages
   double spread = 0;       ///< standard deviation of single blind throws
 };
 
-/// What kept animations have.
+/// The plausibility of kept animations.
 struct DicePlausibility {
-  /// Standard scores of one component, of all animations.
+  /// Standard scores of one component in all animations.
   struct Scores {
     std::string name;
     std::vector<double> scores{};
   };
   std::size_t animations = 0;
   std::size_t lineages = 0;
-  bool has_weights = false;       ///< draws do, and this doesn't regard them
-  std::vector<Scores> start{};    ///< components of one name together, whosever die they are
+  bool has_weights = false;       ///< whether draws have weights, which are ignored here
+  std::vector<Scores> start{};    ///< components with the same name together, for all dice
   std::vector<double> offsets{};  ///< control points, by bin
   PlausibilityCost start_cost{};
-  PlausibilityCost table_cost{};  ///< of the control points that collisions hung on
-  PlausibilityCost cost{};        ///< of both
+  PlausibilityCost table_cost{};  ///< control points that influenced collisions
+  PlausibilityCost cost{};        ///< start and table
 };
 
-/// Of the kept animations of one chain or of all. Throws base::Error: bad_archive when the archive
-/// lacks one of the variables or is damaged, environment when there is no animation, usage when
-/// there is no such chain, or all animations were found by search.
+/// Analyses the kept animations of one chain or of all. Throws base::Error: bad_archive if a
+/// variable is missing or damaged, environment if there is no animation, usage if there is no such
+/// chain or all animations are finds.
 DicePlausibility dice_plausibility(const archive::Source& source, const DicePrior& prior,
                                    std::optional<std::uint64_t> chain);
 
-/// A panel for the table's heights and one for each component: how often which score occurs, and
-/// the prior's curve. The outermost bars hold all beyond.
+/// Draws a panel for the table's heights and one per component, each a histogram of scores with the
+/// prior's curve. The outermost bars include all values beyond.
 plot::Figure plausibility_figure(const DicePlausibility& found, const DicePrior& prior);
 
-/// What the figure shows, and the costs in plain words: a few lines.
+/// Returns a few lines that explain the figure and the costs.
 std::string plausibility_words(const DicePlausibility& found);
 
-/// `plausibility`: these.
+/// The kind `plausibility`.
 class Dice final : public pictures::WorldPlots {
  public:
   std::string world() const override;

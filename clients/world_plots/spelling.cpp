@@ -15,13 +15,13 @@
 namespace sleight::world_plots {
 namespace {
 
-/// There are as many balls as bins to fill, and each ball is a row of the states' variable.
+/// Returns the number of designated bins, which is the number of balls and of the variable's rows.
 std::uint64_t bins_to_fill(const archive::Source& source) {
   constexpr const char* k_of_balls = "active";
   const archive::Group* posterior = archive::find_group(source, archive::k_posterior);
   const archive::DatasetSpec* spec =
       posterior == nullptr ? nullptr : archive::find_dataset(*posterior, k_of_balls);
-  // By chain, draw and ball.
+  // Dimensions: chain, draw and ball.
   if (spec == nullptr || spec->dims.size() != 3) {
     throw base::Error(
         base::ExitCode::bad_archive,

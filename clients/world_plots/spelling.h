@@ -1,4 +1,4 @@
-// The trace of balls that spell: the thesis's figures 2.8 to 2.11.
+// The trace of balls that spell, as in the thesis's figures 2.8 to 2.11.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace sleight::world_plots {
 
-/// How many bins to fill are filled along chains, below a line at all of them, and log p beneath;
-/// over iterations.
+/// Draws the number of filled bins along chains, with a line at all designated bins, and log p
+/// below, over iterations.
 class Spelling final : public pictures::WorldPlots {
  public:
   std::string world() const override;
