@@ -1,6 +1,4 @@
-// What happens to a job, in one line for people.
-//
-// Pure; thread-safe.
+// Describes a job's events to people, in one line each. Pure; thread-safe.
 #pragma once
 
 #include <string>
@@ -10,10 +8,11 @@
 
 namespace sleight::service_client {
 
-/// "in proportion 3: chain 2, scan 400, log p -12.3". Of progress its line without a name.
+/// Returns, for example, "in proportion 3: chain 2, scan 400, log p -12.3". For progress, the line
+/// has no name.
 std::string words_of_event(rpc::JobId job, const events::RunEvent& event);
 
-/// "running, start 2: goes on from scan 400".
+/// Returns the state, the start if it is not the first, and the reason.
 std::string words_of_change(const rpc::StateChange& change);
 
 }  // namespace sleight::service_client

@@ -18,7 +18,7 @@ void check_archive(const std::string& path, const rpc::JobView& job) {
   const auto findings_of = [&](const archive::Source& source) {
     std::vector<std::string> findings = archive::verify(source);
     if (findings.empty() && job.state == rpc::JobState::done && !job.digest.empty()) {
-      // As stored, which is that of the content: it has been verified.
+      // Use the stored digest, which has been verified.
       const std::string digest = archive::summary_of(source).content_digest;
       if (digest != job.digest)
         findings.push_back(fmt::format("the archive's digest is {}, expected the job's digest {}",

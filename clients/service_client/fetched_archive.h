@@ -1,5 +1,5 @@
-// Whether an archive that came from the service is the one that the job wrote. The transport's own
-// checksum is of the file as it lies on the server's disk, where it may have been damaged.
+// Checks that a fetched archive is the one that the job wrote. The transfer's checksum only covers
+// the file on the server's disk, where it may have been damaged.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace sleight::service_client {
 
-/// Verifies the file (archive/digest/verify.h), and that a finished job's has the job's digest.
-/// Says on stderr what is wrong, and throws base::Error (bad_archive). REQUIRES: no other thread
-/// runs, as it reads in a child.
+/// Verifies the file (archive/digest/verify.h), and compares its digest with a finished job's
+/// digest. Prints what is wrong to stderr and throws base::Error (bad_archive). REQUIRES: no other
+/// thread runs, because a child process reads the file.
 void check_archive(const std::string& path, const rpc::JobView& job);
 
 }  // namespace sleight::service_client

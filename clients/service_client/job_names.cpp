@@ -10,7 +10,7 @@
 namespace sleight::service_client {
 namespace {
 
-/// Of an id: from 1.
+/// Parses an id, which is at least 1.
 std::optional<std::uint64_t> number_of(std::string_view text) {
   std::uint64_t number = 0;
   const char* end = text.data() + text.size();

@@ -1,5 +1,4 @@
-// How people name jobs: `17`, a range `3..8` with both ends, a group `g5`; commands take several.
-//
+// Parses names of jobs: `17`, an inclusive range `3..8`, or a group `g5`; commands accept several.
 // Pure; thread-safe.
 #pragma once
 
@@ -23,16 +22,16 @@ struct JobRange {
 
 using JobName = std::variant<rpc::JobId, JobRange, rpc::GroupId>;
 
-/// Of one range: a slip of the keyboard must not ask for each of a billion jobs.
+/// Maximum jobs in a range, so that a typing error doesn't request a billion jobs.
 inline constexpr std::uint64_t k_range_jobs_max = 10'000;
 
-/// The names in the order given, or a sentence about the first that is none.
+/// Returns the names in the order given, or an error about the first invalid one.
 base::Result<std::vector<JobName>, std::string> job_names_of(std::span<const std::string> texts);
 
-/// Whether a single job is named, so that JSON is one object, not a list.
+/// Whether a single job is named, so that JSON is an object instead of a list.
 bool is_single_job(std::span<const JobName> names);
 
-/// "17", "3..8", "g5".
+/// Returns, for example, "17", "3..8" or "g5".
 std::string to_string(const JobName& name);
 
 }  // namespace sleight::service_client

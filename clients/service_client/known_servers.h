@@ -1,8 +1,8 @@
-// Services of other machines that this user has logged in to: a file each in
-// $XDG_CONFIG_HOME/sleight/servers, for its owner alone, with the token and how the service is
-// known.
+// Stores the services on other machines to which this user has logged in. Each has a file in
+// $XDG_CONFIG_HOME/sleight/servers with the token and the service's identity, readable only by its
+// owner.
 //
-// Thread safety: one process at a time writes a service's file; each is replaced in one step.
+// Thread safety: one process at a time writes a service's file; each is replaced atomically.
 #pragma once
 
 #include <string>
@@ -11,15 +11,14 @@
 
 namespace sleight::service_client {
 
-/// What a command calls: a socket's path, or "HOST:PORT" of a service that was logged in to. Throws
-/// base::Error: usage where it was not, environment where its file can't be read, or others can
-/// read it too.
+/// Returns the place of a socket's path, or of "HOST:PORT" after a login. Throws base::Error: usage
+/// without a login, environment if the file can't be read or others can read it too.
 rpc::ServicePlace place_of(const std::string& called);
 
-/// Keeps it, and returns the file. Throws base::Error.
+/// Stores a service, and returns its file. Throws base::Error.
 std::string remember(const rpc::RemoteService& service);
 
-/// False: it was not known. Throws base::Error.
+/// Returns false if the service was unknown. Throws base::Error.
 bool forget(const access::ServerAddress& address);
 
 }  // namespace sleight::service_client

@@ -14,7 +14,7 @@ bool is_absence(const rpc::Refusal& refusal) {
   return refusal.kind == rpc::RefusalKind::not_found || refusal.kind == rpc::RefusalKind::gone;
 }
 
-/// Calls `each` for every number of a range; those without a job are left out.
+/// Calls `each` for every number in a range. Skips numbers without a job.
 void for_each_job(const JobRange& range, const std::function<void(rpc::JobId)>& each) {
   bool is_any = false;
   for (std::uint64_t number = range.first; number <= range.last; ++number) {

@@ -1,7 +1,6 @@
-// The jobs that people named, as the service has them.
-//
-// Of a range, numbers without a job (deleted, or another user's) are left out; where none is left,
-// that is an error. Any other name must be there. No job comes twice.
+// Gets the named jobs from the service. In a range, numbers without a visible job (deleted, or
+// another user's) are skipped, but at least one job must exist. Every other name must exist. No job
+// occurs twice.
 #pragma once
 
 #include <span>
@@ -13,19 +12,19 @@
 
 namespace sleight::service_client {
 
-/// Throws base::Error(usage) for what names no job.
+/// Throws base::Error(usage) for an invalid name.
 std::vector<JobName> read_job_names(std::span<const std::string> texts);
 
-/// Their views, in the order of the names, without histories unless asked for.
+/// Returns the jobs in the order of the names.
 std::vector<rpc::JobView> views_of(rpc::Client& client, std::span<const JobName> names,
                                    bool with_history = false);
 
-/// All jobs of a group, oldest first. Throws RefusedError where there is no such group.
+/// Returns all jobs of a group, oldest first. Throws RefusedError if there is no such group.
 std::vector<rpc::JobView> jobs_of(rpc::Client& client, rpc::GroupId group);
 
-/// Of several names, one for which the call was refused.
+/// A refused name among several.
 struct RefusedName {
-  std::string name{};  ///< "17", "g5"
+  std::string name{};  ///< such as "17" or "g5"
   rpc::Refusal refusal{};
 };
 
@@ -34,8 +33,8 @@ struct TouchedJobs {
   std::vector<RefusedName> refused{};
 };
 
-/// Changes each name as `ask` says, a group at once, and gathers what became of each job. One that
-/// is refused keeps no other from its change; alone it is thrown as a RefusedError.
+/// Applies `ask` to each name, to a group at once, and collects the results. A refused name doesn't
+/// prevent other changes. If it is the only name, the refusal is thrown as a RefusedError.
 TouchedJobs change(rpc::Client& client, std::span<const JobName> names, rpc::ChangeAsk ask);
 
 }  // namespace sleight::service_client

@@ -29,7 +29,7 @@ std::vector<char*> pointers_of(const std::vector<std::string>& command) {
   return pointers;
 }
 
-/// Folders on the way get the usual mode, the last one is its owner's alone.
+/// Creates parent folders with the usual mode, and the last one for its owner only.
 void make_state_folder(const std::string& path) {
   std::error_code failure;
   const fs::path parent = fs::path(path).parent_path();
@@ -40,7 +40,7 @@ void make_state_folder(const std::string& path) {
     throw base::Error(fmt::format("can't create {}: {}", path, std::strerror(errno)));
 }
 
-/// In the child, between fork and exec: only what is async-signal-safe.
+/// Runs in the child between fork and exec, so only async-signal-safe calls are allowed.
 [[noreturn]] void run_daemon(char* const* command, int log) {
   ::setsid();
   const int nothing = ::open("/dev/null", O_RDONLY);
