@@ -11,13 +11,13 @@ namespace {
 
 constexpr std::array k_signals{SIGINT, SIGTERM};
 
-// A handler has no arguments of ours, so what it needs stands here.
+// Global, because a signal handler has no other access to it.
 volatile std::sig_atomic_t g_is_interrupted = 0;
 const std::function<void()>* g_also = nullptr;
 
 void remember(int signal) {
   if (g_is_interrupted != 0) {
-    // The second one: people mean it.
+    // A second signal ends the process.
     std::signal(signal, SIG_DFL);
     std::raise(signal);
     return;
@@ -34,7 +34,7 @@ Interruption::Interruption(std::function<void()> also) : also_(std::move(also)) 
   g_also = &also_;
   struct sigaction action {};
   action.sa_handler = remember;
-  sigemptyset(&action.sa_mask);  // without SA_RESTART a wait returns
+  sigemptyset(&action.sa_mask);  // without SA_RESTART, a wait returns
   for (std::size_t i = 0; i < k_signals.size(); ++i)
     ::sigaction(k_signals.at(i), &action, &before_.at(i));
 }

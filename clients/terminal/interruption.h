@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM, for commands that end in order when they come.
+// Handles Ctrl-C and SIGTERM for commands that end in order.
 #pragma once
 
 #include <signal.h>
@@ -8,18 +8,18 @@
 
 namespace sleight::terminal {
 
-/// While it lives, the first such signal is remembered, and a system call that waits returns; a
-/// second one ends the process at once. One at a time, in the main thread.
+/// During its lifetime, the first signal sets a flag and interrupts a waiting system call; the
+/// second one ends the process at once. REQUIRES: one at a time, in the main thread.
 class Interruption {
  public:
-  /// `also` is called by the signal handler: it must be safe there, as rpc::Client::interrupt is.
+  /// The signal handler calls `also`, which must be async-signal-safe, like rpc::Client::interrupt.
   explicit Interruption(std::function<void()> also = {});
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
   ~Interruption();
 
   static bool requested();
-  /// Throws base::Error(interrupted) once the signal has come. Asked between pieces of work.
+  /// Throws base::Error(interrupted) after the signal. Call it between pieces of work.
   static void check();
 
  private:

@@ -21,7 +21,7 @@ namespace sleight::terminal {
 namespace {
 
 [[noreturn]] void fail_results(const std::string& reason) {
-  // The reader has gone. Libraries may have the signal ignored that else says so.
+  // The reader has closed the pipe. Raise SIGPIPE, which libraries may have ignored.
   if (errno == EPIPE) {
     std::signal(SIGPIPE, SIG_DFL);
     std::raise(SIGPIPE);
@@ -42,20 +42,20 @@ void flush_stdout() {
 
 int with_results(const std::function<int()>& work) {
   int code = 0;
-  // Where a write fails the reason is known, not at the end.
+  // Throw on a failed write, while the reason is known.
   std::cout.exceptions(std::ios::badbit);
   try {
     code = work();
   } catch (const std::system_error& error) {
-    // The formatting library throws when a print fails, and so does the stream.
+    // Both the formatting library and the stream throw when a print fails.
     const int reason = errno;
     if (std::ferror(stdout) == 0) throw;
-    // A signal came while a reader kept us waiting.
+    // A signal arrived while waiting for a reader.
     if (error.code() == std::errc::interrupted)
       return static_cast<int>(base::ExitCode::interrupted);
     fail_results(std::strerror(reason));
   }
-  // Of what was interrupted some may be lost, and its exit code says so.
+  // Interrupted output may be incomplete, as its exit code shows.
   if (code == static_cast<int>(base::ExitCode::interrupted)) {
     std::fflush(stdout);
     return code;
@@ -68,7 +68,8 @@ void occupy_standard_streams() {
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
-    // The lowest free number is this one. Opened the wrong way round: uses of it fail.
+    // This stream is the lowest free number. Opened in the wrong direction, so that uses of it
+    // fail.
     if (::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) {
       throw base::Error("standard input, output or error is closed and /dev/null can't be opened");
     }
@@ -107,7 +108,7 @@ void complain(std::string line) {
 EndsWithItsReader::EndsWithItsReader() : over_(::eventfd(0, EFD_CLOEXEC)) {
   if (over_ < 0) return;
   look_ = std::thread([over = over_] {
-    // Signals are the main thread's.
+    // Leave signals to the main thread.
     sigset_t all;
     sigfillset(&all);
     ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
@@ -116,7 +117,7 @@ EndsWithItsReader::EndsWithItsReader() : over_(::eventfd(0, EFD_CLOEXEC)) {
                          {.fd = over, .events = POLLIN, .revents = 0}};
       if (::poll(looks, 2, -1) < 0) continue;
       if (looks[1].revents != 0) return;
-      // A terminal that is gone says so by SIGHUP.
+      // A vanished terminal is reported by SIGHUP instead.
       if ((looks[0].revents & POLLERR) == 0) return;
       std::signal(SIGPIPE, SIG_DFL);
       ::kill(::getpid(), SIGPIPE);

@@ -1,5 +1,4 @@
-// Results that reach their place, or an error that says so: a full disk or a closed stdout must not
-// look like success.
+// Prints results reliably: a full disk or a closed stdout must be an error.
 #pragma once
 
 #include <functional>
@@ -13,28 +12,26 @@ namespace sleight::terminal {
 
 inline constexpr int k_ok = static_cast<int>(base::ExitCode::ok);
 
-/// Throws base::Error(usage).
 [[noreturn]] void refuse_usage(const std::string& words);
 
-/// Writes out what waits for stdout. Throws base::Error(environment) when that, or any earlier
-/// print, failed.
+/// Flushes stdout. Throws base::Error(environment) if that or an earlier print failed.
 void flush_stdout();
 
-/// Runs `work`, which prints to stdout, then flush_stdout; returns what `work` returns. Failed
-/// prints inside `work` become the same base::Error(environment).
+/// Runs `work`, which prints to stdout, then flush_stdout. Returns the result of `work`. Failed
+/// prints in `work` become the same base::Error(environment).
 int with_results(const std::function<int()>& work);
 
-/// Writes a line to stderr; if that is lost, the exit code still tells. Control characters become
-/// '?', since other people write names of files and of an archive's bodies.
+/// Writes a line to stderr; if it is lost, the exit code remains. Control characters become '?',
+/// because other people choose names of files and bodies.
 void complain(std::string line);
 
-/// Text on one line, without control characters; a longer one than 1,000 characters is cut.
+/// Returns text on one line without control characters, cut after 1,000 characters.
 std::string shown(std::string_view text);
-/// The same of text that may have several lines: they become one.
+/// Does the same for text of several lines, which become one.
 std::string shown_on_one_line(std::string text);
 
-/// While it lives, this process ends as SIGPIPE would end it as soon as nobody reads its standard
-/// output any more, also while it has nothing to write: `sleight watch 17 | head -1`.
+/// During its lifetime, the process ends as by SIGPIPE when its standard output has no reader, even
+/// if it has nothing to write: `sleight watch 17 | head -1`.
 class EndsWithItsReader {
  public:
   EndsWithItsReader();
@@ -43,17 +40,17 @@ class EndsWithItsReader {
   EndsWithItsReader& operator=(const EndsWithItsReader&) = delete;
 
  private:
-  int over_;  ///< an eventfd; -1: there is none, and nothing is looked at
+  int over_;  ///< an eventfd; -1: none, and nothing is observed
   std::thread look_;
 };
 
 /// Opens the standard streams that the caller closed, so that writing to them still fails, but no
-/// file or pipe of ours takes their place; and a limit on the size of files fails a write like a
-/// full disk, instead of ending the process. Called first of all.
+/// file of ours gets their numbers. Also makes a limit on file sizes fail a write instead of ending
+/// the process. Call it first.
 void occupy_standard_streams();
 
-/// Throws base::Error(usage) when writing `output` would replace `archive`: the same file by
-/// whatever path or link.
+/// Throws base::Error(usage) if writing `output` would replace `archive`, even through another path
+/// or link.
 void refuse_same_file(const std::string& archive, const std::string& output);
 
 }  // namespace sleight::terminal

@@ -18,11 +18,11 @@ void ProgressPrinter::show(const events::Progress& progress) {
     line_.show(events::progress_line(name_, progress));
     return;
   }
-  // That something was found is said at once.
+  // Report finds at once.
   const plan::Finds& finds = progress.finds;
   const bool has_found = finds.wanted > 0 && (finds.found >= finds.wanted || finds.gave_up);
   const bool is_news = has_found && !std::exchange(said_found_, has_found);
-  // Another session of the run began: its time starts anew.
+  // If another session of the run began, its time restarts at 0.
   if (progress.elapsed_s < shown_s_) shown_s_ = 0;
   if (!is_news && progress.elapsed_s - shown_s_ < plain_line_every_s_) return;
   shown_s_ = progress.elapsed_s;

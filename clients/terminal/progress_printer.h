@@ -1,4 +1,4 @@
-// How a run goes, on stderr: one line that renews itself on a terminal, plain lines elsewhere.
+// Prints a run's progress to stderr: one updated line on a terminal, plain lines elsewhere.
 #pragma once
 
 #include <chrono>
@@ -10,20 +10,19 @@
 
 namespace sleight::terminal {
 
-/// A plain line every so often when the output is no terminal.
+/// Interval of plain lines if the output isn't a terminal.
 inline constexpr double k_plain_line_every_s = 5;
 
-/// Writes to a stream (stderr in programs). Not thread-safe.
 class ProgressPrinter {
  public:
   ProgressPrinter(std::string name, std::FILE* stream,
                   double plain_line_every_s = k_plain_line_every_s);
   void show(const events::Progress& progress);
-  /// What goes on where there are no scans to count: elsewhere than on a terminal too if it lasts.
+  /// Shows a phase without scans to count. Elsewhere than on a terminal, only if the phase lasts.
   void say(const std::string& phase);
-  /// Takes the renewed line away, so that another line can take its place.
+  /// Removes the updated line, so that another line can replace it.
   void clear() { line_.clear(); }
-  /// Ends the renewed line, so that what follows begins on a new one.
+  /// Ends the updated line, so that further output begins on a new line.
   void finish() { line_.finish(); }
 
  private:
@@ -33,7 +32,8 @@ class ProgressPrinter {
   std::FILE* stream_;
   RenewedLine line_;
   double plain_line_every_s_;
-  std::chrono::steady_clock::time_point plain_line_at_;  ///< the last; at first the beginning
+  std::chrono::steady_clock::time_point
+      plain_line_at_;  ///< last plain line; initially the beginning
   double shown_s_ = 0;
   bool said_found_ = false;
 };

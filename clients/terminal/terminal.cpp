@@ -27,7 +27,7 @@ RenewedLine::RenewedLine(std::FILE* stream) : stream_(stream) {
 }
 
 void RenewedLine::show(std::string_view line) {
-  // A line that wraps can't be renewed: cut it to the terminal's width, which may have changed.
+  // A wrapped line can't be updated, so cut it to the terminal's width, which may have changed.
   const std::size_t width = width_of(stream_).value_or(2) - 1;
   // Carriage return, then clear to the end of the line.
   std::fputs(fmt::format("\r{}\x1b[K", line.substr(0, width)).c_str(), stream_);

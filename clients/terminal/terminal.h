@@ -1,4 +1,4 @@
-// What this process's terminal is, and who people are.
+// Queries this process's terminal and users' names.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,20 @@
 
 namespace sleight::terminal {
 
-/// Characters in a line of the stream's terminal; none where it is no terminal.
+/// Returns the width of the stream's terminal in characters. Nothing if it isn't a terminal.
 std::optional<std::size_t> width_of(std::FILE* stream);
 
-/// A line that renews itself, on a terminal that has escape codes. Belongs to one thread.
+/// A line that is updated in place, on a terminal with escape codes. Not thread-safe.
 class RenewedLine {
  public:
   explicit RenewedLine(std::FILE* stream);
-  /// False: elsewhere than on such a terminal, where plain lines are for.
+  /// Returns false without such a terminal; use plain lines instead.
   bool can_renew() const { return can_renew_; }
   /// REQUIRES: can_renew().
   void show(std::string_view line);
-  /// Takes it away, so that another line can take its place.
+  /// Removes the line, so that another line can replace it.
   void clear();
-  /// Ends it, so that what follows begins on a new one.
+  /// Ends the line, so that further output begins on a new line.
   void finish();
 
  private:
@@ -35,16 +35,16 @@ class RenewedLine {
 /// Whether stdin is a terminal.
 bool is_typed();
 
-/// Whether a person can be asked: stdin and stderr are terminals.
+/// Whether stdin and stderr are terminals, so that a person can be asked.
 bool can_ask();
 
-/// Asks on stderr, reads a line of stdin; whether it begins with y or Y.
+/// Asks on stderr and reads a line from stdin. Returns whether the answer begins with y or Y.
 bool ask(const std::string& question);
 
-/// A user's name, or the number where there is none.
+/// Returns a user's name, or the number if there is no name.
 std::string name_of_user(std::uint32_t uid);
 
-/// A uid of a name or a number.
+/// Returns the uid of a name or a number.
 std::optional<std::uint32_t> user_of(const std::string& text);
 
 }  // namespace sleight::terminal
