@@ -1,4 +1,4 @@
-// JSON as every command prints it.
+// Formats JSON for all commands.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace sleight::report {
 
-/// Indented text. A path need not be UTF-8; JSON must be, so what is not is replaced.
+/// Returns indented text. Replaces invalid UTF-8, which paths may contain.
 std::string dumped(const json::Value& json);
 
 }  // namespace sleight::report

@@ -1,8 +1,6 @@
-// A report says what a command found out about one thing, to people and to programs: each fact has
-// its key in JSON and its words in one place. Reports of many alike things make a table, or a list
-// in JSON.
-//
-// Values; thread-safe as such.
+// A report formats facts about one thing for people and for programs: each fact has a JSON key and
+// a text, defined in one place. Several reports form a table or a JSON list. Thread-safe as any
+// value.
 #pragma once
 
 #include <cstddef>
@@ -18,16 +16,16 @@ namespace sleight::report {
 
 class Report {
  public:
-  /// A fact for both. In a table, a column with a head is set to the right, the first column and
-  /// one without a head to the left; a Column says it otherwise.
+  /// Adds a fact for both. In a table, a column is aligned to the right, but the first column and a
+  /// column without a head are aligned to the left. A Column overrides this.
   void add(std::string_view key, json::Value value, std::string_view head, std::string words);
   void add(std::string_view key, json::Value value, Column column, std::string words);
   void for_programs(std::string_view key, json::Value value);
   void for_people(std::string_view head, std::string words);
 
-  /// Facts in the order in which they were added.
+  /// Returns facts in the order in which they were added.
   const json::Value& as_json() const { return json_; }
-  /// A line for each fact that has words: `indent` spaces, the head, padded to a width, the words.
+  /// Returns a line per fact with text: `indent` spaces, the head padded to a width, the text.
   std::string as_text(std::size_t indent, std::size_t head_width) const;
 
  private:
@@ -41,15 +39,15 @@ class Report {
   std::vector<Line> lines_{};
 };
 
-/// A row each. REQUIRES: all have the same heads.
+/// Makes a row per report. REQUIRES: all have the same heads.
 TextTable table_of(const std::vector<Report>& rows);
 
-/// Before each line two spaces, as tables within a longer text have.
+/// Returns a table whose lines begin with two spaces, for use within a longer text.
 std::string indented_table(const std::vector<Report>& rows);
 
 json::Value list_of(const std::vector<Report>& reports);
 
-/// Reports of all of them, by a function of one or of one and its number from 0.
+/// Returns reports of all records. `report_of` takes a record and optionally its index.
 template <class Record, class Report_of>
 std::vector<Report> reports_of(const std::vector<Record>& records, const Report_of& report_of) {
   std::vector<Report> reports;

@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::size_t k_gap = 2;
 
-/// A column that is shown: its index and width.
 struct Shown {
   std::size_t column = 0;
   std::size_t width = 0;
@@ -28,7 +27,7 @@ std::vector<Shown> columns_with_text(const TextTable& table) {
   return shown;
 }
 
-/// With the last column as narrow as it may be.
+/// Returns the width with the last column at its minimum.
 std::size_t least_width(const std::vector<Shown>& shown) {
   std::size_t width = 0;
   for (const Shown& s : shown)
@@ -46,7 +45,6 @@ void leave_out(const TextTable& table, std::vector<Shown>& shown, std::size_t wi
   }
 }
 
-/// At most `width` characters.
 std::string cut(const std::string& text, std::size_t width) {
   constexpr std::size_t k_dots = 3;
   if (request::character_count(text) <= width) return text;

@@ -1,10 +1,8 @@
-// Columns of text, aligned, and fitted to a terminal's width.
+// Formats aligned columns of text and fits them to a terminal's width.
 //
-// Where the whole does not fit, columns are left out, those of the highest rank first; then the
-// last column loses the ends of its texts. Characters count as one column each. A column without
-// any text is left out.
-//
-// Pure; thread-safe.
+// If a table doesn't fit, columns are omitted, those of the highest rank first. Then texts in the
+// last column are cut. Each character counts as one column of the terminal. Columns without any
+// text are omitted. Pure; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +14,20 @@ namespace sleight::report {
 
 struct Column {
   std::string head{};
-  bool to_the_right = false;  ///< as numbers are written
-  int rank = 0;               ///< 0: is never left out
+  bool to_the_right = false;  ///< aligned to the right, for numbers
+  int rank = 0;               ///< 0: never omitted
 };
 
 struct TextTable {
   std::size_t indent = 0;  ///< spaces before each line
   std::vector<Column> columns{};
-  std::vector<std::vector<std::string>> rows{};  ///< one text a column each, fit for a terminal
+  std::vector<std::vector<std::string>> rows{};  ///< one text per column, safe for a terminal
 };
 
-/// The last column is cut to no less than this; before that, others are left out.
+/// Minimum width of the last column.
 inline constexpr std::size_t k_last_column_min = 16;
 
-/// Lines, each with its end; the heads first. Without a width nothing is left out or cut.
+/// Returns lines with their ends, the heads first. Without a width, nothing is omitted or cut.
 std::string to_text(const TextTable& table, std::optional<std::size_t> width);
 
 }  // namespace sleight::report
