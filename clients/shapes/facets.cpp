@@ -10,18 +10,18 @@ namespace {
 
 using math::Vec3;
 
-// A sphere: 12 by 9 pieces are 192 triangles.
+// A sphere has 12 by 9 pieces, which are 192 triangles.
 constexpr std::uint32_t k_round = 12;
 constexpr std::uint32_t k_bands = 9;
 constexpr std::uint32_t k_disc_corners = 36;
 
 constexpr std::uint32_t k_die_faces = 6;
 constexpr std::uint32_t k_pip_corners = 12;
-constexpr double k_pip_radius = 0.19;  ///< in halves of a side, as are the next two
+constexpr double k_pip_radius = 0.19;  ///< in halves of a side, like the next two
 constexpr double k_pip_off = 0.5;      ///< of a pip beside the middle
 constexpr double k_pip_above = 0.01;
 
-/// The corners of a regular polygon about z, on a circle of this radius.
+/// Visits the corners of a regular polygon about z, on a circle of this radius.
 template <class Visit>
 void go_round(std::uint32_t corners, const Visit& visit) {
   for (std::uint32_t i = 0; i < corners; ++i)
@@ -51,7 +51,7 @@ void add_sphere(std::vector<Facet>& facets, double radius_m) {
   }
 }
 
-/// Right-handed: u turned to v is seen counter-clockwise from outside.
+/// Right-handed: the rotation from u to v is counter-clockwise from outside.
 struct FaceFrame {
   Vec3 normal = Vec3::Zero();
   Vec3 u = Vec3::Zero();
@@ -81,7 +81,7 @@ Facet side_of(const FaceFrame& face, const Vec3& half_m) {
 
 void add_box(std::vector<Facet>& facets, const Vec3& half_m) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    // A side without area is none, and a flat box has one face alone.
+    // Skip sides without area; a flat box has a single face.
     if (half_m[(axis + 1) % 3] == 0 || half_m[(axis + 2) % 3] == 0) continue;
     facets.push_back(side_of(face_frame(axis, 1), half_m));
     if (half_m[axis] != 0) facets.push_back(side_of(face_frame(axis, -1), half_m));
@@ -93,7 +93,7 @@ struct Off {
   double v;
 };
 
-/// The middle if the number is odd, then pairs opposite each other.
+/// The middle if the number is odd, then opposite pairs.
 std::vector<Off> pip_places(std::uint32_t number) {
   constexpr double k = k_pip_off;
   constexpr std::array<Off, 6> k_pairs{{{-k, -k}, {k, k}, {-k, k}, {k, -k}, {-k, 0}, {k, 0}}};

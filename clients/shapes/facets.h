@@ -1,8 +1,9 @@
-// What a part of a scene looks like, as flat polygons: the one place that knows each shape.
+// Converts a part of a scene description to flat polygons. This is the only code with each shape's
+// geometry.
 //
-// clients/pictures projects the polygons; clients/export makes triangles of them for glTF and the
-// gallery. So a new shape of body is drawn everywhere once it has facets here. Ground and surfaces
-// are scenery that a body never has: they have none.
+// clients/pictures projects the polygons, and clients/export makes triangles of them for glTF and
+// the gallery. So a new shape of body only needs facets here. Ground and surfaces have no facets,
+// because bodies never have these shapes.
 //
 // Frame: the part's, z up, metres. Pure functions.
 #pragma once
@@ -17,25 +18,24 @@
 
 namespace sleight::shapes {
 
-/// A convex polygon.
 struct Facet {
   std::vector<math::Vec3> corners_m{};  ///< counter-clockwise seen from outside
-  /// Unit normals at the corners, where the facet is part of a curved surface; empty: it is flat.
+  /// Unit normals at the corners of a piece of a curved surface. Empty: flat.
   std::vector<math::Vec3> normals{};
-  std::uint32_t face = 0;  ///< 1 to 6: of a die's face and its pips; 0: of all else
-  bool is_pip = false;     ///< lies a hundredth of half a side above its face
+  std::uint32_t face = 0;  ///< 1 to 6: a die's face and its pips; 0: others
+  bool is_pip = false;     ///< lies above its face by a hundredth of half a side
   bool is_seen_from_behind = false;
 };
 
-/// Spheres have 192 triangles' worth of facets. A die's face comes before its pips. `offsets_m`
-/// move vertices of meshes (scene::Vertex::offset).
+/// Returns the facets of a part. A sphere's facets amount to 192 triangles. A die's face comes
+/// before its pips. `offsets_m` move vertices of meshes (scene::Vertex::offset).
 std::vector<Facet> facets_of(const scene::Scene& scene, const scene::Part& part,
                              std::span<const math::Vec3> offsets_m);
 
-/// Where a mesh's vertex is in an animation.
+/// Returns a mesh vertex's place in an animation.
 math::Vec3 place_of(const scene::Vertex& vertex, std::span<const math::Vec3> offsets_m);
 
-/// Which face of a die is most upwards.
+/// Returns the face of a die that points up most.
 std::uint32_t upper_face(const math::Quat& orientation);
 
 }  // namespace sleight::shapes
