@@ -1,5 +1,5 @@
-// The script has two tables, what a command has and what completes a value, and one function that
-// walks the words of the line along them.
+// The script has two tables (a command's options and subcommands, and how to complete a value) and
+// a function that follows the words of the command line through them.
 #include <fmt/format.h>
 
 #include "clients/command_tree/completion.h"
@@ -8,7 +8,7 @@
 namespace sleight::command_tree {
 namespace {
 
-/// NAME and FUNCTION stand for the program's.
+/// NAME and FUNCTION are placeholders for the program's.
 constexpr const char* k_bash_walk = R"bash(
 # Completes folders, and files with one of the given suffixes (no suffix: all files).
 _FUNCTION_files() {
@@ -116,7 +116,7 @@ _FUNCTION() {
 complete -F _FUNCTION NAME
 )bash";
 
-/// What `_value` sets for an argument; empty where nothing completes it.
+/// Returns what `_value` sets for an argument; empty if nothing completes it.
 std::string value_of(const Argument& argument) {
   switch (argument.completes()) {
     case Completes::nothing:

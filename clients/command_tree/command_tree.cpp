@@ -22,7 +22,7 @@ std::vector<std::string> split(const std::string& text, char between) {
   return parts;
 }
 
-/// CLI11 tells a type and its checks as "TABLE:{posterior,stats}".
+/// CLI11 writes a type and its checks as "TABLE:{posterior,stats}".
 std::vector<std::string> choices_in(const std::string& type_name) {
   const std::size_t open = type_name.find(":{");
   const std::size_t close = type_name.find('}', open);
@@ -49,7 +49,7 @@ Argument argument_of(const CLI::Option& option) {
   return argument;
 }
 
-/// Lines of a paragraph as one.
+/// Joins the lines of a paragraph.
 std::string filled(const std::string& paragraph) {
   std::string text;
   std::istringstream in(paragraph);
@@ -122,7 +122,7 @@ Command tree_of(const CLI::App& app) {
   command.name = app.get_name();
   command.summary = filled(app.get_description());
   take_options(app, command);
-  // CLI11 hands a footer on to commands without one.
+  // CLI11 copies a footer to subcommands without one.
   const CLI::App* above = app.get_parent();
   if (above == nullptr || above->get_footer() != app.get_footer())
     take_footer(app.get_footer(), command);

@@ -1,8 +1,8 @@
-// Completion scripts of a program for three shells.
+// Generates a program's completion scripts for three shells.
 //
-// Each script stands for itself: bash needs no bash-completion, and no script asks the program for
-// anything but job ids. `PROGRAM list --complete` prints these, a line a job: the id, a tab, a few
-// words; where it fails nothing is offered and nothing is said.
+// Each script is self-contained: bash doesn't need bash-completion. Scripts call the program only
+// for job ids. `PROGRAM list --complete` prints a line per job: the id, a tab, a short description.
+// If the call fails, the script silently offers nothing.
 //
 // Pure functions of the tree; thread-safe.
 #pragma once
@@ -13,13 +13,13 @@
 
 namespace sleight::command_tree {
 
-/// For `source <(sleight completion bash)` or a file in share/bash-completion/completions.
+/// For `source <(sleight completion bash)`, or a file in share/bash-completion/completions.
 std::string bash_completion(const Command& program);
 
 /// For `source <(sleight completion zsh)` after compinit, or a file _sleight in $fpath.
 std::string zsh_completion(const Command& program);
 
-/// For `sleight completion fish | source` or a file in fish/vendor_completions.d.
+/// For `sleight completion fish | source`, or a file in fish/vendor_completions.d.
 std::string fish_completion(const Command& program);
 
 }  // namespace sleight::command_tree

@@ -1,5 +1,5 @@
-// A line of `complete` for each command, option and positional; each asks by `_at` whether the
-// words so far lead to its command.
+// The script has a `complete` line for each command, option and positional. Each line calls `_at`
+// to test whether the words so far lead to its command.
 #include <fmt/format.h>
 
 #include "clients/command_tree/completion.h"
@@ -8,8 +8,8 @@
 namespace sleight::command_tree {
 namespace {
 
-/// NAME and FUNCTION stand for the program's, VALUED for the options that take a value, COMMANDS
-/// for all commands.
+/// Placeholders: NAME and FUNCTION for the program's, VALUED for the options that take a value,
+/// COMMANDS for all commands.
 constexpr const char* k_fish_walk = R"fish(
 # Prints the command that the words before the cursor name, and the number of the next positional.
 function __fish_FUNCTION_place
@@ -71,12 +71,12 @@ end
 complete -c NAME -f
 )fish";
 
-/// In single quotes fish takes \ and ' with a \ before them.
+/// Escapes \ and ' with \, as in fish's single quotes.
 std::string quoted_for_fish(std::string_view text) {
   return fmt::format("'{}'", replaced(replaced(std::string(text), "\\", "\\\\"), "'", "\\'"));
 }
 
-/// Switches of `complete` for a value: -a with what completes it, -F for any files.
+/// Returns the switches of `complete` for a value: -a with the completions, -F for any files.
 std::string value_of(const Argument& argument, std::string_view function) {
   switch (argument.completes()) {
     case Completes::nothing:
@@ -101,12 +101,12 @@ std::string option_line(const Argument& option, const std::string& start,
     line += name.starts_with("--") ? fmt::format(" -l {}", name.substr(2))
                                    : fmt::format(" -s {}", name.substr(1));
   const std::string value = value_of(option, function);
-  // -x is for a value and no files, -r for one that may be a file.
+  // -x: requires a value, no files. -r: requires a value that may be a file.
   if (!option.is_flag()) line += (value == " -F" ? " -r" : " -x") + value;
   return fmt::format("{} -d {}\n", line, quoted_for_fish(option.help));
 }
 
-/// Patterns of a `case`, which needs one.
+/// Returns patterns for a `case`, which needs at least one.
 std::string patterns(const std::vector<std::string>& found) {
   return found.empty() ? "''" : joined(found, ' ');
 }

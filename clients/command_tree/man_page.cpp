@@ -12,10 +12,10 @@
 namespace sleight::command_tree {
 namespace {
 
-/// mandoc wants lines that people can read.
+/// mandoc warns about longer lines.
 constexpr std::size_t k_line_bytes_max = 78;
 
-/// Text that troff takes as it stands.
+/// Escapes text for troff.
 std::string escaped(std::string_view text) {
   std::string line = replaced(std::string(text), "\\", "\\e");
   line = replaced(std::move(line), "-", "\\-");
@@ -23,12 +23,12 @@ std::string escaped(std::string_view text) {
   return line;
 }
 
-/// An argument of a macro. In quotes, so that none is taken for a macro.
+/// Returns a quoted argument of a macro, so that it isn't taken for a macro.
 std::string argument(std::string_view text) {
   return "\"\\&" + replaced(escaped(text), "\"", "\\(dq") + "\"";
 }
 
-/// A paragraph over lines, of which none holds the ends of two sentences.
+/// Wraps a paragraph. A sentence's end also ends its line.
 std::string wrapped(std::string_view text) {
   std::string lines;
   std::string line;
@@ -48,7 +48,7 @@ std::string wrapped(std::string_view text) {
   return lines;
 }
 
-/// A sentence as help has it, with its full stop and a capital.
+/// Returns a help text as a sentence with a capital and a full stop.
 std::string sentence(std::string text) {
   if (text.empty()) return text;
   text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
@@ -56,7 +56,8 @@ std::string sentence(std::string text) {
   return text;
 }
 
-/// What follows the name in an index: no capital, no full stop, and not the program's name again.
+/// Returns the description after the name in an index: no capital, no full stop, and without the
+/// program's name.
 std::string description(std::string text, const std::string& program) {
   if (std::tolower(static_cast<unsigned char>(text.empty() ? ' ' : text.front())) ==
           program.front() &&
@@ -69,7 +70,7 @@ std::string description(std::string text, const std::string& program) {
   return text;
 }
 
-/// "Fl o , Fl -output Ar OUTPUT.h5", with `between` the names.
+/// Returns, for example, "Fl o , Fl -output Ar OUTPUT.h5", with `between` between the names.
 std::string flags(const Argument& option, std::string_view between) {
   std::string text;
   for (const std::string& name : option.names) {
@@ -137,7 +138,7 @@ std::string examples(const Command& command) {
   return text + ".Ed\n";
 }
 
-/// The pages of the commands right above and below, and the program's.
+/// Refers to the parent, the subcommands and the program.
 std::string see_also(const Place& place) {
   std::vector<std::string> pages;
   const std::string own = joined(place.words, '-');

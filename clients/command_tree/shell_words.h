@@ -1,6 +1,5 @@
-// How names and words of a tree are quoted in shell scripts. Internal to clients/command_tree.
-//
-// Pure functions; thread-safe.
+// Quotes names and text of a tree for shell scripts. Internal to clients/command_tree. Pure
+// functions; thread-safe.
 #pragma once
 
 #include <string>
@@ -11,16 +10,16 @@
 
 namespace sleight::command_tree {
 
-/// 'it'\''s': for bash and zsh.
+/// Quotes for bash and zsh, such as 'it'\''s'.
 std::string in_single_quotes(std::string_view text);
 
-/// "sleight-batch" as part of a function's name: "sleight_batch".
+/// Converts "sleight-batch" to "sleight_batch" for use in a function's name.
 std::string identifier(std::string_view name);
 
-/// Names of a command's options; those alone that take a value, on request.
+/// Returns the names of a command's options, optionally only of those that take a value.
 std::vector<std::string> option_names(const Command& command, bool with_value_alone);
 
-/// `text` with `old` replaced everywhere.
+/// Replaces `old` everywhere in `text`.
 std::string replaced(std::string text, std::string_view old, std::string_view by);
 
 }  // namespace sleight::command_tree

@@ -1,4 +1,4 @@
-// One function a command, each of which hands its arguments to zsh's own _arguments.
+// The script has one function per command, which passes its arguments to zsh's _arguments.
 #include <fmt/format.h>
 
 #include "clients/command_tree/completion.h"
@@ -7,7 +7,7 @@
 namespace sleight::command_tree {
 namespace {
 
-/// As a message or an explanation of _arguments.
+/// Escapes text for a message or an explanation of _arguments.
 std::string message(std::string text) {
   text = replaced(std::move(text), "\\", "\\\\");
   text = replaced(std::move(text), "[", "\\[");
@@ -15,7 +15,7 @@ std::string message(std::string text) {
   return replaced(std::move(text), ":", "\\:");
 }
 
-/// What _arguments does for a value.
+/// Returns the action of _arguments for a value.
 std::string action_of(const Argument& argument) {
   switch (argument.completes()) {
     case Completes::nothing:
@@ -24,7 +24,7 @@ std::string action_of(const Argument& argument) {
       return fmt::format("({})", joined(argument.choices, ' '));
     case Completes::files: {
       if (argument.suffixes().empty()) return "_files";
-      // One suffix alone in parentheses would be a qualifier.
+      // A single suffix in parentheses would be a glob qualifier.
       if (argument.suffixes().size() == 1)
         return fmt::format("_files -g \"*{}\"", argument.suffixes().front());
       return fmt::format("_files -g \"*({})\"", joined(argument.suffixes(), '|'));
@@ -37,7 +37,8 @@ std::string action_of(const Argument& argument) {
   return " ";
 }
 
-/// Lines of _arguments for an option, one a name: "(-o --output)--output=[help]:OUTPUT.h5:action".
+/// Returns lines of _arguments for an option, one per name: "(-o
+/// --output)--output=[help]:OUTPUT.h5:action".
 std::string option_specs(const Argument& option) {
   std::string specs;
   for (const std::string& name : option.names) {
@@ -97,7 +98,7 @@ std::string function_of(const Place& place) {
       place.words.size() == 1 ? fmt::format("  local program_of_line=$words[1]\n") : "");
 }
 
-/// PROGRAM stands for the program's name in functions. The id's ':' would end it for _describe.
+/// PROGRAM is a placeholder for the program's name. The colon after an id is escaped for _describe.
 constexpr const char* k_jobs = R"zsh(_PROGRAM_jobs() {
   local -a jobs
   jobs=(${(f)"$(${(Q)program_of_line} list --complete 2>/dev/null </dev/null)"})
