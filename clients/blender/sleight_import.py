@@ -1,12 +1,12 @@
 """Blender add-on: imports animations that Sleight exported, or exports and imports them itself.
 
 Install this file by Edit > Preferences > Add-ons > Install, and tick "Sleight animations". Then
-File > Import > Sleight animations takes any number of .glb files, or .h5 archives where the program
-`sleight` is found. Each file becomes a collection, named by its animation ("c0.250"), with the file's
-metadata (request, run_id, log_prior, ...) as custom properties. The frame rate is set, frame 0 is
-the animation's beginning, and the scene's range reaches to the end of the longest.
+File > Import > Sleight animations accepts any number of .glb files, or .h5 archives if the program
+`sleight` is installed. Each file becomes a collection named after its animation ("c0.250"), with the
+file's metadata (request, run_id, log_prior, ...) as custom properties. The importer sets the frame
+rate. Frame 0 is an animation's beginning, and the scene's range ends with the longest animation.
 
-Places in Blender are the archive's: metres, z up. docs/EXPORT.md says what is in a file.
+Blender has the archive's coordinates: metres, z up. docs/EXPORT.md describes the files.
 """
 
 import json
@@ -31,18 +31,18 @@ bl_info = {
     "category": "Import-Export",
 }
 
-END_S = "sleight_end_s"  # of a collection: when its motion ends; so it is also the mark of ours
-FPS = "sleight_fps"      # of a scene: the frame rate that its animations were imported at
-SECONDS_MAX = 3600       # longest export that is waited for
-INT_MAX = 2**31 - 1      # larger whole numbers are none of Blender's properties
+END_S = "sleight_end_s"  # end of a collection's motion; also marks imported collections
+FPS = "sleight_fps"      # frame rate at which a scene's animations were imported
+SECONDS_MAX = 3600       # maximum time of an export
+INT_MAX = 2**31 - 1      # Blender's properties can't hold larger integers
 
 
 class ImportFailed(Exception):
-    """What went wrong and what to do, for the person who imports."""
+    """An error with advice for the person who imports."""
 
 
 def document_of(path):
-    """The JSON of a .glb; it is read apart from Blender's importer, which drops most extras."""
+    """Returns the JSON of a .glb, read here because Blender's importer drops most extras."""
     with open(path, "rb") as file:
         head = file.read(20)
         if len(head) < 20 or head[:4] != b"glTF":
@@ -58,7 +58,7 @@ def document_of(path):
 
 
 def end_s_of(document):
-    """When the last key of any clip is."""
+    """Returns the time of the last key of any clip."""
     times = {sampler["input"] for animation in document.get("animations", [])
              for sampler in animation["samplers"]}
     return max((document["accessors"][time]["max"][0] for time in times), default=0.0)
@@ -74,17 +74,17 @@ def set_properties(holder, extras):
             value = [math.nan if one is None else one for one in value]
             if not value:
                 continue
-        holder[key[:63]] = value  # Blender's longest name
+        holder[key[:63]] = value  # maximum length of a name in Blender
 
 
 def load_glb(path):
-    """Blender's own importer; the objects that it made."""
+    """Runs Blender's own importer and returns the new objects."""
     try:
         import numpy
     except ImportError as error:
         raise ImportFailed("Blender's glTF importer needs numpy; on Debian: apt-get install "
                            "python3-numpy") from error
-    # Blender 3.4's importer asks for a name that numpy 1.24 dropped.
+    # Blender 3.4's importer uses a name that numpy 1.24 removed.
     if "bool" not in numpy.__dict__:
         numpy.bool = bool
     before = set(bpy.data.objects)
@@ -96,7 +96,7 @@ def load_glb(path):
 def collection_of(path, document, objects, scene):
     animations = document.get("animations", [])
     name = animations[0]["name"] if len(animations) == 1 else pathlib.Path(path).stem
-    collection = bpy.data.collections.new(name)  # a name that is taken gets a number
+    collection = bpy.data.collections.new(name)  # Blender appends a number to a used name
     scene.collection.children.link(collection)
     for item in objects:
         for other in list(item.users_collection):
@@ -106,7 +106,7 @@ def collection_of(path, document, objects, scene):
     if len(animations) == 1:
         set_properties(collection, animations[0].get("extras", {}))
     else:
-        # Of several clips in one file all share the objects; each has its actions.
+        # Several clips in one file share the objects; each clip has its own actions.
         collection["clips"] = json.dumps([dict(animation.get("extras", {}), name=animation["name"])
                                           for animation in animations])
     collection[END_S] = end_s_of(document)
@@ -118,13 +118,13 @@ def ours(scene):
 
 
 def import_files(paths, fps=24, scene=None):
-    """Imports .glb files, each into a collection of its own, and returns these collections."""
+    """Imports .glb files, each into its own collection, and returns the collections."""
     scene = scene or bpy.context.scene
     if ours(scene) and scene.get(FPS, fps) != fps:
         raise ImportFailed(f"this scene already contains animations at {scene[FPS]} frames per second; "
                            "import at the same rate, or into another scene")
     documents = [(path, document_of(path)) for path in paths]
-    # The importer places keys by the scene's rate.
+    # The importer places keys by the scene's frame rate, so set the rate first.
     scene.render.fps = fps
     scene.render.fps_base = 1
     scene[FPS] = fps
@@ -136,7 +136,7 @@ def import_files(paths, fps=24, scene=None):
 
 
 def export_archive(program, archive, folder, ids="", whole_frames_fps=None, however_many=False):
-    """Has `sleight` write an archive's animations into a folder; the files."""
+    """Exports an archive's animations to a folder with `sleight`, and returns the files."""
     found = shutil.which(program)
     if found is None:
         raise ImportFailed(f"program '{program}' not found; set its path in the import "
