@@ -34,8 +34,7 @@ struct JudgedEstimate {
 
 /// What would remove the doubts about the odds.
 struct HowToKnow {
-  double longer =
-      1;  ///< factor for a round's length, or for the number of weighted draws or islands
+  double longer = 1;      ///< factor for the length of a round or the number of draws or islands
   bool at_least = false;  ///< `longer` is a lower bound
   /// Total rounds of each ladder, and their scans. None for weighted draws and islands.
   std::optional<std::uint32_t> rounds{};
@@ -62,8 +61,7 @@ struct ArchiveOdds {
   JudgedEstimate log_p_satisfied{};
   std::size_t without_trips = 0;  ///< ladders of the judged round without a round trip
   double log_natural_throw = 0;
-  std::string natural_throw{};  ///< how a throw differs from a draw, such as "a throw includes all
-                                ///< bodies"; may be empty
+  std::string natural_throw{};             ///< how a throw differs from a draw; may be empty
   std::optional<HowToKnow> how_to_know{};  ///< none if log P is known
   IslandNumber island_number = IslandNumber::unknown;
   /// Per chain: if set, only islands from the first number on count (the sized batch), or only

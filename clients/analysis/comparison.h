@@ -16,8 +16,7 @@ namespace sleight::analysis {
 
 /// A line that differs between two requests.
 struct OtherLine {
-  std::string
-      key{};  ///< such as "stop.scans", or "constraint.place[2].x_mm" for an array's second table
+  std::string key{};    ///< "stop.scans"; in an array's second table "constraint.place[2].x_mm"
   std::string first{};  ///< value in the first request; empty: missing
   std::string second{};
 };

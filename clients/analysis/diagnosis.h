@@ -142,8 +142,7 @@ struct Diagnosis {
   std::vector<TransitionReport> transitions;  ///< tempered transitions, by chain
   std::optional<WeightsReport> weights;       ///< annealed importance sampling
   std::vector<std::string> notes;             ///< what was left out, and explanations of numbers
-  std::vector<std::string>
-      reasons;  ///< why the chains have not mixed; empty: no sign against mixing
+  std::vector<std::string> reasons;           ///< against mixing; empty: none found
   bool mixed() const { return reasons.empty(); }
 };
 

@@ -37,7 +37,6 @@
 //     solutions (which come from large islands), or before the odds were precise enough. A number
 //     is good if it was fixed in advance (scans, rounds) or chosen by earlier islands that don't
 //     count themselves (odds).
-//
 // Thread safety: pure functions.
 #pragma once
 

@@ -12,7 +12,6 @@
 // averaged directly (common/math/island_odds.h).
 //
 // odds_doubts.h decides whether the error can be trusted.
-//
 // Thread safety: pure functions.
 #pragma once
 

@@ -276,9 +276,8 @@ struct AlikeSet::Impl {
         place_of[members[i]] = i;
     }
 
-    std::vector<std::size_t> members;  ///< ascending
-    std::vector<std::size_t>
-        place_of;  ///< index among the members, or their number if not a member
+    std::vector<std::size_t> members;   ///< ascending
+    std::vector<std::size_t> place_of;  ///< among the members; their number if not one
     std::vector<float> matrix;
   };
 

@@ -19,7 +19,6 @@
 // Numbers without a unit are SI. The units are um, mm, cm, m; us, ms, s; deg, rad; mm/s, m/s. A
 // unit after a range applies to both ends. Without `during`, any moment counts, even after a body
 // came to rest. Before a body enters, it is nowhere. `every` ignores bodies that never enter.
-//
 // Thread safety: values; const functions may be called from several threads at once.
 #pragma once
 

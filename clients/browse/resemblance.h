@@ -18,7 +18,6 @@
 // (docs/SAMPLING.md). The likeness distance is specific to the world, while resemblance works for
 // recordings of any world. Resemblance is symmetric, and 0 between an animation and itself, but the
 // triangle inequality need not hold.
-//
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 

@@ -17,12 +17,11 @@ struct CommandOptions {
   /// Archives, folders of archives, or jobs of the service (such as "17", if no file has that
   /// name).
   std::vector<std::string> paths{};
-  std::uint16_t port = 0;  ///< 0: the default port, or any free one
-  std::vector<std::string>
-      hosts{};  ///< further names of this server in browsers, such as "localhost:8080"
-  bool opens_browser = true;  ///< only with a desktop
-  bool json = false;          ///< print how to reach the server as one line of JSON
-  std::string save{};         ///< folder for a saved gallery instead of serving; empty: none
+  std::uint16_t port = 0;            ///< 0: the default port, or any free one
+  std::vector<std::string> hosts{};  ///< further names of this server, such as "localhost:8080"
+  bool opens_browser = true;         ///< only with a desktop
+  bool json = false;                 ///< print how to reach the server as one line of JSON
+  std::string save{};                ///< folder for a saved gallery instead of serving; empty: none
 };
 
 /// `service_called` returns the service's address, and is called only for jobs. Serves until Ctrl-C

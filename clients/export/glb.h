@@ -6,7 +6,6 @@
 // to four bytes. Equal columns, such as meshes and times, are stored once. The bytes depend only on
 // the calls. (tinygltf isn't used: it brings image codecs, and the bytes would depend on its order
 // of objects and its printing of numbers.)
-//
 // Thread safety: one thread at a time uses a writer.
 #pragma once
 

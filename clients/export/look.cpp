@@ -23,8 +23,7 @@ using scene::Shape;
 
 constexpr double k_ribbon = 0.06;  ///< width relative to the diameter or the shorter side
 constexpr std::uint32_t k_ring_corners = 36;
-constexpr std::uint32_t k_side_pieces =
-    8;  ///< pieces per side of a rectangle's ribbon, to follow the table
+constexpr std::uint32_t k_side_pieces = 8;  ///< per side of a rectangle's ribbon
 constexpr double k_tint_opacity = 0.5;
 constexpr double k_ground_reach = 0.4;  ///< of the shorter side, below a flat goal
 

@@ -4,7 +4,6 @@
 // Spheres have 192 triangles and smooth normals. Pips are discs above a die's faces, at a hundredth
 // of its half side. A surface has sixteen squares per patch. Goals are 0.2 mm above the table, so
 // that renderers show only one of the two; a ring follows the surface below it.
-//
 // Pure functions.
 #pragma once
 

@@ -5,7 +5,6 @@
 // a WorldPlots in clients/world_plots; a program's main lists them. The list determines the values
 // and help of `--what` and the errors about unavailable pictures, so no command contains a world's
 // name.
-//
 // Thread safety: const functions may be called from several threads with separate sources.
 #pragma once
 

@@ -32,8 +32,7 @@ class ProgressPrinter {
   std::FILE* stream_;
   RenewedLine line_;
   double plain_line_every_s_;
-  std::chrono::steady_clock::time_point
-      plain_line_at_;  ///< last plain line; initially the beginning
+  std::chrono::steady_clock::time_point plain_line_at_;  ///< of the last one, or the start
   double shown_s_ = 0;
   bool said_found_ = false;
 };

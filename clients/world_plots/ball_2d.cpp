@@ -61,8 +61,7 @@ Asked asked_of(const archive::Source& source) {
 /// An animation's hops: all segments except the last, in which the ball lies.
 struct Hops {
   std::vector<motion::Segment> segments;
-  std::vector<double>
-      normal_rad;  ///< normal of the collision that began each hop; NaN for the drop
+  std::vector<double> normal_rad;  ///< of the collision before each; NaN for the drop
 };
 
 Hops read_hops(const archive::Source& source, const scene::Scene& scene, std::size_t animation) {

@@ -46,7 +46,6 @@ struct Motion {
 /// Pure, and bit-equal on every machine. REQUIRES: finite angles.
 Landing simulate_landing(const WorldParameters& world, const NormalAngles& normals);
 
-/// Returns the same simulation with all its hops.
 Motion simulate_motion(const WorldParameters& world, const NormalAngles& normals);
 
 /// Returns the velocity after a collision with a fixed surface of the given unit normal.

@@ -23,7 +23,6 @@ struct ConstraintParameters {
   double tolerance_diameters = 0.1;  ///< maximum distance from the target
 };
 
-/// Parameters of Algorithm 2.2.
 struct ProposalParameters {
   double change_probability = 0.5;                      ///< probability that each normal changes
   double change_half_width_rad = 0.087266462599716474;  ///< uniform(-5, 5) degrees

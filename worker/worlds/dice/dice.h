@@ -106,7 +106,6 @@ class Dice {
   State draw_prior(random::Stream& stream) const { return draw_state(parameters_.world, stream); }
   double log_prior(const State& state) const { return log_density_of(parameters_.world, state); }
   Outcome simulate(const State& state) const;
-  /// Returns the outcome and what goals judge.
   ViewedOutcome simulate_and_view(const State& state) const;
   /// Returns the signed misses of all goals (goals.h). REQUIRES: views of an animation of this
   /// world.
@@ -156,11 +155,9 @@ class Dice {
 
   /// Returns the physics scene; its bodies are the dice.
   physics::Scene scene(const State& state) const;
-  /// Returns the result of simulate(state) with the motion.
   Animation animate(const State& state) const;
 
  private:
-  /// Additional results to produce.
   struct Wanted {
     bool history = false;  ///< stored in the outcome
     physics::Recording* recording = nullptr;

@@ -35,7 +35,6 @@ Vec3 normal_of(const Quat& orientation, std::uint32_t face, std::uint32_t number
           sign * axes(2, direction.axis)};
 }
 
-/// The angle of the rotation between two orientations.
 double angle_between(const Quat& a, const Quat& b) {
   const Quat between = math::composed(a, math::inverse(b));
   const Vec3 v(between.x(), between.y(), between.z());
@@ -145,7 +144,6 @@ std::vector<double> goal_times(std::span<const Goal> goals) {
 
 namespace {
 
-/// The goal's die at the goal's time.
 const DieView& die_of(const Goal& goal, const Views& views, std::span<const double> times) {
   const std::size_t dice = views.at_end.size();
   CHECK_LT(goal.die, dice);

@@ -24,7 +24,6 @@
 // does: tolerances of faces are below 45 degrees, so two faces never meet one goal. Rotations that
 // leave the faces of all goals in place give further numberings that meet the goals;
 // numberings_that_meet counts them.
-//
 // Thread safety: values and pure functions.
 #pragma once
 

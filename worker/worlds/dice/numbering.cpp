@@ -10,15 +10,13 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// The images of x, y and z under a rotation.
 using Images = std::array<AxisDirection, 3>;
 
 constexpr bool is_even(const std::array<std::uint8_t, 3>& p) {
   return (p[0] == 0 && p[1] == 1) || (p[0] == 1 && p[1] == 2) || (p[0] == 2 && p[1] == 0);
 }
 
-/// All 24 rotations: permutations in lexicographic order, with the signs that make the determinant
-/// 1.
+/// Permutations in lexicographic order, with the signs that make the determinant 1.
 constexpr std::array<Images, k_numberings> all_rotations() {
   constexpr std::array<std::array<std::uint8_t, 3>, 6> k_permutations{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};

@@ -23,7 +23,6 @@ using math::Vec3;
 inline constexpr std::uint32_t k_faces = 6;
 inline constexpr std::uint32_t k_numberings = 24;
 
-/// One of the six directions along a frame's axes.
 struct AxisDirection {
   std::uint8_t axis = 0;  ///< x, y, z
   std::int8_t sign = 1;

@@ -26,7 +26,6 @@ struct Range {
   double mean() const { return 0.5 * (low + high); }
 };
 
-/// A random surface (random_table.h).
 struct TableParameters {
   double spacing_m = 0.021;  ///< distance between control points
   std::uint32_t columns = 64;

@@ -44,7 +44,6 @@ struct Override {
 };
 using Overrides = std::vector<Override>;
 
-/// Return the first and the last index of a table.
 GridIndex first_of(const TableParameters& table);
 GridIndex last_of(const TableParameters& table);
 bool is_on_table(const TableParameters& table, GridIndex index);

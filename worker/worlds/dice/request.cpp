@@ -234,13 +234,11 @@ struct GoalKeys {
   std::uint32_t die = 1;
 };
 
-/// Where a goal is in the request.
 struct GoalPlace {
   std::string name;  ///< "[constraint.place]"
   std::uint32_t line = 0;
 };
 
-/// Binds the goals of one request.
 struct GoalBinder {
   Binder& constraint;
   const WorldParameters& world;
@@ -291,8 +289,7 @@ struct GoalBinder {
                             [&](Binder& table, Keys& keys) {
                               bind_die(table, keys);
                               bind(table, keys);
-                              // Without a table, the call only registers keys. A slip is reported
-                              // once.
+                              // A call without a table only registers keys.
                               if (table.line() == 0 || !table.is_sound()) return;
                               refuse_contradictions(table, keys.goal);
                               goals.push_back(keys.goal);
@@ -550,14 +547,12 @@ void bind(request::WorldSections& sections, Parameters& parameters) {
 /// For chains that relax finds. Measured in docs/MEASUREMENTS.
 constexpr std::uint32_t k_relax_scans = 2;
 
-/// Settings for odds: islands.
 void settle_odds(request::Settled& settled, request::SamplerParameters& sampler) {
   sampler.method = request::Method::sequential;
   settled.word("method", "sequential");
   settled.count("particles", sampler.particles, 32);
 }
 
-/// Settings for chains that relax a search's finds.
 void settle_relaxing(request::Settled& settled, std::uint32_t dice,
                      request::SamplerParameters& sampler) {
   settled.count("iterations_per_scan", sampler.iterations_per_scan, 10 * dice);

@@ -49,7 +49,6 @@ State draw_state(const WorldParameters& world, random::Stream& stream);
 /// REQUIRES: the state has as many dice as the world.
 double log_density_of(const WorldParameters& world, const State& state);
 
-/// Returns the control point of a state's table at an index.
 SurfaceControl control_at(const WorldParameters& world, const State& state, GridIndex index);
 
 }  // namespace sleight::worlds::dice

@@ -66,9 +66,8 @@ class ThrowMap {
   DieStart start_;
   std::vector<Component> components_;
   bool is_prior_ = true;
-  Scores mean_{};  ///< mean of g
-  std::array<Scores, k_components_max>
-      root_{};  ///< Cholesky root of g's covariance: lower triangle
+  Scores mean_{};                                ///< mean of g
+  std::array<Scores, k_components_max> root_{};  ///< Cholesky root of the covariance
   double log_root_determinant_ = 0;
 };
 

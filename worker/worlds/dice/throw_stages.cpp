@@ -12,7 +12,6 @@
 namespace sleight::worlds::dice {
 namespace {
 
-/// The world with only these dice and their goals.
 Parameters with_dice(const Parameters& all, std::size_t first, std::size_t count) {
   Parameters some = all;
   const auto begin = all.world.dice.begin() + static_cast<std::ptrdiff_t>(first);

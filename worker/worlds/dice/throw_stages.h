@@ -5,10 +5,10 @@
 // throws are drawn from the die's q (throw_map.h). Each throw is simulated once without other dice,
 // so a particle can compare all throws before it chooses.
 //
-// Choice. A particle chooses throw j of the die's pool with probability v_j g_j / S, where v = p /
-// q and S is the sum over the pool. The guess g estimates how promising the throw is: p_c of the
-// die's goals for the lone throw, but at least e^log_floor, since the other dice may turn any throw
-// into one that meets the goals. The weight is
+// Choice. A particle chooses throw j of the die's pool with probability v_j g_j / S. Here v = p /
+// q, and S is the sum over the pool. The guess g is p_c of the die's goals for the lone throw, but
+// at least e^log_floor, since the other dice may turn any throw into one that meets the goals. The
+// weight is
 //
 //   S / (n g_j).
 //
@@ -23,7 +23,6 @@
 //
 // Potential: p_c of the goals of the dice so far, but at least e^log_floor. So the potential is
 // above 0, and every state can be reached, even one whose last die pushes another die to its goal.
-//
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -49,10 +48,9 @@ inline constexpr std::uint32_t k_throws_of_map = 100;
 
 /// Fixed before sampling starts.
 struct ThrowGuide {
-  std::vector<ThrowMap> maps;  ///< by die
-  std::vector<plan::FailurePointer>
-      failures{};                     ///< failures of the throws from which maps are learnt
-  std::uint32_t throws_of_pool = 64;  ///< per die
+  std::vector<ThrowMap> maps;                    ///< by die
+  std::vector<plan::FailurePointer> failures{};  ///< of the throws for the maps
+  std::uint32_t throws_of_pool = 64;             ///< per die
   /// Minimum log guess and log potential. If lower, a die that another die pushes to its goal
   /// weighs so much that few islands hold most of Z. Measured with two dice: the largest of 300
   /// islands held 18% of Z at -8 and 3% at -3.
@@ -74,9 +72,8 @@ struct ThrowPool {
 struct ThrowGround {
   std::uint64_t table_key = 0;
   Overrides overrides;
-  std::vector<ThrowPool> pools;  ///< by die
-  std::vector<Outcome>
-      first_die_alone{};  ///< by throw of the first pool; also the outcomes of the first stage
+  std::vector<ThrowPool> pools;            ///< by die
+  std::vector<Outcome> first_die_alone{};  ///< by throw; outcomes of the first stage
   std::vector<sampling::SimulationReport> simulations{};
 };
 
@@ -130,10 +127,8 @@ class StagedDice : public Dice {
   const Dice& first(std::size_t dice) const { return first_[dice - 1]; }
 
  private:
-  /// Draws the pools. A given state's throws come first.
   Ground ground_of(const Guide& guide, State table, const State* given,
                    random::Stream& stream) const;
-  /// Adds the throw at this place in the stage's pool.
   sampling::Extension add(const Ground& ground, std::uint32_t stage, std::size_t place,
                           Prefix& prefix) const;
 

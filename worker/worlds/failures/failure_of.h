@@ -1,5 +1,4 @@
 // Converts simulator errors to failures.
-//
 // Thread safety: a pure function.
 #pragma once
 

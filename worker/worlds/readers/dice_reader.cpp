@@ -39,7 +39,6 @@ void append_quaternion(const Quat& q, std::vector<double>& values) {
   values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
 }
 
-/// One vector of all dice's starts.
 std::vector<double> components(const WorldParameters& world, Vec3 DieStart::*vector) {
   std::vector<double> values;
   for (const DieStart& die : world.dice)
@@ -407,7 +406,6 @@ class DiceReader final : public archive::StateReader {
     return values;
   }
 
-  /// Appends all dice's places at one time.
   void append_places(const physics::Recording& recording, physics::Tick tick,
                      std::vector<double>& numbers) const {
     for (std::uint32_t die = 0; die < world_.dice(); ++die) {

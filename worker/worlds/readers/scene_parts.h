@@ -1,5 +1,4 @@
 // Builds scene descriptions (common/scene) from simulator objects.
-//
 // Thread safety: pure functions of their arguments.
 #pragma once
 

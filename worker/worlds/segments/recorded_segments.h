@@ -1,5 +1,4 @@
 // Converts a simulator's recording to segments of common/motion.
-//
 // Thread safety: pure functions.
 #pragma once
 

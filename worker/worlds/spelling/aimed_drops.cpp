@@ -12,7 +12,6 @@ namespace {
 
 constexpr double k_impossible = -std::numeric_limits<double>::infinity();
 
-/// log p_w of one ball's variables.
 double log_prior_of_ball(const Prior& prior, const State& state, std::size_t ball) {
   return math::log(0.5) - (state.active[ball] != 0 ? prior.log_area() : 0);
 }

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::uint32_t k_side = Landings::k_side;
 
-/// The cell of a displacement, if it is within reach.
 std::optional<std::size_t> cell_of(const Vec2& displacement_m, double cell_m) {
   const double column = std::floor(displacement_m.x() / cell_m) + k_side / 2;
   const double row = std::floor(displacement_m.y() / cell_m) + k_side / 2;

@@ -1,6 +1,5 @@
 // Patterns: which bins shall hold a ball, as a picture made from a word or from rows of '.' and
 // '#'.
-//
 // Thread safety: values and pure functions.
 #pragma once
 
@@ -26,7 +25,6 @@ struct Pattern {
   friend bool operator==(const Pattern&, const Pattern&) = default;
 };
 
-/// Heights of the built-in letters.
 enum class Font : std::uint8_t { rows_5 = 5, rows_7 = 7 };
 
 /// Reads rows of '.' and '#' of equal length, one per line; ignores empty lines at both ends. An

@@ -15,7 +15,6 @@ struct Pouring {
   Outcome outcome;
 };
 
-/// Returns a box with the given offsets, without balls.
 Pouring no_balls(const Spelling& world, std::vector<Vec3> offsets_m);
 
 /// Adds one ball, simulated from the pouring before it. REQUIRES: the ball is inactive.

@@ -25,7 +25,6 @@ std::optional<Vec2> PouringBuilder::promising_drop(const Pouring& prefix,
     // A ball above a full bin would hit the ball in it.
     if (is_full(full, world_->number_below(drop_m))) continue;
 
-    // Check that the ball alone fills an empty bin.
     const Spelling::Alone alone = world_->fall_alone(prefix.state.offsets_m, drop_m);
     ++effort.guesses;
     if (alone.failure != nullptr) effort.failures.push_back(alone.failure);

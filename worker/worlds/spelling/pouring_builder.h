@@ -5,7 +5,6 @@
 // around the bin, then simulate the ball alone. The drop is kept if each of the balls 0 to i fills
 // a bin after it. Balls that reach their bin only with another ball's push are never tried. So
 // finds are plausible, but don't occur in the model's proportions.
-//
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 

@@ -48,7 +48,6 @@ std::uint8_t sort_of(const PoolDrop& drop, const std::vector<std::uint8_t>& full
   const bool into = is_full(full, drop.alone);
   const bool fills = drop.alone != k_fills_none && !into;
   if (fills && drop.alone == drop.below) return own_bin;
-  // Find the nearest bin that isn't full.
   std::size_t range = k_ranges - 1;
   for (std::size_t i = 0; i < drop.near.size() && drop.near[i] != k_fills_none; ++i) {
     if (is_full(full, drop.near[i])) continue;

@@ -13,8 +13,8 @@
 //
 // Choice. A ball takes part with probability `takes_part` (1/2 in the prior). If it does, an unused
 // drop j of the pool is chosen with probability v_j s_j g_j / S, where S is the sum over unused
-// drops. The guess g_j estimates the probability that the ball fills an empty bin. The factor s_j =
-// n / (n - used drops of j's stratum) compensates for used drops. The weight is
+// drops. The guess g_j estimates the probability that the ball fills an empty bin. The factor s_j
+// is n / (n - used drops of j's stratum) and compensates for used drops. The weight is
 //
 //   (1/2) / takes_part  S / (K g_j),   where K is the number of drops in the pool.
 //
@@ -31,7 +31,6 @@
 // Potential: lambda for each filled bin (p_c of the prefix), times exp(log_elsewhere) for each ball
 // that fills no bin or a full one. Each filled bin also contributes 1 / (the share of prior drops
 // that fill it alone, by the pool), because a bin that is hard to fill is worth more.
-//
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 
@@ -58,15 +57,11 @@ struct DropOdds {
   /// By distance from the drop to the middle of the nearest empty bin, in bins: below 1, 1.5, 2.5,
   /// more.
   using ByDistance = std::array<double, 4>;
-  double own_bin = 0.95;  ///< alone, the ball fills the empty bin below it
-  ByDistance beside{0.96, 0.8, 0.54,
-                    0.45};  ///< alone, it fills another empty bin; not dropped above a full one
-  ByDistance above_full{0.41, 0.12, 0.12,
-                        0.01};  ///< alone, it fills an empty bin; dropped above a full one
-  ByDistance meets_full{0.2, 0.1, 0.045,
-                        0.003};  ///< alone, it fills no empty bin; it falls onto or into a full one
-  ByDistance misses{0.03, 0.012, 0.005,
-                    0.001};  ///< alone, it fills no bin; not dropped above a full one
+  double own_bin = 0.95;                     ///< alone, the ball fills the empty bin below it
+  ByDistance beside{0.96, 0.8, 0.54, 0.45};  ///< alone: another empty bin; not above a full bin
+  ByDistance above_full{0.41, 0.12, 0.12, 0.01};  ///< alone: an empty bin; above a full bin
+  ByDistance meets_full{0.2, 0.1, 0.045, 0.003};  ///< alone: no empty bin; hits a full bin
+  ByDistance misses{0.03, 0.012, 0.005, 0.001};   ///< alone: no bin; not above a full bin
 };
 
 /// Drops per designated bin in an island's pool. A pool has at least one drop per bin and ball.
@@ -78,8 +73,7 @@ inline constexpr std::uint32_t k_drops_per_bin_max = 120;
 /// Fixed before sampling starts.
 struct PouringGuide {
   LandingMap map;
-  std::vector<plan::FailurePointer>
-      failures{};  ///< failures of the lone balls from which the map is learnt
+  std::vector<plan::FailurePointer> failures{};  ///< of the lone balls for the map
   DropOdds odds{};
   double takes_part = 0.98;   ///< in (0, 1); learn lets at most 0.2 balls stay out on average
   double log_elsewhere = -3;  ///< -infinity: prefixes with a ball elsewhere have potential 0
@@ -193,7 +187,6 @@ class StagedSpelling : public Spelling {
 
   std::uint32_t drops_per_bin(const Guide& guide) const;
   Vec2 draw_of_stratum(const Guide& guide, std::size_t bin, random::Stream& stream) const;
-  /// A ground without drops.
   Ground empty_ground(const Guide& guide, std::vector<Vec3> offsets_m) const;
   void find_near_bins(PoolDrop& drop) const;
   /// Stores a drop at its place in the pool, and simulates it alone.
@@ -210,9 +203,7 @@ class StagedSpelling : public Spelling {
   /// Returns the log weight of a drop chosen by `choices`.
   double log_weight_of(const Guide& guide, const Ground& ground, const Choices& choices,
                        std::size_t place) const;
-  /// Leaves the ball out.
   sampling::Extension leave_out(const Guide& guide) const;
-  /// Adds the ball at this drop of the pool, with this weight.
   sampling::Extension drop(const Guide& guide, const Ground& ground, std::uint32_t stage,
                            std::size_t place, Prefix& prefix, double log_weight) const;
 };

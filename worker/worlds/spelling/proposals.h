@@ -47,7 +47,6 @@ namespace sleight::worlds::spelling {
 using math::Vec2;
 using math::Vec3;
 
-/// The random variables of an animation.
 struct State {
   std::vector<Vec3> offsets_m;       ///< of the partition vertices
   std::vector<std::uint8_t> active;  ///< by ball: 1 if it takes part
@@ -86,7 +85,6 @@ struct Prior {
   State draw(random::Stream& stream) const;
   /// Draws the drop place of an active ball.
   Vec2 draw_drop(random::Stream& stream) const;
-  /// Whether the place is inside the drop region.
   bool may_drop_at(const Vec2& drop_m) const;
   /// Normalised, for lengths in metres. -infinity outside the region.
   double log_density(const State& state) const;

@@ -139,7 +139,6 @@ void bind_pattern(request::Binder& world, Pattern& pattern) {
   if (const auto whole = pattern_in_box(world, *given, columns, rows, key)) pattern = *whole;
 }
 
-/// Checks sizes against each other.
 void check_sizes(request::Binder& world, const WorldParameters& p) {
   for (const char* key : {"bin_mm", "partition_mm", "partition_height_mm", "drop_height_mm",
                           "vertex_sd_mm", "dome_mm", "ball_diameter_mm"}) {
@@ -260,7 +259,6 @@ void bind_world(request::Binder& world, WorldParameters& p) {
   check_sizes(world, p);
 }
 
-/// Returns the value of a sampler's key, or nothing if it has none.
 std::optional<std::string> value_of(const request::Binder& sampler, std::string_view key) {
   const auto at = std::ranges::find(
       sampler.keys(), key, [](const auto& bound) { return std::string_view(bound.spec.key); });
@@ -456,7 +454,6 @@ void settle_relaxing(request::Settled& settled, std::uint32_t balls,
   settled.count("relax_scans", sampler.relax_scans, relax_scans_for(balls));
 }
 
-/// The shares of proposals, and how far change_ball moves a drop.
 struct Moves {
   double change_all = 0.01;
   double change_vertices = 0.25;

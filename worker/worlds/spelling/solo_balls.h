@@ -1,7 +1,6 @@
 // The spelling world's surrogate (surrogate_transition.h): each ball as if it fell alone into the
 // box. Most balls meet no other ball on their way. A lone ball's bin depends only on its drop and
 // the box, so a change of one ball requires the simulation of one ball.
-//
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 

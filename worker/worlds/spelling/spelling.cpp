@@ -63,7 +63,6 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
                    .rests = rests}};
 }
 
-/// Observes the active balls of a simulation, one after the other.
 class Looks {
  public:
   /// `known_state` and `known_history`: of a similar state, or null. `kept`: where observations are
@@ -91,7 +90,6 @@ class Looks {
     }
     if (kept_ != nullptr) kept_->looks.push_back(marbles.now());
   }
-  /// The active balls in the last look.
   const std::vector<Traps::Ball>& balls() const { return balls_; }
 
  private:

@@ -156,7 +156,6 @@ class Spelling {
   double log_anchor_probability(const Anchor& anchor, const Outcome& outcome,
                                 const SoloBalls::Outcome& solo, double keep) const;
   sampling::SurrogateSteps surrogate_steps(std::span<const double> scales) const;
-  /// The result of a ball that falls alone.
   struct Alone {
     bool possible = true;             ///< the offsets leave a valid box and room for the start
     std::int16_t bin = k_fills_none;  ///< the number of the designated bin that it fills
@@ -208,7 +207,6 @@ class Spelling {
     std::vector<Vec3> places_m{};
   };
   enum class Until : std::uint8_t { decided, rest };
-  /// A similar state and its history.
   struct Known {
     const State& state;
     const SpellingHistory& history;
@@ -235,7 +233,6 @@ class Spelling {
   physics::Scene scene_in(const State& state, std::shared_ptr<const physics::TriangleMesh> surface,
                           Bodies bodies) const;
   std::unique_ptr<BoxGeometry> new_geometry() const;
-  /// Returns the designated bin that a ball with this centre fills, if any.
   std::optional<Bin> filled_bin(const Vec3& centre_m) const;
 
   Parameters parameters_;
@@ -244,9 +241,8 @@ class Spelling {
   Influence influence_;
   Prior prior_;
   Windows windows_;
-  std::vector<Vec2> middles_m_;  ///< of designated bins
-  std::vector<std::int16_t>
-      numbers_;  ///< by bin, row by row: number among the designated bins, in order
+  std::vector<Vec2> middles_m_;        ///< of designated bins
+  std::vector<std::int16_t> numbers_;  ///< by bin; k_fills_none if not designated
   std::unique_ptr<BoxGeometries> geometries_ = std::make_unique<BoxGeometries>();
 };
 

@@ -1,7 +1,6 @@
 // The history that a simulation of spelling balls stores for simulations of similar states: each
 // ball's history (physics/marbles/marbles.h), and all balls' places at each look, that is, each
 // test of whether they stay.
-//
 // Thread safety: const functions may be called from several threads at once.
 #pragma once
 

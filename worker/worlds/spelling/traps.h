@@ -26,8 +26,7 @@ class Traps {
 
   struct Place {
     Bin bin;
-    physics::Box
-        box;  ///< contains the ball for good: the bin, up to the height allowed by its energy
+    physics::Box box;  ///< the ball stays in it: the bin, as high as energy allows
   };
   /// Returns where a ball is trapped, or nothing if it may still leave.
   std::optional<Place> of(const Vec3& centre_m, const physics::Twist& twist) const;
