@@ -171,7 +171,6 @@ double mean_of(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// The ladders of an archive, prepared for estimating odds.
 struct Ladders {
   const archive::Source& source;
   const archive::Summary& summary;
@@ -253,7 +252,6 @@ bool has_rounds(OddsFrom from) {
   return from == OddsFrom::ladders || from == OddsFrom::burn_in;
 }
 
-/// Returns the name of what `CombinedEstimate::ladders` counts.
 const char* counted_by(OddsFrom from) {
   switch (from) {
     case OddsFrom::ladders:
@@ -330,7 +328,6 @@ void add_remedy(const HowToKnow& how, const ArchiveOdds& odds, report::Report& r
   report.for_people("", how.besides);
 }
 
-/// Returns, for people, what contains solutions.
 const char* place_word(OddsFrom from) {
   if (from == OddsFrom::weights) return "draw";
   return from == OddsFrom::islands ? "island" : "round";
@@ -352,7 +349,6 @@ const char* caution_of(const ArchiveOdds& odds) {
   return "this estimate is usually too low if few islands have most of the sum";
 }
 
-/// Adds an estimate whose error can't be trusted.
 void add_unknown(const ArchiveOdds& odds, report::Report& report) {
   const JudgedEstimate& log_p = odds.log_p_satisfied;
   const bool is_none = log_p.all.ladders == 0;

@@ -43,7 +43,6 @@ struct HowToKnow {
   std::string besides{};         ///< for people: other keys that help; may be empty
 };
 
-/// The source of the estimates.
 enum class OddsFrom : std::uint8_t {
   ladders,
   burn_in,  ///< ladders of a burn-in

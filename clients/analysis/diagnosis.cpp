@@ -131,7 +131,6 @@ void judge_scalars(Judged& judged, const DrawRange& range) {
   }
 }
 
-/// Judges the first entries of a variable and selects those to list.
 VariableReport variable_report(const Judged& judged, const Quantity& variable,
                                std::uint64_t entries, const DrawRange& range) {
   VariableReport report{.name = variable.name, .entries = variable.entries(), .judged = entries};
@@ -232,7 +231,6 @@ void judge_walks(Judged& judged, std::uint64_t chains) {
       none.size() == chains ? "" : fmt::format(", for example chain {}", none.front())));
 }
 
-/// Judges the effective size of weighted draws.
 void judge_weights(Judged& judged, std::uint64_t chains) {
   WeightsReport report{.effective_size = effective_size_of_all(judged.source),
                        .log_z = {},
@@ -337,7 +335,6 @@ void note_chains(Diagnosis& diagnosis, std::uint64_t looked_at) {
   }
 }
 
-/// Judges scalars and state variables of the judged scans as draws of Markov chains.
 void judge_draws(Judged& judged, const archive::Summary& summary) {
   Diagnosis& diagnosis = judged.diagnosis;
   const std::uint64_t chains = std::min(summary.chains, k_chains_max);

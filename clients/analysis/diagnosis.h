@@ -87,7 +87,6 @@ struct KindReport {
   std::uint64_t accepted = 0;
 };
 
-/// A ladder in the judged round.
 struct LadderReport {
   double barrier = 0;
   double round_trips = 0;

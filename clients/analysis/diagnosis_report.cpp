@@ -288,7 +288,6 @@ void append_transitions(std::string& text, const std::vector<TransitionReport>& 
   text += report::indented_table(report::reports_of(transitions, k_numbered_report_of));
 }
 
-/// Appends weighted draws, by chain and together.
 void append_weights(std::string& text, const Diagnosis& diagnosis) {
   const WeightsReport& weights = *diagnosis.weights;
   text += "Independent weighted draws\n";

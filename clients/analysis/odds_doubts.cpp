@@ -9,7 +9,6 @@
 namespace sleight::analysis {
 namespace {
 
-/// Words for ladders, or for chains of weighted draws.
 struct Whose {
   const char* one;
   const char* many;
@@ -68,7 +67,6 @@ void doubt_round_trips(std::vector<Doubt>& doubts, const LadderFacts& facts) {
   doubts.push_back(std::move(doubt));
 }
 
-/// Doubts an estimate that differs from the previous round's.
 void doubt_drift(std::vector<Doubt>& doubts, const LadderFacts& facts,
                  const CombinedEstimate& judged) {
   if (facts.before.empty()) {

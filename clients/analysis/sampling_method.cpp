@@ -11,7 +11,6 @@ using request::Method;
 
 namespace {
 
-/// Returns a key of [sampler] if it exists and has this type.
 template <typename T>
 std::optional<T> sampler_value(std::string_view request_text, std::string_view key) {
   const auto document = request::parse_document(request_text, "request");

@@ -14,7 +14,6 @@
 namespace sleight::analysis {
 namespace {
 
-/// Values per read.
 constexpr std::uint64_t k_read_values = 65536;
 
 const archive::DatasetSpec& spec_of(const archive::Source& source, const Quantity& quantity,

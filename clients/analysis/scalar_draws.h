@@ -2,9 +2,9 @@
 //
 // Idea. A run may have thousands of scalars and billions of scans, so the amount of work is
 // bounded. Only every n-th draw of a scalar is used. More scalars get fewer draws each, but never
-// so few that their number alone couldn't reach the required effective sample size. After that, the
-// number of a variable's entries is limited. Omitted draws make effective sample sizes smaller,
-// never larger.
+// so few that their number alone couldn't reach the required effective sample size. The number of a
+// variable's entries is limited too. Omitted draws make effective sample sizes smaller, never
+// larger.
 //
 // Rank-based measures (R-hat, effective sample sizes) need only an order, so draws without a finite
 // value can be used. Values of -inf, and NaN of entries that don't apply, become one value below
@@ -77,9 +77,9 @@ struct StandIns {
   std::uint64_t all() const { return minus_infinite + nan; }
 };
 
-/// Counts these values and replaces them by a value far below the least finite one, so that it is
-/// the least even by distance from the median. If no value is finite, all become 0. Leaves +inf
-/// unchanged, since no scalar of Sleight has it.
+/// Counts the values -inf and NaN and replaces them by a value far below the least finite one, so
+/// that it is the least even by distance from the median. If no value is finite, all become 0.
+/// Leaves +inf unchanged, since no scalar of Sleight has it.
 StandIns with_stand_in(std::span<double> values);
 
 }  // namespace sleight::analysis

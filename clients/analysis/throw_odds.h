@@ -4,9 +4,9 @@
 // Idea. Each ladder has an estimate of log P(satisfied) with a jackknife error. A mean of
 // probabilities would mostly be the largest of them, which has the most uncertain error, so the
 // logs are averaged. The error of the mean is the largest of three. The combined jackknife error
-// misses what a whole ladder missed. The standard error between ladders includes that, but is rough
-// for few ladders. Half the variance between ladders is the distance of the mean of logs below the
-// log of the mean, which more ladders don't reduce.
+// misses what a whole ladder missed. The standard error between ladders includes such misses, but
+// is rough for few ladders. Half the variance between ladders is the distance of the mean of logs
+// below the log of the mean, which more ladders don't reduce.
 //
 // Free islands are many, and each has an unbiased estimate of P(satisfied), so their estimates are
 // averaged directly (common/math/island_odds.h).

@@ -21,7 +21,6 @@ constexpr float k_far = std::numeric_limits<float>::infinity();
 /// Maximum representatives whose distances are cached: 40 kB each for 5,000 animations.
 constexpr std::size_t k_kept_max = 1024;
 
-/// A point's nearest and second nearest medoid.
 struct Nearest {
   std::size_t medoid = 0;  ///< index in the list of medoids
   float distance = k_far;

@@ -13,8 +13,8 @@
 // Larger sets are grouped by a sample of 200 animations, or of 500 if more than 100 groups are
 // requested. Other animations join the group with the nearest representative. So large sets allow
 // at most 500 groups. The sample is chosen by a hash of the names, as evenly as a random draw. For
-// 5,000 HI animations, 12 medoids of a sample of 200 are 1.2% further from all animations than
-// those of 500, and take half the time.
+// 5,000 HI animations, 12 medoids of a sample of 200 are 1.2% further from all animations than 12
+// medoids of 500, and take half the time.
 //
 // The result depends only on the set, not on the order in which it is passed: animations are
 // processed in the order of their names, and the first of equal choices is taken. Thread safety:

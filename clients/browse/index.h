@@ -79,7 +79,6 @@ struct Track {
   friend bool operator==(const Track&, const Track&) = default;
 };
 
-/// A recorded hit.
 struct Contact {
   double time_s = 0;
   std::uint32_t body = 0;
@@ -123,8 +122,8 @@ inline constexpr std::size_t k_events = 6;
 inline constexpr std::size_t k_in_proportion = 7;
 inline constexpr std::size_t k_own_numbers = 8;
 
-/// Returns the names of these numbers. rest_s is the time when the last body came to rest;
-/// in_proportion is 0 or 1.
+/// Returns the names of the numbers that every index has. rest_s is the time when the last body
+/// came to rest; in_proportion is 0 or 1.
 const std::vector<NumberName>& own_numbers();
 
 struct Index {

@@ -118,7 +118,6 @@ void put_entry(const Entry& entry, DistinctVectors& accelerations, Writer& write
   }
 }
 
-/// What all entries share.
 struct Shared {
   std::string run;
   std::size_t numbers;  ///< per entry

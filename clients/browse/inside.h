@@ -24,7 +24,7 @@ struct Stretch {
 std::optional<double> first_inside(const Piece& piece, double end_s, const Box& box,
                                    const Stretch& when);
 
-/// Does the same for all pieces of a body. Skips pieces that begin after `when` or end before.
+/// Returns the first moment within `when` at which a body's centre is in the box, or nothing.
 std::optional<double> first_inside(std::span<const Piece> pieces, const Box& box,
                                    const Stretch& when);
 

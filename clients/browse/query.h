@@ -94,7 +94,6 @@ struct Condition {
   std::variant<Inside, Touches, EndsIn, NumberIn, InOrder, AllOf, AnyOf, Not> is{};
 };
 
-/// What is wrong with a query's text, and where.
 struct QueryError {
   std::size_t column = 0;  ///< of the first wrong byte, from 0
   std::string message{};

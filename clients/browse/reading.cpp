@@ -47,7 +47,6 @@ std::vector<double> as_numbers(archive::Values values) {
       std::move(values));
 }
 
-/// A dataset with numbers of each animation.
 struct NumberColumn {
   std::string dataset;
   std::uint64_t width = 1;  ///< elements per animation
@@ -87,7 +86,6 @@ class GroupReader {
     }
   }
 
-  /// Reads the names and numbers of all animations.
   void read_tables() {
     const std::uint64_t animations = count();
     const auto rows = static_cast<double>(animations);
@@ -333,7 +331,7 @@ base::Result<ReadIndex, std::string> read_index(const archive::Source& source,
     group.read_tables();
     const auto before = earlier_entries(earlier, group.is_finds());
     // A longer archive's animations begin with those of a shorter one, unless draws begin
-    // elsewhere. In that case nothing can be reused.
+    // elsewhere. If draws begin elsewhere, nothing can be reused.
     const std::uint64_t common = std::min<std::uint64_t>(before.size(), group.count());
     bool is_beginning = true;
     for (std::uint64_t row = 0; is_beginning && row < common; ++row)

@@ -3,10 +3,10 @@
 //   value = (mean + greatest) / 2 * (1 + order)                          in metres
 //
 // The mean and the greatest are over the distances between a body's centres in the two animations.
-// They cover all bodies, at 64 equally spaced times and at rest. The equal times reach from the
+// Both cover all bodies, at 64 equally spaced times and at rest. The equal times reach from the
 // beginning to the time when 19 of 20 animations of the set are at rest. Before a body enters, it
 // is where it will enter. `order` compares the first contacts of the two animations: the first hit
-// of each pair of features, at most 256. It is 1 - longest common subsequence / length of the
+// of each pair of features, at most 256. `order` is 1 - longest common subsequence / length of the
 // longer list. So equal paths have 0 whatever their contacts, and a different order can at most
 // double a distance.
 //
@@ -59,7 +59,6 @@ class Sketches {
   /// Returns the values of all pairs of the given entries, row by row. The bits don't depend on the
   /// number of threads.
   std::vector<float> matrix(std::span<const std::size_t> of, std::size_t threads) const;
-  /// Returns the matrix of all entries.
   std::vector<float> matrix(std::size_t threads) const;
 
   /// Compares one animation with many others, and reuses what is computed for the one.
@@ -107,9 +106,7 @@ class Sketches::From {
   Resemblance to(std::size_t other);
 
  private:
-  /// Sets partner_of_.
   void match(const Sketch& a, const Sketch& b);
-  /// Sets costs_.
   void weigh(const Sketch& a, const Sketch& b, std::span<const std::uint32_t> bodies,
              std::size_t offset);
   /// REQUIRES: match() has set partner_of_.

@@ -22,7 +22,6 @@ namespace {
 /// Reading that takes less time isn't reported.
 constexpr double k_silent_s = 1;
 
-/// Reports the progress of reading an archive.
 class ReadingPrinter {
  public:
   explicit ReadingPrinter(const std::string& path) : printer_("reading " + path, stderr) {}

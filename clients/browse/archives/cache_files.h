@@ -38,7 +38,6 @@ std::optional<FileState> state_of_file(const std::string& path);
 inline constexpr std::string_view k_index_ending = ".index";
 inline constexpr std::string_view k_outline_ending = ".outline";
 
-/// The content of a cache file.
 struct CachedBytes {
   FileState of{};  ///< the archive's file when it was read
   std::unique_ptr<std::byte[]> bytes{};

@@ -26,7 +26,6 @@ std::string_view drawn_group(const archive::Source& source);
 std::string where_found(const archive::Source& source, std::size_t animation,
                         const std::function<std::string(double draw)>& step_of_draw);
 
-/// Returns one number per kept animation.
 std::vector<double> of_animations(const archive::Source& source, std::string_view dataset);
 
 /// Throws base::Error(bad_archive): "<archive>: its animation <name> <reason>". The name of a row
