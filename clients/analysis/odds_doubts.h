@@ -29,7 +29,7 @@
 //
 // Free islands are independent too, and each estimate is unbiased. These facts cast doubts:
 //
-//   heavy tail: One island has more than a tenth of the sum. Then larger islands are still missing,
+//   heavy tail: One island has more than a tenth of the sum. Larger islands are then still missing,
 //     and neither the mean nor its error includes them.
 //   few particles: Islands of fewer than 16 particles usually miss the large weights that carry the
 //     mean, and the others look alike.

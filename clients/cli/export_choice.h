@@ -1,4 +1,4 @@
-// Selects the animations to export.
+// Selects animations to export.
 #pragma once
 
 #include <cstddef>

@@ -53,7 +53,6 @@ std::string sha256_of_file(const std::string& path) {
   return hash::to_hex(hash.finish());
 }
 
-/// Prints a fetch's progress on a terminal's stderr.
 class FetchPrinter {
  public:
   explicit FetchPrinter(bool quiet) : shows_(!quiet && line_.can_renew()) {}
@@ -125,7 +124,6 @@ bool is_no_file(const std::string& path) {
                                 terminal::shown(path)));
 }
 
-/// Observes the arriving pieces of a job's files.
 class Arrivals {
  public:
   Arrivals(const FetchOptions& options, std::string place, bool is_file)
@@ -175,7 +173,6 @@ class Arrivals {
   std::string same_;
 };
 
-/// The fetched paths of one job.
 struct Brought {
   rpc::JobId job{};
   std::vector<std::string> paths{};
@@ -263,14 +260,15 @@ int fetch_all(rpc::Client& client, const FetchOptions& options,
     try {
       all.push_back(fetch_job(client, of_job, job, place, options, check));
     } catch (const rpc::RefusedError& error) {
-      // A job without an archive doesn't prevent fetching the others.
+      // A job without an archive doesn't prevent fetching from the others.
       if (!several) throw;
       terminal::complain(
           fmt::format("sleight: job {}: {}", job.id, service_client::words_of(error.refusal())));
       if (code == base::ExitCode::ok) code = service_client::exit_code_of(error.refusal().kind);
       continue;
     } catch (const base::Error& error) {
-      // A damaged file or a taken place doesn't either. Without a service, all fetches fail.
+      // A damaged file or a taken place doesn't prevent fetching from the others. Without a
+      // service, all fetches fail.
       if (!several || error.exit_code() == base::ExitCode::no_server ||
           dynamic_cast<const rpc::NoServer*>(&error) != nullptr)
         throw;

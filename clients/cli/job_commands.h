@@ -26,7 +26,6 @@ struct ListOptions {
   bool json = false;
 };
 
-/// Options of most commands.
 struct JobsOptions {
   std::vector<std::string> jobs{};
   bool json = false;

@@ -45,7 +45,7 @@ std::string touched_line(const rpc::Touched& touched);
 /// Returns a line for shell completion: "17\tHI, running, 31%".
 std::string completion_line(const rpc::JobView& job);
 
-/// Returns the job's name, or the name of its request.
+/// Returns the job's name, or its world's name if the job has none.
 std::string name_of_job(const rpc::JobView& job);
 
 /// Returns, for example, "2 of 5 found, 3 of 50 in proportion". Empty if there are no solutions and

@@ -21,7 +21,7 @@
 namespace sleight::programs {
 namespace {
 
-/// The programs with completion and manual pages, parallel to k_programs.
+/// The programs with completion scripts and manual pages.
 constexpr std::array<const char*, 3> k_programs{"sleight", "sleight-batch", "sleightd"};
 
 command_tree::Command tree_of_program(const std::string& name) {

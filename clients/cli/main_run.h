@@ -30,7 +30,6 @@ struct AnswerOptions {
 /// Adds -n, --found and --in-proportion.
 void add_answer_options(CLI::App& app, AnswerOptions& options);
 
-/// The parsed command line of a run.
 struct DirectArguments {
   std::string request_path;  ///< or a word for balls to spell
   std::string word;

@@ -116,8 +116,8 @@ Diagnostics named(Diagnostics diagnostics, const std::string& name) {
   return diagnostics;
 }
 
-/// Submits, with retries. The client itself retries after a broken connection; this waits longer
-/// for a killed server. The key prevents a second submission.
+/// Submits, with retries. The client itself retries after a broken connection; submit_surely waits
+/// longer for a killed server. The key prevents a second submission.
 rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submission) {
   double waited_s = 0;
   for (double wait_s = k_first_wait_s;; wait_s = std::min(2 * wait_s, k_wait_s_max)) {
@@ -131,7 +131,6 @@ rpc::Submitted submit_surely(rpc::Client& client, const rpc::Submission& submiss
   }
 }
 
-/// Prints what people see right after the submission.
 void tell(const SubmitOptions& options, const rpc::Submitted& submitted, bool draining) {
   if (options.json) {
     // With --watch, events follow as lines. With --wait, the ended job follows.

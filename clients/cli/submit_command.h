@@ -21,7 +21,6 @@
 
 namespace sleight::cli {
 
-/// The parsed command line.
 struct SubmitOptions {
   std::string request_path{};  ///< or a word for balls to spell
   std::string word{};

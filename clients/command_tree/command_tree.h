@@ -1,9 +1,9 @@
 // A program's command line as a plain value, from which completion scripts and man pages are made.
-// It is built from the CLI::App that also makes the help, so all three agree.
+// The tree is built from the CLI::App that also makes the help, so all three agree.
 //
 // A command's footer consists of paragraphs between empty lines. A paragraph that begins with
-// "Example:" or "Examples:" has one example per line; one that begins with "Exit codes:" lists
-// these. Other paragraphs belong to the description.
+// "Example:" or "Examples:" has one example per line; one that begins with "Exit codes:" lists exit
+// codes. Other paragraphs belong to the description.
 //
 // Invariants
 //   1. Options and commands that the help hides (in a group without a name) aren't in the tree.

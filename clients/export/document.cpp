@@ -289,7 +289,7 @@ class Assembler {
   std::vector<std::vector<BodyKeys>> keys_{};  ///< by clip and body; empty if the body never enters
   GlbWriter writer_{};
   std::vector<Material> materials_{};
-  std::vector<Json> meshes_{};  ///< by primitives
+  std::vector<Json> meshes_{};  ///< each mesh's primitives
   Json json_{};
 };
 

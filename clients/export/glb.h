@@ -70,7 +70,7 @@ class GlbWriter {
 
   std::string buffer_;
   std::vector<Column> columns_;
-  /// by a hash of the bytes
+  /// Accessors by a hash of their bytes.
   std::unordered_multimap<std::uint64_t, Accessor> known_;
 };
 

@@ -5,8 +5,8 @@
 // keys of a segment are equally spaced without any search:
 //
 //   `place`: |a| d^2 / 8 for keys d apart, the sagitta of a parabola.
-//   `turn`: phi(t), the rotation vector since a key, has |phi''| <= |a| (1 + |w| d) while it is
-//     small. A straight interpolation is off by |phi''| d^2 / 8.
+//   `turn`: phi(t), the rotation vector since a key, has |phi''| <= |a| (1 + |w| d) while phi is
+//   small. A straight interpolation is off by |phi''| d^2 / 8.
 //
 // Keys are also at most a rotation of k_turn_rad apart, so the shortest rotation is the right one.
 // Some players interpolate the four numbers and normalise (Blender). They lag or lead by about

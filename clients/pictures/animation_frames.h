@@ -9,7 +9,7 @@
 //
 // Still parts are drawn once for all frames (clients/plot/film.h). One core (2.4 GHz, 2026-11-26,
 // `sleight export --fps 200`) renders per second about 200 PNG files of one ball, 110 of a die and
-// 50 of HI. For a film, including ffmpeg's work, these are 150, 70 and 50.
+// 50 of HI. For a film, including ffmpeg's work, the numbers are 150, 70 and 50.
 //
 // Files appear complete or not at all: each is written under a temporary name and renamed. A folder
 // of frames must be new or empty. A file of the same name is replaced, as with every `-o`.
@@ -41,9 +41,9 @@ struct FrameLook {
   double height_max_px = 720;
 };
 
-/// Draws the scene at a time, with the animation's title and the time as caption. Its sides are
-/// even whole numbers. REQUIRES: a valid scene description, a motion of its bodies, sides of at
-/// least 100.
+/// Draws the scene at a time, with the animation's title and the time as caption. The figure's
+/// sides are even whole numbers. REQUIRES: a valid scene description, a motion of its bodies, sides
+/// of at least 100.
 plot::Figure frame_figure(const scene::Scene& scene, const ShownAnimation& animation, double t_s,
                           const FrameLook& look = {});
 
@@ -52,8 +52,8 @@ plot::Figure frame_figure(const scene::Scene& scene, const ShownAnimation& anima
 inline constexpr std::size_t k_frames_max = 100'000;
 inline constexpr double k_fps_max = gltf::k_fps_max;
 
-/// Returns floor(duration * fps) + 1. Throws base::Error(usage) if that exceeds k_frames_max, or if
-/// fps is not above 0 and at most k_fps_max.
+/// Returns floor(duration * fps) + 1. Throws base::Error(usage) if the result exceeds k_frames_max,
+/// or if fps is not above 0 and at most k_fps_max.
 std::size_t frame_count(const motion::Animation& motion, double fps);
 
 struct FramesOptions {

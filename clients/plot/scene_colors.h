@@ -20,8 +20,8 @@ inline constexpr Color k_tint{0xF4, 0xB8, 0xA0};   ///< a goal of any body
 /// Maximum bodies with distinct hues. More bodies are coloured by their order.
 inline constexpr std::uint32_t k_hues = 6;
 
-/// Returns a colour of the viridis map; `share` is from 0 (first body) to 1 (last). Its lightness
-/// increases evenly for people with common colour blindnesses and in grey prints.
+/// Returns a colour of the viridis map; `share` is from 0 (first body) to 1 (last). The map's
+/// lightness increases evenly for people with common colour blindnesses and in grey prints.
 inline Color in_order(double share) {
   constexpr std::array<std::array<double, 3>, 5> k_stops = {
       {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};

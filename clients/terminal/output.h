@@ -30,8 +30,8 @@ std::string shown(std::string_view text);
 /// Does the same for text of several lines, which become one.
 std::string shown_on_one_line(std::string text);
 
-/// During its lifetime, the process ends as by SIGPIPE when its standard output has no reader, even
-/// if it has nothing to write: `sleight watch 17 | head -1`.
+/// During its lifetime, the process ends as if by SIGPIPE when its standard output has no reader,
+/// even if it has nothing to write: `sleight watch 17 | head -1`.
 class EndsWithItsReader {
  public:
   EndsWithItsReader();

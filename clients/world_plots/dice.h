@@ -3,14 +3,14 @@
 //
 // A throw's random numbers are normal, N(0, 1) as standard scores, except the orientation and the
 // table's restitution and friction, which are uniform. So each panel has the same prior curve. A
-// log density lies below the mean of blind throws by half of (the sum of squared scores minus their
-// number), in nats. Single blind throws vary by the square root of half that number. Which control
-// points a throw meets depends slightly on their heights. In some 4,000 blind throws on each of
-// three tables, this moved the mean by less than 0.15.
+// log density lies below the mean of blind throws by half of (the sum of squared scores minus the
+// number of scores), in nats. Single blind throws vary by the square root of half the number of
+// scores. Which control points a throw meets depends slightly on their heights. In some 4,000 blind
+// throws on each of three tables, this dependence moved the mean by less than 0.15.
 //
 // The plot uses the kept animations, which differ from each other and are few per lineage. Each
-// counts once, even if draws have weights. Errors are those of the mean over lineages, because
-// animations of a lineage are dependent.
+// animation counts once, even if draws have weights. Errors are those of the mean over lineages,
+// because animations of a lineage are dependent.
 #pragma once
 
 #include <cstddef>

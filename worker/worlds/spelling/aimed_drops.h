@@ -30,9 +30,9 @@
 namespace sleight::worlds::spelling {
 
 /// Shares of aimed drops: uniform in squares around the bin that are one, three, five and seven
-/// bins wide, and uniform anywhere. Of the lone balls that a bin catches, 29% are dropped above the
-/// bin itself, 39% above the ring of bins around it, 20% and 8% above the next rings (20,000 drops
-/// on the box of ACM).
+/// bins wide, and uniform anywhere. The lone balls that a bin catches were dropped above the bin
+/// itself (29%), above the ring of bins around it (39%), and above the next rings (20% and 8%), by
+/// 20,000 drops on the box of ACM.
 inline constexpr std::array<double, 5> k_window_shares{0.24, 0.34, 0.22, 0.12, 0.08};
 
 /// The windows of all designated bins, in the order of the pattern. Windows are clipped to the
