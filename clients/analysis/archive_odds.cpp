@@ -105,8 +105,8 @@ JudgedEstimate judge_islands(const archive::Source& source, std::string_view nam
           .doubts = doubts_of_islands(islands, odds.island_number, particles)};
 }
 
-/// Returns the error that the islands before the sized round predicted for it. Nothing if no round
-/// was sized, or if they can't predict one.
+/// Returns the sized round's error as predicted by earlier islands. Nothing if no round was sized,
+/// or if no prediction is possible.
 std::optional<double> error_foretold(const archive::Source& source, const ArchiveOdds& odds) {
   const std::size_t sized = odds.log_p_satisfied.all.ladders;
   if (!odds.odds_from_island || sized == 0) return std::nullopt;

@@ -55,8 +55,8 @@ struct ArchiveOdds {
   std::size_t rounds = 0;
   std::size_t judged = 0;  ///< the round whose ladders are judged, counted from 0
   JudgedEstimate log_z{};
-  /// Probability that a draw from the prior satisfies. From another round if nothing satisfied in
-  /// the judged one; this casts a doubt.
+  /// Probability that a draw from the prior satisfies. If nothing satisfied in the judged round,
+  /// the estimate is from another round, which casts a doubt.
   JudgedEstimate log_p_satisfied{};
   std::size_t without_trips = 0;  ///< ladders of the judged round without a round trip
   double log_natural_throw = 0;

@@ -11,9 +11,9 @@
 // are independent and weighted; only their effective size is judged.
 //
 // A state with log_constraint -inf has probability 0 at inverse temperature 1, and a chain that has
-// left such states never returns. So these states count as the least of all values. They are also
-// counted, and are a reason against mixing by themselves. Entries of state variables and outcomes
-// that don't apply (NaN) are treated in the same way, but are no reason.
+// left such states never returns. So these states count as the least of all values. Such states are
+// also counted, and are a reason against mixing by themselves. Entries of state variables and
+// outcomes that don't apply (NaN) are treated in the same way, but are no reason.
 //
 // The caller passes the measures (Rules), because clients don't depend on sampling methods; a
 // program's main joins them. Archives are untrusted: invalid content throws ExitCode::bad_archive.

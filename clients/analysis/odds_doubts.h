@@ -6,37 +6,37 @@
 // the errors nor the spread of ladders show it. Therefore an estimate has an error only if the
 // judged round shows that its ladders have mixed. Each of these facts casts a doubt:
 //
-//   no value: A ladder has no value, because nothing satisfied. Leaving it out would bias the
-//     result.
-//   few round trips: Only round trips bring new states from the prior to inverse temperature 1;
-//     without them the cold levels hold the first states (Syed et al. 2022). Each ladder needs
-//     k_trips_each, because other ladders' trips don't remove its bias from the mean. All together
-//     need k_renewals_in_all, because errors are only as good as the number of renewals from which
-//     they are estimated.
-//   first round: The round begins with prior draws at all temperatures, and no earlier round shows
-//     whether they are forgotten.
-//   rounds disagree: The previous round, half as long, has a different estimate, so there is drift.
-//   wide: A single ladder's log has an error above k_spread_max. Then the mean of logs is too low
-//     by more than half of it, and errors are unreliable.
-//   ladders disagree: The ladders differ by more than their own errors explain, so each lacks
-//     something that its round trips didn't bring.
+//   `no_value`: a ladder has no value, because nothing satisfied. Leaving the ladder out would bias
+//     the result.
+//   `few_round_trips`: only round trips bring new states from the prior to inverse temperature 1.
+//     Without round trips, the cold levels hold the first states (Syed et al. 2022). Each ladder
+//     needs k_trips_each, because other ladders' trips don't remove its bias from the mean. All
+//     ladders together need k_renewals_in_all, because errors are only as good as the number of
+//     renewals from which they are estimated.
+//   `first_round`: the round begins with prior draws at all temperatures, and no earlier round
+//     shows whether they are forgotten.
+//   `rounds_disagree`: the previous round, half as long, has a different estimate, so it drifts.
+//   `wide`: a single ladder's log has an error above k_spread_max, so the mean of logs is too low
+//     by more than half of k_spread_max, and errors are unreliable.
+//   `ladders_disagree`: the ladders differ by more than their own errors explain, so each ladder
+//     lacks something that its round trips didn't bring.
 //
 // The constants were chosen on worlds with known odds, where the resulting errors cover the truth
 // as often as they should (tests/statistical/odds_test.cpp).
 //
-// Weighted ascents are independent, and their mean weight is unbiased for any burn-in. They are
+// Weighted ascents are independent, and their mean weight is unbiased for any burn-in. Ascents are
 // doubted if their effective size is too small, if one chain alone is wide, or if chains disagree.
 //
 // Free islands are independent too, and each estimate is unbiased. These facts cast doubts:
 //
-//   heavy tail: One island has more than a tenth of the sum. Larger islands are then still missing,
+//   `heavy_tail`: one island has more than a tenth of the sum, so larger islands are still missing,
 //     and neither the mean nor its error includes them.
-//   few particles: Islands of fewer than 16 particles usually miss the large weights that carry the
-//     mean, and the others look alike.
-//   not sized: The islands' results influenced their number, because the run ended at a number of
+//   `few_particles`: islands of fewer than 16 particles usually miss the large weights that carry
+//     the mean, and the other islands look alike.
+//   `not_sized`: the islands' results influenced their number, because the run ended at a number of
 //     solutions (which come from large islands), or before the odds were precise enough. A number
-//     is good if it was fixed in advance (scans, rounds) or chosen by earlier islands that don't
-//     count themselves (odds).
+//     of islands is good if it was fixed in advance (scans, rounds) or chosen by earlier islands
+//     that don't count themselves (odds).
 // Thread safety: pure functions.
 #pragma once
 
@@ -56,7 +56,7 @@ namespace sleight::analysis {
 /// this many in 1 of 270 rounds (Poisson). So the round is several times as long as a round trip.
 inline constexpr double k_trips_each = 5;
 /// Round trips needed over all ladders: a standard deviation estimated from this many is right to
-/// 11%. Also the effective size needed for weighted draws.
+/// 11%. The effective size of weighted draws needs the same minimum.
 inline constexpr double k_renewals_in_all = 40;
 /// Maximum standard deviation of one ladder's log. At 1, half the variance, by which the mean of
 /// logs is below the log of the mean, is as large as the standard error of four ladders.
@@ -117,7 +117,7 @@ enum class IslandNumber : std::uint8_t {
 std::vector<Doubt> doubts_of_islands(const math::IslandOdds& islands, IslandNumber number,
                                      std::optional<double> particles = {});
 
-/// What removes all doubts: the greatest factor. REQUIRES: not empty.
+/// The greatest factor of the doubts, which removes all of them. REQUIRES: not empty.
 struct Remedy {
   double longer = 1;
   bool at_least = false;

@@ -10,7 +10,8 @@
 
 namespace sleight::analysis {
 
-/// Maximum lineages per chain that are distinguished. Beyond it, the count is a lower bound.
+/// Maximum lineages per chain that are distinguished. If a chain has more lineages, the count is a
+/// lower bound.
 inline constexpr std::uint64_t k_lineages_max = std::uint64_t{1} << 22;
 
 struct RunCounts {

@@ -61,7 +61,7 @@ std::size_t judged_round(std::span<const Round> rounds);
 /// Returns a number for each of the first `chains` ladders in a round; NaN if the archive has none.
 std::vector<double> of_ladders(const archive::Source& source, std::string_view name,
                                std::uint64_t chains, std::size_t round);
-/// Returns the ladders without a round trip in a round. Their states may not have mixed.
+/// Returns the ladders without a round trip in a round, whose states may not have mixed.
 std::vector<std::uint64_t> without_round_trip(const archive::Source& source, std::uint64_t chains,
                                               std::size_t round);
 

@@ -1,9 +1,9 @@
 // Combines the ladders' estimates of the odds, and puts them into words: "one throw in 3.2
 // million".
 //
-// Idea. Each ladder has an estimate of log P(satisfied) with a jackknife error. A mean of
-// probabilities would mostly be the largest of them, which has the most uncertain error, so the
-// logs are averaged. The error of the mean is the largest of three. The combined jackknife error
+// Idea. Each ladder has an estimate of log P(satisfied) with a jackknife error. Logs are averaged,
+// because a mean of probabilities would mostly be the largest probability, which has the most
+// uncertain error. The error of the mean is the largest of three. The combined jackknife error
 // misses what a whole ladder missed. The standard error between ladders includes such misses, but
 // is rough for few ladders. Half the variance between ladders is the distance of the mean of logs
 // below the log of the mean, which more ladders don't reduce.

@@ -1,4 +1,4 @@
-// Looks up the position of a first contact among all first contacts, by the two features that meet.
+// A lookup table for first contacts: position in the list by the two features that meet.
 #pragma once
 
 #include <array>

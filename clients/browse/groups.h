@@ -8,7 +8,7 @@
 //     Schubert and P. Rousseeuw, Information Systems 101, 2021, algorithm 2).
 //   `hierarchy` merges the two nearest groups until k are left. The distance between groups is the
 //     mean distance of their members (average linkage, by chains of nearest neighbours: F. Murtagh,
-//     The Computer Journal 26, 1983). Every group of k lies within a group of k - 1.
+//     The Computer Journal 26, 1983). Each of k groups is part of one of k - 1 groups.
 //
 // Larger sets are grouped by a sample of 200 animations, or of 500 if more than 100 groups are
 // requested. Other animations join the group with the nearest representative. So large sets allow
@@ -91,8 +91,8 @@ Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scen
 /// the same for any order of the entries. Sorted by name. REQUIRES: different names.
 std::vector<std::size_t> evenly_chosen(std::span<const Entry* const> entries, std::size_t count);
 
-/// Whether animations of two scenes can be compared: same bodies with the same names, and the same
-/// interchangeable bodies.
+/// Whether two scenes have the same bodies, names and interchangeable bodies, so that their
+/// animations can be compared.
 bool are_comparable(const scene::Scene& a, const scene::Scene& b);
 
 // Building blocks, exposed for tests. Matrices are full and row by row.

@@ -35,7 +35,7 @@ struct AnimationName {
 /// Length of a run's short name for people.
 inline constexpr std::size_t k_run_letters = 8;
 /// Returns the name within an archive: "c0.250" (chain 0, draw 250) or "find.3". Spreadsheets don't
-/// mistake these for numbers.
+/// mistake such names for numbers.
 std::string short_text(const AnimationName& name);
 /// Returns the name among several runs: the run's first eight characters and short_text,
 /// "3f2a9c01:c0.250".

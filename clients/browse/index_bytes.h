@@ -1,8 +1,8 @@
 // Encodes an index as bytes for the cache.
 //
 // The bytes don't contain the scene, which the archive stores. The encoding is specific to the
-// browser's version and the machine type. It ends with its SHA-256, so truncated or changed bytes
-// are detected. Thread safety: pure.
+// browser's version and the machine type. The bytes end with their SHA-256, so truncated or changed
+// bytes are detected. Thread safety: pure.
 #pragma once
 
 #include <cstddef>

@@ -11,7 +11,7 @@ namespace {
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// Returns the first column with the least of `lengths` that isn't closed.
-/// REQUIRES: a finite length of an open column.
+/// REQUIRES: an open column has a finite length.
 std::size_t first_least(const std::vector<double>& lengths, const std::vector<double>& closed) {
   // Use four independent lanes, so that comparisons don't wait for each other.
   constexpr std::size_t k_lanes = 4;

@@ -16,7 +16,8 @@ bool overlaps(const Box& a, const Box& b) {
   return (a.low_m.array() <= b.high_m.array()).all() && (b.low_m.array() <= a.high_m.array()).all();
 }
 
-/// The earliest time for any of the bodies, or the latest of the earliest times for every body.
+/// Returns the earliest time of one of the bodies, or for `every` the latest of all bodies'
+/// earliest times.
 template <class FirstOf>
 std::optional<double> first_of(const Bodies& who, const Entry& entry, FirstOf first_of_body) {
   std::optional<double> found;

@@ -2,13 +2,13 @@
 //
 // The command line and the gallery accept the same syntax:
 //
-//   die 3 in x 0..20mm y -5..5mm during 0.4..0.6s     its centre is in the box at some time then
-//   any in z 30mm..                                   some body is there at some time
-//   every ends in x -100..100mm                       where each body rests
-//   die 1 touches table during ..0.2s                 a recorded hit of the two
-//   die 1 touches table then die 1 touches die 2      in this order
-//   log_prior -30..-20    bounces = 3    upper_face[1] >= 2    landing_m < 5cm
-//   then, not, and, or; ( )                           from strongest to weakest
+//   `die 3 in x 0..20mm y -5..5mm during 0.4..0.6s`: its centre is in the box at some time then.
+//   `any in z 30mm..`: some body's centre is in the box at some time.
+//   `every ends in x -100..100mm`: each body rests in the box.
+//   `die 1 touches table during ..0.2s`: a recorded hit of the two.
+//   `die 1 touches table then die 1 touches die 2`: two hits in this order.
+//   `log_prior -30..-20`, `bounces = 3`, `upper_face[1] >= 2`, `landing_m < 5cm`: numbers.
+//   `then`, `not`, `and`, `or`, `( )`: combinations, from strongest to weakest.
 //
 // With `then`, each step holds at its earliest moment after the previous step. A body or thing has
 // its name in the scene description ("die 3", "table"). Names with other characters than letters

@@ -146,7 +146,7 @@ class GroupReader {
         earlier.pieces.size() != static_cast<std::size_t>(segment_count_[row]))
       return false;
     for (std::size_t i = 0; i < entry.numbers.size(); ++i) {
-      // These come from the motion, which isn't read yet.
+      // rest_s and events come from the motion, which isn't read yet.
       if (i != k_rest_s && i != k_events && !is_equal(entry.numbers[i], earlier.numbers[i]))
         return false;
     }

@@ -22,12 +22,13 @@ inline constexpr double k_browsed_bodies_max = 5e6;
 inline constexpr double k_browsed_numbers_max = 200e6;
 
 struct ReadingOptions {
-  /// Index of an earlier archive of the run; null: none. Its scene isn't used. Entries are reused
-  /// for animations with the same name and numbers. If the archive has the same digest, nothing is
-  /// reused: another program may have changed the archive, which leaves the digest unchanged.
+  /// Index of an earlier archive of the run; null: none. The earlier index's scene isn't used.
+  /// Entries are reused for animations with the same name and numbers. If the archive has the same
+  /// digest, nothing is reused: another program may have changed the archive, which leaves the
+  /// digest unchanged.
   const Index* earlier = nullptr;
-  /// Index of exactly this file, unchanged since. Its entries are moved out without reading the
-  /// file. If the file changed anyway, treat the index as `earlier`.
+  /// Index of exactly this file, unchanged since. The index's entries are moved out without reading
+  /// the file. If the file changed anyway, treat the index as `earlier`.
   Index* of_this_file = nullptr;
   /// If more than this many animations would have to be read and no earlier index is usable, read
   /// only this many. 0: read all.

@@ -210,7 +210,7 @@ Sketches::Apart Sketches::apart_of(const Places& p, const Places& q) {
 }
 
 Resemblance Sketches::From::to(std::size_t other) {
-  // Order the two, so that the result is symmetric to the last bit.
+  // Order the two animations, so that the result is symmetric to the last bit.
   const Sketch& a = sketches_->sketches_[std::min(one_, other)];
   const Sketch& b = sketches_->sketches_[std::max(one_, other)];
   match(a, b);

@@ -33,7 +33,7 @@
 
 namespace sleight::browse {
 
-/// Equally spaced times at which bodies are compared. One more time is at rest.
+/// Equally spaced times at which bodies are compared, in addition to the time at rest.
 inline constexpr std::size_t k_equal_times = 64;
 /// Number of these times, rest included, at which bodies are matched.
 inline constexpr std::size_t k_matching_times = 9;
@@ -102,7 +102,7 @@ class Sketches::From {
  public:
   /// REQUIRES: `sketches` outlives this.
   From(const Sketches& sketches, std::size_t one);
-  /// Returns the same as Sketches::between of the one and the other.
+  /// Returns sketches.between(one, other).
   Resemblance to(std::size_t other);
 
  private:

@@ -6,8 +6,8 @@
 // the rank where it fails writes the line, if that rank can see the pipe. Without a line, the
 // session died or never began: --help, --print-request, an invalid command line (exit code 2).
 //
-// The line describes how the run ended. If the program then can't print its summary, it still
-// returns 5.
+// The line describes how the run ended. If the program then can't print its summary, the exit code
+// is still 5.
 #pragma once
 
 #include <atomic>
@@ -18,13 +18,13 @@
 
 namespace sleight::cli {
 
-/// One per process. From its construction on, failed checks are reported too.
+/// One per process. Failed checks are reported too as soon as an EndReport exists.
 class EndReport {
  public:
   /// How to treat a pipe that doesn't exist or has no reader.
   enum class Missing { is_an_error, tells_nothing };
   /// Opens a pipe, or an existing file to append to. Empty path: reports nothing. Throws
-  /// base::Error(usage) if it is missing and that is an error.
+  /// base::Error(usage) if the file is missing and `missing` is is_an_error.
   explicit EndReport(const std::string& path, Missing missing = Missing::is_an_error);
   ~EndReport();
   EndReport(const EndReport&) = delete;

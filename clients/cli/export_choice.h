@@ -15,7 +15,7 @@ namespace sleight::cli {
 /// Maximum animations written without `all`, unless ids name them.
 inline constexpr std::size_t k_export_max = 100;
 
-/// Ids, or queries with representatives. Neither: all animations.
+/// Ids, or queries with representatives. Default: all animations.
 struct ExportChoice {
   std::vector<std::string> ids{};     ///< animation_ids.h
   std::vector<std::string> select{};  ///< queries (browse/query.h) that must all hold

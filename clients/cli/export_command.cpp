@@ -220,7 +220,7 @@ void require_one(std::span<const browse::AnimationId> ids, const ExportAnimation
       ids.size(), options.format == "glb" ? "add --together to write clips of one file, or " : ""));
 }
 
-/// Step two for a single file.
+/// Step two: write a single file.
 std::vector<WrittenFile> write_one_file(const archive::Source& source,
                                         const ExportAnimationsOptions& options,
                                         std::span<const browse::AnimationId> ids) {

@@ -1,8 +1,8 @@
 // `sleight fetch`: copies archives, recordings and failure files of jobs into local files.
 //
 // A file arrives in pieces, is checked against its digest and renamed when complete. An interrupted
-// fetch is resumed (rpc::Client). If a file exists already with the same bytes, the fetch is done;
-// with other bytes, it is refused without --force.
+// fetch is resumed (rpc::Client). If a file exists already with the same bytes, the fetch is done.
+// A file with other bytes is only replaced with --force.
 #pragma once
 
 #include <cstdint>

@@ -91,7 +91,8 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Returns the 64 digits of a fingerprint. Accepts a prefix before them, upper case and colons.
+/// Returns the 64 digits of a fingerprint. Accepts upper case, colons, and a prefix before the
+/// digits.
 std::string digits_of_fingerprint(const std::string& text) {
   std::string digits = lower(text);
   const std::size_t before = digits.find_last_of("=");

@@ -71,7 +71,7 @@ std::string as_rank_0_has_it(std::string text) {
 }
 
 /// Returns rank 0's request on all ranks, because other ranks may lack the file and standard input.
-/// All ranks must call it at the same point.
+/// All ranks must call as_rank_0_has_it at the same point.
 cli::GivenRequest as_rank_0_has_it(const cli::GivenRequest& given) {
   return {.name = as_rank_0_has_it(given.name), .text = as_rank_0_has_it(given.text)};
 }
@@ -177,7 +177,7 @@ int run_ranks(const DirectArguments& arguments, cli::EndReport& end_report, int*
   }
 }
 
-/// Also notes the rank and how its job was started.
+/// Notes for bug reports also the rank and how its job was started.
 void note_what_repeats_of_rank(int argc, char** argv) {
   const char* const ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
   note_what_repeats(argc, argv, ranks == nullptr ? "" : fmt::format("mpirun -n {} ", ranks));

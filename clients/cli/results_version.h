@@ -1,5 +1,5 @@
-// The results version: programs with the same one can resume each other's runs and compute on one
-// run together.
+// The results version. Programs with the same results version can resume each other's runs and
+// compute on one run together.
 #pragma once
 
 #include <string_view>

@@ -96,8 +96,8 @@ bool has_exited(std::int64_t pid) {
   return name_end != std::string::npos && line.substr(name_end).starts_with(") Z");
 }
 
-/// Whether a daemon has exited. Its socket disappears first; its folder is free once the process
-/// has exited. A daemon on another machine counts as exited if it doesn't answer.
+/// Whether a daemon has exited. The daemon's socket disappears first; the folder is free once the
+/// process has exited. A daemon on another machine counts as exited if it doesn't answer.
 bool is_gone(std::int64_t pid, const std::string& socket) {
   if (!socket.starts_with('/')) return !server_at(socket);
   if (pid > 0 && ::kill(static_cast<pid_t>(pid), 0) == 0) return has_exited(pid);

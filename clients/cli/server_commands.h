@@ -23,7 +23,7 @@ struct ServerStartOptions {
 /// Throws base::Error with the reason and the end of the log if the daemon can't be started.
 int start_server(const ServerStartOptions& options);
 
-/// Stops the daemon and waits until it has exited. Jobs keep running. Reports if there was no
+/// Stops the daemon and waits until it has exited. Jobs keep running. Prints a note if there was no
 /// daemon.
 int stop_server(const std::string& socket, bool json);
 

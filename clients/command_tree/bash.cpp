@@ -8,7 +8,7 @@
 namespace sleight::command_tree {
 namespace {
 
-/// NAME and FUNCTION are placeholders for the program's.
+/// NAME and FUNCTION are placeholders for the program's name and the function's.
 constexpr const char* k_bash_walk = R"bash(
 # Completes folders, and files with one of the given suffixes (no suffix: all files).
 _FUNCTION_files() {

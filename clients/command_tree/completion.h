@@ -2,8 +2,7 @@
 //
 // Each script is self-contained: bash doesn't need bash-completion. Scripts call the program only
 // for job ids. `PROGRAM list --complete` prints a line per job: the id, a tab, a short description.
-// If the call fails, the script silently offers nothing.
-// Pure functions of the tree; thread-safe.
+// If the call fails, the script silently offers nothing. Pure functions of the tree; thread-safe.
 #pragma once
 
 #include <string>

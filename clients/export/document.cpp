@@ -20,7 +20,7 @@ namespace {
 using Json = json::Value;
 using scene::FeatureKind;
 
-/// Without shine: reflects evenly in all directions.
+/// Roughness of a material without shine, which reflects evenly in all directions.
 constexpr double k_roughness = 0.6;
 
 /// Makes text printable line by line.

@@ -2,11 +2,11 @@
 //
 // Source: Khronos Group, "glTF 2.0 Specification", sections 3.6 (binary data) and 4.4 (GLB).
 //
-// A writer collects columns of numbers. Each becomes an accessor with its own buffer view, aligned
-// to four bytes. Equal columns, such as meshes and times, are stored once. The bytes depend only on
-// the calls. (tinygltf isn't used: it brings image codecs, and the bytes would depend on its order
-// of objects and its printing of numbers.)
-// Thread safety: one thread at a time uses a writer.
+// A writer collects columns of numbers. Each column becomes an accessor with its own buffer view,
+// aligned to four bytes. Equal columns, such as meshes and times, are stored once. The bytes depend
+// only on the calls. (tinygltf isn't used: it brings image codecs, and the bytes would depend on
+// its order of objects and its printing of numbers.) Thread safety: one thread at a time uses a
+// writer.
 #pragma once
 
 #include <array>

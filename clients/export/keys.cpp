@@ -195,7 +195,7 @@ base::Result<BodyKeys, std::string> keys_of(const motion::Path& path, double end
   CHECK(path.enters());
   const std::vector<Piece> pieces = pieces_of(path, end_s);
 
-  // Count the keys before making any. With frames too, since the count limits rotations.
+  // Count the keys before making any, even if `fps` is set, since the count limits rotations.
   std::vector<double> for_places;
   std::vector<double> for_turns;
   double total = 0;

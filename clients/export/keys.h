@@ -9,8 +9,8 @@
 //   small. A straight interpolation is off by |phi''| d^2 / 8.
 //
 // Keys are also at most a rotation of k_turn_rad apart, so the shortest rotation is the right one.
-// Some players interpolate the four numbers and normalise (Blender). They lag or lead by about
-// turn^3 / 1000, which stays within the same tenth of a degree.
+// Some players interpolate the four numbers and normalise (Blender). Such players lag or lead by
+// about turn^3 / 1000, which stays within the same tenth of a degree.
 //
 // Times are in single precision, and each key has the motion at its rounded time. So rounding only
 // moves events: at 10 m/s by 0.01 mm up to 16 s and 0.1 mm up to 200 s. Pure functions.

@@ -177,7 +177,7 @@ class Maker {
                width_m, surface());
   }
 
-  /// Returns the surface below the things, if there is one.
+  /// Returns the animation's surface, if it has one.
   const scene::Surface* surface() {
     if (surface_ || own_.points.empty()) return surface_ ? &*surface_ : nullptr;
     const auto part = std::ranges::find_if(

@@ -3,8 +3,7 @@
 // Triangles of a body are in the body's frame, others in the scene's; both with y up (axes.h).
 // Spheres have 192 triangles and smooth normals. Pips are discs above a die's faces, at a hundredth
 // of its half side. A surface has sixteen squares per patch. Goals are 0.2 mm above the table, so
-// that renderers show only one of the two; a ring follows the surface below it.
-// Pure functions.
+// that renderers show only one of the two; a ring follows the surface below it. Pure functions.
 #pragma once
 
 #include <cstdint>

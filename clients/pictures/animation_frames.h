@@ -12,7 +12,7 @@
 // 50 of HI. For a film, including ffmpeg's work, the numbers are 150, 70 and 50.
 //
 // Files appear complete or not at all: each is written under a temporary name and renamed. A folder
-// of frames must be new or empty. A file of the same name is replaced, as with every `-o`.
+// of frames must be new or empty. An existing file is replaced, as with every `-o`.
 #pragma once
 
 #include <cstddef>

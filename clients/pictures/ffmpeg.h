@@ -1,7 +1,7 @@
 // Runs the program `ffmpeg` as an encoder: raw pixels of frames become an H.264 MP4.
 //
-// ffmpeg runs as a separate process without a shell, and reads frames from its standard input. Its
-// messages are stored, and shown if it fails. Not thread-safe.
+// ffmpeg runs as a separate process without a shell, and reads frames from its standard input.
+// ffmpeg's messages are stored, and shown if it fails. Not thread-safe.
 #pragma once
 
 #include <sys/types.h>

@@ -3,8 +3,8 @@
 // A line that stays within one device column is drawn by at most four of its points there: the
 // first, lowest, highest and last, in their order. So a million points on 800 columns become at
 // most 3,200, and no spike is lost. Each visit to a column counts separately, so a path that jumps
-// back and forth keeps its points.
-// Pure functions; points are in device coordinates unless stated otherwise.
+// back and forth keeps its points. Pure functions; points are in device coordinates unless stated
+// otherwise.
 #pragma once
 
 #include <cstddef>

@@ -34,8 +34,8 @@ class Film {
 
   /// Returns the last shown frame, or the still figure.
   base::Bytes png() const;
-  /// Returns the same frame row by row from the top, each pixel as blue, green, red and an unused
-  /// byte. Valid until the next show().
+  /// Returns the frame of png() row by row from the top, each pixel as blue, green, red and an
+  /// unused byte. Valid until the next show().
   base::BytesView pixels() const;
 
  private:

@@ -16,7 +16,7 @@
 
 #if defined(__SANITIZE_ADDRESS__)
 // Pango loads fonts in its own thread, and Pango and fontconfig hold them until the process ends.
-// These aren't leaks, but the sanitizer can't see the owners.
+// Such memory isn't a leak, but the sanitizer can't see its owners.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libfontconfig\nleak:libpango\n";
 }

@@ -53,7 +53,7 @@ PixelSize pixel_size(double width_px, double height_px, double scale);
 
 /// Encodes a small PNG. Throws base::Error on failure.
 base::Bytes png_of(cairo_surface_t* surface);
-/// Encodes the same pixels in a third of the time and a quarter more bytes. REQUIRES: a surface of
+/// Encodes a PNG in a third of png_of's time, with a quarter more bytes. REQUIRES: a surface of
 /// white_surface.
 base::Bytes quick_png_of(cairo_surface_t* surface);
 

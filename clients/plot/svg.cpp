@@ -36,7 +36,7 @@ void draw_arrow(SvgWriter& svg, Point from, Point to, Stroke stroke) {
   svg.polygon(corners, stroke.color);
 }
 
-// Draws a series in a panel's frame. draw_band has drawn bands before.
+// Draws a series in a panel's frame, except bands, which draw_band draws.
 class SeriesPainter {
  public:
   SeriesPainter(SvgWriter& svg, const PanelLayout& layout) : svg_(svg), layout_(layout) {}

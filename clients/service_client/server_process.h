@@ -19,9 +19,9 @@ std::string program_beside(const std::string& name);
 /// Replaces this process by the command. Throws base::Error on failure.
 [[noreturn]] void become(const std::vector<std::string>& command);
 
-/// A daemon in its own session, so that it survives its terminal. Its input is empty, and its
-/// output is appended to `server.log` in its state folder. The folder is created for its owner
-/// only. The daemon inherits nothing else. Not thread-safe.
+/// A daemon in its own session, so that it survives its terminal. The daemon's input is empty, and
+/// its output is appended to `server.log` in its state folder, which is created for its owner only.
+/// The daemon inherits nothing else. Not thread-safe.
 class ServerProcess {
  public:
   /// Throws base::Error if the folder, the log or the process can't be created.

@@ -1,5 +1,4 @@
-// Converts a part of a scene description to flat polygons. This is the only code with each shape's
-// geometry.
+// Converts a part of a scene description to flat polygons. No other code has the shapes' geometry.
 //
 // clients/pictures projects the polygons, and clients/export makes triangles of them for glTF and
 // the gallery. So a new shape of body only needs facets here. Ground and surfaces have no facets,

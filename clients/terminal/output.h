@@ -27,7 +27,7 @@ void complain(std::string line);
 
 /// Returns text on one line without control characters, cut after 1,000 characters.
 std::string shown(std::string_view text);
-/// Does the same for text of several lines, which become one.
+/// Returns text of several lines as one line, like shown().
 std::string shown_on_one_line(std::string text);
 
 /// During its lifetime, the process ends as if by SIGPIPE when its standard output has no reader,
@@ -45,8 +45,8 @@ class EndsWithItsReader {
 };
 
 /// Opens the standard streams that the caller closed, so that writing to them still fails, but no
-/// file of ours gets their numbers. Also makes a limit on file sizes fail a write instead of ending
-/// the process. Call it first.
+/// file of ours gets their numbers. Makes writes beyond a file size limit fail, instead of ending
+/// the process. Call occupy_standard_streams first in main.
 void occupy_standard_streams();
 
 /// Throws base::Error(usage) if writing `output` would replace `archive`, even through another path

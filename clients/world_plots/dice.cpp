@@ -160,7 +160,7 @@ std::vector<double> read_start(const archive::Source& source, const DicePrior& p
   return costs;
 }
 
-/// Does the same for the table.
+/// Reads the table's scores and returns their costs, as read_start does for starts.
 std::vector<double> read_table(const archive::Source& source,
                                std::span<const std::size_t> animations, DicePlausibility& found) {
   found.offsets.resize(k_offset_bins);

@@ -19,7 +19,7 @@
 namespace sleight::browse {
 namespace {
 
-/// Reading that takes less time isn't reported.
+/// Minimum duration of reading that is reported.
 constexpr double k_silent_s = 1;
 
 class ReadingPrinter {

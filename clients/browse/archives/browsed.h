@@ -19,7 +19,7 @@ namespace sleight::browse {
 struct BrowsedArchive {
   std::string path{};
   browse::Index index{};
-  /// Number of animations that an earlier archive also has. They are left out of this index.
+  /// Number of animations left out of this index because an earlier archive has them.
   std::size_t twice = 0;
 };
 

@@ -1,10 +1,10 @@
 // Cache files that save reading archives again from one command to the next.
 //
 // There is one file per archive and kind, in $XDG_CACHE_HOME/sleight/browse (default
-// ~/.cache/sleight/browse). Its name comes from the archive's path, so an archive can't write into
-// another archive's cache. A cache file records the state of the archive's file, so that a change
-// by any program is noticed. Cache files may be deleted at any time. All functions work without a
-// cache if it can't be read or written.
+// ~/.cache/sleight/browse). A cache file's name comes from the archive's path, so an archive can't
+// write into another archive's cache. A cache file records the state of the archive's file, so that
+// a change by any program is noticed. Cache files may be deleted at any time. All functions work
+// without a cache if it can't be read or written.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace sleight::browse {
 
-/// Maximum size of the cache. Beyond it, the least recently used files are deleted.
+/// Maximum size of the cache, enforced by deleting the least recently used files.
 inline constexpr std::uint64_t k_cache_bytes_max = std::uint64_t{4} << 30;
 
 /// The state of a file. Two states differ if the size, the place on the disk or a time of change

@@ -1,12 +1,12 @@
 // The world of the 2D ball (thesis 2.2, 2.4.1): which normals make a dropped ball land near a
 // place?
 //
-//   random variables  normals theta_1 .. theta_n, independent N(0, sd) tilts from the vertical
-//   log p_w           sum of their log densities, normalised
-//   outcome           where and when the ball lands on collision n + 1
-//   log p_c           -1/2 ((x - target) / sigma)^2, so p_c is at most 1
-//   satisfied         |x - target| <= tolerance
-//   proposal          Algorithm 2.2: changes each normal with a probability by uniform(-w, w)
+//   `random variables`: normals theta_1 .. theta_n, independent N(0, sd) tilts from the vertical.
+//   `log p_w`: sum of the normals' log densities, normalised.
+//   `outcome`: where and when the ball lands on collision n + 1.
+//   `log p_c`: -1/2 ((x - target) / sigma)^2, so p_c is at most 1.
+//   `satisfied`: |x - target| <= tolerance.
+//   `proposal`: Algorithm 2.2 changes each normal with a probability by uniform(-w, w).
 // Thread-safe: immutable after construction.
 #pragma once
 

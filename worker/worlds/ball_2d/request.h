@@ -7,7 +7,7 @@
 
 namespace sleight::worlds::ball_2d {
 
-/// Binds the world "ball_2d". Its requests have the world's Parameters (request::parameters_of).
+/// Binds the world "ball_2d", whose requests have the world's Parameters (request::parameters_of).
 request::WorldBinding request_binding();
 
 }  // namespace sleight::worlds::ball_2d

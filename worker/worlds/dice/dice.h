@@ -1,13 +1,13 @@
 // The world of dice on a random table (thesis 2.4.4): which tables and throws bring dice to rest as
 // the goals demand?
 //
-//   random variables  the table's control points (random_table.h); the components of each die's
-//                     start that aren't fixed (state.h)
-//   log p_w           as in state.h
-//   outcome           the dice at rest or at the time limit, and at the times of the goals
-//   log p_c           as in goals.h; at most 0; -infinity if there is no simulation
-//   satisfied         all goals are met, and all dice rest
-//   proposal          proposals.h
+//   `random variables`: the table's control points (random_table.h), and the components of each
+//     die's start that aren't fixed (state.h).
+//   `log p_w`: see state.h.
+//   `outcome`: the dice at rest or at the time limit, and at the times of the goals.
+//   `log p_c`: see goals.h; at most 0; -infinity if there is no simulation.
+//   `satisfied`: all goals are met, and all dice rest.
+//   `proposal`: see proposals.h.
 //
 // One simulation contains all dice of a throw, so dice can collide with each other. Every tenth of
 // a second, the simulation tests whether all dice are at rest.

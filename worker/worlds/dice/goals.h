@@ -18,7 +18,7 @@
 //
 //   p_c(x) = 1/24 sum over numberings s of p_c(x, s).
 //
-// This is the exact marginal at beta = 1. The sum is at most 1, so p_w p_c^beta is a path to the
+// The sum is the exact marginal at beta = 1, and at most 1, so p_w p_c^beta is a path to the
 // target. The program shows the numbering with the greatest p_c(x, s), or the least of equal ones.
 // The goals are met if that numbering meets them. If any numbering meets the goals, the shown one
 // does: tolerances of faces are below 45 degrees, so two faces never meet one goal. Rotations that

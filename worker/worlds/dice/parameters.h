@@ -30,7 +30,8 @@ struct TableParameters {
   double spacing_m = 0.021;  ///< distance between control points
   std::uint32_t columns = 64;
   std::uint32_t rows = 64;
-  /// Standard deviation of a control point's height. The surface's heights have 0.48 of it: 0.6 mm.
+  /// Standard deviation of a control point's height. The surface's heights have 0.48 times this:
+  /// 0.6 mm.
   double height_sd_m = 0.00125;
   Range restitution{0.5, 0.5};
   Range friction{0.4, 0.4};

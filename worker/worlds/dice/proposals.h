@@ -3,14 +3,16 @@
 //
 //   `change_all` draws a state from p_w, table and all. The log q ratio is log p_w of the present
 //     state minus log p_w of the candidate.
-//   `change_die` draws the throw of one die, chosen uniformly. The ratio is likewise, for this die.
+//   `change_die` draws the throw of one die, chosen uniformly. The ratio is that of change_all for
+//     this die.
 //   `change_start` adds a Gaussian to one random component of one die. An orientation is turned by
 //     a Gaussian angle about a uniform axis, which is symmetric in the uniform measure.
 //   `change_control` adds a Gaussian to one random field of one control point of the table, chosen
 //     uniformly. Restitution and friction are reflected at their ranges' ends, also symmetric.
-//   `change_contact` does the same to a control point that influenced a collision. First a
-//     collision with the table is chosen, with probability proportional to the preceding flight's
-//     duration, then one of the sixteen points around it with the probability of its weight there.
+//   `change_contact` changes a control point that influenced a collision, like change_control.
+//     First a collision with the table is chosen, with probability proportional to the preceding
+//     flight's duration, then one of the sixteen points around it with the probability of its
+//     weight there.
 //
 // The reverse of change_contact has a different probability, because another table causes other
 // collisions. Let share(c) be the mean weight of point c over collisions, each weighted by its

@@ -7,7 +7,7 @@
 
 namespace sleight::worlds::dice {
 
-/// Binds the world "dice". Its requests have the world's Parameters (request::parameters_of).
+/// Binds the world "dice", whose requests have the world's Parameters (request::parameters_of).
 request::WorldBinding request_binding();
 
 }  // namespace sleight::worlds::dice

@@ -2,16 +2,15 @@
 //
 // The table is a key with overrides (random_table.h). Each die is described by its start.
 //
-// Density. The starts' density is normalised. It is normal in each random component; a uniform
+// Density. The starts' density is normalised: normal in each random component. A uniform
 // orientation's density is with respect to the surface of the unit sphere in four dimensions. The
 // table's density is relative to the control points that its key draws: the sum over overrides of
 // the override's log density minus the log density of the key's point at the same index. So a
 // freshly drawn table has log density 0, whatever its size. Relative densities suffice because
 // Metropolis-Hastings uses only ratios. Between tables with the same key, the ratio is the tables'
 // true ratio. A proposal that draws a new key has the ratio of two draws: the present table's
-// density over the new table's. This ratio times the target's own ratio is 1, whichever whole table
-// both densities are relative to.
-// Thread safety: values and pure functions.
+// density over the new table's. The ratio of draws times the target's own ratio is 1, whichever
+// whole table both densities are relative to. Thread safety: values and pure functions.
 #pragma once
 
 #include <cstdint>

@@ -102,7 +102,7 @@ class StagedDice : public Dice {
   /// range.
   std::vector<sampling::BurnInValue> burn_in_values() const;
   std::vector<double> burn_in_values_of(const State& state, const Outcome& outcome) const;
-  /// Same as simulate, because simulate always runs to the end.
+  /// Calls simulate, which always runs to the end.
   Outcome simulate_to_rest(const State& state) const { return simulate(state); }
 
   std::uint32_t stages() const { return static_cast<std::uint32_t>(dice()); }

@@ -276,7 +276,7 @@ class Likeness {
   double touches() const { return numbers_[0]; }
   /// Number of equally spaced times, without the end.
   std::size_t times() const { return (numbers_.size() - 1) / (3 * dice_) - 1; }
-  /// The die's place; after the end, its last one.
+  /// The die's place at the nth time, or its last place after the end.
   Eigen::Map<const Vec3> place_m(std::size_t nth, std::uint32_t die) const {
     return Eigen::Map<const Vec3>(&numbers_[1 + 3 * (std::min(nth, times()) * dice_ + die)]);
   }

@@ -11,9 +11,8 @@
 //   scatter_ball  drops a uniform ball of R as the prior draws it:   q = scatter / |R(A)| p_w(ball)
 //
 // An aimed ball that fills no bin has no reverse proposal, nor has a scattered ball that fills one:
-// the ratio is 0. So the ratio depends on the candidate's outcome. It is known after the simulation
-// and bounded before.
-// Thread safety: pure functions, and values.
+// the ratio is 0. So the ratio depends on the candidate's outcome. The ratio is known after the
+// simulation and bounded before. Thread safety: pure functions, and values.
 #pragma once
 
 #include <array>
@@ -45,7 +44,7 @@ class Windows {
   std::size_t bins() const { return of_bin_.size(); }
 
   Vec2 draw(std::size_t bin, random::Stream& stream) const;
-  /// Returns the mean density over these bins, 1/m^2.
+  /// Returns the mean density over the given bins, 1/m^2.
   double density(std::span<const std::size_t> bins, const Vec2& drop_m) const;
   /// Upper bound of the mean density over any bins, up to rounding.
   double greatest_density(const Vec2& drop_m) const;

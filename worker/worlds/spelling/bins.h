@@ -11,8 +11,8 @@
 // blocks around the box.
 //
 // Invariants
-//   1. Vertices 0 to vertex_count() - 1 of the mesh are the partition vertices. They are
-//      ordered by crossing, row by row from the lowest y and x, and likewise by corner within each.
+//   1. Vertices 0 to vertex_count() - 1 of the mesh are the partition vertices, ordered by
+//      crossing, row by row from the lowest y and x, and likewise by corner within a crossing.
 // Thread safety: const after construction.
 #pragma once
 

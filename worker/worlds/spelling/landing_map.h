@@ -81,8 +81,8 @@ class LandingMap {
 /// has no landings.
 inline constexpr double k_window_share = 0.15;
 
-/// Drops for a designated bin, drawn from its window or from the map around its middle. Some are
-/// outside the drop region. REQUIRES: world and map outlive the drops.
+/// Drops for a designated bin, drawn from its window or from the map around its middle. Some of
+/// these drops are outside the drop region. REQUIRES: world and map outlive the drops.
 class BinDrops {
  public:
   BinDrops(const Spelling& world, const LandingMap& map) : world_(&world), map_(&map) {}

@@ -32,8 +32,8 @@ struct WorldParameters {
   double gravity_mps2 = 9.81;
   // When slow contacts end, in units of sqrt(gravity x ball diameter) or sqrt(ball diameter /
   // gravity). These values are part of the model, since outcomes depend on them. With the default
-  // sizes they are 0.02 m/s, 0.04 m/s and 4 ms; the smallest bounces are 20 um high, half a pixel
-  // if the box fills a picture 3,840 wide.
+  // sizes, the three values are 0.02 m/s, 0.04 m/s and 4 ms; the smallest bounces are 20 um high,
+  // half a pixel if the box fills a picture 3,840 wide.
   double bounce_end = 0.05;  ///< bounces that would separate more slowly end
   double rest_speed = 0.1;   ///< a ball in balance rests if it was slower than this for rest_time
   double rest_time = 0.1;    ///< in units of sqrt(ball diameter / gravity)

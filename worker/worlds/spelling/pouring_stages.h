@@ -21,8 +21,8 @@
 // The estimate is unbiased over pools. The probability of a sequence of drops times its weights is
 // the product of v_j s_j / K. Drops of a sequence are different drops of the pool, and so
 // independent. Summed over the unused drops of a stratum, s_j / K gives (n / K) q_b; summed over
-// strata it gives q, and q v is p. This requires n to be at least the number of balls, so that no
-// stratum is used up.
+// strata it gives q, and q v is p. n must be at least the number of balls, so that no stratum is
+// used up.
 //
 // Given a state (ground_given), its drops' places in the pool are drawn one after another. First
 // the stratum b is drawn with probability proportional to q_b at the drop, then an unused place in
@@ -148,11 +148,11 @@ class StagedSpelling : public Spelling {
                              Prefix& prefix, random::Stream& stream) const;
   sampling::Extension extend_as(const Guide& guide, const Ground& ground, const State& state,
                                 std::uint32_t stage, Prefix& prefix) const;
-  /// Returns the guide for islands whose particles choose together. Such particles are resampled at
-  /// each stage, so a ball elsewhere needs a potential of about what it may still contribute.
-  /// Otherwise all prefixes with such a ball are lost, and with them all animations in which a
-  /// later ball pushes it into its bin. With two or three balls, these are a tenth of all
-  /// solutions.
+  /// Returns the guide for islands whose particles choose together. Particles that choose together
+  /// are resampled at each stage, so a ball elsewhere needs a potential of about what it may still
+  /// contribute. Otherwise all prefixes with such a ball are lost, and with them all animations in
+  /// which a later ball pushes it into its bin. With two or three balls, such animations are a
+  /// tenth of all solutions.
   Guide for_odds(Guide guide) const;
   /// Number of sorts of alternatives: those of DropOdds, then leaving the ball out. Alternatives
   /// are numbered like the pool's drops.

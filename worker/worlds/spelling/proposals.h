@@ -21,8 +21,8 @@
 // biased:
 //
 //   `change_all` draws offsets as lengths N(0, vertex_sd) in uniform directions, although p_w
-//     scores the isotropic Gaussian. It counts as symmetric: log q ratio = 0. Chains start with
-//     such a draw.
+//     scores the isotropic Gaussian. The proposal counts as symmetric: log q ratio = 0. Chains
+//     start with such a draw.
 //   `change_vertices` adds a length N(0, vertex_sd) in a uniform direction; symmetric.
 //   `disable_balls` has log q ratio = m log a: the text has a for "a ball", so a^m for m of them.
 //   `enable_balls` has log q ratio = -m log a.
@@ -94,7 +94,7 @@ struct Prior {
 /// prior.draw(stream) for Kernel::correct.
 State draw_state(const Prior& prior, Kernel kernel, random::Stream& stream);
 
-/// `scales`: by kind, or empty for 1. They multiply the lengths by which vertices and balls move,
+/// `scales`: by kind, or empty for 1. Scales multiply the lengths by which vertices and balls move,
 /// and the probability that a ball is disabled or enabled (both use the scale of disable_balls).
 /// REQUIRES: the kinds that depend on the outcome have probability 0.
 sampling::Proposal<State> propose(const Prior& prior, const ProposalParameters& parameters,

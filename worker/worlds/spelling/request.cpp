@@ -230,7 +230,7 @@ void bind_world(request::Binder& world, WorldParameters& p) {
       {.minimum = 0.002,
        .maximum = 0.5,
        .help = "speed below which a balanced ball comes to rest, in sqrt(gravity x diameter)"});
-  // Otherwise the slowest bounces would keep a ball above rest_speed.
+  // With a lower rest_speed, the slowest bounces would keep a ball from resting.
   if (world.valid("bounce_end") && world.valid("rest_speed") &&
       p.rest_speed < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_speed",
@@ -243,8 +243,8 @@ void bind_world(request::Binder& world, WorldParameters& p) {
        .maximum = 10,
        .help =
            "time that a ball stays below rest_speed before it rests, in sqrt(diameter / gravity)"});
-  // Otherwise a touch would expire before the ball's next bounce, and the ball would never be in
-  // balance.
+  // With a shorter rest_time, a touch would expire before the ball's next bounce, and the ball
+  // would never be in balance.
   if (world.valid("bounce_end") && world.valid("rest_time") &&
       p.rest_time < k_bounce_ends_min * p.bounce_end) {
     world.error("rest_time", fmt::format("must be at least {} times bounce_end (the duration of "

@@ -7,7 +7,7 @@
 
 namespace sleight::worlds::spelling {
 
-/// Binds the world "spelling". Its requests have the world's Parameters (request::parameters_of).
+/// Binds the world "spelling", whose requests have the world's Parameters (request::parameters_of).
 request::WorldBinding request_binding();
 
 }  // namespace sleight::worlds::spelling

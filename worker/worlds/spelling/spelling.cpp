@@ -19,8 +19,9 @@ constexpr double k_look_every_s = 0.1;
 /// Bounding volumes of the partitions allow for offsets of this many standard deviations.
 constexpr double k_slack_sds = 5;
 /// Limit of events. Ten balls take about 300 events together until the outcome is decided. A ball
-/// wedged in a box without room may have half a million. A ball that leans on another, nearly in
-/// balance, has thousands per second. A run to rest has more events, and so a larger limit.
+/// wedged in a box without room may have half a million events. A ball that leans on another,
+/// nearly in balance, has thousands per second. A run to rest has more events, and so a larger
+/// limit.
 constexpr std::uint64_t k_work_per_ball_max = 10'000;
 constexpr std::uint64_t k_work_to_rest = 5;
 /// Distance from the walls of dropped balls.
@@ -81,7 +82,7 @@ class Looks {
     balls_.clear();
     for (std::uint32_t ball = 0; ball < state_.active.size(); ++ball) {
       if (state_.active[ball] == 0) continue;
-      // The known look had other active balls, or there was none.
+      // Test whether the known state was observed at this tick with this ball active.
       const bool is_known = !known_look.empty() && known_state_->active[ball] != 0;
       const Seen* before = is_known ? &known_look[known_state_->active_before(ball)] : nullptr;
       const Seen seen = seen_of(marbles, ball, before);

@@ -1,22 +1,22 @@
 // The world of the balls that spell (thesis 2.4.3, A.2): which boxes and drops bring balls to rest
 // in designated bins?
 //
-//   random variables  offsets of the partition vertices; which balls are active; where active balls
-//                     are dropped
-//   log p_w           each offset coordinate is N(0, vertex_sd); a ball is active with probability
-//                     1/2; drop places are uniform
-//   outcome           k, the number of filled designated bins. A ball fills a bin if its centre is
-//                     in the bin, below the partitions' height, at rest or trapped (traps.h)
-//   log p_c           k log lambda; -infinity if there is no simulation
-//   satisfied         all designated bins are filled, and no active ball is elsewhere
-//   proposal          A.2.2 with corrected ratios (proposals.h)
+//   `random variables`: offsets of the partition vertices, which balls are active, and where active
+//     balls are dropped.
+//   `log p_w`: each offset coordinate is N(0, vertex_sd), a ball is active with probability 1/2,
+//     and drop places are uniform.
+//   `outcome`: k, the number of filled designated bins. A ball fills a bin if its centre is in the
+//     bin, below the partitions' height, at rest or trapped (traps.h).
+//   `log p_c`: k log lambda; -infinity if there is no simulation.
+//   `satisfied`: all designated bins are filled, and no active ball is elsewhere.
+//   `proposal`: A.2.2 with corrected ratios (proposals.h).
 //
 // There are as many balls as designated bins. Ball i is dropped from rest after i drop intervals;
 // an inactive ball leaves a gap. The box stands on the ground. A ball that leaves the box is
 // elsewhere, and so is a ball that still moves at the time limit and isn't trapped.
 //
 // Deciding early. A trapped ball isn't simulated further until another ball comes near. When all
-// balls are trapped or at rest, the outcome is decided. It equals the outcome of the whole
+// balls are trapped or at rest, the outcome is decided. A decided outcome equals that of the whole
 // simulation, which simulate_to_rest runs.
 //
 // Invariants

@@ -53,7 +53,8 @@ struct SpellingHistory {
 /// Whether a ball is active in both states and starts in the same place.
 bool starts_alike(const State& state, const State& candidate, std::size_t ball);
 /// Whether a candidate may have something in common with a state: a ball that starts alike, and at
-/// least half of the box. With less of the box, balls differ from their first collision on.
+/// least half of the box. If less than half of the box is equal, balls differ from their first
+/// collision on.
 bool resembles(const State& candidate, const State& state);
 
 /// Returns the histories of balls that start alike, which hold for the candidate too.
