@@ -124,7 +124,7 @@ double error_to_ask_for(double error) {
 }
 
 /// Suggests a rule that sizes the islands. If the requested error gave too few islands, suggests a
-/// smaller one. The round only becomes longer with an error below the predicted one.
+/// smaller error. The round only becomes longer with an error below the predicted one.
 HowToKnow how_to_know_by_islands(const ArchiveOdds& odds, std::optional<double> asked_for,
                                  std::optional<double> foretold) {
   const std::vector<Doubt>& doubts = odds.log_p_satisfied.doubts;

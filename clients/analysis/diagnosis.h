@@ -148,7 +148,7 @@ struct Diagnosis {
 /// Returns why an archive's draws can't be judged as chains; empty if they can.
 std::string why_not_diagnosed(const archive::Source& source, const archive::Summary& summary);
 
-/// Throws base::Error(usage) with the text of why_not_diagnosed unless it is empty.
+/// Throws base::Error(usage) if why_not_diagnosed returns a reason.
 Diagnosis diagnosis_of(const archive::Source& source, const Rules& rules);
 
 }  // namespace sleight::analysis

@@ -52,8 +52,9 @@
 
 namespace sleight::analysis {
 
-/// Round trips needed per ladder. If rounds were so short that the mean was 1, chance would bring
-/// this many in 1 of 270 rounds (Poisson). So the round is several times as long as a round trip.
+/// Round trips needed per ladder. In rounds only as long as a round trip (a mean of 1), this many
+/// trips occur by chance in 1 of 270 rounds (Poisson). So a round with this many trips is several
+/// times as long as a round trip.
 inline constexpr double k_trips_each = 5;
 /// Round trips needed over all ladders: a standard deviation estimated from this many is right to
 /// 11%. The effective size of weighted draws needs the same minimum.

@@ -22,7 +22,7 @@ class LogLines {
   /// Appends bytes and returns the complete lines, each with its end. Lines longer than
   /// k_line_bytes_max are returned in parts.
   std::string add(std::string_view bytes);
-  /// Returns the rest as a line.
+  /// Returns the incomplete last line.
   std::string rest();
 
   static constexpr std::size_t k_line_bytes_max = 64U << 10U;

@@ -6,7 +6,7 @@
 //
 //   `place`: |a| d^2 / 8 for keys d apart, the sagitta of a parabola.
 //   `turn`: phi(t), the rotation vector since a key, has |phi''| <= |a| (1 + |w| d) while phi is
-//   small. A straight interpolation is off by |phi''| d^2 / 8.
+//     small. A straight interpolation is off by |phi''| d^2 / 8.
 //
 // Keys are also at most a rotation of k_turn_rad apart, so the shortest rotation is the right one.
 // Some players interpolate the four numbers and normalise (Blender). Such players lag or lead by

@@ -94,7 +94,7 @@ SceneExtent extent_of(const scene::Scene& scene, const std::vector<ShownAnimatio
     if (part.shape == scene::Shape::mesh) {
       for (std::uint32_t i = 0; i < part.triangles; ++i) {
         for (const std::uint32_t vertex : scene.triangles[part.first_triangle + i]) {
-          // Of fixed things outside the bodies' range, such as walls, include only a margin.
+          // Include only a margin of fixed things outside the bodies' range, such as walls.
           const Vec3 place_m =
               scene.vertices[vertex].place_m.cwiseMax(scene.low_m).cwiseMin(scene.high_m);
           extent.add(k_mm_per_m * place_m, k_margin_mm);

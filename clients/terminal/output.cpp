@@ -42,7 +42,7 @@ void flush_stdout() {
 
 int with_results(const std::function<int()>& work) {
   int code = 0;
-  // Throw on a failed write, while the reason is known.
+  // Make std::cout throw on a failed write, while the reason is known.
   std::cout.exceptions(std::ios::badbit);
   try {
     code = work();

@@ -33,7 +33,7 @@ Landing fly(const WorldParameters& world, const NormalAngles& normals, const Kee
     const math::SinCos tilt = math::sincos(normals[i]);
     velocity = reflected(velocity, math::Vec2{tilt.sin, tilt.cos}, world.restitution);
 
-    // Hop to the next collision. A ball that doesn't rise is there already.
+    // Hop to the next collision, which is immediate for a ball that doesn't rise.
     const double hop_s = velocity.y() > 0 ? 2 * velocity.y() / g : 0;
     keep(Flight{
         .start_s = now_s, .duration_s = hop_s, .position_m = {x_m, 0}, .velocity_mps = velocity});

@@ -42,10 +42,10 @@ class ThrowMap {
   /// Returns v = p / q. REQUIRES: fixed components have the start's values.
   double prior_over_q(const DieThrow& one) const;
   bool is_prior() const { return is_prior_; }
-  /// Returns false if fewer than one in 10,000 prior throws are as far from the start's means. The
-  /// squares of n scores add up to n + 2 sqrt(n t) + 2 t with probability at most e^-t (B. Laurent,
-  /// P. Massart, Adaptive estimation of a quadratic functional by model selection, Annals of
-  /// Statistics 28, 2000, lemma 1).
+  /// Returns false if fewer than one in 10,000 prior throws are as far from the start's means as
+  /// this throw. The squares of n scores add up to n + 2 sqrt(n t) + 2 t with probability at most
+  /// e^-t (B. Laurent, P. Massart, Adaptive estimation of a quadratic functional by model
+  /// selection, Annals of Statistics 28, 2000, lemma 1).
   bool is_plausible(const DieThrow& one) const;
 
  private:

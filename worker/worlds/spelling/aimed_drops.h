@@ -1,5 +1,5 @@
 // Proposals that depend on the outcome: a ball that fills no designated bin is dropped near an
-// empty bin. The thesis doesn't have these proposals; A.2.2's drops find the last empty bin once in
+// empty bin. The thesis has no aimed drops. Its drops (A.2.2) find the last empty bin once in
 // thousands of times.
 //
 // The two kinds are each other's reverse. For an animation A, L(A) are the balls that fill no

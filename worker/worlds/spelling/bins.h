@@ -4,8 +4,8 @@
 // columns, y upwards along the rows (row 0 of a pattern has the largest y), z up.
 //
 // Idea. Floor domes, partition sides and partition tops form one closed surface, so that bodies
-// can't meet it from inside or meet an edge twice. Where two partitions cross, each of the four
-// corners of their tops is a vertex of its own (a "partition vertex"). With one vertex per
+// can't meet the surface from inside or meet an edge twice. Where two partitions cross, each of the
+// four corners of their tops is a vertex of its own (a "partition vertex"). With one vertex per
 // crossing, tops would stay level across, and balls would perch on them. A partition that meets the
 // box's wall ends in two vertices, half a thickness inside the wall's inner face. The walls are
 // blocks around the box.

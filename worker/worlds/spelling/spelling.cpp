@@ -66,8 +66,8 @@ Seen seen_of(physics::Marbles& marbles, std::uint32_t ball, const Seen* known) {
 
 class Looks {
  public:
-  /// `known_state` and `known_history`: of a similar state, or null. `kept`: where observations are
-  /// stored, or null.
+  /// `known_state` and `known_history`: a similar state and its history, or null. `kept`: where to
+  /// store observations, or null.
   Looks(const State& state, const State* known_state, const SpellingHistory* known_history,
         SpellingHistory* kept)
       : state_(state), known_state_(known_state), known_history_(known_history), kept_(kept) {

@@ -128,7 +128,7 @@ class Spelling {
                                     random::Stream& stream) const {
     return spelling::propose(prior_, parameters_.proposal, state, scales, stream);
   }
-  /// Includes the kinds that depend on the outcome (aimed_drops.h).
+  /// Also proposes the kinds that depend on the outcome (aimed_drops.h).
   sampling::Proposal<State> propose(const State& state, const Outcome& outcome,
                                     std::span<const double> scales, random::Stream& stream) const {
     return propose(state, outcome.is_animation() ? &outcome.filling : nullptr, scales, stream);

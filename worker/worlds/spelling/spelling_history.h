@@ -64,7 +64,7 @@ physics::MarbleHistories histories_that_hold(const SpellingHistory& history, con
 /// What depends on each partition vertex.
 class Influence {
  public:
-  /// `statics`: of a physics scene whose only mesh is the bins' surface.
+  /// `statics`: geometry of a physics scene whose only mesh is the bins' surface.
   Influence(const Bins& bins, const physics::StaticGeometry& statics);
   /// Returns the edges of a moved surface that are flat although their vertices can move. Usually
   /// none.

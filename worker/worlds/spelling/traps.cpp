@@ -8,7 +8,7 @@
 namespace sleight::worlds::spelling {
 namespace {
 
-/// Far more than rounding adds to a height.
+/// Minimum margin of a height, far more than rounding adds.
 constexpr double k_margin_least_m = 1e-4;
 
 /// Pieces of motion exceed the height allowed by energy by half the height of the slowest bounces
