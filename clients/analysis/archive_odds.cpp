@@ -200,7 +200,7 @@ JudgedEstimate judge(const Ladders& ladders, const std::string& name) {
   return estimate;
 }
 
-/// Returns the keys that help besides more rounds if there are too few round trips.
+/// Returns the keys that help against too few round trips, besides more rounds.
 std::string besides_rounds(const Ladders& ladders, const RequestNumbers& request) {
   const std::uint64_t chains = ladders.summary.chains;
   const auto numbers = [&](const char* name) {

@@ -16,7 +16,6 @@ inline constexpr std::uint64_t k_batch = 65536;
 /// Throws base::Error(usage) if the archive has no such chain.
 void check_chain(const archive::Source& source, std::uint64_t chain);
 
-/// Returns the size of a dimension of /sample_stats.
 std::uint64_t stats_size(const archive::Source& source, std::string_view dimension);
 
 /// Throws unless /sample_stats has this variable for each chain and draw.

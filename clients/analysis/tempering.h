@@ -55,7 +55,7 @@ std::vector<Round> rounds_of(const archive::Source& source, std::uint64_t chains
 /// Returns the draws of a round that isn't a burn-in's. REQUIRES: a valid round.
 Round draws_of_round(std::span<const Round> rounds, std::size_t round);
 
-/// Returns the index of the judged round. REQUIRES: rounds isn't empty.
+/// REQUIRES: rounds isn't empty.
 std::size_t judged_round(std::span<const Round> rounds);
 
 /// Returns a number for each of the first `chains` ladders in a round; NaN if the archive has none.

@@ -73,7 +73,7 @@ CombinedEstimate combined(std::span<const LogEstimate> ladders) {
   if (known.empty()) return all;
   const auto count = static_cast<double>(known.size());
 
-  // The mean of the logs, and its error from the ladders' own errors.
+  // Compute the mean of the logs, and its error from the ladders' own errors.
   double sum = 0;
   double squared_errors = 0;
   for (const LogEstimate& ladder : known) {
@@ -83,7 +83,7 @@ CombinedEstimate combined(std::span<const LogEstimate> ladders) {
   all.log.value = sum / count;
   all.own_error = std::sqrt(squared_errors) / count;
 
-  // The error from the spread of ladders.
+  // Estimate the error from the spread of ladders.
   double squares = 0;
   for (const LogEstimate& ladder : known)
     squares += (ladder.value - all.log.value) * (ladder.value - all.log.value);

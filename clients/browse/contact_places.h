@@ -7,7 +7,6 @@
 
 namespace sleight::browse {
 
-/// Maximum first contacts that are compared.
 inline constexpr std::size_t k_first_contacts_max = 256;
 
 /// Hash table with open addressing and linear probes; at most a quarter full.

@@ -75,7 +75,6 @@ class AlikeSet {
 
   /// REQUIRES: 1 <= groups; groups <= 500 for more than 500 entries.
   Groups groups(std::size_t groups, Grouping by) const;
-  /// Compares two entries, given by their indices.
   Resemblance between(std::size_t a, std::size_t b) const;
 
  private:
@@ -83,7 +82,6 @@ class AlikeSet {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Groups a set once.
 Groups groups_of(std::span<const Entry* const> entries, const scene::Scene& scene,
                  const GroupOptions& options);
 

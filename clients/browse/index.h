@@ -41,7 +41,6 @@ std::string short_text(const AnimationName& name);
 /// "3f2a9c01:c0.250".
 std::string long_text(const AnimationName& name);
 
-/// A short or long name as written by a person.
 struct AskedName {
   std::string run{};  ///< first characters of the run id; empty: any run
   bool is_find = false;

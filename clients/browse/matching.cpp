@@ -86,7 +86,6 @@ void CheapestMatching::add_row(std::span<const double> costs, std::size_t size, 
       length -= step;
     column = nearest;
   } while (row_of_[column] != 0);
-  // Reverse the path.
   while (column != 0) {
     row_of_[column] = row_of_[came_from_[column]];
     column = came_from_[column];

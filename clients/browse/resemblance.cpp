@@ -160,7 +160,7 @@ void Sketches::From::match(const Sketch& a, const Sketch& b) {
 double Sketches::From::order_between(const Sketch& a, const Sketch& b) {
   const std::size_t longer = std::max(a.first.size(), b.first.size());
   if (longer == 0) return 0;
-  // Which body of the one corresponds to each body of the other.
+  // Find the one animation's body for each body of the other animation.
   const Sketch& one = sketches_->sketches_[one_];
   in_one_ = partner_of_;
   if (&one == &a) {

@@ -28,7 +28,6 @@ struct ExportOptions {
   std::vector<std::uint64_t> animations{};
 };
 
-/// Writes a table as CSV.
 int archive_export_csv(const ExportOptions& options);
 
 }  // namespace sleight::cli

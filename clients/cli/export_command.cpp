@@ -82,7 +82,6 @@ void refuse_other_ending(const ExportAnimationsOptions& options) {
                   options.output, options.format, options.format, ending));
 }
 
-/// Checks the options before any file is opened.
 void check(const ExportAnimationsOptions& options) {
   const std::string& format = options.format;
   const ExportChoice& choice = options.choice;
@@ -141,7 +140,6 @@ class GlbExport {
         scene_(browse::required_scene(source)),
         extras_(extras_of(source)) {}
 
-  /// Writes all animations as clips of one file.
   WrittenFile write_one(std::span<const browse::AnimationId> ids) {
     ExportProgress progress(ids.size());
     gltf::Document document{.scene = scene_, .extras = extras_};
@@ -155,7 +153,6 @@ class GlbExport {
     return written;
   }
 
-  /// Writes one file per animation to the output folder.
   std::vector<WrittenFile> write_each(std::span<const browse::AnimationId> ids) {
     ExportProgress progress(ids.size());
     const std::string run_id = archive::summary_of(source_).run_id;

@@ -20,7 +20,6 @@
 namespace sleight::cli {
 namespace {
 
-/// Returns the index of a number. Throws base::Error(usage) if the archive doesn't have it.
 std::size_t number_called(const std::string& name, const browse::BrowsedArchive& archive) {
   const auto& numbers = archive.index.numbers;
   const auto found = std::ranges::find(numbers, name, &browse::NumberName::name);

@@ -34,7 +34,6 @@ rpc::JobState state_of(const std::string& text) {
                   terminal::shown(text)));
 }
 
-/// Reads pages until there are `count` jobs.
 rpc::JobPage read_pages(rpc::Client& client, rpc::ListAsk ask, const ListOptions& options) {
   rpc::JobPage all;
   while (true) {

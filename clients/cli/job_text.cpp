@@ -62,7 +62,6 @@ std::string reason_of(const rpc::JobView& job) {
   return unless_its_state(job, job.reason);
 }
 
-/// Returns the reason for states that need one.
 std::string why(const rpc::JobView& job) {
   switch (job.state) {
     case rpc::JobState::queued:

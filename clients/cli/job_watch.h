@@ -38,7 +38,6 @@ class WatchPrinter final : public rpc::WatchSink {
   bool lost(const std::string& words) override;
   bool found_again() override;
 
-  /// Ends the progress line.
   void finish();
   /// Returns the exit code of all settled jobs: failed before cancelled before refused before done.
   base::ExitCode exit_code() const;

@@ -82,7 +82,6 @@ int derive(const DeriveArguments& given) {
   refuse_unusable_output({.folder = folder, .output = arguments.output, .json = arguments.json},
                          request);
 
-  // Make the archive from the run store.
   const run::WorldEntry& world = catalogue.world_of(request);
   const auto plan = run::make_plan(request, world);
   request::Cut cut = coordinator::committed_cut(folder, *plan);

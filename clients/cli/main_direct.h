@@ -8,7 +8,6 @@
 
 namespace sleight::programs {
 
-/// Runs a request in this process.
 int direct(const DirectArguments& arguments);
 
 /// Prints the normalised request with the set keys, or its errors.

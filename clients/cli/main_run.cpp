@@ -113,7 +113,6 @@ std::string why_it_gave_up(const plan::Finds& finds) {
       sampling::k_starts_in_vain_max, finds.stuck_at);
 }
 
-/// Returns why there is no archive.
 std::string what_is_missing(const coordinator::RunSummary& summary) {
   const plan::Finds& finds = summary.progress.finds;
   if (finds.is_all && finds.gave_up && finds.found == 0)

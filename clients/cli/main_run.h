@@ -92,7 +92,6 @@ int run_and_report(const request::DirectionRequest& request, const run::Catalogu
 /// Ends the process without waiting for threads that still compute.
 [[noreturn]] void leave_at_once(int code);
 
-/// Returns the text of --version.
 std::string version_text();
 
 /// Prints the current exception as "program: message" and returns its exit code. For a bug, also

@@ -64,7 +64,6 @@ struct OwnWhat {
   std::vector<std::string> worlds{};
 };
 
-/// Returns the choices in the order of worlds and kinds.
 std::vector<OwnWhat> own_whats_of(const pictures::PlotsOfWorlds& worlds) {
   std::vector<OwnWhat> found;
   for (const auto& plots : worlds) {

@@ -9,9 +9,9 @@
 
 namespace sleight::cli {
 
-/// Saves archives, or jobs' archives so far. Prints progress and archives that can't be read to
-/// stderr. `service_called` returns the service's address. Throws the first archive's base::Error
-/// if none can be read, and errors of save_gallery. REQUIRES: options.save is set; no other thread
+/// Saves archives, or jobs' archives so far. Prints progress to stderr, and which archives can't be
+/// read. `service_called` returns the service's address. Throws the first archive's base::Error if
+/// none can be read, and errors of save_gallery. REQUIRES: options.save is set; no other thread
 /// runs.
 int save_archives(const CommandOptions& options, const std::function<std::string()>& service_called,
                   const analysis::Rules& rules);

@@ -24,7 +24,6 @@ struct Material {
   friend bool operator==(const Material&, const Material&) = default;
 };
 
-/// Triangles of one material.
 struct Primitive {
   Material material{};
   std::vector<Float3> places{};

@@ -18,7 +18,6 @@
 namespace sleight::pictures {
 namespace {
 
-/// Reads an animation from its archive's file.
 ShownAnimation read_picked(const archive::Source& source, const browse::Picked& picked,
                            std::string title) {
   const auto group = picked.entry->name.is_find ? archive::k_finds : archive::k_animations;

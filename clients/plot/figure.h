@@ -136,7 +136,6 @@ struct Disc {
   bool filled = true;
 };
 
-/// A rectangle parallel to the axes.
 struct Rectangle {
   Point low = {};
   Point high = {};

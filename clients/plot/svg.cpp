@@ -238,7 +238,6 @@ void draw_panel(SvgWriter& svg, const Panel& panel, const PanelLayout& layout) {
   }
   if (panel.grid && panel.axes) draw_grid(svg, layout);
   draw_series(svg, panel, layout);
-  // Draw axes and text.
   if (panel.axes) draw_axes(svg, layout);
   svg.text({layout.frame.left, layout.cell.top + style::k_panel_title}, layout.title,
            {.size = style::k_panel_title, .weight = Weight::bold});

@@ -18,7 +18,8 @@ class ProgressPrinter {
   ProgressPrinter(std::string name, std::FILE* stream,
                   double plain_line_every_s = k_plain_line_every_s);
   void show(const events::Progress& progress);
-  /// Shows a phase without scans to count. Elsewhere than on a terminal, only if the phase lasts.
+  /// Shows what the program does while there are no scans to count. Without a terminal, only long
+  /// phases are shown.
   void say(const std::string& phase);
   /// Removes the updated line, so that another line can replace it.
   void clear() { line_.clear(); }

@@ -17,7 +17,7 @@ std::optional<std::size_t> width_of(std::FILE* stream);
 class RenewedLine {
  public:
   explicit RenewedLine(std::FILE* stream);
-  /// Returns false without such a terminal; use plain lines instead.
+  /// Returns false if the stream isn't a terminal with escape codes; print plain lines instead.
   bool can_renew() const { return can_renew_; }
   /// REQUIRES: can_renew().
   void show(std::string_view line);

@@ -110,8 +110,8 @@ ViewedOutcome Dice::simulate_and_view(const State& state) const {
 Outcome Dice::simulate_from(const State& candidate, const State& state,
                             const Outcome& outcome) const {
   // Without resemblance, nothing can be replayed, and the candidate stores no history: most such
-  // candidates are rejected. If one is accepted, the next candidate that resembles it stores a
-  // history.
+  // candidates are rejected. If such a candidate is accepted, the next candidate that resembles it
+  // stores a history.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
   return simulated(candidate, {.history = true}, outcome.history);
 }
@@ -189,7 +189,7 @@ void Dice::look_at_contacts(const State& state, const physics::Scene& scene,
     before.push_back(body.start_tick);
   double flown_s = 0;
   for (const physics::SurfaceTouch& touch : touches) {
-    // A collision in the same tick as the previous one counts as one tick.
+    // A collision in the same tick as the previous one counts as a flight of one tick.
     const double flight_s =
         physics::seconds(std::max<physics::TickCount>(1, touch.tick - before[touch.body]));
     before[touch.body] = touch.tick;

@@ -17,9 +17,9 @@
 // The reverse of change_contact has a different probability, because another table causes other
 // collisions. Let share(c) be the mean weight of point c over collisions, each weighted by its
 // flight's duration. Then log q ratio = log share(c) of the candidate's collisions - log share(c)
-// of the present ones. The ratio is known after the simulation. Before the simulation it is at most
-// log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds (2/3)^2. If the candidate
-// doesn't touch the point, there is no reverse proposal.
+// of the present ones. The ratio is known after the simulation. Before the simulation, the ratio is
+// at most log(4/9) - log share(c), since no weight of a bicubic B-spline exceeds (2/3)^2. If the
+// candidate doesn't touch the point, there is no reverse proposal.
 //
 // Throws are chaotic: a change early in a throw must be far smaller than a late one to have a small
 // effect on the end, and the right size differs from throw to throw. So a step's standard deviation

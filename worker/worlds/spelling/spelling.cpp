@@ -131,7 +131,6 @@ Spelling::Spelling(const Parameters& parameters, Replays replays)
   CHECK_GT(prior_.drop_half_m.x(), 0);
   CHECK_GT(prior_.drop_half_m.y(), 0);
 
-  // Add windows for each designated bin.
   const Vec2& half_m = prior_.drop_half_m;
   for (std::uint32_t row = 0; row < bins_.rows(); ++row) {
     for (std::uint32_t column = 0; column < bins_.columns(); ++column) {
@@ -334,8 +333,8 @@ Outcome Spelling::simulate(const State& state) const {
 Outcome Spelling::simulate_from(const State& candidate, const State& state,
                                 const Outcome& outcome) const {
   // Without resemblance, nothing can be replayed, and the candidate stores no history: most such
-  // candidates are rejected. If one is accepted, the next candidate that resembles it stores a
-  // history.
+  // candidates are rejected. If such a candidate is accepted, the next candidate that resembles it
+  // stores a history.
   if (replays_ == Replays::no || !resembles(candidate, state)) return simulate(candidate);
   if (!outcome.history) return simulated(candidate, Until::decided, true).outcome;
   const Known known{.state = state, .history = *outcome.history};
