@@ -46,8 +46,8 @@ struct HowToKnow {
 enum class OddsFrom : std::uint8_t {
   ladders,
   burn_in,  ///< ladders of a burn-in
-  weights,  ///< ascents: chains stand for ladders, and rounds are meaningless
-  islands,  ///< islands stand for ladders, and rounds are meaningless
+  weights,  ///< ascents: chains stand for ladders, and rounds aren't reported
+  islands,  ///< islands stand for ladders, and rounds aren't reported
 };
 
 struct ArchiveOdds {

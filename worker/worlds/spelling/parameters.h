@@ -70,7 +70,7 @@ struct ProposalParameters {
   double vertex_probability = 0.02;  ///< probability that each vertex moves
   double vertex_sd_m = 0.00005;      ///< standard deviation of each coordinate of a vertex move
   double vertex_redraw = 0;  ///< share of change_vertices that draws one vertex from the prior
-  double ball_sd_m = 0.020;  ///< how far a drop moves: default, a bin's side
+  double ball_sd_m = 0.020;  ///< standard deviation of a drop's move: a bin's side
   double flip_probability = 0.25;  ///< probability that each ball is disabled or enabled
 };
 
