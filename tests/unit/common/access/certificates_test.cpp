@@ -1,7 +1,6 @@
-// Goal: a certificate of our own making is one that TLS takes, known by its fingerprint; what is no
-// certificate, or another's key, is told.
-// Method: certificates that are made here; that a server with one is trusted by it is tested with
-// connections (common/rpc, tls_test.cpp).
+// Goal: TLS accepts a certificate that Sleight made, and its fingerprint identifies it. Texts that
+// are not certificates, and keys of other certificates, are refused. Method: make certificates and
+// read them back; tls_test.cpp in common/rpc tests connections with them.
 #include "common/access/certificates.h"
 
 #include <gtest/gtest.h>

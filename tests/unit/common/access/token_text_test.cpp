@@ -1,7 +1,5 @@
-// Goal: a token is read back as it was written, and nothing that differs from one that was drawn is
-// taken for a token.
-// Method: drawn tokens, each with every character changed, cut and moved; hashes against those of
-// other tokens.
+// Goal: a token is read back as it was written, and altered tokens are refused. Method: draw
+// tokens, then change, cut or move each character; compare each hash with those of other tokens.
 #include "common/access/token_text.h"
 
 #include <gtest/gtest.h>

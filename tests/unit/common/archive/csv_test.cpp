@@ -1,5 +1,5 @@
-// Goal: CSV shows every value once, under a name that says which, and doubles read back to the
-// same bits. Method: export from the memory twin, parse, compare with the archive.
+// Goal: CSV contains every value once in a named column, and doubles read back with the same bits.
+// Method: export the in-memory archive, parse the CSV and compare.
 #include "common/archive/csv.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ class Csv : public ::testing::Test {
   MemoryArchive archive_;
 };
 
-// The rows of an animation are those that its start and count say, and the others are left out.
+// Exporting chosen animations writes exactly their rows.
 TEST_F(Csv, RowsOfSomeAnimations) {
   const auto all = lines_of(archive_, "segments");
   const auto starts =

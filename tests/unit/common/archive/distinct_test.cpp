@@ -1,6 +1,6 @@
-// Goal: the kept animations are those of the definition in distinct.h, and memory is bounded.
-// Method: random runs, the selector's answer against a reference that walks by (scan, chain) and
-// applies the four conditions word by word.
+// Goal: kept animations match the definition in distinct.h, and memory is bounded. Method: compare
+// the selector on random runs with a reference that walks by (scan, chain) and applies the four
+// conditions literally.
 #include "common/archive/distinct.h"
 
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ TEST(Distinct, EqualsTheDefinitionOnRandomRuns) {
   EXPECT_GT(truncated, runs / 20) << "the runs hardly ever meet keep_max";
 }
 
-/// A draw with this state.
+/// A satisfying draw whose state has this key.
 plan::ScanRecord satisfied(std::uint64_t key) {
   return {.satisfied = true,
           .lineage = 4,
@@ -96,7 +96,7 @@ plan::ScanRecord satisfied(std::uint64_t key) {
           .state = FakeReader::state_of(key)};
 }
 
-/// Counts how often each state's likeness is asked for.
+/// Counts how often each state's likeness is computed.
 class CountedLikenesses final : public FakeReader {
  public:
   std::vector<double> likeness(base::BytesView state) const override {
@@ -110,9 +110,9 @@ class CountedLikenesses final : public FakeReader {
 };
 
 TEST(Distinct, AsksOfEachAnimationOnceWhatIsCompared) {
-  // Goal: a simulation for each animation, not for each pair of them; where what is compared does
-  // not fit in memory it is asked for again, and the same ones are kept. Method: one long lineage
-  // of different states, of which most are kept; room for all, and for five.
+  // Goal: each animation is simulated once. If likenesses don't fit in memory, some are computed
+  // again, and the same animations are kept. Method: one long lineage of different states, with
+  // room for all likenesses and then for five.
   constexpr std::uint64_t k_scans = 300;
   DistinctOptions options{.keep_max = 1000, .keep_per_lineage = 1000, .min_distance = 1e-3};
   const auto kept_by = [&](const StateReader& reader) {
@@ -142,7 +142,7 @@ TEST(Distinct, AsksOfEachAnimationOnceWhatIsCompared) {
 }
 
 TEST(Distinct, AsksNothingOfThoseThatStayAlone) {
-  // Goal: an archive that keeps one of each lineage compares nothing.
+  // Goal: keeping one animation per lineage compares no likenesses.
   const FakeRun run({.chains = 2, .scans = 300, .thin = 1, .satisfied_share = 0.8, .lineages = 5});
   const CountedLikenesses reader;
   EXPECT_EQ(selected(run, reader, {.keep_max = 1000, .keep_per_lineage = 1}).size(), 10U);
@@ -155,7 +155,7 @@ TEST(Distinct, EqualStatesAreKeptOnceWhenTheDistanceIsZero) {
   const plan::ScanRecord record = satisfied(9);
   for (std::uint64_t scan = 0; scan < 5; ++scan)
     selector.offer({0}, {scan}, record);
-  selector.offer({1}, {2}, record);  // the same lineage number in another chain is another lineage
+  selector.offer({1}, {2}, record);  // lineage numbers are per chain
   const std::vector<KeptAnimation> kept = selector.finish();
   ASSERT_EQ(kept.size(), 2U);
   EXPECT_EQ(kept[0].scan.value, 0U);

@@ -1,8 +1,8 @@
-// A world and a run for the archive's tests: every value is a function of (seed, chain, scan), so
-// that tests, processes and file formats can be compared value by value.
+// A made-up world and run for the archive's tests. Every value is a function of (seed, chain,
+// scan), so tests, processes and file formats can be compared value by value.
 //
-// The state is an 8-byte key; its variables, likeness and recording are computed from the key. One
-// of three variables has no dimension, one has one and one has two; some entries are NaN.
+// The state is an 8-byte key, from which its variables, likeness and recording are computed. The
+// three variables have zero, one and two dimensions; some entries are NaN.
 #pragma once
 
 #include <bit>
@@ -23,7 +23,7 @@
 
 namespace sleight::archive::testing {
 
-/// Mixes its argument (the finaliser of SplitMix64): our own source of arbitrary numbers.
+/// Returns arbitrary bits computed from x (the finaliser of SplitMix64).
 inline std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
@@ -31,7 +31,7 @@ inline std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// In [0, 1).
+/// Returns a number in [0, 1).
 inline double unit_of(std::uint64_t x) {
   return static_cast<double>(mixed(x) >> 11) * 0x1p-53;
 }
@@ -88,7 +88,7 @@ class FakeReader : public StateReader {
     return std::abs(a[0] - b[0]);
   }
 
-  /// None to four segments, two bodies in turns.
+  /// Returns zero to four segments that alternate between two bodies.
   Motion play(base::BytesView state) const override {
     const std::uint64_t key = key_of(state);
     Motion motion;
@@ -161,8 +161,8 @@ struct FakeRunOptions {
   std::uint64_t scans = 101;
   std::uint64_t thin = 10;
   double satisfied_share = 0.3;
-  std::uint64_t lineages = 7;  ///< small: lineages return, as replicas do under tempering
-  std::uint64_t finds = 0;     ///< of a search: of every second start
+  std::uint64_t lineages = 7;  ///< few, so that lineages return as replicas do under tempering
+  std::uint64_t finds = 0;     ///< finds of a search, one from every second start
   std::uint64_t relax_scans = 0;
   std::uint64_t prior_draws = 50;
 };
@@ -234,8 +234,8 @@ class FakeRun : public RunView {
   FakeRunOptions options_;
 };
 
-/// The same run as a tempered one: two replicas, of which the second came later and has no state
-/// yet in chain 0; and what its method says.
+/// The same run, tempered with two replicas and with a method's tables. In chain 0, replica 1 has
+/// no state yet.
 class FakeTemperedRun final : public FakeRun {
  public:
   explicit FakeTemperedRun(const FakeRunOptions& options) : FakeRun(options) {}
@@ -273,7 +273,7 @@ inline ArchiveOptions options_for(const FakeRunOptions& run) {
           .run_id = "fake run"};
 }
 
-/// Writes the run's archive into a sink: the usual `fill` of the tests.
+/// Returns a function that writes the run's archive into a sink.
 inline std::function<void(Sink&)> filler(const FakeRunOptions& run) {
   return [run](Sink& sink) { write_archive(FakeRun(run), FakeReader(), options_for(run), sink); };
 }

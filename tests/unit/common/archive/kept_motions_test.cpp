@@ -1,5 +1,5 @@
-// Goal: scenes and motions come out of an archive as they went in, and of a damaged or older one
-// the reason why not. Method: the made-up world through the memory twin; values that no writer
+// Goal: an archive returns scenes and motions as they were written, and a damaged or older archive
+// returns an error. Method: the made-up world in the in-memory archive; values that no writer
 // writes.
 #include "common/archive/kept_motions.h"
 
@@ -26,7 +26,7 @@ using testing::filler;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// An archive with finds.
+/// Writes an archive with finds.
 void write(MemoryArchive& archive) {
   FakeRunOptions options;
   options.finds = 5;
@@ -61,7 +61,7 @@ TEST(KeptMotions, ComeBackAsTheyWereWritten) {
   EXPECT_EQ(scene.value().high_m, expected.high_m);
   EXPECT_TRUE(scene.value().has_own_parts && scene.value().has_own_points);
 
-  // Of draws and of finds alike.
+  // The same for draws and for finds.
   for (const std::string_view group : {k_animations, k_finds}) {
     const KeptMotions motions(archive, group);
     const FakeRun run(options);
@@ -122,7 +122,7 @@ TEST(KeptMotions, DamageIsNamed) {
   EXPECT_EQ(findings([](MemoryArchive&) {}), "");
   for (const std::string_view group : {k_animations, k_finds}) {
     const auto says = [&](const std::function<void(MemoryArchive&)>& damage) {
-      // The digest is another one, too; rows are looked at where all else is sound.
+      // The damage also changes the digest; rows are checked only if everything else is sound.
       MemoryArchive archive;
       write(archive);
       damage(archive);
@@ -144,7 +144,7 @@ TEST(KeptMotions, DamageIsNamed) {
                 HasSubstr("invalid segment"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "mode")[0] = 4; }),
                 HasSubstr("invalid segment"));
-    // It is 0 in a byte.
+    // 256 would be 0 if cut to a byte.
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "mode")[0] = 256; }),
                 HasSubstr("invalid segment"));
     EXPECT_THAT(says([&](MemoryArchive& a) { small(a, group, "cause")[0] = 1; }),

@@ -1,5 +1,5 @@
-// Goal: the archive holds the run's values at their places, and its digest is a function of the
-// content alone. Method: write a fake run into the memory twin and look every value up.
+// Goal: the archive holds each of the run's values in its place, and its digest depends on the
+// content alone. Method: write a fake run into the in-memory archive and look up every value.
 #include "common/archive/layout.h"
 
 #include <gmock/gmock.h>
@@ -41,9 +41,9 @@ std::vector<std::string> dims_of(const Source& source, std::string_view group,
 }
 
 TEST(Layout, HoldsWhatATemperedRunLearntAndEachReplicasState) {
-  // Goal: /tempering holds a method's tables with their coordinates, the root its warning,
-  // /replicas each replica's newest state or NaN; verify finds it sound. Method: a run that says
-  // so.
+  // Goal: /tempering holds a method's tables with their coordinates, the root holds its warning,
+  // and /replicas holds each replica's newest state or NaN. Method: write a fake tempered run and
+  // verify it.
   const FakeRunOptions options;
   const testing::FakeTemperedRun run(options);
   MemoryArchive archive;
@@ -141,7 +141,7 @@ TEST(Layout, AnimationsCarryTheirMotion) {
   }
 }
 
-/// In which NaN equals NaN.
+/// Returns the values' bits, so that NaN equals NaN.
 std::string bits_of(const Values& values) {
   return std::visit(
       [](const auto& elements) {
@@ -158,9 +158,8 @@ std::string bits_of(const Values& values) {
 }
 
 TEST(Layout, FindsLieBesideDraws) {
-  // Goal: what a search found has a group of its own, with its motion, its starts and the throws
-  // that it is compared with; draws and animations are as without it. Method: one run with finds
-  // and without, and one of a search alone.
+  // Goal: finds have their own group with motions, starts and throws; they don't change draws and
+  // animations. Method: compare a run with and without finds; write a search without chains.
   const FakeRunOptions options{.finds = 6};
   const FakeRun run(options);
   MemoryArchive archive;
@@ -214,8 +213,8 @@ TEST(Layout, SmallestRuns) {
 }
 
 TEST(Layout, AWarningIsKept) {
-  // Goal: what a world says of its samples is in the archive and in its digest. Method: one run
-  // with and without.
+  // Goal: a world's warning about its samples is in the archive and in its digest. Method: write
+  // one run with and without a warning.
   const FakeRunOptions options;
   const auto archived = [&](MemoryArchive& archive, const std::string& warning) {
     return write_digested(archive, [&](Sink& sink) {
@@ -243,8 +242,8 @@ class FailedRun : public FakeRun {
 };
 
 TEST(Layout, FailuresAreCountedByKindAndOnlyWhereThereAreSome) {
-  // Goal: counts are in the archive and in its digest; a run without failures has no such
-  // attribute, so its digest is what it was. Method: runs with and without.
+  // Goal: failure counts are in the archive and in its digest. A run without failures has no such
+  // attribute, so its digest doesn't change. Method: write a run with and without failures.
   const FakeRunOptions options;
   const auto archived = [&](MemoryArchive& archive, const plan::FailureCounts& failures) {
     return write_digested(archive, [&](Sink& sink) {
@@ -271,7 +270,7 @@ TEST(Layout, FailuresAreCountedByKindAndOnlyWhereThereAreSome) {
   EXPECT_EQ(std::get<std::int64_t>(count->value), 1);
 }
 
-/// Half the motions can't be simulated to their end.
+/// Half of the motions can't be simulated to their end.
 class StuckReader : public FakeReader {
  public:
   Motion play(base::BytesView state) const override {
@@ -281,8 +280,9 @@ class StuckReader : public FakeReader {
 };
 
 TEST(Layout, AnimationsThatFailAreCounted) {
-  // Goal: one that satisfies and can't be simulated to its end is not kept, and is counted. Method:
-  // one run with a reader of which half fail, and with one of which none does.
+  // Goal: satisfying animations that can't be simulated to their end are counted but not kept.
+  // Method: write a run with a reader that fails for half of the motions, and with one that never
+  // fails.
   const FakeRunOptions options;
   MemoryArchive stuck;
   write_digested(stuck, [&](Sink& sink) {
@@ -312,7 +312,7 @@ TEST(Digest, CoversContentAndLeavesOutTheVersion) {
   EXPECT_EQ(left_out, 3);
   EXPECT_EQ(digest(archive), before);
 
-  // Each kind of change is noticed, and undone gives the old digest back.
+  // Each kind of change alters the digest; undoing it restores the digest.
   const auto changed = [&](auto&& change, auto&& undo) {
     change();
     EXPECT_NE(digest(archive), before);
@@ -364,8 +364,8 @@ TEST(DigestDeathTest, IncompleteArchivesAreBugs) {
 }
 
 TEST(Layout, SaysHowFarItIs) {
-  // Goal: parts in their order, each counted to its end, and the archive is the same. Method: all
-  // that is heard of a run.
+  // Goal: writing reports its parts in order, each up to its end, and reports don't change the
+  // archive. Method: record all reports of one run.
   const FakeRunOptions run{.chains = 3, .scans = 50, .thin = 5};
   std::vector<WritingProgress> heard;
   MemoryArchive told;

@@ -1,5 +1,6 @@
-// Goal: values and errors are the source's, and a row of small questions costs few. Method: random
-// questions, and rows of them, beside the source itself; a source with damage in one place; counts.
+// Goal: ReadAhead returns the source's values and errors, and many small sequential reads need few
+// source reads. Method: random and sequential reads, compared with the source; a source with one
+// damaged element; counts.
 #include "common/archive/read_ahead.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,7 @@
 namespace sleight::archive {
 namespace {
 
-/// Forwards, counts, and refuses what touches a place.
+/// Forwards reads, counts them, and refuses any that touch one element.
 class Counting final : public Source {
  public:
   Counting(const Source& source, std::uint64_t damage, std::uint64_t& asked)
@@ -77,7 +78,7 @@ TEST_F(ReadAheadTest, GivesWhatTheSourceHas) {
   random::Stream stream({.seed = 1, .purpose = random::Purpose::prior}, 0);
   std::uint64_t first = 0;
   for (int i = 0; i < 20'000; ++i) {
-    // Mostly on from where it was, else anywhere.
+    // Mostly continue from the last place, sometimes jump anywhere.
     if (stream.uniform() < 0.02 || first >= elements())
       first = static_cast<std::uint64_t>(stream.uniform() * static_cast<double>(elements()));
     const auto wanted = static_cast<std::uint64_t>(stream.uniform() * 40);
@@ -102,7 +103,7 @@ TEST_F(ReadAheadTest, AsksSeldomInARow) {
   for (std::uint64_t first = 0; first + 10 <= elements(); first += 10)
     static_cast<void>(ahead.read(k_group, "lp", first, 10));
   EXPECT_LE(asked_, 2 + elements() / k_read_ahead);
-  // Here and there it asks for no more than it is asked.
+  // Scattered reads cause no additional reads.
   asked_ = 0;
   for (const std::uint64_t first : {5000U, 100U, 9000U, 40U})
     static_cast<void>(ahead.read(k_group, "lp", first, 10));

@@ -1,4 +1,5 @@
-// Motions are simulated once, and nothing else changes.
+// Goal: RememberingReader simulates each motion once and changes no values. Method: count
+// simulations and compare with the plain reader.
 #include "common/archive/remembering_reader.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 
 using namespace testing;
 
-/// Counts what is simulated; half the motions fail.
+/// Counts simulations; half of the motions fail.
 class CountingReader final : public FakeReader {
  public:
   Motion play(base::BytesView state) const override {
@@ -53,9 +54,9 @@ class MapOfMotions final : public Motions {
 };
 
 TEST(RememberingReader, SimulatesEachMotionOnce) {
-  // Goal: two archives of a run simulate each motion once, those that fail too; they are
-  // the same as without memory. Method: count; a plain reader simulates what is kept
-  // twice for each archive.
+  // Goal: two archives of a run simulate each motion once, including motions that fail, and equal
+  // the archive of a plain reader. Method: count simulations; compare digests. The plain reader
+  // simulates kept motions twice per archive.
   const FakeRunOptions options;
   const auto digest_by = [&](const StateReader& reader) {
     MemoryArchive archive;
@@ -76,7 +77,7 @@ TEST(RememberingReader, SimulatesEachMotionOnce) {
 }
 
 TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
-  // Goal: who gives up an archive waits for one motion at most. Method: the question throws.
+  // Goal: cancelling an archive waits for one motion at most. Method: the callback throws.
   const FakeReader reader;
   MapOfMotions motions;
   bool is_stopped = false;
@@ -87,7 +88,7 @@ TEST(RememberingReader, CanBeStoppedBeforeAMotionOrAComparison) {
   const base::Bytes other = FakeReader::state_of(4);
   (void)remembering.play(one);
   is_stopped = true;
-  EXPECT_NO_THROW((void)remembering.play(one));  // known
+  EXPECT_NO_THROW((void)remembering.play(one));  // in memory
   EXPECT_THROW((void)remembering.play(other), std::runtime_error);
   EXPECT_THROW((void)remembering.likeness(one), std::runtime_error);
   is_stopped = false;

@@ -1,4 +1,4 @@
-// Goal: text that could steer a terminal or break JSON is told apart. Method: cases of RFC 3629.
+// Goal: text that could control a terminal or break JSON is recognised. Method: cases of RFC 3629.
 #include "common/archive/text.h"
 
 #include <gtest/gtest.h>

@@ -16,8 +16,8 @@ std::optional<T> read_one(BytesView bytes) {
 }
 
 TEST(Bytes, ComeBackAsTheyWerePut) {
-  // Goal: scalars of every size come back in order, doubles bit for bit.
-  // Method: one of each, with the doubles whose bits are easily lost.
+  // Goal: scalars of every size read back in order, doubles bit for bit. Method: write and read one
+  // of each size, and doubles whose bits are easily lost.
   const double payload = std::bit_cast<double>(std::uint64_t{0x7ff4'0000'dead'beef});
   ByteWriter writer;
   writer.put(std::uint8_t{200});
@@ -43,15 +43,16 @@ TEST(Bytes, ComeBackAsTheyWerePut) {
 }
 
 TEST(Bytes, AreLittleEndian) {
-  // Goal: stored bytes are the same on every machine. Method: a number whose bytes all differ.
+  // Goal: stored bytes are the same on every machine. Method: write a number whose bytes all
+  // differ.
   ByteWriter writer;
   writer.put(std::uint32_t{0x04030201});
   EXPECT_EQ(writer.take(), (Bytes{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}}));
 }
 
 TEST(Bytes, EndWithoutAValue) {
-  // Goal: no read passes the end, and a failed one takes nothing. Method: every length up to two
-  // words, read as words; what is left is then read byte by byte.
+  // Goal: no read passes the end, and a failed read consumes nothing. Method: for every length up
+  // to two words, read words, then the rest byte by byte.
   for (std::size_t size = 0; size <= 16; ++size) {
     const Bytes bytes(size, std::byte{9});
     ByteReader reader(bytes);
@@ -71,7 +72,7 @@ TEST(Bytes, EndWithoutAValue) {
 }
 
 TEST(Bytes, AreReadAtAnyAddress) {
-  // Goal: values need no alignment. Method: one double at eight neighbouring addresses.
+  // Goal: values need no alignment. Method: read a double at eight neighbouring addresses.
   for (std::size_t offset = 0; offset < 8; ++offset) {
     ByteWriter writer;
     for (std::size_t i = 0; i < offset; ++i)
@@ -83,7 +84,7 @@ TEST(Bytes, AreReadAtAnyAddress) {
 }
 
 TEST(Bytes, OfArraysAreTheirContent) {
-  // Goal: bytes_of gives all elements, and nothing of none. Method: read them back.
+  // Goal: bytes_of returns all elements, and no bytes for an empty span. Method: read them back.
   const std::vector<std::uint32_t> values{1, 0xffffffffU, 3};
   ByteReader reader(bytes_of(std::span(values)));
   for (const std::uint32_t value : values)

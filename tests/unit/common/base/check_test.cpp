@@ -24,8 +24,8 @@ class CheckDeathTest : public ::testing::Test {
 };
 
 TEST_F(CheckDeathTest, PrintsPlaceConditionAndBothOperands) {
-  // Goal: a bug report can be written from the message alone. Method: each macro with operands
-  // that fail it; the process ends by SIGABRT, in release builds too.
+  // Goal: a failed check's message suffices for a bug report. Method: fail each macro; the process
+  // must end by SIGABRT, in release builds too.
   const int three = 3;
   const int four = 4;
   EXPECT_DEATH(CHECK(three == four),
@@ -40,16 +40,16 @@ TEST_F(CheckDeathTest, PrintsPlaceConditionAndBothOperands) {
 }
 
 TEST_F(CheckDeathTest, PrintsTextIdsAndWhatHasNoFormat) {
-  // Goal: operands of any type compile and print as well as they can. Method: a string, an id, and
-  // a struct that nothing can print.
+  // Goal: operands of any type compile and print if they can. Method: a string, an id and an
+  // unprintable struct.
   EXPECT_DEATH(CHECK_EQ(std::string("left"), std::string("right")), "\\(left against right\\)");
   EXPECT_DEATH(CHECK_EQ(ChainId{7}, ChainId{8}), "\\(7 against 8\\)");
   EXPECT_DEATH(CHECK_EQ(Unprintable{1}, Unprintable{2}), "\\(\\? against \\?\\)");
 }
 
 TEST_F(CheckDeathTest, PrintsHowToRepeatTheRun) {
-  // Goal: whatever thread a check fails in, the notes of the main follow it, in order. Method: two
-  // notes, then a check in this thread and in another one.
+  // Goal: a check that fails in any thread prints the main thread's notes in order. Method: two
+  // notes, then a failed check in this thread and in another thread.
   const auto note = [] {
     add_repeat_note("to repeat: sleight direct hi.toml");
     add_repeat_note("seed 7");
@@ -71,8 +71,8 @@ TEST_F(CheckDeathTest, PrintsHowToRepeatTheRun) {
 }
 
 TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
-  // Goal: an exception that leaves a thread is a bug with a report. Method: throw one of the
-  // standard's and another one in a thread of a process that reports them.
+  // Goal: an exception that leaves a thread is reported as a bug. Method: throw a standard
+  // exception and another one in a thread of a reporting process.
   const auto throw_in_thread = [](const auto& exception) {
     report_uncaught_exceptions();
     add_repeat_note("seed 7");
@@ -86,7 +86,7 @@ TEST_F(CheckDeathTest, PrintsExceptionsThatNobodyCatches) {
 }
 
 TEST(RepeatNotes, AreKeptInOrderFromAllThreads) {
-  // Goal: no note is lost. Method: threads that add them at once; each thread's stay in order.
+  // Goal: no note is lost. Method: threads add notes at once; each thread's notes stay in order.
   const std::string before = repeat_notes();
   std::vector<std::thread> threads;
   for (const char name : {'a', 'b', 'c'}) {
@@ -109,7 +109,7 @@ TEST(RepeatNotes, AreKeptInOrderFromAllThreads) {
 }
 
 TEST(CommandLine, IsWhatAShellReadsBack) {
-  // Goal: the line that is printed can be pasted. Method: plain and awkward arguments.
+  // Goal: the printed command line can be pasted into a shell. Method: plain and awkward arguments.
   const char* const arguments[] = {"sleight", "direct", "my request.toml", "-o", "a'b.h5",
                                    "",        "$x"};
   EXPECT_EQ(command_line(7, arguments),
@@ -117,7 +117,7 @@ TEST(CommandLine, IsWhatAShellReadsBack) {
 }
 
 TEST(Check, EvaluatesEachOperandOnce) {
-  // Goal: a check that holds changes nothing and costs its operands once. Method: count calls.
+  // Goal: a check that holds changes nothing and evaluates its operands once. Method: count calls.
   int calls = 0;
   const auto next = [&] { return ++calls; };
   CHECK_EQ(next(), 1);

@@ -13,7 +13,7 @@ namespace {
 
 class Cores : public archive::testing::Scratch {
  protected:
-  /// A file of the kernel's.
+  /// Writes a file like those of the kernel.
   void say(const std::string& name, const std::string& text) {
     std::filesystem::create_directories(std::filesystem::path(path(name)).parent_path());
     PosixFileSystem files;
@@ -22,8 +22,8 @@ class Cores : public archive::testing::Scratch {
 };
 
 TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
-  // Goal: the least quota of a group and those above it, in both versions of control groups.
-  // Method: files as the kernel has them, in a folder.
+  // Goal: core_quota returns the lowest quota of a group and its ancestors, in both versions of
+  // control groups. Method: a folder with files like the kernel's.
   const auto quota = [&](const char* groups) { return core_quota(groups, path("")); };
   EXPECT_EQ(quota("0::/a/b\n"), std::nullopt);
   say("cpu.max", "max 100000\n");
@@ -34,7 +34,7 @@ TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
   EXPECT_EQ(quota("0::/\n"), std::nullopt);
   say("a/b/cpu.max", "1000 100000\n");
   EXPECT_EQ(quota("0::/a/b\n"), 1U);
-  // A container's own group is its top.
+  // Inside a container, its own group is the root.
   say("cpu.max", "200000 100000\n");
   EXPECT_EQ(quota("0::/docker/17\n"), 2U);
   EXPECT_EQ(quota("nonsense\n0\n"), std::nullopt);
@@ -51,7 +51,7 @@ TEST_F(Cores, AreNoMoreThanAQuotaPaysFor) {
 }
 
 TEST(CoresHere, AreThoseOfTheAffinity) {
-  // Goal: a process that is bound to a core starts one thread. Method: bind this thread.
+  // Goal: a process bound to one core starts one thread. Method: bind this thread.
   cpu_set_t all;
   ASSERT_EQ(::sched_getaffinity(0, sizeof(all), &all), 0);
   int first = 0;

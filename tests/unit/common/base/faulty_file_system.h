@@ -1,4 +1,4 @@
-// A file system that fails when it is told to: the real one, with a fault at a chosen call.
+// The real file system, with a fault at a chosen call.
 //
 // Counts the calls of all its files. Not thread-safe.
 #pragma once
@@ -35,23 +35,23 @@ std::string name_of(FileCall call);
 struct Fault {
   static constexpr std::uint64_t k_for_ever = std::numeric_limits<std::uint64_t>::max();
 
-  std::optional<FileCall> call{};  ///< only these are counted and fail; none: all
-  std::uint64_t after = 0;         ///< so many good calls
+  std::optional<FileCall> call{};  ///< calls of this kind are counted and fail; none: all kinds
+  std::uint64_t after = 0;         ///< calls that succeed before the first failure
   std::uint64_t times = k_for_ever;
   std::errc reason{};
 };
 
 class FaultyFileSystem final : public FileSystem {
  public:
-  /// From now on.
+  /// Starts counting for this fault, from the next call.
   void fail(const Fault& fault);
-  /// Calls that failed since fail.
+  /// Number of failed calls since `fail`.
   std::uint64_t failures() const { return failures_; }
 
   bool exists(const std::string& path) const override;
   bool is_directory(const std::string& path) const override;
   std::vector<std::string> names_in(const std::string& folder) const override;
-  /// The file must not outlive this object. A write that fails has written half of its bytes.
+  /// The file must not outlive this object. A failing write still writes half of its bytes.
   Result<std::unique_ptr<File>, std::error_code> create(const std::string& path) override;
   void sync_file(const std::string& path) override;
   void sync_directory_of(const std::string& path) override;
@@ -59,7 +59,7 @@ class FaultyFileSystem final : public FileSystem {
   void remove(const std::string& path) override;
   void make_folder(const std::string& path) override;
 
-  /// The reason for which this call fails; none: it goes through.
+  /// Returns the error with which this call fails. None: the call succeeds.
   std::error_code failure_of(FileCall call) const;
 
  private:

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 class FileSystemOfPosix : public archive::testing::Scratch {
  protected:
-  /// The message of the base::Error that `act` throws.
+  /// Returns the message of the base::Error that `act` throws.
   static std::string failure_of(const std::function<void()>& act) {
     try {
       act();
@@ -36,8 +36,8 @@ class FileSystemOfPosix : public archive::testing::Scratch {
 };
 
 TEST_F(FileSystemOfPosix, KnowsWhatExists) {
-  // Goal: yes and no are right, and what can't be known is an error. Method: a file, a folder,
-  // nothing, a path through a file, and a name longer than any system allows.
+  // Goal: existence tests answer yes or no correctly, and report an error if unsure. Method: a
+  // file, a folder, a missing path, a path through a file, and an overlong name.
   put_bytes(path("file"), "x");
   EXPECT_TRUE(files_.exists(path("file")));
   EXPECT_TRUE(files_.exists(path("")));
@@ -48,8 +48,8 @@ TEST_F(FileSystemOfPosix, KnowsWhatExists) {
 }
 
 TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
-  // Goal: folders are told from files, and their names come in one order. Method: a folder, a file,
-  // nothing, and a path through a file; what can't be listed is an error that names it.
+  // Goal: folders and files are distinguished, and names are sorted. Method: a folder, a file, a
+  // missing path, and a path through a file; an error names a path that can't be listed.
   put_bytes(path("b"), "x");
   put_bytes(path("a"), "x");
   std::filesystem::create_directory(path("c"));
@@ -64,8 +64,8 @@ TEST_F(FileSystemOfPosix, TellsFoldersAndWhatIsInThem) {
 }
 
 TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
-  // Goal: a file holds what was written where it was written, zeros elsewhere. Method: write with a
-  // gap, read over the end, shrink, close; create again empties it.
+  // Goal: a file holds the bytes written at their offsets and zeros elsewhere. Method: write with a
+  // gap, read over the end, shrink, close; creating the file again empties it.
   const auto bytes = [](std::string_view text) { return std::as_bytes(std::span(text)); };
   auto file = std::move(files_.create(path("file"))).value();
   EXPECT_FALSE(file->write_at(3, bytes("defg")));
@@ -81,8 +81,8 @@ TEST_F(FileSystemOfPosix, WritesAndReadsAtAnyPlace) {
 }
 
 TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
-  // Goal: a link in a new file's place does not make us write somewhere else, and reasons are the
-  // system's. Method: a link to a file, a missing folder, a folder, and a device that is full.
+  // Goal: create doesn't follow a link at the new file's path, and errors are the system's. Method:
+  // a link to a file, a missing folder, a folder, and a full device.
   put_bytes(path("target"), "kept");
   std::filesystem::create_symlink(path("target"), path("link"));
   EXPECT_EQ(files_.create(path("link")).error(), std::errc::too_many_symbolic_link_levels);
@@ -97,7 +97,7 @@ TEST_F(FileSystemOfPosix, CreatesNothingThroughALink) {
 }
 
 TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
-  // Goal: a person can act on the message. Method: each function on a path that fails it.
+  // Goal: a message names what failed. Method: each function on a path that fails.
   const std::string missing = path("missing");
   const std::string below = path("nowhere/file");
   std::filesystem::create_directory(path("folder"));
@@ -112,8 +112,8 @@ TEST_F(FileSystemOfPosix, ErrorsNameThePathAndTheReason) {
 }
 
 TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
-  // Goal: the whole file or an error, never a part. Method: sizes around the limit, zero bytes
-  // within, a folder, nothing.
+  // Goal: read returns the whole file or an error, never a part. Method: sizes around the limit,
+  // zero bytes within, a folder, a missing file.
   const std::string text("a\0b\n", 4);
   put_bytes(path("text"), text);
   put_bytes(path("empty"), "");
@@ -129,7 +129,7 @@ TEST_F(FileSystemOfPosix, ReadsTextUpToALimit) {
 }
 
 TEST(DirectoryOf, IsTheFolderPart) {
-  // Goal: the folder that must be synced after a rename. Method: every form of path.
+  // Goal: directory_of returns the folder to sync after a rename. Method: every form of path.
   EXPECT_EQ(directory_of("file"), ".");
   EXPECT_EQ(directory_of("/file"), "/");
   EXPECT_EQ(directory_of("a/file"), "a");

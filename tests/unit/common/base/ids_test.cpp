@@ -9,7 +9,7 @@
 namespace sleight::base {
 namespace {
 
-// A chain is not a replica, a number is not an id, and neither turns into the other by itself.
+// Ids of different kinds, and plain numbers, don't convert to each other implicitly.
 static_assert(!std::same_as<ChainId, ReplicaId>);
 static_assert(!std::convertible_to<ChainId, ReplicaId>);
 static_assert(!std::constructible_from<ReplicaId, ChainId>);
@@ -20,7 +20,8 @@ static_assert(std::same_as<ScanIndex::representation, std::uint64_t>);
 static_assert(std::is_trivially_copyable_v<ScanIndex>);
 
 TEST(Ids, PrintAsTheirNumber) {
-  // Goal: messages show the number, with the number's format options. Method: the largest of each.
+  // Goal: an id formats as its number, with the number's format options. Method: the largest of
+  // each kind.
   EXPECT_EQ(fmt::format("{}", ChainId{std::numeric_limits<std::uint32_t>::max()}), "4294967295");
   EXPECT_EQ(fmt::format("{}", ScanIndex{std::numeric_limits<std::uint64_t>::max()}),
             "18446744073709551615");

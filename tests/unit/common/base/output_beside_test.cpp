@@ -25,9 +25,9 @@ class Outputs : public archive::testing::Scratch {
 };
 
 TEST_F(Outputs, GoWhereLinksLead) {
-  // Goal: a link stays and its target is written, whether it is there or not. Method: a link in
-  // another folder, a link to a link, one that leads nowhere, one in a circle, a folder's with a
-  // slash.
+  // Goal: writing through a link keeps the link and writes its target, even if the target is
+  // missing. Method: a link in another folder, a link to a link, a dangling link, a circular link,
+  // a link to a folder with a slash.
   fs::create_directory(path("real"));
   fs::create_symlink("real/a", path("near"));
   fs::create_symlink(path("near"), path("far"));
@@ -46,8 +46,8 @@ TEST_F(Outputs, GoWhereLinksLead) {
 }
 
 TEST_F(Outputs, AreWholeOrAsBefore) {
-  // Goal: what fails leaves what was there, and nothing beside it; modes are the umask's. Method: a
-  // writer that throws, a full device, a folder that is not there, two umasks.
+  // Goal: a failed write leaves the old file and no other file; modes follow the umask. Method: a
+  // writer that throws, a full device, a missing folder, two umasks.
   write("a", "old");
   const auto throwing = [](std::ostream& file) {
     file << "new";

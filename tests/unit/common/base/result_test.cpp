@@ -12,8 +12,8 @@ namespace {
 using Number = Result<int, std::string>;
 
 TEST(Result, KeepsSidesApartWhenTypesAreClose) {
-  // Goal: a value and a reason of related types aren't mixed up. Method: a reason that is itself
-  // convertible to the value's type.
+  // Goal: a value and an error of related types aren't confused. Method: an error that converts to
+  // the value's type.
   struct Reason {
     operator int() const { return 5; }
   };
@@ -22,7 +22,8 @@ TEST(Result, KeepsSidesApartWhenTypesAreClose) {
 }
 
 TEST(ResultDeathTest, ReadingTheOtherSideIsABug) {
-  // Goal: nobody reads what isn't there. Method: each of the three readers on the wrong side.
+  // Goal: reading the absent side ends the program. Method: each of the three readers on the wrong
+  // side.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const Number good(7);
   EXPECT_DEATH((void)good.error(), "check failed: .*\\(0 against 1\\)");

@@ -1,5 +1,5 @@
-// Goal: sizes and times are read as people write them, nothing else is, and what is written reads
-// back to the same. Method: examples, and a round trip over sizes of every order.
+// Goal: sizes and times are read in the forms that people write, other texts are refused, and
+// written values read back equal. Method: examples, and a round trip over sizes of every magnitude.
 #include "common/config/quantities.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Goal: a setting comes from the first source that gives it, says which, and everything wrong is
-// named with its place and what was expected. Method: settings_of on environments and files made up
-// here; one test lets the shell read real ones.
+// Goal: a setting comes from the first source that sets it and names that source; each error names
+// its place and the expected value. Method: settings_of on made-up environments and files; one test
+// lets the shell read real ones.
 #include "common/config/settings.h"
 
 #include <gmock/gmock.h>
@@ -74,7 +74,7 @@ TEST(Settings, FoldersFollowTheXdgVariables) {
   EXPECT_EQ(good(xdg).state.value, "/var/ada/sleight");
   EXPECT_EQ(config_path_of(surroundings(xdg)), "/etc/ada/sleight/config.toml");
   EXPECT_EQ(config_path_of(surroundings(k_ada)), "/people/ada/.config/sleight/config.toml");
-  // A relative one does not count.
+  // A relative path doesn't count.
   const Variables relative{{"HOME", "/people/ada"}, {"XDG_STATE_HOME", "ada"}};
   EXPECT_EQ(good(relative).state.value, "/people/ada/.local/state/sleight");
   EXPECT_EQ(config_path_of(surroundings({})), std::nullopt);
@@ -108,7 +108,7 @@ TEST(Settings, FirstSourceWins) {
       {"HOME", "/people/ada"}, {"SLEIGHT_STATE", "/environment"}, {"SLEIGHT_SOCKET", ""}};
   const Settings s = good(both, file, {{"cores", "3", "--cores"}, {"slice", "20s", "--slice"}});
   EXPECT_EQ(s.state, (Setting<std::string>{"/environment", Origin::environment, "SLEIGHT_STATE"}));
-  // An empty variable is none.
+  // An empty variable counts as not set.
   EXPECT_EQ(s.socket, (Setting<std::string>{"/file/s", Origin::file, "/c/config.toml:2:1"}));
   EXPECT_EQ(s.cores, (Setting<std::uint64_t>{3, Origin::command_line, "--cores"}));
   EXPECT_EQ(s.slice_s.value, 20);
@@ -147,7 +147,7 @@ TEST(Settings, ErrorsOfTheFileHaveTheirPlaces) {
 }
 
 TEST(Settings, AGroupNeedsASocketOutsideOfTheStateFolder) {
-  // The folder is its owner's alone, so nobody else would reach it.
+  // Only its owner can open the state folder, so a group couldn't reach a socket in it.
   EXPECT_EQ(errors(k_ada, "socket = \"/run/sleight/socket\"\ngroup = \"film\"\n"), "");
   EXPECT_EQ(errors(k_ada, "group = \"film\"\n"),
             "config.toml:1:1: a group needs a socket outside the state folder, which only its "
@@ -228,7 +228,8 @@ TEST(Settings, ErrorsElsewhereNameWhatGaveThem) {
 }
 
 TEST(Settings, RowsTellEverySettingAsTheFileWouldHaveIt) {
-  // Goal: no setting is left out. Method: rows of values other than the defaults, as a file again.
+  // Goal: rows() omits no setting. Method: set every value apart from its default and read the rows
+  // back as a file.
   const Settings s =
       good(k_ada,
            "state = \"/a\"\nsocket = \"/b\"\ngroup = \"film\"\nlisten = \"[::1]:2\"\n"

@@ -1,4 +1,5 @@
-// A run's log of events: what it keeps, and what readers see meanwhile.
+// Goal: a run's event log keeps the newest events, and readers see them while it is written.
+// Method: real files, threads and limits.
 #include "common/events/event_log.h"
 
 #include <gtest/gtest.h>
@@ -35,8 +36,8 @@ class EventLogTest : public archive::testing::Scratch {
 };
 
 TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
-  // Goal: a log goes on where a killed process left it, without its torn line. Method: three
-  // sessions; garbage without an end and a damaged line between them.
+  // Goal: a new session appends to a killed session's log and drops its incomplete line. Method:
+  // three sessions with an incomplete line and a damaged line between them.
   EXPECT_TRUE(read_event_log(folder()).empty());
   EXPECT_TRUE(read_event_log(path("nowhere")).empty());
   {
@@ -50,7 +51,7 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
     log.append(numbered(2));
   }
   std::ofstream(path("events.log"), std::ios::app) << "{";
-  EXPECT_EQ(read_event_log(folder()).size(), 3U);  // while it is being written
+  EXPECT_EQ(read_event_log(folder()).size(), 3U);  // the file is still open for writing
   EventLog log(folder());
   log.append({.what = Phase{.words = "b"}});
   const auto events = read_event_log(folder());
@@ -61,8 +62,8 @@ TEST_F(EventLogTest, GoesOnOverSessionsAndTornLines) {
 }
 
 TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
-  // Goal: whatever a run tells, its log keeps to its bound and has the newest events without a gap,
-  // at least half the bound of them once there were so many. Method: many events, a small bound.
+  // Goal: a log stays within its bound and holds the newest events without a gap, at least half the
+  // bound's worth. Method: many events, a small bound.
   constexpr std::uint64_t k_bytes_max = 10'000;
   EventLog log(folder(), k_bytes_max);
   for (std::uint64_t number = 1; number <= 2000; ++number) {
@@ -80,8 +81,8 @@ TEST_F(EventLogTest, IsBoundedAndKeepsTheNewest) {
 }
 
 TEST_F(EventLogTest, ReadersSeeNoGapWhileItTurnsOver) {
-  // Goal: a reader at any moment sees consecutive numbers, and never fewer than before. Method: a
-  // thread that reads all the time beside a writer that turns over every few events.
+  // Goal: a reader sees consecutive numbers at any moment, and its newest number never decreases.
+  // Method: a thread reads all the time beside a writer that rotates its files every few events.
   std::atomic<bool> is_over = false;
   std::atomic<std::uint64_t> looks = 0;
   std::optional<std::string> complaint;
@@ -109,7 +110,7 @@ TEST_F(EventLogTest, ReadersSeeNoGapWhileItTurnsOver) {
   EXPECT_EQ(complaint, std::nullopt);
 }
 
-/// So many bytes and no more fit into a file, as on a disk that is full: until the end of its life.
+/// Limits the size of files during its lifetime, as a full disk does.
 class FullDisk {
  public:
   explicit FullDisk(std::uint64_t bytes) {
@@ -128,9 +129,9 @@ class FullDisk {
 };
 
 TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
-  // Goal: a full disk cuts no line in two and costs the lines of that time alone; a second after it
-  // has room the log goes on, and so it does when somebody has deleted it. Method: a limit on file
-  // sizes that a line overruns, which goes away; a clock by hand.
+  // Goal: a full disk never splits a line and loses only the lines written meanwhile. The log
+  // resumes a second after space is free again, or after somebody deletes it. Method: a file-size
+  // limit that is lifted, and a manual clock.
   base::ManualClock clock;
   EventLog log(folder(), k_event_log_bytes_max, clock);
   log.append(numbered(1));
@@ -158,8 +159,8 @@ TEST_F(EventLogTest, GoesOnWhenThereIsRoomAgain) {
 }
 
 TEST_F(EventLogTest, ADiskThatFailsEndsNothing) {
-  // Goal: a log that can't be written is given up, in silence for the run. Method: a folder that is
-  // not there; a log that has become a folder when it turns over.
+  // Goal: a log that can't be written is abandoned without stopping the run. Method: a missing
+  // folder; a rotated log whose name a folder occupies.
   EventLog nowhere(path("nowhere"));
   nowhere.append(numbered(1));
   EventLog log(folder(), 1'000);

@@ -20,8 +20,8 @@ TEST(Grouped, GroupsByThousands) {
 }
 
 TEST(ClockTime, ShowsMinutesAndHours) {
-  // Goal: times as people write them, rounded up, so that 0:00 means done. Method: both sides of
-  // each boundary; what is no time of a run shows as something harmless.
+  // Goal: times appear as people write them, rounded up, so that 0:00 means done. Method: both
+  // sides of each boundary; invalid times must show as something harmless.
   EXPECT_EQ(clock_time(0), "0:00");
   EXPECT_EQ(clock_time(0.2), "0:01");
   EXPECT_EQ(clock_time(4), "0:04");
@@ -36,7 +36,7 @@ TEST(ClockTime, ShowsMinutesAndHours) {
 }
 
 TEST(ProgressLine, IsAsItsHeaderShows) {
-  // Goal: the line of the header's example. Method: the numbers behind it.
+  // Goal: the progress line matches the header's example. Method: the example's numbers.
   const Progress progress{.scans_done = 12400,
                           .scans_total = 40000,
                           .session_scans = 8520,
@@ -54,8 +54,8 @@ TEST(ProgressLine, IsAsItsHeaderShows) {
 }
 
 TEST(ProgressLine, TellsTheOddsSoFar) {
-  // Goal: who asks for the odds sees them come, how rough they are, and how long it takes. Method:
-  // before the first island, in the pilot, in the batch, and at the end.
+  // Goal: a run that requests odds shows them, their error and the remaining time. Method: before
+  // the first island, in the pilot, in the batch, and at the end.
   Progress progress{.odds = {.are_asked = true}, .workers = 2, .elapsed_s = 1};
   EXPECT_EQ(progress_line("x", progress),
             "x  log P not known yet (0 islands)  0 sims/s  2 workers");
@@ -81,13 +81,14 @@ TEST(ProgressLine, TellsTheOddsSoFar) {
 }
 
 TEST(ProgressLine, TellsFailures) {
-  // Goal: what failed is seen, before what a narrow terminal cuts off. Method: some, in two kinds.
+  // Goal: failures come early in the line, where a narrow terminal doesn't cut them off. Method:
+  // failures of two kinds.
   const Progress progress{.scans_done = 10, .failures = {.by_kind = {1200, 0, 0, 0, 34, 0}}};
   EXPECT_THAT(progress_line("x", progress), ::testing::StartsWith("x  10 scans  1,234 FAILED  0"));
 }
 
 TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
-  // Goal: no made-up numbers. Method: at the very start; without a total; finished.
+  // Goal: unknown numbers are not shown. Method: at the very start; without a total; finished.
   EXPECT_EQ(progress_line("x", {}),
             "x  0 scans  0 sims/s  solutions 0  satisfied 0 (0%)  accepted 0%  0 workers");
   EXPECT_EQ(progress_line("x", {.scans_done = 1500,
@@ -106,8 +107,8 @@ TEST(ProgressLine, LeavesOutWhatIsNotKnown) {
 }
 
 TEST(ProgressLine, CountsWhatASearchDoes) {
-  // Goal: never "0 sims/s" while something is simulated. Method: before the first start has ended,
-  // among starts, and while finds are relaxed.
+  // Goal: the line never shows "0 sims/s" while something is simulated. Method: before the first
+  // start has ended, among starts, and while finds are relaxed.
   Progress search{.finds = {.wanted = 5, .is_all = true}, .workers = 2, .elapsed_s = 12};
   EXPECT_EQ(progress_line("x", search),
             "x  0 of 5 found after 0.0 s  first starts running for 0:12  2 workers");

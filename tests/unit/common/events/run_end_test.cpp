@@ -23,8 +23,8 @@ RunEnd example() {
 }
 
 TEST(RunEnd, IsOneLineThatComesBack) {
-  // Goal: a record is a line by itself and comes back as it was, whatever its kind. Method: every
-  // end; words with quotes, line ends and letters beyond ASCII.
+  // Goal: any record is one line and reads back equal. Method: every kind of end; texts with
+  // quotes, line ends and non-ASCII letters.
   for (int kind = 0; kind <= static_cast<int>(End::bug); ++kind) {
     RunEnd end = example();
     end.end = static_cast<End>(kind);
@@ -41,9 +41,9 @@ TEST(RunEnd, IsOneLineThatComesBack) {
 }
 
 TEST(RunEnd, FitsAPipe) {
-  // Goal: a pipe takes any record whole. Method: words of many lengths, of characters that take one
-  // to six bytes in JSON, bytes that are no UTF-8 among them; what is left begins and ends as they
-  // do.
+  // Goal: every record fits a pipe's atomic write, with its long text shortened. Method: texts of
+  // many lengths, of characters that take one to six bytes in JSON, and of invalid UTF-8; the
+  // shortened text keeps its beginning and end.
   for (const char* character : {"x", "\n", "\x01", "\xff", "\u20ac"}) {
     for (const std::size_t count : {1U, 700U, 3900U, 4096U, 5000U, 100'000U}) {
       RunEnd end = example();
@@ -66,9 +66,8 @@ TEST(RunEnd, FitsAPipe) {
 }
 
 TEST(RunEnd, NothingElseIsOne) {
-  // Goal: what is damaged is no record. Method: each byte of a line replaced, removed or the line
-  // cut there: either it is refused or reads as another record, never as this one; and keys that
-  // are missing, doubled in kind or of another type.
+  // Goal: a damaged line never reads as the original record. Method: replace or remove each byte of
+  // a line, or cut the line there; drop keys, contradict the kind, or change types.
   const std::string line = to_line(example());
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     std::string other = line;

@@ -41,8 +41,8 @@ std::vector<RunEvent> examples() {
 }
 
 TEST(RunEvent, ComesBackFromItsLine) {
-  // Goal: each kind of event is one line that comes back with every field. Method: examples of all
-  // kinds; the line made of what was read is the same.
+  // Goal: each kind of event is one line that reads back with every field. Method: write, read and
+  // write examples of all kinds; both lines must be equal.
   for (const RunEvent& event : examples()) {
     const std::string line = to_line(event);
     EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
@@ -60,8 +60,9 @@ TEST(RunEvent, ComesBackFromItsLine) {
 }
 
 TEST(RunEvent, NothingElseIsOne) {
-  // Goal: what is cut or changed is no event, or another one, and never a crash. Method: each line
-  // cut at each byte; each byte changed; fields that are missing, of another type or too large.
+  // Goal: a damaged line is refused or reads as another event, and never crashes. Method: cut each
+  // line at each byte; change each byte; drop fields, or give them another type or too large
+  // values.
   for (const RunEvent& event : examples()) {
     const std::string line = to_line(event);
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {

@@ -27,8 +27,8 @@ FailureFile example() {
 }
 
 TEST(FailureFile, ComesBack) {
-  // Goal: what is read is what was written. Method: awkward texts, large numbers, every kind,
-  // states of many sizes.
+  // Goal: a failure file reads back equal. Method: awkward texts, large numbers, every kind, states
+  // of many sizes.
   for (std::size_t kind = 0; kind < plan::k_failure_kinds; ++kind) {
     FailureFile file = example();
     file.failed.failure.kind = static_cast<plan::FailureKind>(kind);
@@ -38,7 +38,7 @@ TEST(FailureFile, ComesBack) {
     EXPECT_EQ(back.value().failed, file.failed);
     EXPECT_EQ(back.value().replica, file.replica);
     EXPECT_EQ(back.value().program_version, file.program_version);
-    // The request stands on the lines on which the file has it, so that its errors name these.
+    // The request keeps its line numbers within the file, so that its errors name the file's lines.
     const std::string& text = back.value().request_text;
     EXPECT_EQ(text.substr(text.find('[')), k_request);
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), std::ranges::count(to_text(file), '\n'));
@@ -46,7 +46,7 @@ TEST(FailureFile, ComesBack) {
 }
 
 TEST(FailureFile, NamesWhatIsWrong) {
-  // Goal: each error names the file, its place and the key. Method: one fault at a time.
+  // Goal: each error names the file, the place and the key. Method: one fault at a time.
   const std::string good = to_text(example());
   const auto error_of = [&](const std::string& from, const std::string& to) {
     std::string text = good;
@@ -69,14 +69,14 @@ TEST(FailureFile, NamesWhatIsWrong) {
 }
 
 TEST(FailureFile, ChangedFilesAreRefused) {
-  // Goal: damage is never taken for a simulation that succeeds by now. Method: each byte of a file
-  // changed in turn, in its comment and its request too; and a file without a checksum.
+  // Goal: a damaged file is refused instead of replaying another simulation. Method: change each
+  // byte in turn, in the comment and the request too; remove the checksum.
   const std::string good = to_text(example());
   for (std::size_t at = 0; at < good.size(); ++at) {
     std::string text = good;
     text[at] = text[at] == 'e' ? 'f' : 'e';
     const auto back = read(text, "x.toml");
-    // With another name of the key, or a longer one, it has no checksum, and is read.
+    // A file whose checksum key was renamed has no checksum and is read.
     const std::size_t key = good.find("checksum");
     if (at >= key && at <= key + std::string_view("checksum").size()) continue;
     EXPECT_FALSE(back.ok()) << text;
@@ -94,9 +94,8 @@ TEST(FailureFile, ChangedFilesAreRefused) {
 }
 
 TEST(FailureFile, AnyBytesAreReadOrRefused) {
-  // Goal: no file stops the process. Method: files with changed, lost and doubled bytes, from a
-  // fixed seed.
-  // Without the checksum, so that what lies behind it is reached.
+  // Goal: no file crashes the reader. Method: change, drop and double bytes from a fixed seed;
+  // without the checksum, so that later checks run.
   std::string good = to_text(example());
   const std::size_t line = good.find("checksum");
   good.erase(line, good.find('\n', line) + 1 - line);
@@ -131,7 +130,8 @@ TEST(FailureFile, AnyBytesAreReadOrRefused) {
 }
 
 TEST(FailureFile, IsNamedByWhereItHappened) {
-  // Goal: a failure has one name in every session. Method: the first of a scan, and the second.
+  // Goal: a failure has the same file name in every session. Method: the first and second failure
+  // of a scan.
   const plan::ReplicaKey replica{base::ChainId{2}, base::ReplicaId{5}};
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 0), "failure-2-5-77.toml");
   EXPECT_EQ(name_of(replica, base::ScanIndex{77}, 1), "failure-2-5-77-1.toml");

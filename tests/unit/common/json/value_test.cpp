@@ -1,5 +1,5 @@
-// What common/json promises of its own: order, numbers, limits and errors. The grammar is the
-// library's.
+// Goal: common/json keeps its promises about order, numbers, limits and errors. Method: examples;
+// the library tests its grammar itself.
 #include "common/json/value.h"
 
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace sleight::json {
 namespace {
 
 TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
-  // Goal: output keeps its order. Method: keys set, set again, parsed twice, erased and updated.
+  // Goal: output preserves insertion order. Method: keys set, set again, parsed twice, erased and
+  // updated.
   Value value{{"z", 1}, {"a", Value::object()}};
   value["m"] = "x";
   value["z"] = nullptr;
@@ -27,7 +28,8 @@ TEST(JsonValue, KeepsTheOrderOfKeysAndOneValueForEach) {
 }
 
 TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
-  // Goal: braces mean what they say. Method: the text of values made from braces and containers.
+  // Goal: braced initialisers make the expected arrays and objects. Method: dump values made from
+  // braces and containers.
   EXPECT_EQ((Value{{"a", 1}, {"b", {1, 2}}}).dump(), R"({"a":1,"b":[1,2]})");
   EXPECT_EQ((Value{{1, "a"}, {2, "b"}}).dump(), R"([[1,"a"],[2,"b"]])");
   EXPECT_EQ(Value::array({{"a", 1}}).dump(), R"([["a",1]])");
@@ -36,7 +38,7 @@ TEST(JsonValue, BracesMakeAnObjectOfPairsAndElseAnArray) {
 }
 
 TEST(JsonValue, NumbersComeBackAsTheyWere) {
-  // Goal: no number loses bits. Method: the limits of each kind, there and back.
+  // Goal: no number loses bits. Method: a round trip of each kind's limits.
   constexpr auto k_most = std::numeric_limits<std::uint64_t>::max();
   constexpr auto k_least = std::numeric_limits<std::int64_t>::min();
   EXPECT_EQ(Value::parse(Value(k_most).dump()).get<std::uint64_t>(), k_most);
@@ -49,7 +51,8 @@ TEST(JsonValue, NumbersComeBackAsTheyWere) {
 }
 
 TEST(JsonValue, AValueOfAnotherKindIsRefused) {
-  // Goal: a reader never gets a wrong value. Method: each reading function on another kind.
+  // Goal: reading a value as another type throws. Method: each reading function on a value of
+  // another kind.
   EXPECT_THROW(Value(256).get<std::uint8_t>(), Error);
   EXPECT_THROW(Value(-1).get<std::uint64_t>(), Error);
   EXPECT_THROW(Value(std::uint64_t{1} << 63U).get<std::int64_t>(), Error);
@@ -80,7 +83,7 @@ TEST(JsonValue, TextThatIsNotJsonIsRefused) {
 }
 
 TEST(JsonValue, WhatIsNotUtf8IsReplaced) {
-  // Goal: what is written is JSON. Method: bytes that are not UTF-8, and text as ASCII.
+  // Goal: dump always writes valid JSON. Method: bytes that are not UTF-8, and text as ASCII.
   EXPECT_EQ(Value("a\xff").dump(), "\"a\uFFFD\"");
   EXPECT_EQ(Value("\u00e9\n").dump(-1, true), R"("\u00e9\n")");
 }

@@ -1,7 +1,7 @@
-// Goal: the error bounds that elementary.h promises hold.
-// Method: compare with MPFR over random arguments from ranges that cover the whole domain
-// (denormals, huge angles, neighbourhoods of zeros and thresholds) and over single arguments known
-// to be hard. Bits come from a counter-based stream with the seed below.
+// Goal: results stay within the error bounds of elementary.h. Method: compare with MPFR for
+// arguments known to be hard, and for random ones that cover the domain (denormals, huge angles,
+// neighbourhoods of zeros and thresholds). Random bits come from a counter-based stream with the
+// seed below.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -22,7 +22,7 @@ constexpr std::uint64_t k_seed = 20000;
 constexpr std::uint64_t k_arguments_per_range = 20000;
 /// MPFR takes a millisecond for erfc's tail.
 constexpr std::uint64_t k_arguments_for_slow_oracle = 1000;
-/// In deploy/test a fifth of them.
+/// deploy/test uses a fifth of the arguments.
 std::uint64_t of_tier(std::uint64_t arguments) {
   return property::of_tier(arguments / 5, arguments);
 }
@@ -33,7 +33,7 @@ random::Stream arguments() {
       {.seed = k_seed, .chain = {}, .replica = {}, .purpose = random::Purpose::prior}, 0);
 }
 
-/// Magnitudes from 2^exponent_min to 2^exponent_max, every power of two as likely.
+/// Magnitudes from 2^exponent_min to 2^exponent_max, with every power of two equally likely.
 struct Magnitudes {
   int exponent_min = 0;
   int exponent_max = 0;
@@ -73,7 +73,7 @@ struct Case {
   std::uint64_t arguments_per_range = k_arguments_per_range;
 };
 
-// For failure messages.
+// Prints a case in failure messages.
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.name;
 }
@@ -91,8 +91,8 @@ std::vector<Range> all_reals() {
           {"huge", Magnitudes{990, 1024, true}},        {"ten", Interval{-10, 10}}};
 }
 
-// Doubles near multiples of pi/2, where sine, cosine or tangent nearly vanish; among them the
-// double that lies closest of all to one (J.-M. Muller, "Elementary functions", 2006, chapter 11).
+// Returns doubles near multiples of pi/2, where sine, cosine or tangent nearly vanish, including
+// the double closest to such a multiple (J.-M. Muller, "Elementary functions", 2006, chapter 11).
 std::vector<double> near_quarter_turns() {
   std::vector<double> result = {std::ldexp(6381956970095103, 797),
                                 std::ldexp(-6381956970095103, 797)};
@@ -244,10 +244,10 @@ TEST(ElementaryAccuracyOfTwo, pow_for_any_base_and_any_size_of_result) {
     EXPECT_LE(error, 1) << std::hexfloat << x << ", " << y;
   };
   for (std::uint64_t i = 0; i < of_tier(2 * k_arguments_per_range); ++i) {
-    // The exponent is chosen so that the result's own exponent is uniform, denormals included.
+    // Chooses the exponent so that the result's exponent is uniform, denormals included.
     const double x = Magnitudes{-1074, 1024}(stream);
     judge(x, Interval{-1080, 1030}(stream) / std::log2(x));
-    // Bases near 1 with huge exponents lose most when the logarithm is too short.
+    // Bases near 1 with huge exponents suffer most from an imprecise logarithm.
     const double near_one = 1 + Magnitudes{-50, -2, true}(stream);
     judge(near_one, Interval{-1080, 1030}(stream) / std::log2(near_one));
     const double whole = std::floor(Interval{-40, 40}(stream));

@@ -1,6 +1,6 @@
-// Goal: special values are those of C's Annex F (elementary.h, invariant 3), and sincos stands as
-// close to sin and cos as promised.
-// Method: a table per function; zeros are compared with their sign, NaN equals NaN.
+// Goal: special values match C's Annex F (elementary.h, invariant 3), and sincos agrees with sin
+// and cos as closely as promised. Method: a table per function; zeros are compared with their sign,
+// and NaN equals NaN.
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -21,8 +21,8 @@ std::vector<double> logs_of(const std::vector<double>& estimates, double shift =
 }
 
 TEST(IslandOdds, AreMeanErrorAndShare) {
-  // Goal: the textbook's mean, standard error over it, and largest share, in any order and far
-  // below what doubles hold. Method: 1, 2, 3 and 6 by hand: mean 3, variance 14 / 3.
+  // Goal: mean, relative standard error and largest share match the textbook in any order and below
+  // the range of doubles. Method: 1, 2, 3 and 6 by hand have mean 3 and variance 14 / 3.
   for (const double shift : {0.0, -207.0, -5000.0, 5000.0}) {
     for (const std::vector<double>& estimates :
          {std::vector{1.0, 2.0, 3.0, 6.0}, std::vector{6.0, 3.0, 1.0, 2.0}}) {
@@ -38,7 +38,7 @@ TEST(IslandOdds, AreMeanErrorAndShare) {
 }
 
 TEST(IslandOdds, IslandsWithoutASolutionCount) {
-  // Goal: an estimate of 0 is one. Method: two of four; mean 1/2, variance 1/3. All of four.
+  // Goal: estimates of 0 count. Method: two zeros of four (mean 1/2, variance 1/3); four of four.
   const IslandOdds half = island_odds(logs_of({0, 1, 0, 1}, -300));
   EXPECT_NEAR(half.log_mean, std::log(0.5) - 300, 1e-11);
   EXPECT_NEAR(half.relative_sd, 2 / std::sqrt(3.0), 1e-12);
@@ -50,7 +50,7 @@ TEST(IslandOdds, IslandsWithoutASolutionCount) {
 }
 
 TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
-  // Goal: too few, and numbers that no estimate has, are never known. Method: each.
+  // Goal: too few islands, or invalid estimates, make the odds unknown. Method: each case.
   EXPECT_TRUE(std::isnan(island_odds({}).log_mean));
   const IslandOdds one = island_odds(logs_of({2}));
   EXPECT_NEAR(one.log_mean, std::log(2), 1e-15);
@@ -67,7 +67,7 @@ TEST(IslandOdds, WhatCannotBeSaidIsNaN) {
 }
 
 TEST(IslandOdds, EqualIslandsHaveNoError) {
-  // Goal: no NaN from a variance that rounding makes negative. Method: equal numbers whose sums
+  // Goal: rounding can't make the variance negative and give NaN. Method: equal numbers whose sums
   // round.
   for (const double log_estimate : {0.0, -0.1, -207.3, 1e300, -1e300}) {
     const IslandOdds odds = island_odds(std::vector<double>(177, log_estimate));
@@ -78,7 +78,8 @@ TEST(IslandOdds, EqualIslandsHaveNoError) {
 }
 
 TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
-  // Goal: both sides of each limit. Method: islands of 1, and one of them of `largest`.
+  // Goal: known() applies each limit exactly. Method: both sides of each limit, with estimates of 1
+  // and a single one of `largest`.
   const auto odds = [](std::size_t count, double largest) {
     std::vector<double> estimates(count, 1);
     estimates[count / 2] = largest;
@@ -86,13 +87,13 @@ TEST(IslandOdds, KnownTakesEnoughIslandsAndNoLargeOne) {
   };
   EXPECT_TRUE(odds(k_islands_min, 1).known());
   EXPECT_FALSE(odds(k_islands_min - 1, 1).known());
-  EXPECT_TRUE(odds(101, 11.1).known());   // of 111.1
-  EXPECT_FALSE(odds(101, 11.2).known());  // of 111.2
+  EXPECT_TRUE(odds(101, 11.1).known());   // the sum is 111.1
+  EXPECT_FALSE(odds(101, 11.2).known());  // the sum is 111.2
 }
 
 TEST(IslandSums, AreThoseOfAllAtOnce) {
-  // Goal: one by one, wherever the largest comes, equals sums in long doubles. Method: normal logs
-  // in ascending, descending and random order.
+  // Goal: the running sums equal sums in long doubles, wherever the largest estimate occurs.
+  // Method: normal logs in ascending, descending and random order.
   random::Stream stream({.seed = 40417, .purpose = random::Purpose::prior}, 0);
   std::vector<double> logs;
   for (int i = 0; i < 500; ++i)

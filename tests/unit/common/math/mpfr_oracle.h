@@ -1,4 +1,4 @@
-// How far a double is from the exact value of a function, by MPFR at 256 bits.
+// Measures a double's error against a function's exact value, with MPFR at 256 bits.
 #pragma once
 
 #include <mpfr.h>
@@ -8,7 +8,7 @@
 
 namespace sleight::math {
 
-/// A resource: one MPFR number of 256 bits. Does not copy.
+/// Owns one MPFR number of 256 bits. Not copyable.
 class Exact {
  public:
   Exact() { mpfr_init2(value_, 256); }
@@ -23,9 +23,10 @@ class Exact {
   mpfr_t value_;
 };
 
-/// |result - exact| in units of `k` ulp + 2 * 2^-1074 (elementary.h, invariant 2): 1 is the bound.
-/// An infinite result counts as 2^1024, the first number that is not a double. NaN for NaN is 0,
-/// NaN against a number is infinity.
+/// Returns |result - exact| in units of `k` ulp + 2 * 2^-1074 (elementary.h, invariant 2), so that
+/// 1 is the bound.
+/// An infinite result counts as 2^1024, the first number that is not a double.
+/// Two NaNs differ by 0; a NaN and a number differ by infinity.
 inline double error_in_bounds(double result, Exact& exact, double k) {
   if (std::isnan(result) || mpfr_nan_p(exact.get())) {
     return std::isnan(result) && mpfr_nan_p(exact.get()) ? 0 : INFINITY;
@@ -35,14 +36,14 @@ inline double error_in_bounds(double result, Exact& exact, double k) {
   Exact difference(std::isinf(result) ? std::copysign(1.0, result) : result);
   if (std::isinf(result)) {
     mpfr_mul_2si(difference.get(), difference.get(), 1024, MPFR_RNDN);
-    // Beyond 2^1024 infinity is the right answer, however far.
+    // Above 2^1024, infinity is the right result at any distance.
     if (mpfr_cmpabs(exact.get(), difference.get()) >= 0 &&
         mpfr_signbit(exact.get()) == static_cast<int>(std::signbit(result))) {
       return 0;
     }
   }
   mpfr_sub(difference.get(), difference.get(), exact.get(), MPFR_RNDN);
-  // Both the error and the bound are scaled by 2^-(exponent of an ulp) so that neither underflows.
+  // Scale error and bound by 2^-(exponent of an ulp) so that neither underflows.
   const mpfr_exp_t ulp_exponent =
       mpfr_zero_p(exact.get()) ? k_smallest : std::max(mpfr_get_exp(exact.get()) - 53, k_smallest);
   mpfr_mul_2si(difference.get(), difference.get(), -ulp_exponent, MPFR_RNDN);

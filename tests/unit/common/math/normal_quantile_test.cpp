@@ -1,5 +1,5 @@
-// Goal: the normal quantile is exact to 1e-15 relative over the whole open interval. Method:
-// Boost.Math's as oracle, near the median, across both changes of formula and down to denormals.
+// Goal: the normal quantile has a relative error below 1e-15 over the whole open interval. Method:
+// compare with Boost.Math near the median, across both changes of formula and down to denormals.
 #include "common/math/normal_quantile.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Goal: quaternions rotate as the plain formulas say, from tiny to huge angles.
-// Method: Rodrigues' formula in long double as oracle; group identities; agreement of the three
-// ways to rotate (quaternion, matrix, composition).
+// Goal: quaternions rotate like the plain formulas for tiny to huge angles. Method: compare with
+// Rodrigues' formula in long double; check group identities and the agreement of quaternion, matrix
+// and composition.
 #include "common/math/rotation.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace sleight::math {
 namespace {
 
-// v cos t + (n x v) sin t + n (n . v)(1 - cos t), n = w/|w|, t = |w|, in long double.
+// Returns v cos t + (n x v) sin t + n (n . v)(1 - cos t) with n = w/|w|, t = |w|, in long double.
 Vec3 rodrigues(const Vec3& w, const Vec3& v) {
   const Eigen::Matrix<long double, 3, 1> wl = w.cast<long double>();
   const Eigen::Matrix<long double, 3, 1> vl = v.cast<long double>();
@@ -49,7 +49,7 @@ TEST(QuaternionOfRotationVector, rotates_as_rodrigues_formula) {
   for (const Vec3& w : rotation_vectors()) {
     const Quat q = quaternion_of_rotation_vector(w);
     EXPECT_NEAR(quaternion_norm(q), 1, 0x1p-50);
-    // The angle's own rounding, up to 2^-53 of 100 rad, is the largest part of the error.
+    // The largest error is the angle's own rounding, up to 2^-53 of 100 rad.
     EXPECT_LT((rotated(q, v) - rodrigues(w, v)).cwiseAbs().maxCoeff(), 4e-14) << w.transpose();
     if (norm(w) < 10) {
       EXPECT_LT((rotated(q, v) - rodrigues(w, v)).cwiseAbs().maxCoeff(), 5e-15) << w.transpose();
@@ -58,7 +58,7 @@ TEST(QuaternionOfRotationVector, rotates_as_rodrigues_formula) {
 }
 
 TEST(QuaternionOfRotationVector, is_accurate_in_the_vector_part_of_tiny_rotations) {
-  // For |w| below 1e-8 the vector part is w/2 to within rounding, even for denormal squares.
+  // For |w| below 1e-8 the vector part is w/2 to within rounding, even if squares are denormal.
   for (const double size : {1e-300, 1e-160, 1e-20, 1e-9}) {
     const Quat q = quaternion_of_rotation_vector(Vec3(size, -2 * size, 0));
     EXPECT_EQ(q.w(), 1);
@@ -110,11 +110,11 @@ TEST(Normalized, restores_a_long_chain_of_compositions) {
   Quat q(1, 0, 0, 0);
   for (int i = 0; i < 100000; ++i)
     q = composed(step, q);
-  // Drift of at most an ulp per step; the whole turn is 100,000 times the single one.
+  // The norm drifts by at most an ulp per step, and there are 100,000 steps.
   EXPECT_NEAR(quaternion_norm(q), 1, 1e5 * 0x1p-52);
   EXPECT_NEAR(quaternion_norm(normalized(q)), 1, 0x1p-51);
   const Quat whole = quaternion_of_rotation_vector(Vec3(1000, -2000, 500));
-  // The rounding of one step's angle, 2^-53 of it, is repeated 100,000 times.
+  // The rounding of one step's angle (2^-53 of it) adds up over 100,000 steps.
   EXPECT_LT(distance(normalized(q), whole), 1e-11);
   EXPECT_DEATH(normalized(Quat(0, 0, 0, 0)), "check failed");
 }

@@ -1,7 +1,6 @@
-// Goal: products, norms and the rotation of the plane are right, and sums run in the order that
-// vector.h states.
-// Method: hand values, identities, Eigen as oracle, and arguments for which another order of
-// summation gives another double.
+// Goal: products, norms and plane rotations are right, and sums run in the order that vector.h
+// states. Method: hand values, identities, Eigen, and arguments for which another order of
+// summation changes the double.
 #include "common/math/vector.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +22,7 @@ TEST(Dot, adds_from_left_to_right) {
 }
 
 TEST(Dot, rounds_each_product_once) {
-  // A fused multiply-add would keep the 2^-60 of the square and return it.
+  // A fused multiply-add would keep the square's 2^-60 and return it.
   const double x = 1 + 0x1p-30;
   EXPECT_EQ(dot(Vec2(x, 1 + 0x1p-29), Vec2(x, -1)), 0);
 }
@@ -78,7 +77,7 @@ TEST(RotatedInThePlane, turns_anticlockwise) {
     const double angle = 0.1 * i;
     const Vec2 v(1.3, -0.4);
     const Vec2 turned = rotated(v, angle);
-    // Length is kept; cosine and sine of the turn come back as dot and cross product.
+    // The turn keeps the length; dot and cross product return its cosine and sine.
     EXPECT_NEAR(norm(turned), norm(v), 1e-15);
     EXPECT_NEAR(dot(v, turned) / dot(v, v), cos(angle), 1e-15);
     EXPECT_NEAR(cross(v, turned) / dot(v, v), sin(angle), 1e-15);

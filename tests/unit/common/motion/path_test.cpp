@@ -1,5 +1,5 @@
-// Goal: an animation is made of sound segments only, and tells each body's place at any time.
-// Method: small motions by hand; each sort of unsound segment.
+// Goal: an animation accepts only sound segments and returns each body's position at any time.
+// Method: small motions by hand; each kind of unsound segment.
 #include "common/motion/path.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Two bodies; the first enters later.
+/// Two bodies; the second enters later.
 std::vector<Segment> two_bodies() {
   return {{.body = 0, .start_s = 1, .position_m = {0, 0, 1}, .velocity_mps = {1, 0, 0}},
           {.body = 0, .start_s = 2, .cause = Cause::hit, .partner = 1, .position_m = {1, 0, 1}},
@@ -41,7 +41,7 @@ TEST(Animation, TellsWhereBodiesAre) {
   EXPECT_EQ(path.segment_at(0.999), nullptr);
   EXPECT_EQ(path.segment_at(1), &path.segments()[0]);
   EXPECT_EQ(path.segment_at(1.999), &path.segments()[0]);
-  // Of several that begin at once the last is in force.
+  // If several segments begin at once, the last one applies.
   EXPECT_EQ(path.segment_at(2), &path.segments()[2]);
   EXPECT_EQ(path.centre_at(1.5)->x(), 0.5);
   EXPECT_EQ(path.centre_at(9)->x(), 1);

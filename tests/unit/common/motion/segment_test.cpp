@@ -1,5 +1,5 @@
-// Goal: a segment's places, velocities and turns are those of its formulas. Method: differences
-// over short times, small steps one after the other, and known turns.
+// Goal: a segment's positions, velocities and rotations follow its formulas. Method: compare with
+// short-time differences, accumulated small steps and known rotations.
 #include "common/motion/segment.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ Segment any_segment(random::Stream& stream) {
           .angular_acceleration_radps2 = any_vector(stream, 200)};
 }
 
-/// Angle between two rotations.
+/// Returns the angle between two rotations.
 double apart_rad(const Quat& a, const Quat& b) {
   const Quat turn = math::composed(a, math::inverse(b));
   return 2 * std::atan2(math::norm(Vec3(turn.x(), turn.y(), turn.z())), std::fabs(turn.w()));
@@ -49,7 +49,7 @@ TEST(Segment, MovesOnAParabola) {
         (2 * k_step_s);
     EXPECT_LT(math::norm(Vec3(rate - velocity_at(segment, t_s))), 1e-8);
     EXPECT_EQ(position_at(segment, segment.start_s), segment.position_m);
-    // How far it strays from the straight line between two of its moments.
+    // Distance between the path and its chord over 0.2 s.
     const Vec3 middle = 0.5 * (position_at(segment, t_s) + position_at(segment, t_s + 0.2));
     EXPECT_NEAR(math::norm(Vec3(middle - position_at(segment, t_s + 0.1))), bow_m(segment, 0.2),
                 1e-12);
@@ -57,7 +57,8 @@ TEST(Segment, MovesOnAParabola) {
 }
 
 TEST(Segment, TurnsByItsAngularVelocity) {
-  // Method: steps of a hundred-thousandth of the time, by the angular velocity in their middles.
+  // Goal: rotations follow the angular velocity. Method: accumulate steps of 1e-5 of the time, each
+  // by the angular velocity at its middle.
   random::Stream stream({.seed = 2, .purpose = random::Purpose::scene}, 0);
   for (int i = 0; i < 20; ++i) {
     const Segment segment = any_segment(stream);
@@ -79,7 +80,7 @@ TEST(Segment, WholeTurnsComeBack) {
   EXPECT_LT(apart_rad(orientation_at(segment, 3), segment.orientation), 1e-12);
   EXPECT_NEAR(apart_rad(orientation_at(segment, 0.25), segment.orientation), std::numbers::pi / 2,
               1e-12);
-  // What rests doesn't turn, whatever its numbers say.
+  // A resting segment doesn't rotate, whatever its numbers.
   segment.mode = Mode::resting;
   EXPECT_EQ(orientation_at(segment, 0.25).coeffs(), segment.orientation.coeffs());
 }

@@ -1,6 +1,6 @@
-// Goal: directions and rotations are drawn from the densities that they state.
-// Method: chi-square of draws against Boost.Math's normal summed over images, and against the plain
-// geometry of circle, sphere and rotations; densities against the same sums, and integrated.
+// Goal: directions and rotations are drawn from their stated densities. Method: chi-square of draws
+// against Boost.Math's normal summed over images, and against the geometry of circle, sphere and
+// rotations; compare densities with the same sums and integrate them.
 #include "common/random/angular_distributions.h"
 
 #include <gtest/gtest.h>
@@ -30,8 +30,8 @@ TEST(UniformDirection2, covers_the_circle_evenly) {
   expect_plausible(chi_square_p_value(counts), "direction in the plane");
 }
 
-// Chi-square of unit vectors on 8 x 8 cells of the sphere, equal in area: height by azimuth, about
-// the axis that `turn` takes to z.
+// Returns the chi-square p of unit vectors on 8 x 8 cells of equal area (height by azimuth), about
+// the axis that `turn` rotates to z.
 template <class Draw>
 double sphere_p_value(const Draw& draw) {
   Stream stream = test_stream();
@@ -56,7 +56,7 @@ TEST(UniformDirection3, covers_the_sphere_evenly_about_every_axis) {
                      return math::Vec3(v.y(), v.z(), v.x());
                    }),
                    "about x");
-  // Negative control: a normalised point of the cube is denser towards its corners.
+  // Negative control: normalised points of a cube are denser towards its corners.
   EXPECT_LT(sphere_p_value([&](Stream& s) {
               const Uniform side{.low = -1, .high = 1};
               const double x = side.draw(s);

@@ -1,15 +1,15 @@
-// Pearson's chi-square test of draws against exact probabilities, and how the tests use it.
+// Pearson's chi-square test of draws against exact probabilities.
 //
 // A test draws k_draws values from a printed seed and counts them in cells. For a continuous
-// distribution the cells' edges are sample quantiles of a pilot run with another seed, so that
-// every cell is about as likely whatever the distribution's shape; their probabilities come from an
-// oracle that shares nothing with the sampler.
+// distribution, the cells' edges are sample quantiles of a pilot run with another seed, so that all
+// cells are about equally likely. An oracle that shares no code with the sampler computes their
+// probabilities.
 //
-// Bounds: p is uniform on (0, 1) for a right sampler, and the tests of this folder compute fewer
-// than 200 of them. k_p_min = 1e-6 on either side therefore has a chance below 4e-4 of refusing a
-// right sampler when the seeds are first chosen (they are fixed from then on), while a mean off by
-// a fiftieth of the sd, or an sd off by a fiftieth, gives p below 1e-12 (chi_square_test.cpp shows
-// it). A p too near 1 means draws more regular than chance, such as a grid: refused too.
+// Bounds: for a right sampler, p is uniform on (0, 1), and this folder computes fewer than 200 such
+// p. With k_p_min = 1e-6 on either side, the chance of refusing a right sampler is below 4e-4 when
+// the seeds are first chosen (then they stay fixed). A mean off by a fiftieth of the sd, or an sd
+// off by a fiftieth, gives p below 1e-12 (see chi_square_test.cpp). A p too near 1 is refused too,
+// because such draws are more regular than chance, as on a grid.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,8 +36,8 @@ inline Stream test_stream(std::uint64_t seed = k_test_seed) {
   return Stream({.seed = seed, .purpose = Purpose::prior}, 0);
 }
 
-/// The probability that a right sampler deviates as much or more.
-/// REQUIRES: as many probabilities as counts, adding up to 1, each expected 10 times or more.
+/// Returns the probability that a right sampler deviates at least as much. REQUIRES: as many
+/// probabilities as counts, adding up to 1, each with an expected count of 10 or more.
 inline double chi_square_p_value(const std::vector<int>& counts,
                                  const std::vector<double>& probabilities) {
   double total = 0;
@@ -66,11 +66,11 @@ inline void expect_plausible(double p_value, const std::string& what) {
   EXPECT_LT(p_value, 1 - k_p_min) << what << ", seed " << k_test_seed;
 }
 
-/// p of draws of a continuous distribution on the line. `mass(a, b)` is the oracle's probability of
-/// the interval; the outermost edges are infinite.
+/// Returns p for draws of a continuous distribution on the line. `mass(a, b)` is the oracle's
+/// probability of the interval; the outermost edges are infinite.
 inline double p_value_of_draws(const std::function<double(Stream&)>& draw,
                                const std::function<double(double, double)>& mass) {
-  // Edges from the pilot run.
+  // The pilot run determines the edges.
   Stream pilot_stream = test_stream(k_pilot_seed);
   std::vector<double> pilot(static_cast<std::size_t>(100 * k_cells));
   for (double& x : pilot)
@@ -80,7 +80,7 @@ inline double p_value_of_draws(const std::function<double(Stream&)>& draw,
   for (std::size_t i = 100; i < pilot.size(); i += 100)
     edges.push_back(pilot[i]);
 
-  // Counts: cell i holds edges[i-1] <= x < edges[i].
+  // Count the draws: cell i holds edges[i-1] <= x < edges[i].
   Stream stream = test_stream();
   std::vector<int> counts(edges.size() + 1);
   for (int i = 0; i < k_draws; ++i) {

@@ -1,8 +1,7 @@
-// Goal: the chi-square checker can fail, and does not when the sampler is right.
-// Method: wrong samplers, each with a small fault of a kind that distributions have had (a scale
-// two percent off, a shifted mean, missing tails, a grid too regular, a biased remainder), must
-// give p far below the bound; and p-values of a right sampler over 200 seeds must be uniform
-// themselves.
+// Goal: the chi-square checker refuses wrong samplers and accepts right ones. Method: samplers with
+// a small typical fault (a scale two percent off, a shifted mean, missing tails, a regular grid, a
+// biased remainder) must give p far below the bound; a right sampler's p over 200 seeds must be
+// uniform.
 #include "tests/unit/common/random/chi_square.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +28,7 @@ TEST(ChiSquare, refuses_wrong_samplers) {
   EXPECT_LT(p_of([](Stream& s) { return Normal{.mean = 0, .sd = 1.02}.draw(s); }), 1e-12);
   EXPECT_LT(p_of([](Stream& s) { return Normal{.mean = 0.02, .sd = 1}.draw(s); }), 1e-12);
   EXPECT_LT(p_of([](Stream& s) { return std::clamp(Normal{}.draw(s), -1.9, 1.9); }), 1e-12);
-  // The sum of twelve uniform numbers: a once popular substitute for the normal.
+  // The sum of twelve uniform numbers, a once popular substitute for the normal.
   EXPECT_LT(p_of([](Stream& s) {
               double sum = -6;
               for (int i = 0; i < 12; ++i)
@@ -45,7 +44,7 @@ TEST(ChiSquare, refuses_biased_and_too_regular_counts) {
 }
 
 TEST(ChiSquare, gives_the_textbook_value) {
-  // 60 throws of a die: 5, 8, 9, 8, 10, 20. The statistic is 13.4 with 5 degrees of freedom.
+  // 60 throws of a die show 5, 8, 9, 8, 10, 20. The statistic is 13.4 with 5 degrees of freedom.
   EXPECT_NEAR(chi_square_p_value({5, 8, 9, 8, 10, 20}), 0.0199, 0.0001);
 }
 

@@ -1,6 +1,6 @@
-// Goal: Bernoulli, UniformInteger and draw_by_share have the probabilities that they state, without
-// bias. Method: chi-square against exact probabilities, with counts for which plain scaling of a
-// word is badly biased; supports, extreme and invalid parameters.
+// Goal: Bernoulli, UniformInteger and draw_by_share have their stated probabilities without bias.
+// Method: chi-square against exact probabilities, with counts for which scaling a random word is
+// badly biased; supports, extreme and invalid parameters.
 #include "common/random/discrete_distributions.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ TEST(Bernoulli, is_true_with_its_probability) {
     std::vector<int> counts(2);
     for (int i = 0; i < k_draws; ++i)
       ++counts[Bernoulli{p}.draw(stream) ? 1 : 0];
-    // Two cells can well hit the expected counts exactly, p = 1: only the lower bound applies.
+    // Two cells can match the expected counts exactly (p = 1), so only the lower bound applies.
     EXPECT_GT(chi_square_p_value(counts, {1 - p, p}), k_p_min) << p << ", seed " << k_test_seed;
     EXPECT_NEAR(Bernoulli{p}.log_density(true), std::log(p), 1e-15);
     EXPECT_NEAR(Bernoulli{p}.log_density(false), std::log1p(-p), 1e-15 * (1 - std::log1p(-p)));
@@ -68,7 +68,7 @@ TEST(UniformInteger, is_unbiased_where_scaling_a_word_is_not) {
   expect_plausible(chi_square_p_value(remainders), "remainder by 3");
   expect_plausible(chi_square_p_value(sizes), "size");
 
-  // Negative control: the scaling without refusals.
+  // Negative control: scaling without rejecting words.
   __extension__ using Wide = unsigned __int128;
   std::vector<int> biased(3);
   for (int i = 0; i < k_draws; ++i) {
@@ -84,7 +84,7 @@ TEST(UniformInteger, handles_the_largest_and_smallest_counts) {
     for (int i = 0; i < k_draws; ++i) {
       const std::uint64_t x = UniformInteger{count}.draw(stream);
       ASSERT_LT(x, count);
-      // The cells differ by a value or two of 2^59.
+      // Cell sizes differ by one or two of 2^59 values.
       ++sizes[std::min<std::uint64_t>(15, x / (count / 16))];
     }
     expect_plausible(chi_square_p_value(sizes), "count " + std::to_string(count));
@@ -95,8 +95,8 @@ TEST(UniformInteger, handles_the_largest_and_smallest_counts) {
 }
 
 TEST(DrawByShare, draws_each_by_its_share) {
-  // Goal: probabilities are shares of the sum, whatever that is; what has none is never drawn, not
-  // even as the last. Method: chi-square over those that have one; counts of those that don't.
+  // Goal: probabilities are shares of the sum, whatever its size; a zero share is never drawn, even
+  // in last place. Method: chi-square over the positive shares; counts of the zero shares.
   for (const double total : {1.0, 1e-300, 7e100}) {
     const std::vector<double> shares{0, 0.5 * total, 0, 0.125 * total, 0.375 * total, 0};
     Stream stream = test_stream();

@@ -1,6 +1,6 @@
-// Goal: streams and distributions never change their values unnoticed: a change here is a change of
-// every run's result, and needs its cause named in the commit.
-// Method: the first draws at one address, in hexadecimal, as they were when first written.
+// Goal: streams and distributions never change their values unnoticed. A change here changes every
+// run's result, so the commit must name its cause. Method: compare the first draws at one address
+// with stored hexadecimal values.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -19,7 +19,7 @@ Stream golden_stream() {
                 1000);
 }
 
-// The components of a few draws, one after the other, from one stream.
+// Returns the components of a few draws from one stream.
 template <class D>
 std::vector<double> first_draws(const D& distribution) {
   Stream stream = golden_stream();

@@ -1,6 +1,6 @@
-// Goal: Uniform and Normal draw from the density that they state.
-// Method: chi-square of draws and comparison of densities with Boost.Math; normalisation by
-// quadrature; supports, extreme and invalid parameters.
+// Goal: Uniform and Normal draw from their stated densities. Method: chi-square of draws; compare
+// densities with Boost.Math; integrate them by quadrature; supports, extreme and invalid
+// parameters.
 #include "common/random/linear_distributions.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double k_largest = std::numeric_limits<double>::max();
 
-// The oracle's probability of an interval, by the smaller of the two tails.
+// Returns the oracle's probability of an interval, computed from the smaller tail.
 template <class Oracle>
 double mass(const Oracle& oracle, double a, double b) {
   const auto [low, high] = boost::math::support(oracle);
@@ -34,19 +34,17 @@ double mass(const Oracle& oracle, double a, double b) {
 
 template <class Distribution, class Oracle>
 void expect_agreement(const std::string& name, const Distribution& ours, const Oracle& oracle) {
-  // Draws.
   expect_plausible(p_value_of_draws([&](Stream& stream) { return ours.draw(stream); },
                                     [&](double a, double b) { return mass(oracle, a, b); }),
                    name);
 
-  // Densities.
   for (double p = 0.001; p < 1; p += 0.011) {
     const double x = boost::math::quantile(oracle, p);
     const double expected = std::log(boost::math::pdf(oracle, x));
     EXPECT_NEAR(ours.log_density(x), expected, 1e-13 * (1 + std::fabs(expected))) << name << x;
   }
 
-  // Normalisation, over all but 1e-15 of the mass, in units of the sd.
+  // Integrate over all but 1e-15 of the mass, in units of the sd.
   const double mean = boost::math::mean(oracle);
   const double sd = boost::math::standard_deviation(oracle);
   const double low = (boost::math::quantile(oracle, 1e-15) - mean) / sd;
@@ -109,8 +107,8 @@ TEST(Normal, density_holds_far_out) {
 }
 
 TEST(Normal, neighbouring_draws_are_independent) {
-  // Goal: no trace of the two words shared by one draw. Method: the product of the signs and the
-  // product of sizes of successive draws, chi-square on a grid of 8 x 8 equally likely cells.
+  // Goal: successive draws are independent although two draws share two random words. Method:
+  // chi-square of the products of signs and of sizes on a grid of 8 x 8 equally likely cells.
   const boost::math::normal_distribution<double> normal;
   Stream stream = test_stream();
   std::vector<int> counts(64);

@@ -1,6 +1,6 @@
-// Goal: a Stream is Philox4x64-10 at the address that stream.h states, and nothing else enters.
-// Method: known answers for Random123 and for a plain reference written from the paper; the Stream
-// against the reference; each field varied alone; statistics across neighbouring addresses.
+// Goal: a Stream is Philox4x64-10 at the address that stream.h states, and depends on nothing else.
+// Method: known answers for Random123 and for a reference written from the paper; compare the
+// Stream with the reference; vary each field alone; statistics across neighbouring addresses.
 #include "common/random/stream.h"
 
 #include <Random123/philox.h>
@@ -18,8 +18,8 @@ using Counter = std::array<std::uint64_t, 4>;
 using Key = std::array<std::uint64_t, 2>;
 __extension__ using Wide = unsigned __int128;
 
-// Philox4x64-10 as in the paper: ten rounds, the key raised by Weyl constants
-// between.
+// Returns Philox4x64-10 as in the paper: ten rounds, with the key raised by Weyl constants between
+// rounds.
 Counter reference_philox(Counter counter, Key key) {
   for (int round = 0; round < 10; ++round) {
     const Wide even = Wide{0xD2E7470EE14C6C93} * counter[0];
@@ -40,7 +40,7 @@ struct KnownAnswer {
   Counter answer;
 };
 
-// The lines "philox4x64 10" of Random123's published examples/kat_vectors.
+// The "philox4x64 10" lines of Random123's published examples/kat_vectors.
 const std::vector<KnownAnswer> k_known_answers = {
     {{0, 0, 0, 0},
      {0, 0},
@@ -112,7 +112,7 @@ TEST(Stream, depends_on_every_bit_of_every_field) {
 }
 
 TEST(Stream, is_uniform_across_neighbouring_addresses) {
-  // As samplers use it: few draws from each of many streams.
+  // Few draws from each of many streams, as samplers do.
   const auto judge = [](const char* name, auto stream_at) {
     std::vector<int> high(256);
     std::vector<int> low(256);

@@ -1,7 +1,7 @@
-// Goal: TruncatedNormal is exact from the centre to the farthest tails.
-// Method: every interval below goes through two checks against MPFR at 1500 bits, whose exponents
-// don't underflow: chi-square of draws, and log densities. The densities are integrated over the
-// interval as well, so that a common fault of density and oracle shows.
+// Goal: TruncatedNormal is exact from the centre to the farthest tails. Method: for every interval
+// below, chi-square of draws and comparison of log densities with MPFR at 1500 bits, whose
+// exponents don't underflow. The densities are also integrated, to show any fault that density and
+// oracle share.
 #include "common/random/truncated_normal.h"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 namespace sleight::random {
 namespace {
 
-/// A resource: one MPFR number. Does not copy.
+/// Owns one MPFR number. Not copyable.
 class Number {
  public:
   explicit Number(double x) {
@@ -34,9 +34,9 @@ class Number {
   mpfr_t value_;
 };
 
-// The standard normal's mass between two points, both on one side of 0 or not.
+// Sets `mass` to the standard normal's mass between a and b, which may be on either side of 0.
 void set_mass(Number& mass, double a, double b) {
-  // erfc of the side where it is small, so that a difference of tails is exact.
+  // Use the side where erfc is small, so that a difference of tails is exact.
   const double sign = a > 0 ? 1 : -1;
   Number near(sign > 0 ? a : -b);
   Number far(sign > 0 ? b : -a);
@@ -50,7 +50,7 @@ void set_mass(Number& mass, double a, double b) {
   mpfr_div_ui(mass.get(), mass.get(), 2, MPFR_RNDN);
 }
 
-// The intervals have mean 0 and sd 1, so that the oracle sees the bounds that the code sees.
+// Mean 0 and sd 1 give oracle and code the same bounds.
 struct Bounds {
   double low = 0;
   double high = 0;
@@ -100,7 +100,7 @@ std::string name_of(const Bounds& bounds) {
 
 TEST(TruncatedNormal, draws_as_mpfr_says) {
   for (const Bounds& bounds : k_intervals) {
-    // Around 1e8 doubles are too coarse to show the distribution; see the next test.
+    // Near 1e8, doubles are too coarse to show the distribution; see the next test.
     if (std::fabs(bounds.low) >= 1e8) continue;
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
     Number whole(0);
@@ -122,8 +122,8 @@ TEST(TruncatedNormal, draws_as_mpfr_says) {
 }
 
 TEST(TruncatedNormal, draws_an_exponential_from_the_farthest_tail) {
-  // At a = 1e8 sd and beyond, (x - low) a is exponential of rate 1 to within 1e-15. The mean lies
-  // at -a, so that low = 0 and doubles near it are fine.
+  // At a = 1e8 sd and beyond, (x - low) a is exponential of rate 1 to within 1e-15. The mean is -a,
+  // so that low = 0 and nearby doubles are fine enough.
   for (const double a : {1e8, 1e12, 1e100, 1e299}) {
     const TruncatedNormal right{.mean = -a, .sd = 1, .low = 0};
     const TruncatedNormal left{.mean = a, .sd = 1, .high = 0};
@@ -138,7 +138,7 @@ TEST(TruncatedNormal, draws_an_exponential_from_the_farthest_tail) {
 TEST(TruncatedNormal, log_densities_are_mpfrs) {
   for (const Bounds& bounds : k_intervals) {
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
-    // log(mass sqrt(2 pi)), a correctly rounded double in the end.
+    // log(mass sqrt(2 pi)), rounded correctly to a double.
     Number normalizer(0);
     set_mass(normalizer, d.low, d.high);
     Number root(0);
@@ -165,7 +165,7 @@ TEST(TruncatedNormal, log_densities_are_mpfrs) {
 TEST(TruncatedNormal, densities_integrate_to_one) {
   for (const Bounds& bounds : k_intervals) {
     const TruncatedNormal d{.mean = 0, .sd = 1, .low = bounds.low, .high = bounds.high};
-    // Integrated over the distance from the end nearer to 0, as far as the density carries.
+    // Integrate over the distance from the end nearer to 0, as far as the density matters.
     const bool right = std::fabs(d.low) <= std::fabs(d.high);
     const double near = right ? d.low : d.high;
     if (!std::isfinite(near) || std::fabs(near) >= 1e8) continue;
@@ -182,7 +182,8 @@ TEST(TruncatedNormal, densities_integrate_to_one) {
 }
 
 TEST(TruncatedNormal, scales_and_shifts) {
-  // With a power of two as sd and a mean that loses no bits, results are those of the standard one.
+  // If the sd is a power of two and the mean loses no bits, results scale exactly from the standard
+  // normal.
   const TruncatedNormal standard{.mean = 0, .sd = 1, .low = -1, .high = 2};
   const TruncatedNormal scaled{.mean = 3, .sd = 0.25, .low = 2.75, .high = 3.5};
   Stream first = test_stream();

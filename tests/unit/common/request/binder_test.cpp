@@ -1,5 +1,5 @@
-// Goal: each kind of key is read, refused, described and written as its declaration says. Method:
-// bind one key over small sections, with and without a file.
+// Goal: each kind of key is read, refused, described and written as declared. Method: bind one key
+// over small sections, with and without a file.
 #include "common/request/binder.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace sleight::request {
 namespace {
 
-/// Runs `bind` over [s] of `text` and tells what came of it: the errors, or the normalised keys.
+/// Runs `bind` over [s] of `text` and returns the errors or the normalised keys.
 std::string bound(std::string_view text, const std::function<void(Binder&)>& bind) {
   const auto document = parse_document(text, "f");
   EXPECT_TRUE(document);
@@ -80,7 +80,7 @@ TEST(BinderAngle, IsDegreesOutsideAndRadiansInside) {
   EXPECT_EQ(angle, 30 * 0.017453292519943295);
   EXPECT_EQ(bound("[s]\na = 91", bind),
             "f:2:5: 'a' in [s]: expected a number from 0 to 90 degrees, found 91\n");
-  // Kept as it was written, to the last bit.
+  // The number is kept as written, to the last bit.
   EXPECT_EQ(bound("[s]\na = 10.000000000000002", bind), "a = 10.000000000000002\n");
 }
 
@@ -168,7 +168,7 @@ TEST(BinderError, IsPlacedAtTheKeyOrItsSection) {
 }
 
 TEST(BinderNumber, MayBeAbsent) {
-  // Goal: an optional number is there or not. Method: both, and a wrong one.
+  // Goal: an optional number may be absent. Method: a present, an absent and a wrong number.
   const auto bind = [](Binder& b) {
     std::optional<double> x;
     b.optional_number("x", x, {.minimum = 0, .maximum = 2});
@@ -180,8 +180,8 @@ TEST(BinderNumber, MayBeAbsent) {
 }
 
 TEST(BinderTables, AreReadOneByOne) {
-  // Goal: each table has values of its own; keys(), help and errors know them. Method: none, some,
-  // too many, and what is no table.
+  // Goal: each table has its own values; keys(), help and errors include tables. Method: no table,
+  // some, too many, and values that are not tables.
   std::vector<double> values;
   std::vector<std::size_t> shown;
   const auto bind = [&](Binder& b) {

@@ -1,6 +1,6 @@
-// Goal: the rules of a request that no single key knows. Method: small files over a toy world; the
-// whole list of errors is compared, so nothing is reported twice or out of order.
-// tests/requests holds the corpus of bad requests.
+// Goal: rules that involve several keys of a request hold. Method: small files over a toy world;
+// comparing the whole list of errors shows repeats and wrong order. tests/requests holds the corpus
+// of bad requests.
 #include "common/request/direction_request.h"
 
 #include <fmt/format.h>
@@ -96,8 +96,8 @@ TEST(ReadRequest, ChecksOfSeveralKeysAreAnchoredAtAKey) {
 }
 
 TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
-  // Goal: the rule that follows is in the request and its normalised text, and no rule that is
-  // given is added to. Method: no section, an empty one, and each rule.
+  // Goal: a default stop rule appears in the request and its normalised text, and is not added to
+  // an explicit rule. Method: no section, an empty section, and each rule.
   for (const std::string stop : {"", "[stop]\n"}) {
     const DirectionRequest request = read("[world]\nname = 'toy'\n" + stop);
     EXPECT_EQ(request.stop, (StopRule{{}, {}, 5, {}}));
@@ -111,8 +111,8 @@ TEST(ReadRequest, WithoutARuleItIsForFiveSolutions) {
 }
 
 TEST(ReadRequest, ASearchHasFewKeys) {
-  // Goal: what says nothing of a search is refused where it is given, and not repeated where it
-  // isn't. Method: the keys of a search, one by one; its normalised text.
+  // Goal: keys that don't apply to a search are refused if given and otherwise omitted. Method:
+  // each such key; the normalised text of a search.
   const std::string least = "[world]\nname = 'staged'\n[sampler]\nmethod = 'search'\n";
   const std::array worlds{toy::binding(), toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -153,8 +153,8 @@ TEST(ReadRequest, ASearchHasFewKeys) {
 }
 
 TEST(ReadRequest, OddsAreARuleOfIslands) {
-  // Goal: the rule stands by itself or with others, for sequential alone, within its range, and
-  // reads back. Method: each, in a world that acts in stages.
+  // Goal: the odds rule works alone or with others, only for sequential, within its range, and
+  // reads back. Method: each case, in a world with stages.
   const std::string islands = "[world]\nname = 'staged'\n[sampler]\nmethod = 'sequential'\n";
   const std::array worlds{toy::staged_binding()};
   const auto read_staged = [&](const std::string& text) {
@@ -208,8 +208,8 @@ TEST(ReadRequest, OddsAreARuleOfIslands) {
 }
 
 TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
-  // Goal: what tours do not go with is an error that says why; what they go with reads back.
-  // Method: each key and rule, in a world that acts in stages.
+  // Goal: keys that can't be combined with tours cause an error with the reason; other keys read
+  // back. Method: each key and rule, in a world with stages.
   const std::array worlds{toy::staged_binding()};
   const auto staged_errors = [&](const std::string& method, const std::string& rest) {
     std::vector<std::string> lines;
@@ -234,8 +234,8 @@ TEST(ReadRequest, ToursGoWithIslandsAndTheirOwnRules) {
 }
 
 TEST(ReadRequest, FindsAskedForStayFinds) {
-  // Goal: so many solutions of a request that asks for finds alone are finds, beside other rules
-  // both. Method: with the sampler left open, and with chains.
+  // Goal: a requested number of solutions counts finds if the request only searches, or draws
+  // beside other stop rules. Method: with an open sampler, and with chains.
   const std::array worlds{toy::staged_binding()};
   const auto rules_of = [&](const std::string& text) {
     return read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, Asked{.number = 4})
@@ -249,8 +249,9 @@ TEST(ReadRequest, FindsAskedForStayFinds) {
 }
 
 TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
-  // Goal: who asks for nothing gets five takes, who asks for so many that many, unless [stop] or
-  // the command line asks for finds or proportions; the text says all of it. Method: each.
+  // Goal: without a stop rule, a request gets five takes, or as many as the command line asks for.
+  // [stop] or the command line can request finds or draws instead; the normalised text states the
+  // rule. Method: each case.
   const std::array worlds{toy::relaxing_binding()};
   const auto read_with = [&](const std::string& text, std::optional<Asked> asked) {
     auto request = read_request("[world]\nname = 'staged'\n" + text, "r.toml", worlds, asked);
@@ -275,7 +276,7 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
             in_proportion);
   EXPECT_EQ(read_with("[stop]\nscans = 9\n", {}).stop.takes, std::nullopt);
 
-  // A cut has takes, or before the first one what the search alone finds.
+  // A cut request has takes, or before the first take the finds of the search.
   EXPECT_THAT(normalised_text_of(open, {.found = 7, .relaxed = 2, .prior_draws = 40}),
               HasSubstr("relax_scans = 3\nstep = 0.5\n\n[stop]\ntakes = 2\n\n[output]\n"
                         "keep_max = 5000\nprior_draws = 40\n"));
@@ -295,8 +296,8 @@ TEST(ReadRequest, WithoutASamplerFindsAreRelaxed) {
 }
 
 TEST(NormalisedText, KeepsWhatIslandsEndARunBy) {
-  // Goal: a cut of islands has the rules that hang on them beside its scans, one of other methods
-  // its scans alone. Method: all rules at once, of both.
+  // Goal: a cut request for islands keeps its odds rules beside its scans; for other methods it
+  // keeps its scans alone. Method: all rules at once, for both.
   const std::array worlds{toy::staged_binding()};
   const auto cut_of = [&](const std::string& method, const std::string& rules) {
     const auto request = read_request("[world]\nname = 'staged'\n[sampler]\nmethod = '" + method +
@@ -390,14 +391,14 @@ TEST(IdentityText, IsWhatTheChainsDependOn) {
 
 TEST(WithSeed, IsAsIfTheFileHadIt) {
   const DirectionRequest request = with_seed(read(k_least), k_seed_max);
-  std::string text(k_least);  // no sum of a temporary, of which GCC 12 fears the worst
+  std::string text(k_least);  // not a sum of temporaries, which GCC 12 falsely warns about
   text += "[sampler]\nseed = 9223372036854775807";
   EXPECT_EQ(request, read(text));
 }
 
 TEST(ArraysOfTables, AreReadCheckedAndNormalised) {
-  // Goal: tables of a section are part of a request as its keys are: values, errors with their
-  // places, the canonical text, identity. Method: a good request, and one slip each.
+  // Goal: tables of a section belong to a request like its keys, in values, error places, canonical
+  // text and identity. Method: a good request, and one fault each.
   const std::array worlds{toy::binding()};
   const std::string pegs = "[[world.peg]]\ny_m = 2\n[[world.peg]]\nx_m = 3\n";
   const std::string text = "[world]\nname = 'toy'\n" + pegs + "[stop]\nscans = 1\n";

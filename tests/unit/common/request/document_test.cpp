@@ -1,5 +1,5 @@
-// Goal: TOML of every form becomes sections of keys with their places, and files that could harm
-// the parser never reach it. Method: worked examples; hostile files at and beyond each limit.
+// Goal: TOML of every form becomes sections of keys with places, and files that could harm the
+// parser never reach it. Method: worked examples; hostile files at and beyond each limit.
 #include "common/request/document.h"
 
 #include <gtest/gtest.h>
@@ -40,8 +40,8 @@ TEST(Document, KeepsSectionsAndKeysInFileOrderWithPlaces) {
 }
 
 TEST(Document, KeepsArraysOfTables) {
-  // Goal: tables of an array come in order, with places, beside the section's keys; other arrays
-  // are none. Method: both ways to write them, and arrays that aren't such.
+  // Goal: tables of an array come in order, with places, beside the section's keys; arrays of other
+  // values don't count. Method: both notations for tables, and arrays of other values.
   const Document document = parsed(
       "[a]\nk = 1\n[[a.t]]\ny = 2\n\n  [[a.t]]\nx = 3\ny = 4\n[b]\nt = [{x = 5}]\nu = [1]\n");
   const Section& a = document.sections[0];
@@ -101,8 +101,8 @@ TEST(Document, RefusesDeepKeysInEveryDisguise) {
 }
 
 TEST(Document, TakesBitmapsOnOneLine) {
-  // Goal: the normalised text of the largest bitmap, all on one line, can be read; dotted keys
-  // can't hide among such dots. Method: 12 rows of 40, escaped line ends; long keys behind them.
+  // Goal: the largest bitmap's normalised text, on one line, can be read; dotted keys can't hide
+  // among its dots. Method: 12 rows of 40 with escaped line ends; then long dotted keys.
   const std::string bitmap = "a = \"" + repeated(repeated(".", 39) + "#\\U0000000A", 6) +
                              repeated(repeated(".", 40) + "\\U0000000A", 6) + "\"";
   EXPECT_EQ(error_of(bitmap), "");
@@ -113,7 +113,7 @@ TEST(Document, TakesBitmapsOnOneLine) {
 }
 
 TEST(Document, HoldsTheDeepestFileThatIsAllowed) {
-  // Eight inline tables one in another, a line each, every line with as many dots as it may have.
+  // Eight nested inline tables, each on a line with the maximum number of dots.
   std::string deep = "a" + repeated(".a", k_dots_per_line_max) + " = ";
   for (int i = 0; i < 4; ++i)
     deep += "[\n{ a" + repeated(".a", k_dots_per_line_max) + " = ";

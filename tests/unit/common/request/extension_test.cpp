@@ -1,5 +1,5 @@
-// Goal: a longer request is the same one but for [stop], so that a run goes on with its chains.
-// Method: requests over a toy world are extended, and their texts are read again.
+// Goal: an extended request changes only [stop], so that a run resumes with its chains. Method:
+// extend requests over a toy world and read their texts again.
 #include "common/request/extension.h"
 
 #include <gmock/gmock.h>
@@ -72,7 +72,7 @@ TEST(Extension, IsLonger) {
   EXPECT_EQ(why_not(before, {.rounds = 1}), "");
 }
 
-// The text is read again, so that values beyond a rule's range are found there.
+// Reading the text again finds values beyond a rule's range.
 TEST(Extension, LeavesValuesToTheReader) {
   const auto text = extended_text(request_with("scans = 10"), {.scans = k_scans_max + 1});
   ASSERT_TRUE(text.ok());

@@ -1,5 +1,5 @@
-// Goal: a slip of the finger finds the name that was meant, and other words find none. Method:
-// known distances, a slow reference for the distance, and the slips that people make.
+// Goal: a typing error finds the intended name, and unrelated words find none. Method: known
+// distances, a slow reference distance, and typical typing errors.
 #include "common/request/nearest.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace sleight::request {
 namespace {
 
-/// The definition, by recursion on both ends.
+/// Computes the distance by its definition, with recursion on both ends.
 std::size_t slow_distance(std::string_view a, std::string_view b) {
   if (a.empty()) return b.size();
   if (b.empty()) return a.size();

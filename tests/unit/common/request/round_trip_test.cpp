@@ -1,6 +1,6 @@
-// Goal: the normalised text of any request reads back to the same request and the same text, bit
-// for bit. Method: random valid requests, every key present with probability one half, written in
-// random order; splitmix64 from fixed seeds, each printed when it fails.
+// Goal: any request's normalised text reads back to the same request and the same text, bit for
+// bit. Method: random valid requests, with each key present with probability one half and in random
+// order; splitmix64 from fixed seeds, printed on failure.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -26,9 +26,9 @@ class Generator {
   }
   std::uint64_t below(std::uint64_t end) { return bits() % end; }
   bool coin() { return below(2) == 0; }
-  double unit() { return std::ldexp(static_cast<double>(bits() >> 11), -53); }  // [0, 1)
+  double unit() { return std::ldexp(static_cast<double>(bits() >> 11), -53); }  // in [0, 1)
 
-  /// A number as people write them: of few digits, of all digits, or an integer.
+  /// Returns a number with few digits, with all digits, or an integer.
   std::string number(double least, double most) {
     const double value = least + (most - least) * unit();
     switch (below(3)) {

@@ -1,6 +1,6 @@
-// Goal: a key set from outside is read exactly as if the file had it, its errors are as kind and
-// name the set, and ranges make all combinations in order. Method: toy requests read with sets
-// against the same request as a file; lists of texts with their errors.
+// Goal: a key set by `--set` reads as if the file contained it, its errors name the set, and ranges
+// expand to all combinations in order. Method: compare toy requests with sets with the same
+// requests as files; lists of texts with their errors.
 #include "common/request/sets.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ std::vector<std::string> lines_of(const std::vector<Diagnostic>& errors) {
   return lines;
 }
 
-/// The normalised request, or its errors.
+/// Returns the normalised request, or its errors.
 std::string read(const Texts& texts, std::string_view file = k_file) {
   const auto sets = plain_sets(texts);
   std::string told;
@@ -50,13 +50,13 @@ TEST(Sets, AreReadAsIfTheFileHadThem) {
   const std::string seven =
       "[world]\nname = \"toy\"\nballs = 2\n[sampler]\nseed = 7\n[stop]\nscans = 10\n";
   EXPECT_EQ(read({"sampler.seed=7"}), read_file(seven));
-  // A key and a section that the file has not.
+  // A key and a section that the file lacks.
   EXPECT_EQ(read({"sampler.seed=7", "world.surface=wood", "output.thin=3",
                   "constraint.word=\"A B\"", "constraint.lambda=2", "world.spinning=false"}),
             read_file("[world]\nname = \"toy\"\nballs = 2\nsurface = \"wood\"\nspinning = false\n"
                       "[sampler]\nseed = 7\n[constraint]\nword = \"A B\"\nlambda = 2\n"
                       "[stop]\nscans = 10\n[output]\nthin = 3\n"));
-  // In any order, and whatever the file's value was.
+  // The order doesn't matter, nor does the file's value.
   EXPECT_EQ(read({"stop.scans=20", "world.balls=4"}), read({"world.balls=4", "stop.scans=20"}));
   EXPECT_EQ(read({"world.balls=4"}, "[world]\nname = \"toy\"\nballs = \"x\"\n[stop]\nscans = 10\n"),
             read_file("[world]\nname = \"toy\"\nballs = 4\n[stop]\nscans = 10\n"));
@@ -99,7 +99,7 @@ TEST(Sets, HaveTheErrorsOfAFile) {
       read({"world.threads=4"}),
       "--set world.threads=4: 'threads' is a command-line option, not a request key, because it "
       "doesn't affect results\n");
-  // Each error names its own set; those of the file keep their places.
+  // Each error names its own set; errors of the file keep their places.
   EXPECT_EQ(
       read({"world.balls=4", "world.balls_=4", "sampler.step=1.5"},
            "[world]\nname = \"toy\"\nbals = 1\n[stop]\nscans = 10\n"),
@@ -159,12 +159,12 @@ TEST(Ranges, MakeAllCombinations) {
                           "a.b=2 c.d=x e.f=9"));
   EXPECT_THAT(expanded({"a.b=9223372036854775806..9223372036854775807"}),
               ElementsAre("a.b=9223372036854775806", "a.b=9223372036854775807"));
-  // Values of a range are integers, as a file's are.
+  // Values of a range are integers, like a file's integers.
   const auto combinations = expand_sets(Texts{"sampler.seed=1..20"});
   ASSERT_TRUE(combinations.ok());
   ASSERT_EQ(combinations.value().size(), 20U);
   EXPECT_EQ(combinations.value()[19][0].value.held, (decltype(Value::held)(std::int64_t{20})));
-  // In quotes it is a string.
+  // A quoted range is a string.
   EXPECT_THAT(expanded({"a.b=\"1..2\""}), ElementsAre("a.b=\"1..2\""));
 }
 

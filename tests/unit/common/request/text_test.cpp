@@ -1,5 +1,5 @@
-// Goal: text reaches terminals harmless and TOML exact. Method: worked examples of each class of
-// character, and for numbers a round trip over bit patterns.
+// Goal: text is harmless on terminals and exact in TOML. Method: worked examples of each class of
+// character; for numbers, a round trip over bit patterns.
 #include "common/request/text.h"
 
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ TEST(TomlString, EscapesQuotesAndControls) {
 }
 
 TEST(Degrees, HaveAShortForm) {
-  // The thesis's angles are stored in radians and shown as a person wrote them.
+  // Angles are stored in radians and shown in degrees as written.
   EXPECT_EQ(degrees_of_radians(0.17453292519943295), 10);
   EXPECT_EQ(degrees_of_radians(0.087266462599716474), 5);
   EXPECT_EQ(radians_of_degrees(10), 0.17453292519943295);

@@ -1,4 +1,4 @@
-// A world for these tests: every kind of key, and nothing to simulate.
+// A toy world for request tests, with every kind of key and no simulation.
 #pragma once
 
 #include <array>
@@ -60,14 +60,14 @@ inline WorldBinding binding(std::string name = "toy") {
   return bind_world<Parameters>(std::move(name), "a world for tests", &bind);
 }
 
-/// The same as a world that acts in stages.
+/// Returns the toy world as a world with stages.
 inline WorldBinding staged_binding() {
   WorldBinding staged = binding("staged");
   staged.acts_in_stages = true;
   return staged;
 }
 
-/// The same as one that relaxes finds for three scans, by steps of half.
+/// Returns the toy world with defaults for relaxing finds: three scans, step 0.5.
 inline WorldBinding relaxing_binding() {
   return bind_world<Parameters>(
       "staged", "a world for tests", &bind,
@@ -79,7 +79,7 @@ inline WorldBinding relaxing_binding() {
       });
 }
 
-/// Errors as the command line prints them, one in each element; empty for a good request.
+/// Returns the errors as the command line prints them, one per element; empty for a good request.
 inline std::vector<std::string> errors_of(std::string_view text) {
   const std::array worlds{binding(), binding("toy_2")};
   const auto request = read_request(text, "r.toml", worlds);

@@ -1,4 +1,5 @@
-// Every call, from a client over a socket to a handler and back.
+// Goal: every call travels from a client over a socket to a handler and back. Method: a client and
+// a server with a fake service.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -75,8 +76,8 @@ JobView full_view() {
 }
 
 TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
-  // Goal: all fields of all calls and answers travel. Method: values with every field set apart
-  // from its default, compared at the other end.
+  // Goal: all fields of all calls and answers travel. Method: set every field apart from its
+  // default and compare at the other end.
   service.jobs[17].view = full_view();
   ServerThread server(socket(), service);
   Client client(socket());
@@ -149,8 +150,8 @@ TEST_F(CallsTest, EachCallArrivesWithAllThatItSays) {
 }
 
 TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
-  // Goal: a refusal arrives whole; and a failure of the handler, a dropped reply included, as a bug
-  // without its words, which the log has. Method: a handler that refuses, throws and forgets.
+  // Goal: a refusal arrives whole. A handler's failure, such as a dropped reply, arrives as a bug
+  // whose text only the log has. Method: a handler that refuses, throws and drops replies.
   ServerThread server(socket(), service);
   Client client(socket());
   const Refusal bad = refusal_of(
@@ -188,8 +189,8 @@ TEST_F(CallsTest, RefusalsSayWhatAndWhatToDo) {
 }
 
 TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
-  // Goal: a reply may be kept; others are answered meanwhile, and a client that left hinders
-  // nobody. Method: four clients whose calls are answered in reverse, one of which gives up before.
+  // Goal: while a handler delays a reply, other clients are answered, and a client that left blocks
+  // nobody. Method: four clients, answered in reverse; one of them leaves early.
   service.keeps_status = true;
   ServerThread server(socket(), service);
   std::thread gives_up(
@@ -219,8 +220,8 @@ TEST_F(CallsTest, AnswersMayComeLaterAndInAnyOrder) {
 }
 
 TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
-  // Goal: what a handler is given is within service.h's limits, and the reason is said. Method:
-  // each limit passed by one.
+  // Goal: calls beyond service.h's limits are refused with the reason. Method: exceed each limit by
+  // one.
   ServerThread server(socket(), service);
   Client client(socket());
   const auto submit = [&](Submission submission) {
@@ -260,8 +261,8 @@ TEST_F(CallsTest, RequestsBeyondTheLimitsAreRefused) {
 }
 
 TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
-  // Goal: whatever a handler answers, the client can read it: long texts lose their end at a whole
-  // character. Method: a page of 120 jobs with texts of 70 kB, and a status with a long history.
+  // Goal: a client can read any answer; long texts are cut at a whole character. Method: a page of
+  // 120 jobs with texts of 70 kB, and a status with a long history.
   JobView huge = full_view();
   huge.reason = std::string(1, 'a') + [] {
     std::string text;
@@ -279,7 +280,7 @@ TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
   Client client(socket());
   const JobPage page = client.list({.count = 120});
   ASSERT_EQ(page.jobs.size(), 120U);
-  EXPECT_EQ(page.jobs[7].reason.size(), 511U);  // 512 would cut a character of two bytes
+  EXPECT_EQ(page.jobs[7].reason.size(), 511U);  // 512 would cut a two-byte character
   const JobView view = client.status({3});
   EXPECT_EQ(view.history.size(), k_history_max);
   EXPECT_EQ(view.last_log_lines.size(), k_last_log_lines);
@@ -287,9 +288,9 @@ TEST_F(CallsTest, ViewsOfAnyLengthStayReadable) {
 }
 
 TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
-  // Goal: mode 0600; a living server's socket is refused, a dead one's replaced, and a server that
-  // ends leaves its successor's name alone. Method: servers one after another; a killed process; a
-  // path longer than the system's bound.
+  // Goal: a socket has mode 0600. A server refuses a living server's socket, replaces a dead
+  // server's socket, and leaves its successor's alone when it ends. Method: servers one after
+  // another; a killed process; a path beyond the system's limit.
   const std::string deep = path(std::string(200, 'd'));
   std::filesystem::create_directory(deep);
   const std::string place = deep + "/socket";
@@ -323,8 +324,8 @@ TEST_F(CallsTest, TheSocketIsItsOwnersAloneAndOneServersAlone) {
 }
 
 TEST_F(CallsTest, AClientOutlivesItsServers) {
-  // Goal: one client's calls go on with the next server. Method: servers one after another, and a
-  // time without any.
+  // Goal: a client reconnects to the next server. Method: servers one after another, with a pause
+  // between.
   Client client(socket());
   for (int i = 0; i < 3; ++i) {
     EXPECT_THROW(client.info(), NoServer);
@@ -334,7 +335,7 @@ TEST_F(CallsTest, AClientOutlivesItsServers) {
 }
 
 TEST_F(CallsTest, AClientMayPauseForLongerThanACallMayTake) {
-  // Goal: a call's time begins with the call. Method: calls of 2 s at most, with 2.5 s between.
+  // Goal: a call's time limit starts with the call. Method: calls with a limit of 2 s, 2.5 s apart.
   ServerThread server(socket(), service);
   Client client(socket(), {.call_s_max = 2});
   EXPECT_EQ(client.info().version, "1.2");

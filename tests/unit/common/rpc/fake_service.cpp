@@ -327,10 +327,10 @@ void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
   service.add_file("ball.h5", content_of(file_bytes, 1));
   Loop loop;
   Server server(loop, path, service, {.limits = limits});
-  // News come as fast as they can be looked for.
+  // Look for news as fast as possible.
   const auto look = loop.call_every(0.0005, [&] {
     FakeJob& job = service.jobs[1];
-    const bool is_over = shared.is_over;  // before the events that come with it
+    const bool is_over = shared.is_over;  // read before the events that it announces
     const std::uint64_t events = shared.events;
     if (job.events == events && job.progress == shared.progress && job.is_over == is_over) return;
     job.events = events;
@@ -341,10 +341,10 @@ void serve(const std::string& path, Shared& shared, std::size_t file_bytes,
   loop.run();
 }
 
-/// What a nursery is asked: a server's start, or its end.
+/// A request to the nursery to start or end a server.
 struct Ask {
-  pid_t kill = 0;            ///< 0: start one
-  char path[PATH_MAX] = {};  ///< of any length: servers shorten it for the system
+  pid_t kill = 0;            ///< 0: start a server
+  char path[PATH_MAX] = {};  ///< of any length; servers shorten it for the system
   std::size_t file_bytes = 0;
   ServerLimits limits{};
 };
@@ -355,13 +355,13 @@ pid_t start(const Ask& ask, Shared& shared) {
   if (pid != 0) return pid;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::close_range(3, ~0U, 0);
-  // A thread of its own: the test's may have had a client, and so an event loop.
+  // Serve in a new thread, because a client in the test's thread may have left an event loop.
   std::thread([&] { serve(ask.path, shared, ask.file_bytes, ask.limits); }).join();
   ::_exit(0);
 }
 
-/// Starts and ends servers until the test closes its socket. Files that the test has open, and
-/// their locks, are not theirs.
+/// Starts and ends servers until the test closes its socket. The servers don't inherit the test's
+/// open files and locks.
 [[noreturn]] void run_nursery(int socket, Shared& shared) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::dup2(socket, 3);
@@ -380,7 +380,7 @@ pid_t start(const Ask& ask, Shared& shared) {
   ::_exit(0);
 }
 
-/// REQUIRES: no other thread asks meanwhile.
+/// REQUIRES: no other thread calls this meanwhile.
 pid_t asked(const Shared& shared, const Ask& ask) {
   pid_t answer = -1;
   CHECK(::send(shared.nursery, &ask, sizeof ask, MSG_NOSIGNAL) == sizeof ask);
@@ -401,7 +401,7 @@ ServerProcess::ServerProcess(const std::string& path, Shared& shared, std::size_
     try {
       Client(path, {.call_s_max = 5}).info();
       return true;
-    } catch (const base::Error&) {  // not yet there, or slow
+    } catch (const base::Error&) {  // not ready yet
       return false;
     }
   }));

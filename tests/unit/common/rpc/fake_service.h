@@ -1,6 +1,6 @@
 // A service in memory, and servers for it: in a thread of the test, or in a process to be killed.
 //
-// It is a handler as the daemon's is; nothing of the transport is replaced.
+// The fake service is a handler like the daemon's; the transport is real.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,12 +23,12 @@
 
 namespace sleight::rpc::testing {
 
-/// A job whose events exist up to a number, all of them functions of it.
+/// A job with events 1 to `events`, each a function of its number.
 struct FakeJob {
   JobView view{};
-  std::uint64_t events = 0;  ///< numbered ones that there are
+  std::uint64_t events = 0;  ///< number of numbered events
   std::uint64_t changes = 1;
-  std::uint64_t progress = 0;  ///< how often progress was told
+  std::uint64_t progress = 0;  ///< number of progress reports
   bool is_over = false;
 };
 
@@ -36,7 +36,7 @@ events::RunEvent event_of(std::uint64_t number);
 StateChange change_of(std::uint64_t number);
 std::string content_of(std::size_t bytes, std::uint64_t seed);
 
-/// Bytes as a Source.
+/// A Source that reads from memory.
 class MemorySource final : public Source {
  public:
   MemorySource(std::string name, std::shared_ptr<const std::string> content, std::string sha256);
@@ -52,7 +52,7 @@ class FakeService final : public Handler {
  public:
   struct File {
     std::shared_ptr<const std::string> content;
-    std::string sha256;  ///< as it is announced
+    std::string sha256;  ///< the announced digest, which may be wrong
   };
 
   std::map<std::uint64_t, FakeJob> jobs{};
@@ -61,19 +61,19 @@ class FakeService final : public Handler {
   std::vector<Submission> submissions{};
   std::vector<ListAsk> lists{};
   std::vector<FetchAsk> fetches{};
-  std::vector<std::string> calls{};  ///< names of touching calls with what they were given
+  std::vector<std::string> calls{};  ///< names and arguments of calls that change something
   std::vector<Reply<JobView>> kept{};
   std::uint64_t events_asked = 0;
   std::uint32_t last_user = 0;
-  bool keeps_status = false;  ///< status calls are kept unanswered
+  bool keeps_status = false;  ///< leaves status calls unanswered
   std::vector<Reply<Fetched>> kept_fetches{};
-  bool keeps_fetches = false;  ///< fetch calls are kept unanswered
-  bool throws = false;         ///< status throws
-  std::uint64_t gap_at = 0;    ///< this event is left out
+  bool keeps_fetches = false;  ///< leaves fetch calls unanswered
+  bool throws = false;         ///< makes status throw
+  std::uint64_t gap_at = 0;    ///< number of an event to leave out
   std::size_t files_in_page = k_fetch_files_max;
   std::function<void()> on_stop{};
   std::map<std::string, TokenView> tokens{};  ///< by id
-  Caller last_caller{};                       ///< of a status call
+  Caller last_caller{};                       ///< of the last status call
 
   void add_file(const std::string& name, std::string content);
 
@@ -93,7 +93,7 @@ class FakeService final : public Handler {
   void revoke_token(const Caller&, std::string id, Reply<TokenView>) override;
 };
 
-/// A server for a FakeService, in a thread of its own.
+/// A server for a FakeService in its own thread.
 class ServerThread {
  public:
   ServerThread(std::string path, FakeService& service, ServerLimits limits = {}, Audit audit = {});
@@ -101,7 +101,7 @@ class ServerThread {
   ServerThread(const ServerThread&) = delete;
   ServerThread& operator=(const ServerThread&) = delete;
 
-  /// Runs it on the loop's thread, and waits.
+  /// Runs `work` on the loop's thread and waits.
   void on_loop(const std::function<void(Server&)>& work);
   ServerCounts counts();
   std::vector<std::string> complaints();
@@ -114,28 +114,28 @@ class ServerThread {
   std::thread thread_;
 };
 
-/// What a server's process shares with the test.
+/// State shared by a server's process and the test.
 struct Shared {
   std::atomic<std::uint64_t> events = 0;    ///< of job 1
   std::atomic<std::uint64_t> progress = 0;  ///< likewise
   std::atomic<bool> is_over = false;
-  int nursery = -1;  ///< a socket of the process that forks the servers
+  int nursery = -1;  ///< socket to the process that forks servers
 };
 
-/// A server in a process of its own, which has job 1 and the file "ball.h5" of `file_bytes`. It is
-/// forked by the process that make_shared_memory began, which never had a second thread: a process
-/// forked beside one that holds a lock of the sanitizers' waits for it for ever.
+/// A server in its own process, with job 1 and the file "ball.h5" of `file_bytes`. The nursery of
+/// make_shared_memory forks it, because the nursery never has a second thread. A process forked
+/// beside a thread that holds a sanitizer's lock would wait for the lock forever.
 class ServerProcess {
  public:
   ServerProcess(const std::string& path, Shared& shared, std::size_t file_bytes = 1000,
                 ServerLimits limits = {});
-  ~ServerProcess();  ///< kills it
+  ~ServerProcess();  ///< kills the process
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
 
   pid_t pid() const { return pid_; }
   void kill();
-  /// The most memory that it has had.
+  /// Peak memory of the process.
   std::size_t peak_bytes() const;
 
  private:
@@ -143,10 +143,10 @@ class ServerProcess {
   pid_t pid_;
 };
 
-/// A Shared that processes share. REQUIRES: the test has no other thread yet.
+/// Creates a Shared in memory that processes share. REQUIRES: the test has no other thread yet.
 std::shared_ptr<Shared> make_shared_memory();
 
-/// A folder with a socket's place; removed at the end.
+/// A folder for a socket, removed at the end.
 class SocketFolder : public ::testing::Test {
  protected:
   SocketFolder();
@@ -158,11 +158,11 @@ class SocketFolder : public ::testing::Test {
   std::string folder_;
 };
 
-/// Of a server since `before`. With sanitizers nothing is asked: freed memory stays theirs for a
-/// while.
+/// Checks a server's memory growth since `before`. With sanitizers nothing is checked, because they
+/// hold freed memory for a while.
 void expect_grown_less(const ServerProcess& server, std::size_t before, std::size_t bytes_max);
 
-/// Waits for it, for some seconds.
+/// Waits some seconds for the condition.
 bool comes_true(const std::function<bool()>& condition);
 
 }  // namespace sleight::rpc::testing

@@ -1,4 +1,5 @@
-// Fetching: files that are whole or not there, over whatever happens.
+// Goal: a fetched file is complete or absent, whatever happens. Method: real servers and
+// connections with faults.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -47,8 +48,8 @@ class FetchTest : public testing::SocketFolder {
 };
 
 TEST_F(FetchTest, BringsAFileOfAnySize) {
-  // Goal: files arrive bit for bit, in place of an older one, and nothing else is left. Method:
-  // sizes around a piece.
+  // Goal: files arrive bit for bit, replace an older file and leave no other file. Method: sizes
+  // around a piece.
   ServerThread server(socket(), service);
   Client client(socket());
   const std::string to = path("out/ball.h5");
@@ -75,9 +76,9 @@ TEST_F(FetchTest, BringsAFileOfAnySize) {
 }
 
 TEST_F(FetchTest, GoesOnWhereItStopped) {
-  // Goal: a fetch that was stopped goes on with what it has, if the service has the same content;
-  // else it begins anew, and the old part goes. Method: stop in the middle; then the same, and
-  // another one.
+  // Goal: a stopped fetch resumes with its partial file if the service has the same content;
+  // otherwise it starts from scratch and removes the partial file. Method: stop in the middle; then
+  // fetch the same content, and other content.
   const std::size_t size = 4 * k_piece_bytes_max;
   const std::string first = content_of(size, 1);
   const std::string second = content_of(size, 2);
@@ -113,8 +114,8 @@ TEST_F(FetchTest, GoesOnWhereItStopped) {
 }
 
 TEST_F(FetchTest, GoesOnOverKilledServers) {
-  // Goal: servers killed in the middle cost no byte that has come. Method: kill one after every
-  // third of the pieces; count what is read again.
+  // Goal: killing servers loses no byte that arrived. Method: kill a server after every third of
+  // the pieces; count the bytes that are read again.
   const std::size_t size = 9 * k_piece_bytes_max + 5;
   const auto shared = testing::make_shared_memory();
   auto server = std::make_unique<ServerProcess>(socket(), *shared, size);
@@ -138,8 +139,8 @@ TEST_F(FetchTest, GoesOnOverKilledServers) {
 }
 
 TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
-  // Goal: wrong bytes never take the file's place; the service is asked a few times, and then it is
-  // said. Method: a wrong digest; a part whose bytes were damaged on our side, which heals.
+  // Goal: a file with wrong bytes is never put in place; after a few tries the fetch fails. Method:
+  // a wrong digest; a damaged partial file, which a new try repairs.
   const std::string content = content_of(3 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
@@ -162,8 +163,8 @@ TEST_F(FetchTest, ContentThatIsNotWhatWasAnnouncedIsNoFile) {
 }
 
 TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
-  // Goal: a file that comes to lie at the place while another is fetched stays, unless it is to be
-  // replaced; one of the same content is as good. Method: it is made with the last piece.
+  // Goal: a file created at the destination during a fetch stays unless it may be replaced or has
+  // the same content. Method: create the file with the last piece.
   const std::string content = content_of(2 * k_piece_bytes_max, 3);
   service.add_file("ball.h5", content);
   const ServerThread server(socket(), service);
@@ -189,8 +190,8 @@ TEST_F(FetchTest, KeepsAFileThatCameMeanwhile) {
 }
 
 TEST_F(FetchTest, BringsManyFilesByPages) {
-  // Goal: all files of an ask come into a folder, over pages and killed connections; names that
-  // leave the folder are refused. Method: 20 files, 7 in a page; a hostile name.
+  // Goal: one call fetches several files into a folder, over pages and killed connections; names
+  // that leave the folder are refused. Method: 20 files, 7 in a page; a hostile name.
   for (int i = 10; i < 30; ++i)
     service.add_file(fmt::format("failure-{}.bin", i), content_of(1000, static_cast<unsigned>(i)));
   service.files_in_page = 7;
@@ -208,13 +209,14 @@ TEST_F(FetchTest, BringsManyFilesByPages) {
 }
 
 TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
-  // Goal: a write that fails is said, and the place of the file stays as it was. Method: a limit on
-  // the size of files, as a full disk's, in a process of its own; then without the limit.
+  // Goal: a failed write is reported and leaves the destination unchanged. Method: a limit on file
+  // sizes, as on a full disk, in a separate process; then without the limit.
   const std::string content = content_of(3 * k_piece_bytes_max, 4);
   service.add_file("ball.h5", content);
   ServerThread server(socket(), service);
   const std::string to = path("out/ball.h5");
-  // Executed anew, with a folder of its own: the server's thread may hold a lock when it forks.
+  // Run the death test by exec with its own folder, because the server's thread may hold a lock at
+  // a fork.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto fetch_with_little_room = [&] {
     ::signal(SIGXFSZ, SIG_IGN);
@@ -235,8 +237,8 @@ TEST_F(FetchTest, ADiskThatFailsLeavesNoHalfFile) {
 }
 
 TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
-  // Goal: a file that is replaced while it is fetched is fetched as it was. Method: open_source;
-  // then rename another one over it.
+  // Goal: a file that is replaced during a fetch arrives in its old version. Method: open_source;
+  // then rename another file over it.
   std::ofstream(path("a"), std::ios::binary) << "old content";
   const auto source = open_source(path("a"), "a.h5", "digest");
   std::ofstream(path("b"), std::ios::binary) << "new";
@@ -258,7 +260,7 @@ TEST_F(FetchTest, FilesOfTheDiskAreHeldOpen) {
   EXPECT_TRUE(is_refused);
 }
 
-/// A service that is cut off in the first call, away in the second, and back in the third.
+/// A link that is cut in the first call, absent in the second, and back in the third.
 class CutLink final : public Link {
  public:
   std::vector<ArrivedBatch> watch(const std::vector<WatchPoint>&) override { return {}; }
@@ -283,9 +285,9 @@ class CutLink final : public Link {
 };
 
 TEST_F(FetchTest, AFirstCallThatIsCutIsRepeated) {
-  // Goal: a daemon that is killed in a fetch's first call is waited for; one that never was there
-  // is not. Method: a link that loses the first call, then finds nobody; one that finds nobody at
-  // once.
+  // Goal: a client waits for a daemon that is killed during a fetch's first call, but not for a
+  // daemon that never ran. Method: a link that loses the first call and then finds nobody; a link
+  // that finds nobody at once.
   CutLink cut;
   EXPECT_EQ(fetch_file_over(cut, {}, archive, path("out/a.h5"), {}, {}, AtItsPlace::replaced).how,
             Waited::settled);

@@ -1,8 +1,6 @@
-// Peers that send anything, or read nothing: the server's memory stays bounded, and others are
-// served.
-//
-// The server is a process of its own, whose most memory ever is looked at. After each attack, and
-// during it, another client is answered.
+// Goal: whatever peers send, or leave unread, the server's memory stays bounded and other clients
+// are served. Method: a server in its own process, whose peak memory is measured; another client
+// calls during and after each attack.
 #include <capnp/message.h>
 #include <capnp/rpc-twoparty.h>
 #include <capnp/rpc.capnp.h>
@@ -45,7 +43,8 @@ class Raw {
   Raw(const Raw&) = delete;
   Raw& operator=(const Raw&) = delete;
 
-  /// What the system takes within some time; false where the server has ended the connection.
+  /// Sends what the system accepts within the time; returns false if the server ended the
+  /// connection.
   bool send(const void* bytes, std::size_t size, int patience_ms = 2000) {
     const char* next = static_cast<const char*>(bytes);
     while (size > 0) {
@@ -62,13 +61,13 @@ class Raw {
     const auto words = capnp::messageToFlatArray(message);
     return send(words.begin(), words.asBytes().size(), patience_ms);
   }
-  /// What has come and was not read.
+  /// Number of bytes that arrived and were not read.
   int unread() const {
     int bytes = 0;
     ::ioctl(descriptor_, FIONREAD, &bytes);
     return bytes;
   }
-  /// Reads until the server ends the connection, or for so long.
+  /// Reads until the server ends the connection or the time is over.
   bool is_ended(int patience_ms = 5000) {
     char buffer[4096];
     pollfd looked = {.fd = descriptor_, .events = POLLIN, .revents = 0};
@@ -80,7 +79,7 @@ class Raw {
     return false;
   }
 
-  std::size_t received = 0;  ///< by is_ended
+  std::size_t received = 0;  ///< bytes read by is_ended
 
  private:
   int descriptor_;
@@ -97,13 +96,13 @@ class HostileTest : public testing::SocketFolder {
             .message_s_max = 0.6};
   }
   std::size_t peak() const { return server_.peak_bytes(); }
-  /// Others are served.
+  /// Checks that another client is served.
   void expect_served() {
     Client client(socket(), {.call_s_max = 10});
     EXPECT_EQ(client.info().version, "1.2");
     EXPECT_EQ(client.status({1}).name, "one");
   }
-  /// Since the test began.
+  /// Checks the memory growth since the test began.
   void expect_bounded(std::size_t bytes_max) {
     testing::expect_grown_less(server_, before_, bytes_max);
   }
@@ -117,7 +116,8 @@ void ask_for_bootstrap(capnp::MessageBuilder& message, std::uint32_t question) {
   message.initRoot<capnp::rpc::Message>().initBootstrap().setQuestionId(question);
 }
 
-/// A call of the service that the bootstrap's `open` promises, as question 1 of a connection.
+/// Starts a call of the service that the bootstrap's `open` promises, as question 1 of a
+/// connection.
 capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::uint32_t question,
                                           std::uint16_t method) {
   auto call = message.initRoot<capnp::rpc::Message>().initCall();
@@ -132,7 +132,7 @@ capnp::rpc::Call::Builder call_of_service(capnp::MessageBuilder& message, std::u
   return call;
 }
 
-/// Bootstrap and open, without waiting for an answer.
+/// Sends bootstrap and open without waiting for an answer.
 void open(Raw& raw) {
   capnp::MallocMessageBuilder bootstrap;
   ask_for_bootstrap(bootstrap, 0);
@@ -149,8 +149,8 @@ void open(Raw& raw) {
 }
 
 TEST_F(HostileTest, AnyBytes) {
-  // Goal: no bytes harm the server or other clients. Method: random bytes; messages of ours with
-  // some bytes changed.
+  // Goal: no bytes harm the server or other clients. Method: random bytes; our messages with some
+  // bytes changed.
   for (const std::uint64_t n : property::cases(property::of_tier(40, 120))) {
     random::Stream stream({.seed = 25, .purpose = random::Purpose::prior}, n);
     Raw raw(socket());
@@ -167,7 +167,7 @@ TEST_F(HostileTest, AnyBytes) {
       for (int i = 0; i < 4; ++i)
         bytes[8 + stream.bits() % (bytes.size() - 8)] = static_cast<char>(stream.bits());
     } else {
-      // Sizes that are believable, so that the content is read.
+      // A plausible size, so that the content is read.
       const std::uint32_t head[2] = {0, static_cast<std::uint32_t>((bytes.size() - 8) / 8)};
       std::memcpy(bytes.data(), head, sizeof head);
     }
@@ -179,8 +179,8 @@ TEST_F(HostileTest, AnyBytes) {
 }
 
 TEST_F(HostileTest, MessagesThatAreTooLargeEndTheirConnection) {
-  // Goal: what a message announces is judged before it has any space. Method: sizes beyond the
-  // limit, too many parts, parts whose sum is too large.
+  // Goal: announced sizes are checked before memory is allocated. Method: sizes beyond the limit,
+  // too many parts, parts whose sum is too large.
   const std::vector<std::vector<std::uint32_t>> heads = {{0, 0xFFFFFFFF},
                                                          {0, (4U << 20U) / 8 + 1},
                                                          {0xFFFFFFFF, 1},
@@ -196,8 +196,8 @@ TEST_F(HostileTest, MessagesThatAreTooLargeEndTheirConnection) {
 }
 
 TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
-  // Goal: a message can't be deeper or say more than its size. Method: a call whose parameters are
-  // 200 levels of lists; a submission of 1,000 jobs which all point at one text of 1 MB.
+  // Goal: depth and total content of a message are bounded. Method: a call with 200 levels of
+  // lists; a submission of 1,000 jobs that all point at one text of 1 MB.
   Raw deep(socket());
   open(deep);
   capnp::MallocMessageBuilder nested;
@@ -209,7 +209,7 @@ TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
 
   Raw many(socket());
   open(many);
-  // A list of 1,000 structs whose second pointer is the same far text, by hand: words.
+  // Built by hand in words: 1,000 structs whose second pointers share one far text.
   capnp::MallocMessageBuilder aliased;
   auto submit = call_of_service(aliased, 2, 0);
   auto submission =
@@ -225,9 +225,8 @@ TEST_F(HostileTest, DeepNestingAndPointersToTheSameWordsAreRefused) {
 }
 
 TEST_F(HostileTest, HalfMessagesAreGivenUp) {
-  // Goal: messages that never become whole hold no more than their bound, are ended in time, and
-  // hinder nobody. Method: 30 connections that announce 4 MB and send a part, where 16 MB are
-  // allowed.
+  // Goal: incomplete messages take bounded memory, end in time, and block nobody. Method: 30
+  // connections announce 4 MB each and send a part, with a total limit of 16 MB.
   std::vector<std::unique_ptr<Raw>> raws;
   const std::uint32_t head[2] = {0, (4U << 20U) / 8};
   const std::string part(100'000, 'x');
@@ -244,8 +243,8 @@ TEST_F(HostileTest, HalfMessagesAreGivenUp) {
 }
 
 TEST_F(HostileTest, AThousandConnections) {
-  // Goal: however many connections there are, others are served, and they cost little. Method:
-  // 1,000 that do nothing, half of them with the beginning of a message; clients meanwhile.
+  // Goal: any number of connections leaves others served and takes little memory. Method: 1,000
+  // idle connections, half of them with the beginning of a message, beside ordinary clients.
   rlimit files = {};
   ::getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;
@@ -262,15 +261,14 @@ TEST_F(HostileTest, AThousandConnections) {
 }
 
 TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
-  // Goal: answers that are not read hold a bounded memory, and their connection is ended in time.
-  // Method: connections that ask for the same status, and for pieces of a file, ever again, and
-  // read nothing.
+  // Goal: unread answers take bounded memory, and their connections are ended in time. Method:
+  // connections that request the same status and pieces of a file repeatedly and read nothing.
   std::vector<std::unique_ptr<Raw>> raws;
   for (int i = 0; i < 20; ++i) {
     raws.push_back(std::make_unique<Raw>(socket()));
     open(*raws.back());
   }
-  // Answers have come, unread, where all connections have more than before, and equally much.
+  // Waits until all connections have more unread bytes than before, and equally many.
   const auto wait_for_more_than = [&](int before) {
     EXPECT_TRUE(testing::comes_true([&] {
       const int first = raws.front()->unread();
@@ -288,15 +286,15 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
     ask.setKind(generated::FetchAsk::Kind::ARCHIVE);
     raw->send(message);
   }
-  wait_for_more_than(opened);  // now the files are known
+  wait_for_more_than(opened);  // the files are open now
   for (const auto& raw : raws) {
     for (std::uint32_t question = 3; question < 60; ++question) {
       capnp::MallocMessageBuilder message;
       auto call = message.initRoot<capnp::rpc::Message>().initCall();
       call.setQuestionId(question);
       call.getSendResultsTo().setCaller();
-      // The files are a list, which no promise can be followed into: so by the capability's number,
-      // which is the third that the connection was given.
+      // Call by capability number, because a promise can't be followed into a list. The file is the
+      // connection's third capability.
       call.initTarget().setImportedCap(2);
       call.setInterfaceId(capnp::typeId<generated::File>());
       call.setMethodId(0);
@@ -310,7 +308,7 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
   std::this_thread::sleep_for(std::chrono::duration<double>(2 * limits().message_s_max));
   for (const auto& raw : raws) {
     EXPECT_TRUE(raw->is_ended());
-    // The attack was one: the beginning of a piece filled what the system keeps.
+    // Check that the attack worked: the beginning of a piece filled the system's buffers.
     EXPECT_GT(raw->received, 100'000U);
     EXPECT_LT(raw->received, k_megabyte);
   }
@@ -319,9 +317,9 @@ TEST_F(HostileTest, APeerThatNeverReadsIsNotListenedTo) {
 }
 
 TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
-  // Goal: a peer can't make the server keep answers: neither by never letting go of them, nor by
-  // having them kept for others. Method: more questions than are allowed, with their answers read;
-  // a call whose results are to stay.
+  // Goal: a peer can't make the server store answers, neither by never releasing them nor by
+  // leaving results on the server. Method: more questions than allowed, with their answers read; a
+  // call whose results are to stay.
   Raw many(socket());
   open(many);
   bool is_ended = false;
@@ -342,9 +340,9 @@ TEST_F(HostileTest, QuestionsWithoutEndAndAnswersThatAreKept) {
 }
 
 TEST_F(HostileTest, APeerBringsNoCapabilities) {
-  // Goal: a peer can't make the server keep what it has said of capabilities of its own, as
-  // Cap'n Proto would, for ever. Method: each message that says something of one ends its
-  // connection; a call without any does not.
+  // Goal: a peer can't make the server hold descriptions of the peer's capabilities, which Cap'n
+  // Proto would hold forever. Method: each message that mentions such a capability ends its
+  // connection.
   using Make = std::function<void(capnp::rpc::Message::Builder)>;
   const std::vector<Make> messages = {
       [](auto message) { message.initResolve().initCap().setSenderPromise(0); },
@@ -369,7 +367,7 @@ TEST_F(HostileTest, APeerBringsNoCapabilities) {
   call_of_service(message, 2, 13).getParams().initCapTable(1)[0].setSenderPromise(0);
   brings.send(message);
   EXPECT_TRUE(brings.is_ended());
-  // One that brings none is not ended.
+  // A call without capabilities keeps its connection.
   Raw plain(socket());
   open(plain);
   capnp::MallocMessageBuilder call;
@@ -380,9 +378,8 @@ TEST_F(HostileTest, APeerBringsNoCapabilities) {
 }
 
 TEST_F(HostileTest, MoreCallsAtOnceThanAllowedAreRefused) {
-  // Goal: a connection's calls at once are bounded, and a watch that is dropped is forgotten.
-  // Method: more watches on one connection than are allowed; some are dropped, and as many come in
-  // anew.
+  // Goal: a connection's simultaneous calls are bounded, and a dropped watch frees its place.
+  // Method: more watches than allowed on one connection; drop some and open as many new ones.
   auto io = kj::setupAsyncIo();
   auto stream = io.lowLevelProvider->wrapSocketFd(connect_to(socket()).value(),
                                                   kj::LowLevelAsyncIoProvider::TAKE_OWNERSHIP);

@@ -1,4 +1,5 @@
-// The event loop: timers, files, posts and signals.
+// Goal: the event loop calls timers, file callbacks, posts and signal handlers correctly. Method:
+// short real times and pipes.
 #include "common/rpc/loop.h"
 
 #include <gtest/gtest.h>
@@ -19,8 +20,8 @@ double now_s() {
 }
 
 TEST(LoopTest, CallsInTimeAndInOrder) {
-  // Goal: timers are called in the order of their times, never early, and one that is destroyed not
-  // at all. Method: several timers, one of which is dropped, one that ends another.
+  // Goal: timers fire in time order and never early; a destroyed timer doesn't fire. Method:
+  // several timers; one is dropped, one ends another.
   Loop loop;
   const double began_s = now_s();
   std::vector<int> called;
@@ -42,8 +43,8 @@ TEST(LoopTest, CallsInTimeAndInOrder) {
 }
 
 TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
-  // Goal: a delay begins when it is asked for, not when the loop last woke. Method: a callback that
-  // takes 50 ms, then asks for 20 ms.
+  // Goal: a delay starts when it is requested, not when the loop last woke. Method: a callback that
+  // takes 50 ms and then requests 20 ms.
   Loop loop;
   double asked_s = 0.0;
   double called_s = 0.0;
@@ -61,8 +62,8 @@ TEST(LoopTest, CountsFromTheCallAlsoAfterALongCallback) {
 }
 
 TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
-  // Goal: an interval repeats, and its handle may be destroyed in its own callback. Method: count
-  // to five, drop it there, and wait for a sixth call that must not come.
+  // Goal: an interval repeats, and its own callback may destroy its handle. Method: count to five,
+  // destroy the handle there, and wait for a sixth call, which must not come.
   Loop loop;
   int count = 0;
   std::optional<Loop::Handle> every;
@@ -77,8 +78,8 @@ TEST(LoopTest, CallsAgainAndAgainUntilTheHandleGoes) {
 }
 
 TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
-  // Goal: a callback comes while there is something to read, also where it reads a part; not after
-  // its handle has gone; and when the other end closes. Method: a pipe, read a byte a call.
+  // Goal: a callback fires while data is readable, even after a partial read, and when the other
+  // end closes, but not after its handle is destroyed. Method: a pipe, read a byte per call.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   Loop loop;
@@ -105,8 +106,8 @@ TEST(LoopTest, LooksAtFilesUntilTheyAreRead) {
 }
 
 TEST(LoopTest, TakesPostsFromOtherThreadsInOrder) {
-  // Goal: what threads post runs on the loop's thread, each thread's posts in order; posts before
-  // run() as well. Method: four threads of 500 posts.
+  // Goal: posts of threads run on the loop's thread, each thread's in order, including posts before
+  // run(). Method: four threads of 500 posts.
   Loop loop;
   const auto here = std::this_thread::get_id();
   std::vector<int> next(4, 0);
@@ -131,7 +132,7 @@ TEST(LoopTest, TakesPostsFromOtherThreadsInOrder) {
 }
 
 TEST(LoopTest, EndsWithWhatACallbackThrows) {
-  // Goal: an exception of a callback comes out of run(), which can be called again. Method: throw.
+  // Goal: run() rethrows a callback's exception and can be called again. Method: throw.
   Loop loop;
   loop.post([] { throw std::runtime_error("the callback"); });
   EXPECT_THROW(loop.run(), std::runtime_error);
@@ -140,8 +141,8 @@ TEST(LoopTest, EndsWithWhatACallbackThrows) {
 }
 
 TEST(LoopTest, HearsStopSignalsAndBlocksNone) {
-  // Goal: SIGTERM, SIGINT and SIGHUP are told, also several at once, and no signal is blocked: a
-  // process started from here must not inherit that. Method: raise them; look at the mask.
+  // Goal: SIGTERM, SIGINT and SIGHUP are reported, even several at once. No signal stays blocked,
+  // because child processes would inherit that. Method: raise the signals; read the mask.
   std::vector<int> heard;
   {
     Loop loop;

@@ -1,6 +1,6 @@
-// Goal: a token's scopes decide what a session may do, nobody makes tokens by one, and the audit
-// hears of what was done and of what was refused. Method: a client of a real server makes each call
-// by a token of each single scope, and over the Unix socket.
+// Goal: a token's scopes determine a session's calls, no token can create tokens, and the audit
+// records actions and refusals. Method: a client of a real server makes each call with a token of
+// each single scope, and over the Unix socket.
 #include <unistd.h>
 
 #include <map>
@@ -15,7 +15,7 @@
 namespace sleight::rpc {
 namespace {
 
-/// Lets in by one token, with the scopes that the test chose.
+/// Accepts any token, with the scopes that the test chose.
 class OneToken final : public Authority {
  public:
   base::Result<Caller, Refusal> login(const std::string&, const std::string& address) override {
@@ -25,7 +25,7 @@ class OneToken final : public Authority {
   Scopes scopes{};
 };
 
-/// Keeps the refusal of a watched job.
+/// Stores the refusal of a watched job.
 class RefusalSink final : public WatchSink {
  public:
   bool changed(JobId, const StateChange&) override { return false; }
@@ -55,7 +55,7 @@ class ScopesTest : public testing::SocketFolder {
             .own_name = access::k_self_name};
   }
 
-  /// Names of the calls that are let through.
+  /// Returns the names of the calls that are allowed.
   std::set<std::string> allowed(Client& client) {
     std::set<std::string> names;
     const auto note = [&](std::string_view name, const std::function<void()>& call) {
@@ -92,7 +92,7 @@ class ScopesTest : public testing::SocketFolder {
     note("revoke_token", [&] { client.revoke_token("0123456789"); });
     return names;
   }
-  /// What the audit has heard, by call.
+  /// Returns the audit's lines by call.
   std::map<std::string, AuditLine> heard() {
     const std::lock_guard lock(mutex_);
     return heard_;
@@ -111,7 +111,7 @@ class ScopesTest : public testing::SocketFolder {
         const std::lock_guard lock(mutex_);
         heard_[line.call] = line;
         callers_.push_back(caller);
-      }};  // the last one: it ends first
+      }};  // last, so destroyed first
 };
 
 const std::set<std::string> k_audited{"submit",       "cancel",      "hold",         "resume",
@@ -130,7 +130,7 @@ TEST_F(ScopesTest, EachScopeAllowsItsCallsAlone) {
     Client client(remote(scope));
     EXPECT_EQ(allowed(client), calls) << name_of(scope);
   }
-  // Each call that changes something or gives away files is told, also one that is refused.
+  // Each call that changes something or returns files is audited, even a refused call.
   std::set<std::string> told;
   for (const auto& [call, line] : heard())
     told.insert(call);
@@ -164,7 +164,7 @@ TEST_F(ScopesTest, AUserOfThisMachineMayDoAll) {
   EXPECT_EQ(told["hold"].of, "g5");
 }
 
-// A daemon that ends drops its server before those who still owe an answer to a call.
+// A daemon that ends destroys its server before the objects that still owe replies.
 TEST_F(ScopesTest, AReplyThatOutlivesTheServerIsTold) {
   Loop loop;
   testing::FakeService service;

@@ -1,7 +1,6 @@
-// Goal: over TLS nobody is served before a valid token was shown, a revoked one ends its sessions,
-// a server that can't be trusted gets no token, and whatever strangers do, others are served.
-// Method: real connections over loopback to a server with a made certificate; an authority of the
-// test's own that counts what it is asked.
+// Goal: over TLS, only clients with a valid token are served, and revoking a token ends its
+// sessions. An untrusted server gets no token, and strangers can't disturb others. Method: loopback
+// connections to a server with a generated certificate; an authority that counts its calls.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -28,7 +27,7 @@ namespace {
 using testing::FakeService;
 using testing::ServerThread;
 
-/// Lets in by a set of tokens.
+/// Accepts a set of tokens.
 class SetAuthority final : public Authority {
  public:
   base::Result<Caller, Refusal> login(const std::string& token,
@@ -93,10 +92,10 @@ class TlsTest : public testing::SocketFolder {
   FakeService service_;
   std::string token_;
   access::ServerAddress address_;
-  ServerThread server_;  // the last one: it ends first
+  ServerThread server_;  // last, so destroyed first
 };
 
-/// Whether the other side ends it within so long.
+/// Returns whether the other side closes the connection within the time.
 bool is_ended(int descriptor, int patience_ms) {
   char buffer[4096];
   pollfd looked = {.fd = descriptor, .events = POLLIN, .revents = 0};
@@ -156,7 +155,7 @@ TEST_F(TlsTest, TextsThatAreNoTokenAreNotLookedUp) {
   EXPECT_EQ(authority_.logins, 0);
 }
 
-// A message of a stranger is bounded more tightly than that of a user.
+// The size limit for a stranger's message is lower than for a user's.
 TEST_F(TlsTest, AStrangersLargeMessageEndsItsConnection) {
   RemoteService wrong = remote();
   wrong.token = std::string(1U << 20U, 'a');
@@ -170,7 +169,7 @@ TEST_F(TlsTest, ARevokedTokenEndsItsSessions) {
   EXPECT_EQ(client.status({1}).name, "one");
   EXPECT_EQ(server_.counts().connections, 1U);
   authority_.remove(token_);
-  // For its next call, and for one that asks nothing.
+  // A call and a connection without calls both end.
   EXPECT_THROW(client.status({1}), RefusedError);
   EXPECT_TRUE(testing::comes_true([&] { return server_.counts().connections == 0; }));
 }
@@ -194,7 +193,7 @@ TEST_F(TlsTest, AWaitingWatchEndsWithItsToken) {
   EXPECT_TRUE(has_ended);
 }
 
-// Nothing is sent to a server that is not the known one: not even the token.
+// A server with another certificate receives nothing, not even the token.
 TEST_F(TlsTest, AServerWithAnotherCertificateGetsNoToken) {
   RemoteService other = remote();
   other.certificate = access::make_self_signed().certificate;
@@ -204,7 +203,7 @@ TEST_F(TlsTest, AServerWithAnotherCertificateGetsNoToken) {
   } catch (const NotTrusted& error) {
     EXPECT_NE(std::string(error.what()).find("has changed since the login"), std::string::npos);
   }
-  // The right one for another name: no attack, and told as what it is.
+  // The right certificate for another host name is reported as such, not as an attack.
   other = remote();
   other.own_name = "another.example.org";
   try {
@@ -216,7 +215,7 @@ TEST_F(TlsTest, AServerWithAnotherCertificateGetsNoToken) {
   }
   other = remote();
   other.own_name = "";
-  other.certificate = "";  // authorities that the system trusts: none vouches for ours
+  other.certificate = "";  // the system's authorities, which don't vouch for this certificate
   EXPECT_THROW(Client(other, {.call_s_max = 5}).enter(), NotTrusted);
   EXPECT_EQ(authority_.logins, 0);
 }
@@ -243,7 +242,7 @@ TEST_F(TlsTest, TheCertificateIsShownToAnybody) {
   EXPECT_EQ(access::fingerprint_of(shown), access::fingerprint_of(keypair_.certificate));
 }
 
-// The socket of this machine takes no tokens, and the way in over TCP none without.
+// The local socket accepts no tokens, and TCP requires one.
 TEST_F(TlsTest, EachWayInHasItsOwnKey) {
   Client here(socket());
   EXPECT_EQ(here.status({1}).name, "one");
@@ -276,7 +275,7 @@ TEST_F(TlsCrowdTest, SlowHandshakesAreEnded) {
   const base::SteadyClock clock;
   const double began_s = clock.now_s();
   bool ended = false;
-  // The beginning of a record of TLS, a byte at a time.
+  // The beginning of a TLS record, sent a byte at a time.
   const unsigned char head[] = {0x16, 0x03, 0x01, 0x02, 0x00, 0x01, 0x00, 0x01, 0xfc, 0x03, 0x03};
   for (std::size_t i = 0; !ended && clock.now_s() - began_s < 10; ++i) {
     const unsigned char byte = i < sizeof head ? head[i] : 0;
@@ -294,7 +293,7 @@ TEST_F(TlsCrowdTest, BytesThatAreNoTlsAreEnded) {
     std::vector<unsigned char> bytes(1 + numbers.bits() % 2000);
     for (auto& byte : bytes)
       byte = static_cast<unsigned char>(numbers.bits());
-    if (round % 2 == 0) bytes[0] = 0x16;  // a handshake's record
+    if (round % 2 == 0) bytes[0] = 0x16;  // type of a handshake record
     static_cast<void>(::send(descriptor, bytes.data(), bytes.size(), MSG_NOSIGNAL));
     ::close(descriptor);
   }
@@ -302,7 +301,7 @@ TEST_F(TlsCrowdTest, BytesThatAreNoTlsAreEnded) {
   EXPECT_TRUE(testing::comes_true([&] { return server_.counts().strangers == 0; }));
 }
 
-// One of many connections at once: as many as a service has clients.
+// A service serves this many clients at once.
 TEST_F(TlsTest, TwoHundredClients) {
   std::atomic<int> served = 0;
   std::vector<std::thread> threads;

@@ -1,4 +1,5 @@
-// Watching: every numbered event once and in order, whatever happens to connections and servers.
+// Goal: a watcher gets every numbered event once and in order, whatever happens to connections and
+// servers. Method: real servers, some of them killed.
 #include <atomic>
 #include <chrono>
 
@@ -13,7 +14,7 @@ using testing::FakeService;
 using testing::ServerProcess;
 using testing::ServerThread;
 
-/// Checks the order of what it hears.
+/// Checks the order of events.
 class Listener final : public WatchSink {
  public:
   explicit Listener(std::uint64_t first = 1) : next_(first) {}
@@ -71,8 +72,8 @@ class WatchTest : public testing::SocketFolder {
 };
 
 TEST_F(WatchTest, TellsAllFromAnyNumberOnAndSettles) {
-  // Goal: from any number on: each event once, in order, and the end. Method: a job with more
-  // events than an answer holds, that is over; a sink that stops.
+  // Goal: a watch from any number gets each event once, in order, and the end. Method: a finished
+  // job with more events than an answer holds; a sink that stops.
   service.jobs[1] = {.view = {.id = {1}}, .events = 1000, .changes = 3, .is_over = true};
   ServerThread server(socket(), service);
   Client client(socket());
@@ -90,8 +91,8 @@ TEST_F(WatchTest, TellsAllFromAnyNumberOnAndSettles) {
 }
 
 TEST_F(WatchTest, NewsArriveAsTheyCome) {
-  // Goal: a watch waits without asking, hears each event when it comes, and can be interrupted.
-  // Method: events one by one; the handler counts how often it is asked.
+  // Goal: a watch waits without polling, gets each event at once, and can be interrupted. Method:
+  // events one by one; the handler counts its calls.
   service.jobs[1] = {.view = {.id = {1}}};
   ServerThread server(socket(), service);
   Listener listener;
@@ -102,7 +103,7 @@ TEST_F(WatchTest, NewsArriveAsTheyCome) {
     watching = &client;
     is_ready = true;
     EXPECT_EQ(client.watch({1}, 1, listener), Waited::interrupted);
-    EXPECT_EQ(client.info().version, "1.2");  // it can still be used
+    EXPECT_EQ(client.info().version, "1.2");  // the client still works
   });
   ASSERT_TRUE(testing::comes_true([&] { return server.counts().watchers == 1; }));
   for (std::uint64_t number = 1; number <= 20; ++number) {
@@ -124,8 +125,9 @@ TEST_F(WatchTest, NewsArriveAsTheyCome) {
 }
 
 TEST_F(WatchTest, ASlowWatcherMissesNothingNumberedAndNothingQueues) {
-  // Goal: a slow watcher has all events and thinner progress, and the server holds nothing for it.
-  // Method: 20,000 changes of progress and 2,000 events, to one who sleeps after each hundredth.
+  // Goal: a slow watcher gets all events and fewer progress reports, and the server buffers nothing
+  // for it. Method: 20,000 changes of progress and 2,000 events; the watcher sleeps after each
+  // hundredth.
   const auto shared = testing::make_shared_memory();
   ServerProcess server(socket(), *shared);
   const std::size_t before = server.peak_bytes();
@@ -151,9 +153,8 @@ TEST_F(WatchTest, ASlowWatcherMissesNothingNumberedAndNothingQueues) {
 }
 
 TEST_F(WatchTest, NoneIsLostOrDoubledOverKilledServers) {
-  // Goal: over killed servers, and times without any, each numbered event comes once and in order,
-  // and the end. Method: a server process is killed at random moments while events come; the seed
-  // is printed.
+  // Goal: each numbered event and the end arrive once and in order although servers are killed.
+  // Method: kill a server process at random moments while events come; the seed is printed.
   random::Stream stream({.seed = 26, .purpose = random::Purpose::prior}, 0);
   const auto below = [&](std::uint64_t end) { return stream.bits() % end; };
   const auto shared = testing::make_shared_memory();
@@ -185,8 +186,8 @@ TEST_F(WatchTest, NoneIsLostOrDoubledOverKilledServers) {
 }
 
 TEST_F(WatchTest, GivesUpAServiceThatStaysAway) {
-  // Goal: a watch ends where the service does not come back, and at once where there never was one.
-  // Method: kill it, with little patience.
+  // Goal: a watch ends if the service does not come back, and at once if there never was one.
+  // Method: kill the service, with a short patience.
   const auto shared = testing::make_shared_memory();
   Listener listener;
   Client client(socket(), {.first_wait_s = 0.01, .wait_s_max = 0.05, .away_s_max = 0.3});
@@ -204,8 +205,8 @@ TEST_F(WatchTest, GivesUpAServiceThatStaysAway) {
 }
 
 TEST_F(WatchTest, WatchesManyJobsAtOnce) {
-  // Goal: one watch of many jobs settles when each has ended or is refused. Method: jobs that are
-  // over, one that ends later, one that is not there, one that is deleted meanwhile.
+  // Goal: one watch of many jobs settles when each job has ended or is refused. Method: finished
+  // jobs, a job that ends later, a missing job, a job that is deleted meanwhile.
   for (std::uint64_t id = 1; id <= 50; ++id)
     service.jobs[id] = {.view = {.id = {id}}, .events = 0, .changes = 0, .is_over = id > 2};
   ServerThread server(socket(), service);
@@ -234,8 +235,8 @@ TEST_F(WatchTest, WatchesManyJobsAtOnce) {
 }
 
 TEST_F(WatchTest, ASilentServerIsHeardOfAndAGapIsSaid) {
-  // Goal: a watch without news is answered now and then, without a word to the sink; an event that
-  // is left out is a refusal, not silence. Method: a short limit; a handler with a gap.
+  // Goal: a watch without news gets empty answers now and then, which the sink doesn't see; a
+  // missing event causes a refusal. Method: a short limit; a handler with a gap.
   service.jobs[1] = {.view = {.id = {1}}, .events = 3, .is_over = false};
   service.jobs[2] = {.view = {.id = {2}}, .events = 5, .is_over = true};
   service.gap_at = 4;

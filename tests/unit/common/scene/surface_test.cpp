@@ -1,6 +1,5 @@
-// Goal: a surface has the heights of its formula where its points are there, and none elsewhere;
-// the points about a place are those that its heights hang on. Method: planes and parabolas, which
-// splines reproduce up to a constant; points taken away.
+// Goal: a surface has its formula's heights where its control points exist, and none elsewhere.
+// Method: planes and parabolas, which splines reproduce up to a constant; control points removed.
 #include "common/scene/surface.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +28,7 @@ TEST(Surface, HasTheHeightsOfItsFormula) {
   const std::vector<Vec3> places_m{{0.1, -3.2, 0}, {-7.77, 2, 0}};
   random::Stream stream({.seed = 3, .purpose = random::Purpose::scene}, 0);
   const auto plane = [](double x, double y) { return 2 * x - 3 * y + 1; };
-  // A spline lies spacing^2 / 3 times its second derivative's half above x^2.
+  // For x^2, the spline exceeds the formula by spacing^2 / 3.
   const auto bowl = [](double x, double y) { return x * x + 2 * x * y; };
   const Surface flat(points_of(places_m, 0.5, plane), k_spacing_m);
   const Surface bent(points_of(places_m, 0.5, bowl), k_spacing_m);

@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 class DatabaseOf : public archive::testing::Scratch {};
 
 TEST_F(DatabaseOf, ValuesComeBack) {
-  // Goal: every kind of value comes back as it was bound. Method: a row of extremes, an empty blob
-  // that is not NULL, text with a zero within.
+  // Goal: every kind of value reads back as it was bound. Method: a row of extremes, an empty blob
+  // that is not NULL, text with a zero byte.
   Database database(path("a.sqlite"), Access::read_write);
   database.execute("CREATE TABLE t(i INTEGER, r REAL, t TEXT, b BLOB NOT NULL, n BLOB)");
   Statement insert = database.prepare("INSERT INTO t VALUES(?1,?2,?3,?4,?5)");
@@ -37,7 +37,7 @@ TEST_F(DatabaseOf, ValuesComeBack) {
 }
 
 TEST_F(DatabaseOf, IsDurableByItsSettings) {
-  // Goal: a commit that has returned survives loss of power. Method: ask SQLite for the mode.
+  // Goal: a commit that has returned survives loss of power. Method: query SQLite's mode.
   Database database(path("a.sqlite"), Access::read_write);
   Statement journal = database.prepare("PRAGMA journal_mode");
   ASSERT_TRUE(journal.step());
@@ -48,8 +48,8 @@ TEST_F(DatabaseOf, IsDurableByItsSettings) {
 }
 
 TEST_F(DatabaseOf, ErrorsNameTheFileAndWhatToDo) {
-  // Goal: a person can act on every failure. Method: a missing file, a missing folder, a file that
-  // is no database, a statement that is no SQL, a row that a rule forbids.
+  // Goal: each error's message says what to fix. Method: a missing file, a missing folder, a file
+  // that is no database, invalid SQL, a row that violates a constraint.
   const auto failure = [](const auto& act) -> std::string {
     try {
       act();
@@ -79,7 +79,7 @@ TEST_F(DatabaseOf, ErrorsNameTheFileAndWhatToDo) {
 }
 
 TEST_F(DatabaseOf, DeathTestNotANumberIsABug) {
-  // Goal: NaN, which SQLite would turn into NULL without a word, never gets in. Method: bind it.
+  // Goal: NaN is refused, because SQLite would silently store NULL. Method: bind NaN.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   Database database(path("a.sqlite"), Access::read_write);
   Statement select = database.prepare("SELECT ?1");

@@ -115,7 +115,7 @@ std::vector<plan::ScanRecord> draws_of(const StoredRun& run, std::uint32_t chain
 
 void expect_same(const StoredRun& run, RunStore& store, std::uint32_t chain, std::uint64_t scans) {
   SCOPED_TRACE(fmt::format("chain {}, scans {}", chain, scans));
-  // Progress says how far, and with which state.
+  // Progress has the right scan and state.
   bool found = false;
   for (const ReplicaProgress& replica : store.progress()) {
     if (replica.replica.chain.value != chain) continue;

@@ -1,5 +1,5 @@
-// Results for store tests: a record is a function of its address alone, so that what comes out of
-// a store can be judged without remembering what went in.
+// Results for store tests. A record is a function of its address alone, so that tests can check
+// what a store returns without remembering what they stored.
 #pragma once
 
 #include <cstdint>
@@ -12,36 +12,36 @@
 
 namespace sleight::store::testing {
 
-/// The record of a scan. Every field varies with the address; outcomes hold NaNs with payloads,
-/// infinities and zeros of both signs; a third of the states are empty.
+/// Returns the record of a scan. Every field varies with the address; outcomes hold NaNs with
+/// payloads, infinities and zeros of both signs; a third of the states are empty.
 plan::ScanRecord record_of(std::uint32_t chain, std::uint64_t scan);
 
-/// The state before a scan.
+/// Returns the state before a scan.
 base::Bytes state_before(std::uint32_t chain, std::uint64_t scan);
 
-/// The result of scans [first, first + scans) of a chain.
+/// Returns the result of scans [first, first + scans) of a chain.
 plan::UnitResult result_of(std::uint32_t chain, std::uint64_t first, std::uint32_t scans);
 
-/// The same with every field of every record, and the state, changed.
+/// Returns `result` with every field of every record, and the state, changed.
 plan::UnitResult forged(plan::UnitResult result);
 
-/// Equal in every bit of every field.
+/// Returns whether every bit of every field is equal.
 bool same_bits(const plan::ScanRecord& a, const plan::ScanRecord& b);
 
 RunIdentity example_identity(std::uint32_t chains);
 
-/// Every record of the first `scans` of a chain, as an archive would read them.
+/// Returns the first `scans` records of a chain, as an archive would read them.
 std::vector<plan::ScanRecord> stored(const std::string& folder, std::uint32_t chain,
                                      std::uint64_t scans);
 
-/// Expects that a chain's stored scans are 0 .. scans-1 of record_of, and its progress to match.
+/// Checks that a chain's stored scans are 0 .. scans-1 of record_of, and that its progress matches.
 void expect_stored(const std::string& folder, RunStore& store, std::uint32_t chain,
                    std::uint64_t scans);
 
-/// The same of a store that alone may be read: on a network disk.
+/// The same check for a store that only its writer may read, as on a network disk.
 void expect_stored_of(RunStore& store, std::uint32_t chain, std::uint64_t scans);
 
-/// A scratch folder with a run's folder in it, for which nobody has asked for the lock.
+/// A scratch folder with an unlocked run folder in it.
 class RunFolder : public archive::testing::Scratch {
  protected:
   RunFolder();

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t k_no_limit = std::numeric_limits<std::uint64_t>::max();
 
-// SQLite calls plain functions: what they know is here.
+// SQLite calls plain functions, so their state is global.
 std::atomic<std::uint64_t> good_calls_left{k_no_limit};
 std::atomic<std::uint64_t> failed_calls{0};
 std::atomic<std::uint64_t> failures_max{0};
@@ -23,12 +23,12 @@ std::atomic<int> failure_code{SQLITE_OK};
 sqlite3_vfs* disk_behind = nullptr;
 sqlite3_vfs faulty_disk;
 
-/// A set of file functions with our faults in it, and the set that it stands for.
+/// A set of file functions with our faults, and the set that it wraps.
 struct FaultyMethods {
   sqlite3_io_methods faulty;
   const sqlite3_io_methods* real = nullptr;
 };
-std::array<FaultyMethods, 8> faulty_methods;  // the default disk has one set for each kind of lock
+std::array<FaultyMethods, 8> faulty_methods;  // the default disk has a set per kind of lock
 std::mutex faulty_methods_mutex;
 
 const sqlite3_io_methods& methods_behind(const sqlite3_file* file) {

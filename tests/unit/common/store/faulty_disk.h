@@ -1,7 +1,7 @@
-// A disk that fails when it is told to: SQLite's file functions with a fault at a chosen call.
+// SQLite's file functions with a fault at a chosen call.
 //
-// While an object lives, databases that are opened write through it. Counts writes, truncations
-// and syncs of all files, in all threads; reads never fail.
+// While an object lives, databases opened meanwhile write through it. The object counts writes,
+// truncations and syncs of all files in all threads; reads never fail.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ class FaultyDisk {
   FaultyDisk(const FaultyDisk&) = delete;
   FaultyDisk& operator=(const FaultyDisk&) = delete;
 
-  /// From now on, after `calls` good calls `times` calls fail with SQLite's `code`.
+  /// After `calls` more successful calls, makes `times` calls fail with SQLite's `code`.
   void fail_after(std::uint64_t calls, int code, std::uint64_t times = k_for_ever);
-  /// The disk works again.
+  /// Makes the disk work again.
   void repair();
-  /// Calls that failed since fail_after.
+  /// Number of failed calls since fail_after.
   std::uint64_t failures() const;
 };
 

@@ -1,4 +1,5 @@
-// A disk that fills up or fails, at every place where it can.
+// Goal: a disk that fills up or fails at any call does no lasting harm to a run. Method: fail
+// chosen calls.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +25,8 @@ using testing::result_of;
 
 class FullDisk : public testing::RunFolder {};
 
-/// Scans stored of chain 0, which must be without a gap and end with the right state.
+/// Returns the number of stored scans of chain 0, which must have no gap and end with the right
+/// state.
 std::uint64_t stored_scans(const std::string& folder) {
   RunStore store(folder, example_identity(1));
   const std::vector<ReplicaProgress> progress = store.progress();
@@ -34,10 +36,9 @@ std::uint64_t stored_scans(const std::string& folder) {
 }
 
 TEST_F(FullDisk, AnyCallMayFail) {
-  // Goal: whichever write or sync fails, the error is clear, what was committed stays, nothing is
-  // torn, and the run goes on. Method: the k-th call of a session fails, with all later ones, for
-  // every k until a session gets through (as a full disk; for every third k as a broken one; in the
-  // fast tier for fewer); then reopen.
+  // Goal: whichever write or sync fails, the error is clear, committed scans stay whole, and the
+  // run can be resumed. Method: for each k until a session succeeds, fail the k-th and all later
+  // calls, then reopen. A broken disk is tried for every third k; the fast tier tries fewer.
   testing::FaultyDisk disk;
   struct Fault {
     int code;
@@ -85,9 +86,9 @@ TEST_F(FullDisk, AnyCallMayFail) {
 }
 
 TEST_F(FullDisk, MiddleOfALargeGroup) {
-  // Goal: no part of a group is stored when one write in its middle fails, even if the disk works
-  // again at once. Method: a result that outgrows SQLite's cache, so that its pages are written
-  // while it is inserted; one call of many fails.
+  // Goal: if one write within a group fails, no part of the group is stored, even if the disk works
+  // again at once. Method: a result larger than SQLite's cache, so that pages are written during
+  // inserts; one call of many fails.
   testing::FaultyDisk disk;
   const std::uint64_t step = property::of_tier(120, 40);
   std::uint64_t failed = 0;
@@ -117,8 +118,8 @@ TEST_F(FullDisk, MiddleOfALargeGroup) {
 }
 
 TEST_F(FullDisk, FailureStopsTheSession) {
-  // Goal: after a failure the session writes nothing, even when there is room again: its results
-  // would have a gap. Method: fail once, repair, put more.
+  // Goal: after a failure the session writes nothing, even when space is free again, because its
+  // results would have a gap. Method: fail once, repair, put more.
   testing::FaultyDisk disk;
   {
     RunStore store(folder(), example_identity(1));
@@ -136,8 +137,8 @@ TEST_F(FullDisk, FailureStopsTheSession) {
 }
 
 TEST_F(FullDisk, FileSizeLimit) {
-  // Goal: the same with the operating system's own refusal. Method: a child process with a limit
-  // on the size of its files stores until it fails, and reports what it was told is committed.
+  // Goal: the same holds for the operating system's own refusal. Method: a child process with a
+  // file-size limit stores until it fails, and reports what committed() returned.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   const pid_t child = ::fork();

@@ -16,7 +16,7 @@ namespace {
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
-/// A commit function that notes what it gets, and can be held up or made to fail.
+/// A commit function that records its arguments and can be paused or made to fail.
 class Recorder {
  public:
   GroupCommit::Commit commit() {
@@ -81,8 +81,8 @@ std::vector<std::uint64_t> numbers_to(std::uint64_t count) {
 }
 
 TEST(GroupCommit, KeepsOrderInFewCommits) {
-  // Goal: results are committed in the order of put, many at a time. Method: a thousand puts, then
-  // a flush; far fewer calls than results.
+  // Goal: results are committed in the order of put, many at a time. Method: a thousand puts and a
+  // flush; far fewer commits than results.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   for (std::uint64_t i = 0; i < 1000; ++i)
@@ -94,8 +94,8 @@ TEST(GroupCommit, KeepsOrderInFewCommits) {
 }
 
 TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
-  // Goal: committed() says nothing before a commit has returned, then all scans of it. Method: a
-  // commit that is held up.
+  // Goal: committed() counts scans only after their commit has returned, then all of them. Method:
+  // a paused commit.
   Recorder recorder;
   recorder.hold();
   GroupCommit group_commit(recorder.commit());
@@ -108,8 +108,8 @@ TEST(GroupCommit, CountsOnlyWhatIsCommitted) {
 }
 
 TEST(GroupCommit, CommitsWithoutBeingAsked) {
-  // Goal: a lone result doesn't wait for company for ever, a large one not at all. Method: one of
-  // each without a flush; the call comes (a broken one would run into the test's time limit).
+  // Goal: a lone small result is committed soon without a flush, a large one at once. Method: one
+  // of each; a missing commit would exceed the test's time limit.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.put(small(0));
@@ -119,7 +119,7 @@ TEST(GroupCommit, CommitsWithoutBeingAsked) {
 }
 
 TEST(GroupCommit, FlushOfNothingReturns) {
-  // Goal: there is nothing to wait for. Method: flush before and after a put, twice.
+  // Goal: flush returns at once if nothing waits. Method: flush before and after a put, twice.
   Recorder recorder;
   GroupCommit group_commit(recorder.commit());
   group_commit.flush();
@@ -130,8 +130,8 @@ TEST(GroupCommit, FlushOfNothingReturns) {
 }
 
 TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
-  // Goal: flush returns once what was put before it is committed, also while others go on putting.
-  // Method: every commit puts another result, so that the queue is never seen empty.
+  // Goal: flush returns once all earlier puts are committed, even if others keep putting. Method:
+  // every commit puts another result, so that the queue is never empty.
   std::atomic<bool> stop{false};
   GroupCommit* self = nullptr;
   GroupCommit group_commit([&](const GroupCommit::Group& group) {
@@ -147,8 +147,8 @@ TEST(GroupCommit, FlushDoesNotWaitForLaterPuts) {
 }
 
 TEST(GroupCommit, FailureComesOutAndNothingFollows) {
-  // Goal: after a failed commit nothing more is written, and everybody hears of it. Method: the
-  // second commit fails; then puts and flushes, all of which must throw.
+  // Goal: after a failed commit nothing more is written, and every caller gets the error. Method:
+  // the second commit fails; then all puts and flushes must throw.
   Recorder recorder;
   recorder.fail_at(2);
   GroupCommit group_commit(recorder.commit());
@@ -166,7 +166,7 @@ TEST(GroupCommit, FailureComesOutAndNothingFollows) {
 }
 
 TEST(GroupCommit, FailureComesOutOfPutAlone) {
-  // Goal: a caller that never flushes hears of it too. Method: put until it throws.
+  // Goal: a caller that never flushes gets the error too. Method: put until put throws.
   Recorder recorder;
   recorder.fail_at(1);
   GroupCommit group_commit(recorder.commit());
@@ -182,7 +182,7 @@ TEST(GroupCommit, FailureComesOutOfPutAlone) {
   EXPECT_EQ(group_commit.committed(), 0U);
 }
 
-/// Puts `count` large results from a thread of its own and counts those that were taken.
+/// Puts `count` large results from its own thread and counts the accepted ones.
 class Putter {
  public:
   Putter(GroupCommit& group_commit, std::uint64_t count)
@@ -193,7 +193,7 @@ class Putter {
           }
         })) {}
 
-  /// How many were taken when none has been for a while.
+  /// Returns the number of accepted results once none was accepted for a while.
   std::uint64_t taken_when_stuck() const {
     std::uint64_t before = 0;
     do {
@@ -207,13 +207,13 @@ class Putter {
 
  private:
   std::atomic<std::uint64_t> taken_{0};
-  std::future<void> outcome_;  // last: uses the count
+  std::future<void> outcome_;  // last, because the thread uses the count
 };
 
 TEST(GroupCommit, StalledDiskHoldsPutsUp) {
-  // Goal: no more than k_queue_bytes_max waits in memory behind the group being written. Method:
-  // a commit that is held up, results of an eighth of the limit: one group of a few, eight more,
-  // then put blocks until the disk works again; nothing is lost.
+  // Goal: at most k_queue_bytes_max waits in memory behind the group being written, and nothing is
+  // lost. Method: pause a commit of a few results of an eighth of the limit each; put accepts eight
+  // more, then blocks until the disk works again.
   Recorder recorder;
   recorder.hold();
   GroupCommit group_commit(recorder.commit());
@@ -230,7 +230,8 @@ TEST(GroupCommit, StalledDiskHoldsPutsUp) {
 }
 
 TEST(GroupCommit, FailureFreesWhoIsHeldUp) {
-  // Goal: a put that waits for the disk ends when the disk fails. Method: as above, then fail.
+  // Goal: a put that waits for the disk throws when the disk fails. Method: fill the queue as
+  // above, then fail.
   Recorder recorder;
   recorder.hold();
   recorder.fail_at(1);
@@ -243,8 +244,8 @@ TEST(GroupCommit, FailureFreesWhoIsHeldUp) {
 }
 
 TEST(GroupCommit, DestructorCommits) {
-  // Goal: leaving a scope in order loses nothing. Method: no flush; also right after a failure,
-  // when there is nothing that it could do.
+  // Goal: the destructor commits everything, or nothing after a failure. Method: destroy without a
+  // flush; destroy right after a failure.
   Recorder recorder;
   {
     GroupCommit group_commit(recorder.commit());

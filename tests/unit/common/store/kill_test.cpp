@@ -21,7 +21,7 @@ std::uint64_t below(std::uint64_t count, random::Stream& stream) {
   return random::UniformInteger{.count = count}.draw(stream);
 }
 
-/// Goes on with the run for ever, as a coordinator would, and reports committed() after each put.
+/// Continues the run forever, as a coordinator would, and reports committed() after each put.
 [[noreturn]] void store_until_killed(const std::string& folder, random::Stream stream, int report) {
   const RunLock lock(folder);
   RunStore store(folder, testing::example_identity(k_chains));
@@ -40,7 +40,7 @@ std::uint64_t below(std::uint64_t count, random::Stream& stream) {
   }
 }
 
-/// Starts a child, kills it after a while and returns what it reported last.
+/// Starts a child, kills it after a while and returns its last report.
 std::uint64_t run_and_kill(const std::string& folder, random::Stream stream) {
   int ends[2];
   EXPECT_EQ(::pipe(ends), 0);
@@ -66,9 +66,9 @@ std::uint64_t run_and_kill(const std::string& folder, random::Stream stream) {
 class KilledStore : public testing::RunFolder {};
 
 TEST_F(KilledStore, KeepsWhatItReported) {
-  // Goal: what committed() has counted survives kill -9 at any moment; what is found has no gap and
-  // the right state, and the next session takes it from there. Method: sessions of one run, each a
-  // process that is killed at a random moment, from a printed seed.
+  // Goal: scans counted by committed() survive kill -9 at any moment; the store has no gap and the
+  // right state, and the next session continues it. Method: sessions of one run, each a process
+  // killed at a random moment, from a printed seed.
   std::vector<std::uint64_t> next(k_chains, 0);
   const std::uint64_t kills = property::of_tier(10, 50);
   std::uint64_t reported_in_all = 0;
@@ -94,7 +94,7 @@ TEST_F(KilledStore, KeepsWhatItReported) {
     if (HasFailure()) return;
   }
   if (!property::all_cases()) return;
-  // Negative control: the sessions did commit something before they were killed.
+  // Negative control: the sessions did commit before they were killed.
   EXPECT_GT(reported_in_all, 20 * kills);
 }
 

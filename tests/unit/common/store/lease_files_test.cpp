@@ -25,8 +25,8 @@ class LeaseFilesOf : public archive::testing::Scratch {
 };
 
 TEST_F(LeaseFilesOf, OneOfManyMakesAFile) {
-  // Goal: a generation's file is one process's, with its whole text; no other file is left. Method:
-  // 8 threads want each of 20 files at the same time.
+  // Goal: only one process gets a generation's file, with its whole text; no other file is left.
+  // Method: 8 threads try to create each of 20 files at once.
   constexpr int k_threads = 8;
   for (std::uint64_t generation = 1; generation <= 20; ++generation) {
     std::atomic<int> made = 0;
@@ -55,8 +55,8 @@ TEST_F(LeaseFilesOf, OneOfManyMakesAFile) {
 }
 
 TEST_F(LeaseFilesOf, WritesItsOwnFileAlone) {
-  // Goal: a holder that has lost its file's name changes nothing of the file that has it now.
-  // Method: remove it, let another make it, then write.
+  // Goal: a holder whose file was replaced does not change the new file. Method: remove the file,
+  // let another holder create it, then write.
   PosixLeaseFiles files(folder(), this_process());
   const auto first = files.make(3, text_of("first"));
   ASSERT_TRUE(first);
@@ -72,7 +72,7 @@ TEST_F(LeaseFilesOf, WritesItsOwnFileAlone) {
 }
 
 TEST_F(LeaseFilesOf, ListsNumbersAlone) {
-  // Goal: what else lies in the folder is no lease. Method: names that nearly are.
+  // Goal: other files in the folder are not taken for leases. Method: similar names.
   for (const char* name : {"lease.12", "lease.3", "lease.new.12", "lease.", "lease.0", "lease.-1",
                            "lease.4x", "lease", "lock", "lease.99999999999999999999"})
     put_bytes(path(name), "");
@@ -80,8 +80,8 @@ TEST_F(LeaseFilesOf, ListsNumbersAlone) {
 }
 
 TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
-  // Goal: a process is here while it runs, and gone when it has been killed, asked for by its
-  // parent or not; its number alone is not enough; of another machine nothing is known. Method: a
+  // Goal: a process is reported as running until it is killed, whether or not its parent asks; its
+  // number alone is not enough, and the state of another machine's process is unknown. Method: a
   // child.
   PosixLeaseFiles files(folder(), this_process());
   EXPECT_TRUE(files.is_here(this_process()));
@@ -126,7 +126,7 @@ TEST_F(LeaseFilesOf, KnowsTheProcessesOfItsMachine) {
 }
 
 TEST(LeaseToken, IsNeverTheSame) {
-  // Goal: a text is its maker's alone. Method: a thousand.
+  // Goal: each holder's text is unique. Method: a thousand texts.
   std::set<std::string> tokens;
   for (int i = 0; i < 1000; ++i)
     tokens.insert(make_token());

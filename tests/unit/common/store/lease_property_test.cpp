@@ -1,4 +1,4 @@
-// Leases of simulated machines (lease_world.h): at no moment may two act.
+// Goal: two holders may never act at once. Method: leases of simulated machines (lease_world.h).
 #include <gtest/gtest.h>
 
 #include "tests/support/property.h"
@@ -12,9 +12,9 @@ using testing::Mistake;
 using testing::simulate_leases;
 
 TEST(LeaseProperty, NeverTwoThatMayAct) {
-  // Goal: whatever stands still, dies, fails or comes late, there is one holder at most that thinks
-  // that it may act; and the lock goes on from holder to holder. Method: 4 processes of 3 machines
-  // for a quarter of an hour of theirs, many seeds; judged before and after every step.
+  // Goal: although processes pause, die, fail or come late, at most one holder believes that it may
+  // act, and the lock passes from holder to holder. Method: 4 processes on 3 machines for a
+  // simulated quarter of an hour, many seeds; check before and after every step.
   const std::uint64_t stories = property::long_run() ? 20'000 : property::of_tier(20, 100);
   LeaseStory all;
   for (const std::uint64_t seed : property::seeds(stories)) {
@@ -26,7 +26,7 @@ TEST(LeaseProperty, NeverTwoThatMayAct) {
     all.lost += story.lost;
   }
   if (!property::all_cases()) return;
-  // The stories do hold what they are about.
+  // Check that the stories contain the events of interest.
   EXPECT_GT(all.taken, property::of_tier(60, 300));
   EXPECT_GT(all.taken_over, property::of_tier(10, 50));
   EXPECT_GT(all.refused, property::of_tier(60, 300));
@@ -36,7 +36,8 @@ TEST(LeaseProperty, NeverTwoThatMayAct) {
 class LeaseMistake : public ::testing::TestWithParam<Mistake> {};
 
 TEST_P(LeaseMistake, IsCaught) {
-  // Goal: the property can fail. Method: one planted mistake; some seed finds two that may act.
+  // Goal: the property can fail. Method: one planted mistake; some seed must find two holders that
+  // may act.
   constexpr std::uint64_t k_seeds_max = 300;
   for (std::uint64_t seed = 1; seed <= k_seeds_max; ++seed) {
     if (simulate_leases(seed, GetParam()).violation) return;

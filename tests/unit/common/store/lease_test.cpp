@@ -1,4 +1,5 @@
-// Leases by hand: what each step of the protocol (common/store/lease.h) says and writes.
+// Goal: each step of the lease protocol (common/store/lease.h) returns and writes the right state.
+// Method: worked examples with a manual clock.
 #include "common/store/lease.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@
 namespace sleight::store {
 namespace {
 
-/// A folder in memory. Processes of machine "here" are those that are said to run.
+/// A folder in memory. Processes of machine "here" run only if the test says so.
 class Folder final : public LeaseFiles {
  public:
   std::vector<std::uint64_t> list() override {
@@ -67,7 +68,7 @@ bool is_taken(const Lease::Outcome& outcome) {
   return std::holds_alternative<Lease::Taken>(outcome);
 }
 
-/// How long it still has to be seen standing still; none where that is not the answer.
+/// Returns the remaining time to observe the lease; none if the outcome is another.
 std::optional<double> left_s(const Lease::Outcome& outcome) {
   const auto* unsure = std::get_if<Lease::Unsure>(&outcome);
   return unsure == nullptr ? std::nullopt : std::optional(unsure->left_s);
@@ -79,8 +80,8 @@ std::string holder(const Lease::Outcome& outcome) {
 }
 
 TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
-  // Goal: an observer waits a lease of its own time, from its first look; a renewal between says
-  // that the holder lives. Method: two leases on one clock.
+  // Goal: an observer waits one lease by its own clock from its first look; a renewal meanwhile
+  // shows that the holder lives. Method: two leases on one clock.
   Folder folder;
   base::ManualClock clock;
   Lease first(folder, clock, of("a", 1));
@@ -105,9 +106,9 @@ TEST(Lease, IsTakenAfterAWholeLeaseWithoutARenewal) {
 }
 
 TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
-  // Goal: the holder may act for three quarters of a lease from where its last good renewal began;
-  // a disk that fails does not prolong it, and one that comes back in time is as if nothing was.
-  // Method: a clock, and a disk that fails for a while.
+  // Goal: the holder may act for three quarters of a lease after the start of its last successful
+  // renewal. A failing disk doesn't prolong that, and a short failure has no effect. Method: a
+  // clock, and a disk that fails for a while.
   Folder folder;
   base::ManualClock clock;
   Lease lease(folder, clock, of("a", 1));
@@ -128,8 +129,8 @@ TEST(Lease, EndsForItsHolderBeforeOthersMayTakeIt) {
 }
 
 TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
-  // Goal: no waiting where the holder let go, or died on this machine; one that lives here keeps
-  // the lock without renewing it. Method: one after the other; copies are owed until they are made.
+  // Goal: a lease is free at once if its holder released it or died on this machine; a holder that
+  // runs here keeps it without renewing. Method: one case after the other.
   Folder folder;
   base::ManualClock clock;
   {
@@ -154,8 +155,8 @@ TEST(Lease, IsTakenAtOnceFromWhoeverIsGone) {
 }
 
 TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
-  // Goal: one that took over from another machine, and was killed or let go before it had copied
-  // the files, leaves that to the next. Method: over three holders.
+  // Goal: a holder that took over from another machine and ended before copying the files leaves
+  // the copying to its successor. Method: three holders.
   Folder folder;
   base::ManualClock clock;
   Lease dead(folder, clock, of("a", 1));
@@ -180,8 +181,8 @@ TEST(Lease, CopiesAreOwedUntilTheyAreMade) {
 }
 
 TEST(Lease, TextComesBack) {
-  // Goal: a lease's text says what was put into it, of one size always, and nothing that could
-  // steer a terminal. Method: a whole one; a host's name with strange bytes.
+  // Goal: a lease's text reads back, has a fixed size, and can't control a terminal. Method: a full
+  // lease; a host name with strange bytes.
   LeaseText lease = of("node\x1b[2J\n7", 123);
   lease.holder.started = 456;
   lease.epoch = 9;
@@ -205,8 +206,8 @@ TEST(Lease, TextComesBack) {
 }
 
 TEST(Lease, AStrangeFileIsAHolderThatSaysNothing) {
-  // Goal: a file that is no lease is waited for like a dead holder's, and no longer than a lease,
-  // whatever it says. Method: short, foreign, and hostile texts.
+  // Goal: an invalid lease file is observed like a dead holder's, for one lease at most, whatever
+  // its content. Method: short, foreign, and hostile texts.
   const std::string sound = of("a", 1).to_text();
   std::string endless = sound;
   endless.replace(endless.find("lease_s 60"), 10, "lease_s 1e9");

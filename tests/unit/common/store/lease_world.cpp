@@ -30,8 +30,8 @@ struct Killed {};
 
 class World;
 
-/// Handed from thread to thread. (A std::binary_semaphore yields before it sleeps, which takes for
-/// ever on a busy machine.)
+/// Passes control from thread to thread. (std::binary_semaphore yields before it sleeps, which
+/// takes too long on a busy machine.)
 class Baton {
  public:
   void release() {
@@ -53,7 +53,7 @@ class Baton {
   bool is_here_ = false;
 };
 
-/// One process at a time of a machine, again and again.
+/// Processes of one machine, one after another.
 struct Contender final : base::Clock {
   explicit Contender(World& all, std::uint32_t id) : world(all), number(id) {}
   double now_s() const override;
@@ -63,11 +63,11 @@ struct Contender final : base::Clock {
   std::uint32_t machine = 0;
   double rate = 1;
   double offset_s = 0;
-  std::int64_t process = 0;  ///< 0: none runs
+  std::int64_t process = 0;  ///< 0: no process runs
   double wake_s = 0;
-  double stood_still_s = 0;  ///< as a wrong clock counts
+  double stood_still_s = 0;  ///< as a wrong clock counts it
   std::optional<double> stands_since_s{};
-  double own_change_s = -1;  ///< of the folder
+  double own_change_s = -1;  ///< last change of the folder by this process
   Lease* lease = nullptr;
   Baton go{};
   std::thread thread{};
@@ -89,7 +89,7 @@ class World {
 
   LeaseStory run();
 
-  // For the processes.
+  // Called by the processes.
   void stand_still(Contender& one, double for_s);
   void pause(Contender& one);
   double uniform() { return stream_.uniform(); }
@@ -228,7 +228,7 @@ class SimulatedFiles final : public LeaseFiles {
 std::vector<std::uint64_t> World::list(const Contender& one) {
   const bool knows_own = mistake_ != Mistake::believes_old_lists;
   if (!happens(knows_own ? 0.3 : 0.8)) return names();
-  // Some list that was true a while ago, but not before an own change.
+  // Return an older list, but not older than an own change.
   double since_s = now_s - k_old_list_s * uniform();
   if (knows_own) since_s = std::max(since_s, one.own_change_s);
   std::vector<std::uint64_t> old;
@@ -245,7 +245,7 @@ void World::stand_still(Contender& one, double for_s) {
   if (is_over()) throw Killed();
 }
 
-/// Mostly a moment, now and then long, and seldom for ever.
+/// Pauses briefly most times, for long now and then, and rarely forever.
 void World::pause(Contender& one) {
   if (happens(0.004)) throw Killed();
   const double kind = uniform();
@@ -260,7 +260,8 @@ void World::pause(Contender& one) {
   one.stood_still_s += now_s - begin_s;
 }
 
-/// One process: wants the lock, has it for a while, ends in order or not.
+/// Runs one process, which takes the lock, holds it for a while, and ends with or without releasing
+/// it.
 void World::live(Contender& one) {
   SimulatedFiles disk(*this, one);
   LeaseText text{.holder = {.host = std::to_string(one.machine),
@@ -352,7 +353,7 @@ LeaseStory World::run() {
         std::ranges::min_element(contenders_, {}, [](const auto& one) { return one->wake_s; });
     Contender& one = **next;
     if (one.wake_s == std::numeric_limits<double>::infinity()) break;
-    // What is over is told to each of them once.
+    // When the story is over, each process is woken once to end.
     now_s = std::max(now_s, one.wake_s);
     land_late_writes();
     judge();

@@ -1,4 +1,5 @@
-// Run stores on a disk that machines share: no shared memory, no flock, several nodes.
+// Goal: run stores work on a disk that machines share, without shared memory and flock. Method:
+// several "nodes" on one machine.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -36,7 +37,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// This process, as one of another machine.
+/// Returns this process as if on another machine.
 LeaseHolder on_node(const std::string& host) {
   LeaseHolder self = this_process();
   self.host = host;
@@ -54,7 +55,7 @@ std::optional<std::string> conflict_of(const std::function<void()>& act) {
   }
 }
 
-/// A child process; killed at the end at the latest.
+/// A child process, killed by the destructor at the latest.
 class Child {
  public:
   explicit Child(const std::function<void()>& live) : process_(::fork()) {
@@ -78,7 +79,7 @@ class Child {
     signal(SIGKILL);
     (void)end();
   }
-  /// Waits until it has stopped or ended.
+  /// Waits until the process has stopped or ended.
   int wait(int options) {
     int status = 0;
     ::waitpid(process_, &status, options);
@@ -93,7 +94,7 @@ class Child {
   bool has_ended_ = false;
 };
 
-/// A moment of another process that one can wait for.
+/// A moment in another process that this process can wait for.
 class Moment {
  public:
   Moment() { EXPECT_EQ(::pipe2(ends_, O_CLOEXEC), 0); }
@@ -111,7 +112,7 @@ class Moment {
     EXPECT_EQ(::read(ends_[0], &number, sizeof number), static_cast<ssize_t>(sizeof number));
     return number;
   }
-  /// The newest number that is waiting.
+  /// Returns the newest waiting number.
   std::uint64_t newest() const {
     ::fcntl(ends_[0], F_SETFL, O_NONBLOCK);
     std::uint64_t number = 0;
@@ -136,9 +137,9 @@ class NetworkStore : public testing::RunFolder {
 };
 
 TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
-  // Goal: readers of the writing process see what is committed while it goes on committing, with no
-  // memory shared; the next session goes on. Method: a thread reads all again and again beside the
-  // writer.
+  // Goal: readers in the writing process see committed results without shared memory while it
+  // commits more; the next session continues. Method: a thread reads everything repeatedly beside
+  // the writer.
   {
     RunLock lock(folder());
     RunStore store(folder(), example_identity(1), &lock);
@@ -177,8 +178,8 @@ TEST_F(NetworkStore, OneConnectionReadsAndWrites) {
 }
 
 TEST_F(NetworkStore, NeedsItsOwnMode) {
-  // Goal: the disk of these tests is one on which SQLite's log does not work as elsewhere, and the
-  // mode for network disks is what helps. Method: the same database with the variable off and on.
+  // Goal: the tests' disk breaks SQLite's usual write-ahead log, and the network-disk mode repairs
+  // that. Method: the same database with the variable off and on.
   const auto mode = [&](const char* said, const std::string& name) {
     ::setenv(base::k_network_disk_variable, said, 1);
     Database database(path(name), Access::read_write);
@@ -192,8 +193,9 @@ TEST_F(NetworkStore, NeedsItsOwnMode) {
 }
 
 TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
-  // Goal: a process that does not write the run can't read it meanwhile, is told why and what else
-  // there is, and can read it afterwards. Method: another "node" is this process with another name.
+  // Goal: only the writing process can read a run. Others get the reason and the path of the latest
+  // archive, and can read the run afterwards. Method: "another node" is this process with another
+  // name.
   std::filesystem::create_directory(path("a.h5.run"));
   const std::string run = path("a.h5.run");
   {
@@ -219,8 +221,8 @@ TEST_F(NetworkStore, OthersAreToldWhyTheyCantRead) {
 }
 
 TEST_F(NetworkStore, OfTwoNodesOneWrites) {
-  // Goal: of two starts on two nodes one writes, and the other says who does: node, process, since
-  // when, session. Method: leases of 5 s; the second start has to see the first one renew.
+  // Goal: of two starts on two nodes one writes; the other reports the writer's node, process,
+  // start time and session. Method: leases of 5 s; the second start must see the first one renew.
   RunLock lock(folder(), {.lease_s = 5, .self = on_node("first")});
   RunStore store(folder(), example_identity(1), &lock);
   lock.keep();
@@ -235,8 +237,8 @@ TEST_F(NetworkStore, OfTwoNodesOneWrites) {
 }
 
 TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
-  // Goal: a run goes on right after kill -9 on the same machine. Method: a successor that has
-  // waited for the dead one's lease owes copies.
+  // Goal: a run can be resumed right after kill -9 on the same machine. Method: a successor that
+  // had to wait for the lease would owe copies; this one must not.
   const Moment taken;
   Child holder([&] {
     RunLock lock(folder());
@@ -252,9 +254,9 @@ TEST_F(NetworkStore, ADeadHolderOfThisNodeIsNoticedAtOnce) {
 }
 
 TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
-  // Goal: what it had committed is there, in files of the successor's own; not before its lease is
-  // over; and one who was killed before it had copied the files leaves that to the next. Method:
-  // kill -9 of a child on another "node"; a second child takes over and dies at once.
+  // Goal: a successor has the committed results in its own files, but only after the dead holder's
+  // lease ends. If it is killed before it has copied the files, the next process copies them.
+  // Method: kill -9 of a child on another "node"; a second child takes over and dies at once.
   const Moment committed;
   Child holder([&] {
     RunLock lock(folder(), {.lease_s = 2, .self = on_node("first")});
@@ -286,8 +288,8 @@ TEST_F(NetworkStore, ADeadHolderOfAnotherNodeLosesItsLease) {
   testing::expect_stored_of(store, 0, 20);
 }
 
-/// Commits for ever in small groups, moves its log into the file often, and reports what is
-/// committed; stands still at a write of its disk's.
+/// Commits small groups forever with frequent checkpoints, reports the commits, and pauses at a
+/// chosen write.
 void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& disk,
                            std::uint64_t stop_after, const Moment& committed) {
   RunLock lock(folder, {.lease_s = 2.5, .self = on_node("sleeper")});
@@ -303,10 +305,10 @@ void write_and_stand_still(const std::string& folder, testing::UnsharedDisk& dis
 }
 
 TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
-  // Goal: a writer that stands still for longer than its lease, in the middle of a commit too, and
-  // goes on while its successor writes, changes nothing of the successor's, ends with a conflict,
-  // and has reported nothing that the successor doesn't have. Method: children stop themselves at
-  // 12 different writes; each is taken over and woken up while the successor commits.
+  // Goal: a writer that pauses longer than its lease, even within a commit, and wakes while its
+  // successor writes, changes nothing of the successor's. It ends with a conflict, and the
+  // successor has everything that it reported. Method: children stop at 12 different writes; each
+  // is taken over and woken while the successor commits.
   constexpr std::uint64_t k_sleepers = 12;
   struct Sleeper {
     std::string folder{};
@@ -350,7 +352,7 @@ TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
   }
   for (std::thread& heir : heirs)
     heir.join();
-  // What was written last is what the next session finds.
+  // The next session finds the last committed data.
   for (const Sleeper& one : sleepers) {
     RunLock lock(one.folder, {.self = on_node("heir")});
     RunStore store(one.folder, example_identity(1), &lock);
@@ -359,8 +361,8 @@ TEST_F(NetworkStore, ASleeperChangesNothingAfterATakeover) {
 }
 
 TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
-  // Goal: two opinions of one disk end in one kind of lock. Method: a start that takes the disk for
-  // a local one finds a lease that is held; and afterwards flock is back.
+  // Goal: processes that disagree whether a disk is local use the same kind of lock. Method: a
+  // start that believes the disk local finds a held lease; afterwards flock works again.
   {
     const RunLock lock(folder());
     ::setenv(base::k_network_disk_variable, "0", 1);
@@ -372,9 +374,9 @@ TEST_F(NetworkStore, AFolderWithALeaseIsLockedByOne) {
 }
 
 TEST_F(NetworkStore, TurnsComeInOrder) {
-  // Goal: a commit waits for one turn of each other thread at most, though a reader takes turn
-  // after turn. Method: a greedy thread counts its turns; between asking and having it gets two at
-  // most, of which one may have begun before.
+  // Goal: a commit waits for at most one turn of each other thread, even if a reader takes turn
+  // after turn. Method: a greedy thread counts its turns; while another waits, it gets at most two,
+  // one of which may have begun before.
   SharedDatabase shared(path("a.sqlite"), Access::read_write);
   std::atomic<bool> stop = false;
   std::atomic<std::uint64_t> turns = 0;

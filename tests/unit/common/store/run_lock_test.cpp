@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// The message of the conflict that taking the lock ends in; none when it can be taken.
+/// Returns the message of the conflict when taking the lock; none if the lock is free.
 std::optional<std::string> conflict_of(const std::string& folder) {
   try {
     const RunLock lock(folder);
@@ -64,8 +64,8 @@ class Holder {
 class RunLockOf : public testing::RunFolder {};
 
 TEST_F(RunLockOf, OneProcessAtATime) {
-  // Goal: a second process is refused and told who is first; a killed one holds nothing. Method: a
-  // child takes the lock and is killed with SIGKILL, ten times.
+  // Goal: a second process is refused and told the first one's number; a killed process holds no
+  // lock. Method: a child takes the lock and is killed with SIGKILL, ten times.
   for (int i = 0; i < 10; ++i) {
     Holder holder(folder());
     const auto conflict = conflict_of(folder());
@@ -78,8 +78,8 @@ TEST_F(RunLockOf, OneProcessAtATime) {
 }
 
 TEST_F(RunLockOf, OneObjectAtATime) {
-  // Goal: two runs of one process can't share a folder either. Method: take it twice, then after
-  // the first is gone; the refused attempt must not have freed it.
+  // Goal: two runs in one process can't share a folder either. Method: take the lock twice, then
+  // after the first is released; the refused attempt must not have freed it.
   {
     const RunLock first(folder());
     EXPECT_TRUE(conflict_of(folder()).has_value());
@@ -89,8 +89,8 @@ TEST_F(RunLockOf, OneObjectAtATime) {
 }
 
 TEST_F(RunLockOf, MakesTheFolder) {
-  // Goal: the first session needs no preparation, and says what it can't do. Method: a new folder;
-  // one whose parent is missing; one that is a file.
+  // Goal: a first session needs no preparation, and reports why it can't start. Method: a new
+  // folder, a folder whose parent is missing, and a file.
   EXPECT_EQ(conflict_of(path("new")), std::nullopt);
   EXPECT_EQ(bytes_of(path("new/lock")), fmt::format("{}\n", ::getpid()));
   put_bytes(path("file"), "x");
@@ -106,8 +106,8 @@ TEST_F(RunLockOf, MakesTheFolder) {
 }
 
 TEST_F(RunLockOf, StrangeContentIsNoObstacle) {
-  // Goal: what an earlier process left in the file doesn't matter. Method: garbage longer than a
-  // process number, then take it; the number alone remains.
+  // Goal: old content of the lock file doesn't matter. Method: write garbage longer than a process
+  // number, then take the lock; only the number remains.
   put_bytes(path("run/lock"), std::string(1000, 'z'));
   const RunLock lock(folder());
   EXPECT_EQ(bytes_of(path("run/lock")), fmt::format("{}\n", ::getpid()));

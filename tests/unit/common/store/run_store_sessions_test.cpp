@@ -1,4 +1,5 @@
-// Whose results a store holds, and which session may write them.
+// Goal: a store accepts only its own run and only the newest session. Method: open stores with
+// other identities, and two at once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,8 +39,9 @@ class RunStoreSessions : public testing::RunFolder {
 };
 
 TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
-  // Goal: no store mixes two requests, versions or formats (invariant 3), and the refusal says what
-  // to do. Method: open with each of the three changed; afterwards the owner finds all as it was.
+  // Goal: no store mixes two requests, versions or formats (invariant 3), and the refusal names a
+  // remedy. Method: open with each of the three changed; afterwards the owner finds everything
+  // unchanged.
   {
     RunStore store(folder(), example_identity(1));
     store.put(result_of(0, 0, 4));
@@ -59,7 +61,7 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
               AllOf(HasSubstr("format 7"), HasSubstr("writes format 6")));
   execute("UPDATE run SET value=6 WHERE key='format_version'");
 
-  // A later program that makes the same results may go on.
+  // A later program with the same results version may resume.
   RunIdentity later_program = example_identity(1);
   later_program.program_version = "1.1";
   RunStore store(folder(), later_program);
@@ -68,8 +70,8 @@ TEST_F(RunStoreSessions, BelongToOneRequestAndOneResultsVersion) {
 }
 
 TEST_F(RunStoreSessions, MayStopElsewhere) {
-  // Goal: the whole request may change where its identity does not ([stop], what is kept). Method:
-  // reopen with another request text; the newest is on record.
+  // Goal: the request may change in keys outside its identity, such as [stop]. Method: reopen with
+  // another request text; the newest is stored.
   { RunStore(folder(), example_identity(1)); }
   RunIdentity longer = example_identity(1);
   longer.request_text += "# more\n";
@@ -81,9 +83,9 @@ TEST_F(RunStoreSessions, MayStopElsewhere) {
 }
 
 TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
-  // Goal: a session that was taken for dead stores nothing beside its successor. Method: open a
-  // second store; the first's next commit fails with conflict, whole, for good, and its later puts
-  // too, while the second goes on.
+  // Goal: a session that was presumed dead stores nothing beside its successor. Method: open a
+  // second store; the first store's next commit and its later puts fail with a conflict, and the
+  // second continues.
   RunStore first(folder(), example_identity(2));
   first.put(result_of(0, 0, 5));
   first.flush();
@@ -105,8 +107,8 @@ TEST_F(RunStoreSessions, NewerOneFencesTheOlder) {
 }
 
 TEST_F(RunStoreSessions, RefusedOneFencesNobody) {
-  // Goal: an attempt with another request doesn't stop a running session. Method: be refused while
-  // a session runs, then let it commit.
+  // Goal: an attempt with another request doesn't stop a running session. Method: try while a
+  // session runs, then let the session commit.
   RunStore running(folder(), example_identity(1));
   RunIdentity other = example_identity(1);
   other.identity_text = "another";
@@ -117,9 +119,8 @@ TEST_F(RunStoreSessions, RefusedOneFencesNobody) {
 }
 
 TEST_F(RunStoreSessions, SeeNoHalfOfAUnit) {
-  // Goal: a unit becomes visible in one step. Method: a reader looks all the while that units of
-  // 40 scans are committed; it never sees a number of scans that 40 doesn't divide, nor one that
-  // differs from the progress.
+  // Goal: a unit becomes visible in one step. Method: a reader polls while units of 40 scans are
+  // committed; its scan counts must be multiples of 40 and equal the progress.
   RunStore store(folder(), example_identity(1));
   Database reader(RunStore::database_path(folder()), Access::read_only);
   Statement count = reader.prepare(
@@ -135,8 +136,8 @@ TEST_F(RunStoreSessions, SeeNoHalfOfAUnit) {
 }
 
 TEST_F(RunStoreSessions, NeedAFolderAndADatabase) {
-  // Goal: what is no run store is refused and not written to. Method: a missing folder, and a
-  // file of text where the store would be.
+  // Goal: a folder without a run store is refused and not written to. Method: a missing folder, and
+  // a text file in place of the store.
   const std::string missing = failure_of(base::ExitCode::environment,
                                          [&] { RunStore(path("missing"), example_identity(1)); });
   EXPECT_THAT(missing, HasSubstr(path("missing")));

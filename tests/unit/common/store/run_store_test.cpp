@@ -30,7 +30,7 @@ class RunStoreOf : public testing::RunFolder {
 };
 
 TEST_F(RunStoreOf, NewRunIsEmpty) {
-  // Goal: a new run has nothing. Method: open, ask, open again.
+  // Goal: a new run is empty. Method: open, query, open again.
   open();
   EXPECT_EQ(store_->epoch(), 1U);
   EXPECT_TRUE(store_->progress().empty());
@@ -43,8 +43,8 @@ TEST_F(RunStoreOf, NewRunIsEmpty) {
 }
 
 TEST_F(RunStoreOf, GivesBackWhatWasPut) {
-  // Goal: results are there after a flush, for other readers too, and after reopening. Method: two
-  // chains in units of several sizes, longer together than a batch of a replay.
+  // Goal: results can be read after a flush, also by other readers and after reopening. Method: two
+  // chains in units of several sizes, together longer than a replay's batch.
   open();
   std::uint64_t next = 0;
   for (const std::uint32_t scans : {1U, 2U, 100U, 4096U, 7U, 1000U}) {
@@ -63,7 +63,7 @@ TEST_F(RunStoreOf, GivesBackWhatWasPut) {
 }
 
 TEST_F(RunStoreOf, ProgressIsInOrder) {
-  // Goal: replicas come by chain, then replica. Method: put out of order, ids far apart.
+  // Goal: replicas are sorted by chain, then replica. Method: put out of order, ids far apart.
   open();
   for (const auto& [chain, replica] :
        {std::pair{70'000U, 1U}, {3U, 0U}, {0xffffffffU, 0U}, {3U, 0xffffffffU}, {70'000U, 0U}}) {
@@ -83,9 +83,8 @@ TEST_F(RunStoreOf, ProgressIsInOrder) {
 }
 
 TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
-  // Goal: invariants 2 and 4 for any history. Method: random units that continue, repeat or
-  // overlap, cut at random, with flushes and new sessions among them; the parts that are stored
-  // already are changed.
+  // Goal: invariants 2 and 4 hold for any history. Method: random units that continue, repeat or
+  // overlap, with flushes and new sessions between; parts that are already stored are changed.
   constexpr std::uint64_t k_seed = 4711;
   SCOPED_TRACE(fmt::format("seed {}", k_seed));
   random::Stream stream({.seed = k_seed, .purpose = random::Purpose::prior}, 0);
@@ -114,8 +113,8 @@ TEST_F(RunStoreOf, AnyOrderOfDoubledAndOverlappingUnits) {
 }
 
 TEST_F(RunStoreOf, TakesFromManyThreads) {
-  // Goal: put, flush and committed may be called from any thread. Method: four threads with chains
-  // of their own.
+  // Goal: put, flush and committed may be called from any thread. Method: four threads with
+  // separate chains.
   open(4);
   std::vector<std::thread> threads;
   for (std::uint32_t chain = 0; chain < 4; ++chain) {
@@ -138,8 +137,7 @@ TEST_F(RunStoreOf, TakesFromManyThreads) {
 using RunStoreOfDeathTest = RunStoreOf;
 
 TEST_F(RunStoreOfDeathTest, GapIsABug) {
-  // Goal: no store ever has a hole in a replica (invariant 4). Method: put scans 3.. of an empty
-  // replica.
+  // Goal: a replica never has a gap (invariant 4). Method: put scans 3.. of an empty replica.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(
       {

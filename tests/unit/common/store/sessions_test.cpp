@@ -1,4 +1,4 @@
-// What a supervisor learns of a run's sessions from its store.
+// Goal: a supervisor reads a run's sessions from its store. Method: sessions that end in every way.
 #include "common/store/sessions.h"
 
 #include <gmock/gmock.h>
@@ -31,9 +31,9 @@ class Sessions : public testing::RunFolder {
 };
 
 TEST_F(Sessions, TellHowEachEnded) {
-  // Goal: a session that ended is told with all that it said, one that died or runs without; and
-  // whether anything was committed since the one before. Method: sessions that die before and after
-  // they commit, one that fails, one that finishes, one that runs.
+  // Goal: a finished session is listed with its record, a dead or running one without, each with
+  // whether it committed anything. Method: sessions that die before and after they commit, fail,
+  // finish, and run.
   { RunStore died(folder(), example_identity(1)); }
   {
     RunStore died(folder(), example_identity(1));
@@ -70,8 +70,8 @@ TEST_F(Sessions, TellHowEachEnded) {
 }
 
 TEST_F(Sessions, OneThatWasTakenForDeadSaysNothing) {
-  // Goal: a session whose successor has begun leaves no record, of whatever kind; the successor's
-  // is untouched. Method: two stores open, the older one closes.
+  // Goal: a session whose successor has begun stores no record, and the successor's record stays.
+  // Method: two open stores; the older one closes.
   RunStore older(folder(), example_identity(1));
   RunStore newer(folder(), example_identity(1));
   try {
@@ -89,7 +89,7 @@ TEST_F(Sessions, OneThatWasTakenForDeadSaysNothing) {
 }
 
 TEST_F(Sessions, WhatWasChangedIsRefused) {
-  // Goal: a supervisor never acts on a row that the disk changed. Method: each column in turn.
+  // Goal: a supervisor never acts on a damaged row. Method: change each column in turn.
   {
     RunStore store(folder(), example_identity(1));
     store.close({.end = events::End::finished, .scans = 10});

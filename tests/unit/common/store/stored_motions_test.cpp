@@ -1,4 +1,5 @@
-// Motions beside a run's store: they come back bit for bit, or not at all.
+// Goal: motions stored beside a run's store return bit for bit, or not at all. Method: store,
+// damage and read.
 #include "common/store/stored_motions.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +50,7 @@ base::Bytes state_of(int number) {
   return writer.take();
 }
 
-/// Equal in every bit.
+/// Returns whether every bit is equal.
 bool same(const archive::Motion& a, const archive::Motion& b) {
   const auto bits = [](const archive::Motion& motion) {
     std::vector<std::uint64_t> all;
@@ -67,7 +68,7 @@ bool same(const archive::Motion& a, const archive::Motion& b) {
 class StoredMotionsTest : public testing::RunFolder {
  protected:
   StoredMotionsTest() { std::filesystem::create_directories(folder()); }
-  /// How many of the first 50 are remembered; those that are, are right.
+  /// Returns how many of the first 50 motions are stored, and checks their bits.
   int remembered(const std::string& owner) const {
     StoredMotions motions(folder(), owner);
     int count = 0;
@@ -83,7 +84,7 @@ class StoredMotionsTest : public testing::RunFolder {
     StoredMotions motions(folder(), owner);
     for (int number = 0; number < 50; ++number)
       motions.keep(state_of(number), motion_of(number));
-    EXPECT_TRUE(same(motions.find(state_of(7)).value(), motion_of(7)));  // not written yet
+    EXPECT_TRUE(same(motions.find(state_of(7)).value(), motion_of(7)));  // still in memory
   }
   void execute(const std::string& sql) const {
     Database(StoredMotions::path(folder()), Access::read_write).execute(sql);
@@ -91,16 +92,16 @@ class StoredMotionsTest : public testing::RunFolder {
 };
 
 TEST_F(StoredMotionsTest, ComeBackBitForBit) {
-  // Goal: what was kept comes back in another process as it was: NaNs with payloads, zeros of both
-  // signs, motions that failed. Method: fifty motions, written and read by two objects.
+  // Goal: another process reads stored motions unchanged, including NaN payloads, signed zeros and
+  // failed motions. Method: two objects write and read fifty motions.
   EXPECT_EQ(remembered("a"), 0);
   keep_fifty("a");
   EXPECT_EQ(remembered("a"), 50);
 }
 
 TEST_F(StoredMotionsTest, BelongToOneOwner) {
-  // Goal: motions of another version or request are never told, and make room for one's own.
-  // Method: another owner's text, who then keeps the same states.
+  // Goal: motions of another version or request are never returned, and new motions replace them.
+  // Method: another owner's text, which then stores the same states.
   keep_fifty("a");
   EXPECT_EQ(remembered("b"), 0);
   EXPECT_EQ(remembered("a"), 50);
@@ -110,11 +111,11 @@ TEST_F(StoredMotionsTest, BelongToOneOwner) {
 }
 
 TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
-  // Goal: a changed row is never told, a file that is none is made anew, a deleted one too. Method:
-  // each column changed in one row; garbage in the file's place; removal.
+  // Goal: a damaged row is never returned, and an invalid or deleted file is created again. Method:
+  // change each column in one row; replace the file by garbage; remove it.
   keep_fifty("a");
   int left = 50;
-  // Of motions that have numbers, by their states: an integer's four bytes.
+  // States of motions with segments; a state is an integer's four bytes.
   const std::vector<std::pair<std::string, std::string>> changes{{"ends=2", "01"},
                                                                  {"columns=4", "02"},
                                                                  {"numbers=zeroblob(24)", "05"},
@@ -135,9 +136,8 @@ TEST_F(StoredMotionsTest, WhatIsDamagedIsForgotten) {
 }
 
 TEST_F(StoredMotionsTest, AFileDamagedWithinIsMadeAnew) {
-  // Goal: damage that shows only when rows are read or written is mended, once, in silence for the
-  // archive. Method: all pages but the first overwritten; what is asked for is gone, what is kept
-  // afterwards comes back.
+  // Goal: damage found while reading or writing rows is repaired once, without an error for the
+  // archive. Method: overwrite all pages but the first; old motions are lost, new ones are stored.
   keep_fifty("a");
   execute("PRAGMA wal_checkpoint(TRUNCATE)");
   std::string bytes = bytes_of(StoredMotions::path(folder()));
@@ -153,8 +153,8 @@ TEST_F(StoredMotionsTest, AFileDamagedWithinIsMadeAnew) {
 }
 
 TEST_F(StoredMotionsTest, GrowsToItsBound) {
-  // Goal: a file takes no more than it may, by what waits at most; what it has stays. Method: a
-  // bound of 1 MB, motions of 100 kB.
+  // Goal: a file exceeds its limit at most by the pending motions, and its stored motions stay.
+  // Method: a limit of 1 MB, motions of 100 kB.
   StoredMotions motions(folder(), "a", 1 << 20);
   const archive::Motion large{.segments = std::vector<motion::Segment>(521)};
   for (int number = 0; number < 400; ++number)
@@ -167,14 +167,15 @@ TEST_F(StoredMotionsTest, GrowsToItsBound) {
 }
 
 TEST_F(StoredMotionsTest, WithoutAFileNothingIsRemembered) {
-  // Goal: a folder in which no file can be made stops nobody. Method: a folder that is not there.
+  // Goal: nothing fails if the file can't be created. Method: a missing folder.
   StoredMotions motions(folder() + "/nowhere", "a");
   motions.keep(state_of(1), motion_of(1));
   EXPECT_FALSE(motions.find(state_of(1)).has_value());
 }
 
 TEST_F(StoredMotionsTest, TwoMayHaveOneFile) {
-  // Goal: a checkpoint and `archive derive` beside it both remember. Method: two objects by turns.
+  // Goal: a checkpoint and a simultaneous `archive derive` share stored motions. Method: two
+  // objects in turn.
   StoredMotions one(folder(), "a");
   {
     StoredMotions other(folder(), "a");

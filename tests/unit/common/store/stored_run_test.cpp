@@ -34,8 +34,8 @@ class StoredRunOf : public testing::RunFolder {
 };
 
 TEST_F(StoredRunOf, KeepsEveryBit) {
-  // Goal: an archive gets the bits that a worker computed. Method: one record of extremes: NaNs
-  // with payloads as outcomes, densities of minus infinity, empty lists, the largest lineage.
+  // Goal: an archive gets a worker's exact bits. Method: one record of extremes: NaNs with payloads
+  // as outcomes, densities of minus infinity, empty lists, the largest lineage.
   plan::ScanRecord record;
   record.log_prior = std::numeric_limits<double>::denorm_min();
   record.log_constraint = -std::numeric_limits<double>::infinity();
@@ -47,8 +47,8 @@ TEST_F(StoredRunOf, KeepsEveryBit) {
 }
 
 TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
-  // Goal: as above for the two densities, which are columns of their own. Method: doubles that a
-  // database might store in another form: whole numbers, zeros of both signs, the largest.
+  // Goal: the two densities keep their bits in their own columns. Method: doubles that a database
+  // might convert: whole numbers, signed zeros, the largest.
   const std::vector<double> values{-0.0,
                                    0.0,
                                    1.0,
@@ -75,8 +75,8 @@ TEST_F(StoredRunOf, KeepsTheBitsOfDensities) {
 }
 
 TEST_F(StoredRunOf, CutsWhereItIsTold) {
-  // Goal: later scans don't show. Method: read fewer than are stored, none included, beside a
-  // writer that goes on.
+  // Goal: scans after the cut don't appear. Method: read fewer scans than stored, and none, beside
+  // a writer that continues.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 9));
   store.put(result_of(1, 0, 7));
@@ -98,8 +98,9 @@ TEST_F(StoredRunOf, CutsWhereItIsTold) {
 }
 
 TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
-  // Goal: failures of all replicas' scans below the cut, and of no others. Method: against the sum
-  // of the examples' for each cut; a store without any; a changed count is damage.
+  // Goal: failures are counted for scans before the cut in all replicas, and for no others. Method:
+  // compare with the sum over the examples for each cut; a store without failures; a changed count
+  // is damage.
   RunStore store(folder(), example_identity(2));
   store.put(result_of(0, 0, 40));
   store.put(result_of(1, 0, 40));
@@ -122,9 +123,9 @@ TEST_F(StoredRunOf, CountsFailuresUpToTheCut) {
 }
 
 TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
-  // Goal: of several replicas an archive holds at each scan the one at inverse temperature 1, in
-  // the order of scans, and knows each one's newest state. Method: two replicas that trade places
-  // after each scan, the second one alive from scan 2 on only.
+  // Goal: with several replicas, an archive holds the replica at inverse temperature 1 of each
+  // scan, in order, and each replica's newest state. Method: two replicas that swap after each
+  // scan; the second exists only from scan 2 on.
   RunStore store(folder(), example_identity(1));
   plan::UnitResult first = result_of(0, 0, 5);
   plan::UnitResult second = testing::forged(result_of(0, 2, 3));
@@ -156,9 +157,9 @@ TEST_F(StoredRunOf, ReadsWhoIsAtInverseTemperature1) {
 }
 
 TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
-  // Goal: what a plan learns of replicas that hang together comes together, so that it keeps little
-  // until it has all; each replica's scans come in order and once. Method: three replicas of more
-  // scans than some batches hold; how far they are apart.
+  // Goal: a replay visits dependent replicas together, so that a plan buffers little; each
+  // replica's scans come once and in order. Method: three replicas with more scans than some
+  // batches; measure how far apart they are.
   constexpr std::uint64_t k_scans = 10'000;
   constexpr std::uint64_t k_apart_max = 4096;
   RunStore store(folder(), example_identity(1));
@@ -188,13 +189,13 @@ TEST_F(StoredRunOf, ReplicasAreReplayedTogether) {
 }
 
 TEST_F(StoredRunOf, MissingStoreIsAnError) {
-  // Goal: reading makes no file. Method: a folder without a store.
+  // Goal: reading creates no file. Method: a folder without a store.
   EXPECT_THROW(StoredRun(folder(), {.chains = 1, .scans = 1}), base::Error);
   EXPECT_TRUE(std::filesystem::is_empty(folder()));
 }
 
 TEST_F(StoredRunOf, MissingScansAreDamage) {
-  // Goal: an archive is never cut short in silence. Method: ask for more scans than there are.
+  // Goal: an archive is never silently cut short. Method: request more scans than are stored.
   RunStore store(folder(), example_identity(1));
   store.put(result_of(0, 0, 3));
   store.flush();
@@ -202,9 +203,9 @@ TEST_F(StoredRunOf, MissingScansAreDamage) {
 }
 
 TEST_F(StoredRunOf, ChangedRowsAreDamage) {
-  // Goal: what a disk or a person changed never becomes another animation, nor decides how a run
-  // goes on. Method: change each column of one stored scan in turn; reading it and replaying it
-  // must fail, and name chain and scan.
+  // Goal: a damaged row never becomes another animation and never affects a resumed run. Method:
+  // change each column of one stored scan in turn; reading and replaying must fail and name chain
+  // and scan.
   for (const char* change : {"log_prior=log_prior+1", "log_constraint='x'", "satisfied=1-satisfied",
                              "lineage=-1", "proposed=x'00'", "accepted=x''", "outcome=zeroblob(3)",
                              "failures=x'01'", "overlapping_starts=1", "method_values=NULL",
@@ -237,8 +238,8 @@ TEST_F(StoredRunOf, ChangedRowsAreDamage) {
 }
 
 TEST_F(StoredRunOf, ChangedProgressIsDamage) {
-  // Goal: a chain never goes on from a wrong state. Method: change its bytes, its place, and the
-  // epoch; take scans away.
+  // Goal: a chain never resumes from a wrong state. Method: change its bytes, its scan, and the
+  // epoch; remove scans.
   for (const char* change :
        {"UPDATE replica SET state=zeroblob(8)", "UPDATE replica SET next_scan=2",
         "UPDATE replica SET chain=7", "DELETE FROM scan WHERE scan=1",

@@ -1,4 +1,5 @@
-// Events of a run: numbered and committed with its results, and read back from log and store.
+// Goal: a run's events are numbered and committed with its results, and read back from log and
+// store. Method: sessions, logs and followers.
 #include "common/store/told_events.h"
 
 #include <fmt/format.h>
@@ -63,7 +64,7 @@ class ToldEventsTest : public testing::RunFolder {
     }
     return {};
   }
-  /// A log of numbered rounds, as a session that was told so writes it.
+  /// Writes a log of numbered rounds, as a session writes it for its events.
   void log(std::uint64_t first, std::uint64_t last) const {
     events::EventLog log(folder());
     for (std::uint64_t number = first; number <= last; ++number) {
@@ -80,9 +81,9 @@ class ToldEventsTest : public testing::RunFolder {
 };
 
 TEST_F(ToldEventsTest, NumbersGoOnOverSessionsAndEnds) {
-  // Goal: numbers go from 1 without a gap in the order in which events are put, a session's end is
-  // one of them, one that dies leaves none, and the frontier is the last one's that was committed.
-  // Method: three sessions, of which the second dies; what each hears, and what is read back.
+  // Goal: numbers run from 1 without a gap in the order of put. A session's end has a number, a
+  // dead session leaves none, and the frontier is the last committed number. Method: three
+  // sessions, the second dies; compare what each reports with what is read back.
   std::vector<std::uint64_t> heard;
   const auto hear = [&](std::span<const events::RunEvent> told) {
     for (const events::RunEvent& event : told)
@@ -118,9 +119,9 @@ TEST_F(ToldEventsTest, NumbersGoOnOverSessionsAndEnds) {
 }
 
 TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
-  // Goal: no event is told whose results could be lost, nor one of a session that was taken for
-  // dead. Method: whenever one is heard, the results put before it can be read; then a newer
-  // session opens, and the older one's events and end are refused.
+  // Goal: an event is reported only after its results are committed, and never by a session
+  // presumed dead. Method: at each report, read the results; then open a newer session, after which
+  // the older session's events and end are refused.
   RunStore store(folder(), example_identity(1));
   std::uint64_t heard = 0;
   store.on_told([&](std::span<const events::RunEvent> told) {
@@ -144,8 +145,8 @@ TEST_F(ToldEventsTest, AreCommittedBehindTheirResultsAndFenced) {
 }
 
 TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
-  // Goal: an event that follows from the last results of a while is not kept waiting for others.
-  // Method: one alone; nobody flushes.
+  // Goal: an event is committed soon even without further results. Method: put one event without a
+  // flush.
   RunStore store(folder(), example_identity(1));
   std::atomic<bool> has_heard = false;
   store.on_told([&](std::span<const events::RunEvent>) { has_heard = true; });
@@ -156,9 +157,9 @@ TEST_F(ToldEventsTest, EventsAloneAreCommittedSoon) {
 }
 
 TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
-  // Goal: a reader gets each number once and in order, whatever part of them the log has. Method:
-  // twenty in the store; logs of all, of the end, the beginning, the middle, of none, and with a
-  // damaged line; read at once and in small answers, from the first and from a later one.
+  // Goal: a reader gets each number once and in order, whatever part of the events the log holds.
+  // Method: twenty events in the store; logs with all, the end, the beginning, the middle, none, or
+  // a damaged line; read in large and small answers, from several numbers.
   store_rounds(20);
   const auto read_all = [&](std::uint64_t first, std::size_t at_once) {
     ToldEvents told(folder(), first);
@@ -187,16 +188,16 @@ TEST_F(ToldEventsTest, WhatTheLogHasLostComesFromTheStore) {
   text[text.size() / 2] = '\n';
   put_bytes(path, text);
   EXPECT_EQ(read_all(1, 100), from_to(1, 20));
-  // Without the store's help a follower stops at no gap either: it says what is missing.
+  // Without the store, a follower reports a gap instead of stopping silently.
   std::filesystem::remove(path);
   log(22, 22);
   EXPECT_THAT(failure(), HasSubstr("event 21 is missing"));
 }
 
 TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
-  // Goal: a follower misses nothing and doubles nothing while the log turns over, is deleted, or
-  // begins again, and where nothing is new it hears nothing. Method: steps by hand with a small
-  // log, slow and quick followers; the store has everything.
+  // Goal: a follower misses and repeats nothing while the log rotates, is deleted or starts again,
+  // and returns nothing if nothing is new. Method: step slow and quick followers by hand with a
+  // small log; the store has everything.
   store_rounds(2000);
   ToldEvents quick(folder());
   ToldEvents slow(folder());
@@ -206,7 +207,7 @@ TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
     for (const std::uint64_t number : numbers_of(told.next(at_once)))
       has.push_back(number);
   };
-  EXPECT_TRUE(quick.next(5).empty());  // before there is a log
+  EXPECT_TRUE(quick.next(5).empty());  // there is no log yet
   std::optional<events::EventLog> log(std::in_place, folder(), 3000);
   for (std::uint64_t number = 1; number <= 2000; ++number) {
     events::RunEvent event = round_of(number);
@@ -229,8 +230,8 @@ TEST_F(ToldEventsTest, FollowsALogThatTurnsOverOrIsDeleted) {
 }
 
 TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
-  // Goal: of progress, phases and archives a reader gets the newest that it has not seen, behind
-  // the numbered ones. Method: by hand.
+  // Goal: of progress, phases and archives, a reader gets only the newest unseen one, after the
+  // numbered events. Method: by hand.
   store_rounds(1);
   events::EventLog log(folder());
   log.append({.what = events::Phase{.words = "a"}});
@@ -251,8 +252,8 @@ TEST_F(ToldEventsTest, TellsTheNewestOfWhatHasNoNumber) {
 }
 
 TEST_F(ToldEventsTest, ReadsBesideAWriter) {
-  // Goal: beside a session that commits and logs all the time a follower gets every number once, in
-  // order, none before the store has it. Method: a follower in a thread of its own.
+  // Goal: beside a session that commits and logs all the time, a follower gets every number once,
+  // in order, and only after its commit. Method: a follower in its own thread.
   constexpr std::uint64_t k_events = 3000;
   std::atomic<bool> is_over = false;
   std::vector<std::uint64_t> has;
@@ -290,8 +291,8 @@ TEST_F(ToldEventsTest, ReadsBesideAWriter) {
 }
 
 TEST_F(ToldEventsTest, WhatWasChangedIsRefused) {
-  // Goal: neither a reader nor a session goes on from a row that the disk changed. Method: each
-  // column in turn.
+  // Goal: neither a reader nor a session continues from a damaged row. Method: change each column
+  // in turn.
   EXPECT_EQ(failure(), "");  // no run yet
   store_rounds(3);
   EXPECT_EQ(failure(), "");

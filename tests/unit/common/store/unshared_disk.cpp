@@ -18,17 +18,17 @@ namespace {
 
 constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
-// SQLite calls plain functions: what they know is here.
+// SQLite calls plain functions, so their state is global.
 std::atomic<std::uint64_t> calls_left{k_never};
 sqlite3_vfs* real_disk = nullptr;
 sqlite3_vfs unshared_disk;
 
-/// A set of file functions without shared memory, and the set that it stands for.
+/// A set of file functions without shared memory, and the set that it wraps.
 struct Methods {
   sqlite3_io_methods unshared;
   const sqlite3_io_methods* real = nullptr;
 };
-std::array<Methods, 8> methods;  // the default disk has one set for each kind of lock
+std::array<Methods, 8> methods;  // the default disk has a set per kind of lock
 std::mutex methods_mutex;
 
 const sqlite3_io_methods& real_methods(const sqlite3_file* file) {
@@ -65,7 +65,7 @@ int open(sqlite3_vfs*, const char* name, sqlite3_file* file, int flags, int* out
   CHECK(entry != methods.end());
   if (entry->real == nullptr) {
     entry->unshared = *file->pMethods;
-    entry->unshared.iVersion = 1;  // nothing of shared memory, which came with 2
+    entry->unshared.iVersion = 1;  // version 1 has no shared memory, which version 2 added
     entry->unshared.xShmMap = nullptr;
     entry->unshared.xWrite = &write;
     entry->unshared.xSync = &sync;

@@ -1,7 +1,7 @@
-// A disk that machines share, as SQLite sees one: without shared memory. While an object lives,
-// databases that are opened lie on such a disk, and every disk is taken for a network disk.
+// A disk that machines share, as SQLite sees it: without shared memory. While an object lives,
+// databases opened meanwhile are on such a disk, and every disk counts as a network disk.
 //
-// A process can be made to stand still in the middle of a commit, as on a machine that sleeps.
+// A process can pause within a commit, as on a suspended machine.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ class UnsharedDisk {
   UnsharedDisk(const UnsharedDisk&) = delete;
   UnsharedDisk& operator=(const UnsharedDisk&) = delete;
 
-  /// After so many more writes and syncs of files this process stops itself (SIGSTOP), once.
+  /// Stops this process (SIGSTOP) once, after `calls` more writes and syncs of files.
   void stop_after(std::uint64_t calls);
 };
 

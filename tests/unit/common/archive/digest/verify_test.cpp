@@ -1,5 +1,5 @@
-// Goal: verify accepts sound archives and names each kind of fault. Method: damage one thing at a
-// time in the memory twin, set the stored digest right again, and look for the finding.
+// Goal: verify accepts sound archives and names each kind of fault. Method: damage one thing in the
+// in-memory archive, correct the stored digest, and look for the finding.
 #include "common/archive/digest/verify.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Goal: what our writer would not have written is refused by name, before any value is read.
-// Method: take a sound archive and add one thing to it with the HDF5 library.
+// Goal: a file that our writer can't have written is refused by name before any value is read.
+// Method: add one thing to a sound archive with the HDF5 library.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ class Hostile : public archive::testing::Scratch {
     write_file(path("whole.h5"), files, archive::testing::filler({}));
   }
 
-  /// A copy of the sound archive, changed by `change(file id)`.
+  /// Returns the path of a copy of the sound archive, changed by `change(file id)`.
   std::string changed(const std::function<void(hid_t)>& change) const {
     const std::string file = path("changed.h5");
     put_bytes(file, bytes_of(path("whole.h5")));
@@ -89,8 +89,9 @@ TEST_F(Hostile, OtherFiles) {
 }
 
 TEST_F(Hostile, OtherFormats) {
-  // Goal: an archive of an older or newer format is refused by naming its format, the version that
-  // wrote it and the format that is read. Method: the attribute set to each, and to none.
+  // Goal: an archive of another format version is refused, naming its format, its writer's version
+  // and the supported format. Method: set the attribute to an older and a newer version, and remove
+  // it.
   const auto of_format = [&](std::int64_t version) {
     return changed([version](hid_t id) {
       const hid_t attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
@@ -174,7 +175,7 @@ TEST_F(Hostile, Types) {
                  "/", "added is not a fixed-length text");
 }
 
-/// Writes a text over the attribute of the root group, whose type keeps its length.
+/// Overwrites a root attribute's text; the length of its type stays.
 void overwrite_root_text(hid_t file, const char* name, const std::string& text) {
   const hid_t attribute = H5Aopen(file, name, H5P_DEFAULT);
   const hid_t type = H5Aget_type(attribute);
@@ -186,7 +187,7 @@ void overwrite_root_text(hid_t file, const char* name, const std::string& text) 
 }
 
 TEST_F(Hostile, Texts) {
-  // One byte is no UTF-8, the other begins an escape sequence of a terminal.
+  // An invalid UTF-8 byte, and the start of a terminal's escape sequence.
   for (const char* text : {"a\xFF", "a\x1B"}) {
     expect_refused(changed([&](hid_t id) { overwrite_root_text(id, "world", text); }), "/",
                    "world contains control characters");

@@ -1,7 +1,7 @@
-// Goal: a file holds what the memory twin holds; equal content is equal bytes; a failed write
-// leaves the old file and nothing else.
-// Method: digests of both twins; bytes of files from separate processes whose heaps are filled
-// with different garbage; limits on file size at many places, and file-system calls that fail.
+// Goal: a file holds the same values as the in-memory archive, equal content gives equal bytes, and
+// a failed write leaves only the old file. Method: compare digests; compare files from processes
+// whose heaps hold different garbage; limit the file size at many places; make file-system calls
+// fail.
 #include "common/archive/hdf5/writer.h"
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ class Writer : public archive::testing::Scratch {
 };
 
 TEST_F(Writer, FilesAndMemoryHaveOneDigest) {
-  // The last two are longer than a batch: chunks, with a rest in the last one.
+  // The last two exceed a batch, so they have chunks and a shorter last chunk.
   const std::vector<FakeRunOptions> runs{{},
                                          {.chains = 1, .scans = 1, .satisfied_share = 0},
                                          {.chains = 1, .scans = 1, .satisfied_share = 1},
@@ -77,8 +77,8 @@ TEST_F(Writer, ReadsAnyRangeOfElements) {
 }
 
 TEST_F(Writer, EqualContentIsEqualBytesInEveryProcess) {
-  // MALLOC_PERTURB_ fills fresh and freed memory with a byte: what a file took from
-  // uninitialised memory would differ.
+  // MALLOC_PERTURB_ fills fresh and freed memory with a byte, so bytes from uninitialised memory
+  // would differ.
   std::string first;
   for (const char* byte : {"0", "165", "90", "255"}) {
     const std::string file = path("sample.h5");
@@ -90,7 +90,7 @@ TEST_F(Writer, EqualContentIsEqualBytesInEveryProcess) {
     if (first.empty()) first = bytes;
     EXPECT_TRUE(bytes == first) << "MALLOC_PERTURB_=" << byte;
   }
-  // A second archive in one process, after other use of the library, has the same bytes.
+  // A second archive from one process has the same bytes.
   const FakeRunOptions run{.scans = 20000};
   write_file(path("x.h5"), files_, filler({.chains = 1}));
   write_file(path("y.h5"), files_, filler(run));
@@ -118,7 +118,7 @@ TEST_F(Writer, AFullDiskLeavesTheOldFileAlone) {
   write_file(path("b.h5"), files_, filler(run));
   const std::string whole = bytes_of(path("b.h5"));
 
-  // Every failure in one process, which the limits stay with: none may harm the next try.
+  // All limits apply in one process, so a failed write must not harm the next try.
   const auto write_within_limits = [&] {
     std::signal(SIGXFSZ, SIG_IGN);
     const auto try_with = [&](rlim_t bytes) {
@@ -162,16 +162,16 @@ TEST_F(Writer, FailuresOfTheFileSystemLeaveAWholeFile) {
     }
     EXPECT_GE(failing.failures(), 1U) << name_of(call);
     EXPECT_THAT(names(), ElementsAre("a.h5")) << name_of(call);
-    // Only the last call comes after the new file has its place.
+    // Only sync_directory comes after the rename that puts the new file in place.
     EXPECT_EQ(bytes_of(path("a.h5")) == old, call != FileCall::sync_directory);
     EXPECT_THAT(verify(*open_file(path("a.h5"))), ::testing::IsEmpty());
   }
 }
 
 TEST_F(Writer, EachCallMayFailOnce) {
-  // Goal: whichever call fails, even one in the middle of the file that is followed by good ones,
-  // the old file stays whole or the new one is there. Method: the k-th call fails, once, for every
-  // k until none is left to fail; with sanitizers for every third.
+  // Goal: whichever call fails, the old file stays whole or the complete new file replaces it, even
+  // if later calls succeed. Method: fail only the k-th call, for every k until a write makes fewer
+  // than k calls; with sanitizers, for every third k.
 #ifdef SLEIGHT_SANITIZED
   constexpr std::uint64_t k_step = 3;
 #else

@@ -1,6 +1,6 @@
-// Goal: a truncated or flipped file never hangs or crashes the reading program, and never passes
-// for the archive that it was: reading ends in an error, in findings, or with the same digest.
-// Method: one small archive with chunked and plain datasets; a reader process for each damage.
+// Goal: a damaged file never hangs or crashes the reading program, and never passes for the
+// original. Method: truncate a small archive or flip its bits; for each damage, a reader process
+// must end in an error, in findings, or with the original digest.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ class Damage : public archive::testing::Scratch {
     try {
       const auto source = open_remote_by(SLEIGHT_READER, file, {.cpu_s = 20, .timeout_s = 30});
       if (!verify(*source).empty()) return Outcome::found;
-      // The judge of what was read is the digest of the whole file, not the stored one.
+      // Compare with the original's digest, because the stored one can be damaged.
       EXPECT_EQ(digest(*source), digest_);
       return Outcome::equal;
     } catch (const base::Error& error) {
@@ -79,7 +79,7 @@ TEST_F(Damage, FlippedBitsNeverPassForSound) {
     ASSERT_FALSE(HasFailure()) << "seed " << seed << ", byte " << place;
   }
   if (!property::all_cases()) return;
-  // All three kinds occur, else the flips did not test what they are for.
+  // Check that the flips produced all three outcomes.
   EXPECT_GT(equal, 0);
   EXPECT_GT(found, 0);
   EXPECT_GT(refused, 0);

@@ -1,5 +1,5 @@
-// A reader process that a hostile file has taken over: it is confined as the real one is, and then
-// does what the first word of its "archive" says. For remote_source_test.cpp alone.
+// A reader process taken over by a hostile file, for remote_source_test.cpp. The process is
+// confined like the real reader and then misbehaves as the first word of its "archive" orders.
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -31,8 +31,7 @@ std::string told() {
   return {bytes.data(), static_cast<std::size_t>(got > 0 ? got : 0)};
 }
 
-/// What an honest reader would say: /posterior with its coordinate, dataset 0, and words,
-/// dataset 1.
+/// An honest reader's contents: /posterior with its coordinate (dataset 0) and words (dataset 1).
 std::vector<Group> groups() {
   const Dimension draw{"draw", k_elements};
   return {{.name = std::string(k_root),
@@ -49,7 +48,7 @@ bool say_contents(const std::vector<Group>& said) {
   return say({.kind = AnswerKind::contents, .bytes = bytes.size()}, bytes);
 }
 
-/// A head, and so many zeros, whatever the head says.
+/// Sends the head and `bytes` zeros, whatever size the head states.
 void say_zeros(const AnswerHead& head, std::size_t bytes) {
   say(head, base::Bytes(bytes));
 }
@@ -58,7 +57,7 @@ void say_zeros(const AnswerHead& head, std::size_t bytes) {
   remote::Question question;
   while (hear(question)) {
   }
-  // Nobody asks any more: the next line is for those that don't hear it.
+  // The calling program closed the pipe.
   ::_exit(0);
 }
 
@@ -68,7 +67,7 @@ void spin() {
     ++turns;
 }
 
-/// What confine.h takes away. Whoever can do it says contents, and so passes for honest.
+/// Tries an action that confine.h forbids. If the action succeeds, the reader passes for honest.
 void attempt(std::string_view what) {
   if (what == "socket") ::socket(AF_INET, SOCK_STREAM, 0);
   if (what == "write") ::open("/tmp/sleight-lying-reader", O_WRONLY | O_CREAT, 0600);

@@ -1,6 +1,6 @@
-// Goal: what a reader says of an archive comes across as it is, and what can't be is refused with a
-// reason. Method: contents there and back; each invariant of contents_check.h broken alone; bytes
-// cut off or changed anywhere.
+// Goal: a reader's description of an archive arrives unchanged, and an invalid one is refused with
+// a reason. Method: encode and decode contents; break each invariant of contents_check.h alone; cut
+// off or change bytes anywhere.
 #include "common/archive/remote/messages.h"
 
 #include <gmock/gmock.h>
@@ -91,7 +91,7 @@ TEST(Messages, ChangedContentsAreJudgedWithoutHarm) {
   }
 }
 
-/// What is found in contents that `change` has changed.
+/// Returns the fault found in contents that `change` has changed.
 std::string fault_after(const std::function<void(std::vector<Group>&)>& change) {
   std::vector<Group> groups = sample();
   change(groups);
@@ -150,7 +150,7 @@ TEST(Contents, DatasetsThatCantBeAreNamed) {
   EXPECT_THAT(with({.name = "mine", .dims = {{"a b", 3}}}), HasSubstr("invalid name"));
   EXPECT_THAT(with({.name = "mine", .dims = self(k_growing)}), HasSubstr("more than"));
   EXPECT_THAT(with({.name = "mine", .dims = self(k_dataset_bytes_max)}), HasSubstr("more than"));
-  // 2^62 elements of 8 bytes: the product is 0 in 64 bits.
+  // 2^62 elements of 8 bytes: the product overflows to 0 in 64 bits.
   const std::size_t half = std::size_t{1} << 31;
   EXPECT_THAT(with({.name = "mine", .dims = {{"mine", half}, {"mine", half}}}),
               HasSubstr("more than"));

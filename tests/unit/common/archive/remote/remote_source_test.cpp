@@ -1,7 +1,7 @@
-// Goal: whatever an archive holds and whatever its reader does, the program that asks goes on,
-// knows why, and reads its other archives. Method: the real reader on sound and damaged archives,
-// from several threads; and a reader under the same limits (lying_reader.cpp) that crashes, hangs,
-// lies in one way each, or tries what it may not.
+// Goal: whatever an archive holds and its reader does, the calling program survives, reports the
+// cause and reads its other archives. Method: the real reader on sound and damaged archives from
+// several threads; a reader under the same limits (lying_reader.cpp) that crashes, hangs, lies or
+// tries forbidden calls.
 #include "common/archive/remote/remote_source.h"
 
 #include <fcntl.h>
@@ -38,7 +38,7 @@ using ::testing::HasSubstr;
 constexpr const char* k_reader = SLEIGHT_READER;
 constexpr const char* k_liar = SLEIGHT_LYING_READER;
 
-/// What `work` throws; fails where it throws nothing or an error of another kind.
+/// Returns the message that `work` throws. Fails if `work` throws nothing or another kind of error.
 std::string reason_of(const std::function<void()>& work,
                       base::ExitCode code = base::ExitCode::bad_archive) {
   try {
@@ -64,7 +64,7 @@ class Remote : public archive::testing::Scratch {
     return path(name);
   }
 
-  /// An "archive" that tells the lying reader what to do.
+  /// Writes an "archive" that orders the lying reader to do `word`, and returns its path.
   std::string telling(const std::string& word) {
     put_bytes(path(word), word);
     return path(word);
@@ -77,7 +77,7 @@ class Remote : public archive::testing::Scratch {
     return reason;
   }
 
-  /// Of a lie in the answer to a question; the next question is to fail as the first does.
+  /// Returns the error that a false answer causes. The next question must fail with the same error.
   std::string why_not_read(const std::string& word, const std::string& dataset = "draw",
                            const ReaderLimits& limits = {}) {
     const auto source = open_remote_by(k_liar, telling(word), limits);
@@ -94,7 +94,7 @@ TEST_F(Remote, ReadsAllThatTheFileHolds) {
   const auto source = open_remote_by(k_reader, write("a.h5", 2));
   EXPECT_EQ(digest(*source), digest_);
   EXPECT_TRUE(verify(*source).empty());
-  // In any order, and nothing at all.
+  // Reads may go backwards and may be empty.
   EXPECT_EQ(count_of(view_of(source->read(k_posterior, "draw", 0, 0))), 0U);
   EXPECT_EQ(std::get<std::vector<std::int64_t>>(source->read(k_posterior, "draw", 2, 2)),
             (std::vector<std::int64_t>{20, 30}));
@@ -129,7 +129,7 @@ TEST_F(Remote, SeveralArchivesFromSeveralThreads) {
   std::vector<std::thread> threads;
   for (std::uint32_t i = 0; i < k_threads; ++i) {
     threads.emplace_back([&, i] {
-      // Two at once in each thread, with others' starting and ending meanwhile.
+      // Each thread has two open at once while other threads open and close theirs.
       const auto mine = open_remote_by(k_reader, files[i]);
       const auto next = open_remote_by(k_reader, files[(i + 1) % k_threads]);
       equal[i] = static_cast<int>(digest(*mine) == digests[i]) +
@@ -167,7 +167,7 @@ TEST_F(Remote, ThoseThatHangCostAListOneTimeLimit) {
   }
   const auto start = std::chrono::steady_clock::now();
   const std::vector<OpenedArchive> opened = open_all_by(k_liar, paths, {.timeout_s = 2});
-  // One after the other they take 14 s.
+  // Waiting for them one after the other would take 14 s.
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
   for (std::size_t i = 0; i < paths.size(); ++i)
     EXPECT_EQ(opened[i].source != nullptr, i == 5) << opened[i].refused;
@@ -180,7 +180,7 @@ TEST_F(Remote, AReaderThatEndsOrHangsIsNamed) {
               HasSubstr("more than 1 s of processor time"));
   EXPECT_THAT(why_not_read("late", "draw", {.timeout_s = 2}), HasSubstr("more than 2 s"));
 #ifndef SLEIGHT_SANITIZED
-  // A sanitizer has handlers of its own for this.
+  // Sanitizers handle these faults themselves.
   EXPECT_THAT(why_refused("crash"), HasSubstr("crashed (Illegal instruction)"));
   EXPECT_THAT(why_not_read("crash_later"), HasSubstr("crashed (Illegal instruction)"));
   EXPECT_THAT(why_refused("bomb", {.address_space_bytes = std::uint64_t{256} << 20}),
@@ -196,7 +196,7 @@ TEST_F(Remote, AKilledReaderIsNamed) {
   std::array<std::byte, 1> byte{};
   while (process.receive(byte) == Received::all) {
   }
-  // The kernel closes a dead process' ends one after the other.
+  // The kernel closes the dead process's pipe ends one after the other.
   bool is_heard = true;
   for (int i = 0; i < 1000 && is_heard; ++i) {
     is_heard = process.send(byte);
@@ -227,7 +227,7 @@ TEST_F(Remote, LiesAboutValuesAreFound) {
 }
 
 TEST_F(Remote, WordsThatNobodyAskedForAreFound) {
-  // The first answer is as it should be; more follows, which shows with the next question.
+  // The first answer is right; its surplus byte is noticed at the next question.
   const auto source = open_remote_by(k_liar, telling("more"));
   source->read(k_posterior, "draw", 0, 4);
   std::string reason;
@@ -256,7 +256,7 @@ TEST_F(Remote, WhatReadingDoesntNeedIsForbidden) {
   for (const char* word : {"socket", "write", "fork", "kill", "exec"})
     EXPECT_THAT(why_refused(word), HasSubstr("forbidden system call")) << word;
   EXPECT_FALSE(std::filesystem::exists("/tmp/sleight-lying-reader"));
-  // The same reader, without trying any.
+  // The same reader works if it tries nothing forbidden.
   EXPECT_EQ(
       count_of(view_of(open_remote_by(k_liar, telling("honest"))->read(k_posterior, "draw", 0, 4))),
       4U);
@@ -264,7 +264,7 @@ TEST_F(Remote, WhatReadingDoesntNeedIsForbidden) {
 
 TEST_F(Remote, AReaderHasNothingButItsOwn) {
   telling("honest");
-  // Neither what others have open, nor other readers' pipes.
+  // A reader inherits neither this program's open files nor other readers' pipes.
   const base::Descriptor archive(::open(path("honest").c_str(), O_RDONLY | O_CLOEXEC));
   const base::Descriptor inherited(::open("/dev/null", O_RDONLY));
   const auto other = open_remote_by(k_liar, path("honest"));
@@ -281,7 +281,7 @@ TEST_F(Remote, AReaderHasNothingButItsOwn) {
 
 TEST_F(Remote, EndsWithTheProgramThatAsks) {
   telling("spin");
-  // What a killed process leaves comes to this one, which so learns how it ended.
+  // As subreaper, this process adopts the reader and can wait for its end.
   ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0), 0);
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
@@ -290,7 +290,7 @@ TEST_F(Remote, EndsWithTheProgramThatAsks) {
     const int archive = ::open(path("spin").c_str(), O_RDONLY | O_CLOEXEC);
     ReaderProcess process(k_liar, archive, {});
     const pid_t reader = process.id();
-    // It spins once it has taken more processor time than to start and to be confined takes.
+    // Starting and confinement take less than 0.3 s of processor time, so the reader now spins.
     clockid_t clock{};
     timespec used{};
     while (::clock_getcpuclockid(reader, &clock) == 0 && ::clock_gettime(clock, &used) == 0 &&

@@ -133,7 +133,7 @@ std::vector<Message> assignments() {
                                       .assignment = k_largest_long,
                                       .block = {.members = {example_unit(1)}, .ladder = {}},
                                       .states = {std::nullopt}},
-                           // No state and a state of no bytes are two things.
+                           // A missing state differs from an empty state.
                            Assignment{.epoch = k_largest_long,
                                       .assignment = 0,
                                       .block = {.members = {example_unit(2)}, .ladder = {}},
@@ -272,7 +272,7 @@ Assignment example_assignment(std::uint32_t members) {
     unit.replica.replica = base::ReplicaId{i};
     unit.starts = i % 3 == 2;
     assignment.block.members.push_back(unit);
-    // Nothing, no bytes, and some by turns.
+    // Missing, empty and non-empty states in turn.
     plan::GivenState& state = assignment.states.emplace_back();
     if (i % 3 > 0) state = base::Bytes(i % 3 - 1, std::byte{9});
     part.inverse_temperatures.push_back(0.1 * i);

@@ -1,4 +1,4 @@
-// Messages for tests, and equality that looks at bits.
+// Messages for tests, and bitwise equality.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +8,24 @@
 
 namespace sleight::schema::wire::testing {
 
-/// Doubles whose bits are easily lost on the way: NaN payloads, signalling NaN, infinities, zeros
-/// of both signs, subnormals.
+/// Returns doubles whose bits are easily lost: NaN payloads, signalling NaN, infinities, zeros of
+/// both signs, subnormals.
 std::vector<double> awkward_doubles();
 
-/// A result with every field filled that travels, of as many scans as its unit has.
+/// Returns a result of `scans` scans with every transmitted field filled.
 plan::UnitResult example_result(std::uint32_t scans);
 
-/// A delivery of results with so many scans, every field filled.
+/// Returns a delivery of results with these numbers of scans, every field filled.
 Delivery example_delivery(const std::vector<std::uint32_t>& scans);
 
-/// A part of a ladder, from level 3 of four more levels than it has members: states of all sorts.
+/// Returns a part of a ladder, starting at level 3 of `members` + 4 levels, with states of all
+/// kinds.
 Assignment example_assignment(std::uint32_t members);
 
-/// One message of every kind and shape, empty and large ones among them.
+/// Returns messages of every kind and shape, including empty and large ones.
 std::vector<Message> examples();
 
-/// Equal in kind and in every bit of every field.
+/// Returns whether kind and every bit of every field are equal.
 bool same_bits(const Message& a, const Message& b);
 
 }  // namespace sleight::schema::wire::testing

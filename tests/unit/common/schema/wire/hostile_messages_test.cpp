@@ -1,6 +1,6 @@
-// Goal: no bytes crash decode; each is refused with a reason or gives a message that could have
-// been sent. Method: messages cut, with bits or words changed, spliced from two, and noise, from a
-// printed seed; what is accepted is encoded and decoded again, to the same bits.
+// Goal: no bytes crash decode; each input is refused with a reason or gives a valid message.
+// Method: cut messages, change bits or words, splice two, and use noise, from a printed seed; an
+// accepted message is encoded and decoded again to the same bits.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ std::size_t below(std::size_t count, random::Stream& stream) {
   return random::UniformInteger{.count = count}.draw(stream);
 }
 
-/// Messages short enough that a change hits structure as often as content.
+/// Returns messages short enough that a change hits structure as often as content.
 std::vector<base::Bytes> short_messages() {
   std::vector<base::Bytes> all;
   for (const Message& message : testing::examples()) {
@@ -41,26 +41,26 @@ base::Bytes mutated(const std::vector<base::Bytes>& good, random::Stream& stream
     case 0:  // cut, mostly at a whole number of words
       bytes.resize(below(bytes.size() + 1, stream) & ~(below(4, stream) == 0 ? 0U : 7U));
       break;
-    case 1:  // a few bits
+    case 1:  // change a few bits
       for (std::size_t i = below(4, stream) + 1; i > 0; --i) {
         bytes[below(bytes.size(), stream)] ^= std::byte{1} << below(8, stream);
       }
       break;
-    case 2: {  // a word of noise, zeros or ones
+    case 2: {  // replace a word by noise, zeros or ones
       const std::size_t at = below(bytes.size() / 8, stream) * 8;
       const std::size_t kind = below(3, stream);
       const std::uint64_t word = kind == 0 ? stream.bits() : kind == 1 ? 0 : ~std::uint64_t{0};
       std::memcpy(bytes.data() + at, &word, 8);
       break;
     }
-    case 3: {  // the head of one, the tail of another
+    case 3: {  // join two messages
       const base::Bytes& other = good[below(good.size(), stream)];
       const std::size_t at = below(std::min(bytes.size(), other.size()) / 8, stream) * 8;
       bytes.resize(at);
       bytes.insert(bytes.end(), other.begin() + static_cast<std::ptrdiff_t>(at), other.end());
       break;
     }
-    default:  // noise behind a plausible head: one segment of the right length
+    default:  // noise after a plausible head (one segment of the right length)
       for (std::size_t i = 8; i < bytes.size(); ++i)
         bytes[i] = static_cast<std::byte>(stream.bits());
   }
@@ -108,7 +108,7 @@ void expect_well_formed(const Message& message) {
 }
 
 TEST(HostileMessages, AreRefusedOrWellFormed) {
-  // Goal and method: above.
+  // Goal and method are stated at the top of this file.
   const std::vector<base::Bytes> good = short_messages();
   std::uint64_t accepted = 0;
   for (const std::uint64_t input : property::cases(inputs())) {
@@ -123,7 +123,7 @@ TEST(HostileMessages, AreRefusedOrWellFormed) {
     if (::testing::Test::HasFailure()) return;
   }
   if (!property::all_cases()) return;
-  // Both ends of the test must have been reached.
+  // Check that both outcomes occurred.
   EXPECT_GT(accepted, inputs() / 100);
   EXPECT_LT(accepted, inputs() - inputs() / 100);
 }
@@ -138,8 +138,8 @@ TEST(HostileMessages, EveryCutIsRefused) {
 }
 
 TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
-  // Goal: bytes that never were a message do no harm. Method: noise of up to 60 words, from nothing
-  // on; half of it behind a head that claims one segment of the right length.
+  // Goal: noise does no harm. Method: noise of 0 to 60 words, half of it after a head that claims
+  // one segment of the right length.
   for (const std::uint64_t input : property::cases(inputs())) {
     random::Stream stream({.seed = k_seed, .purpose = random::Purpose::proposal}, input);
     base::Bytes bytes(below(480, stream));
@@ -162,7 +162,7 @@ TEST(HostileMessages, NoiseIsRefusedOrWellFormed) {
 
 TEST(HostileMessages, ListsOfNothingCostLittle) {
   // Goal: a few bytes can't claim a list of hundreds of millions of empty scans, results or
-  // members. Method: messages whose list pointers are replaced, one word after another, by such a
+  // members. Method: replace the list pointers of messages, one word after another, by such a
   // claim.
   const Message claimants[] = {testing::example_delivery({1}), testing::example_delivery({1, 2}),
                                testing::example_assignment(3),

@@ -11,8 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Messages, ComeBackBitForBit) {
-  // Goal: what a rank receives is what the other sent, in every bit. Method: encode and decode one
-  // of every kind and shape.
+  // Goal: a message arrives with every bit. Method: encode and decode one of every kind and shape.
   const std::vector<Message> all = testing::examples();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const base::Result<Message, std::string> back = decode(encode(all[i]));
@@ -21,7 +20,7 @@ TEST(Messages, ComeBackBitForBit) {
   }
 }
 
-/// Whether a change of an example is seen by the comparer, which sees no difference without it.
+/// Returns whether the comparer notices `change`. Fails if it sees a difference without the change.
 template <class M, class Change>
 bool is_seen(const M& example, const Change& change) {
   M changed = example;
@@ -31,8 +30,8 @@ bool is_seen(const M& example, const Change& change) {
 }
 
 TEST(Messages, ComparerSeesOneBit) {
-  // Goal: same_bits can fail. Method: change each field of each kind by as little as possible; zero
-  // of the other sign, another payload, another kind.
+  // Goal: same_bits can fail. Method: change each field of each kind as little as possible (sign of
+  // zero, NaN payload, kind).
   Delivery zeros = testing::example_delivery({1});
   zeros.results[0].scans[0].outcome = {0.0};
   EXPECT_TRUE(is_seen(zeros, [](Delivery& d) { d.results[0].scans[0].outcome = {-0.0}; }));
@@ -96,16 +95,16 @@ TEST(Messages, EncodingIsAFunctionOfTheMessage) {
     EXPECT_EQ(encode(message), encode(message));
 }
 
-/// Why a message can't be one; empty if it can.
+/// Returns why decoding refuses the message; empty if it accepts.
 std::string refusal(const Message& message) {
   const auto back = decode(encode(message));
   return back.ok() ? "" : back.error();
 }
 
 TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
-  // Goal: of a result's unit replica, first scan and number of scans travel, and the number is that
-  // of the records whatever the unit says; the rest, which the coordinator knows, does not. Method:
-  // a unit with every field filled, and claims of other lengths.
+  // Goal: a result's unit travels as replica, first scan and number of records, whatever number of
+  // scans the unit claims. The coordinator knows the other fields. Method: a unit with every field
+  // filled, and claims of other lengths.
   for (const std::uint32_t claimed : {3U, 0U, 2U, 4U, 0xffffffffU}) {
     Delivery delivery = testing::example_delivery({3});
     plan::Unit& unit = delivery.results[0].unit;
@@ -126,22 +125,22 @@ TEST(Messages, ResultsKeepOfTheirUnitsWhatTheyAreKnownBy) {
 }
 
 TEST(Messages, ResultWithoutScansIsRefused) {
-  // Goal: each member of a delivery has come somewhere. Method: one of three results has no scans;
-  // a delivery without results is another matter.
+  // Goal: each result of a delivery has scans. Method: one of three results without scans; a
+  // delivery without results.
   EXPECT_THAT(refusal(testing::example_delivery({0})), HasSubstr("without scans"));
   EXPECT_THAT(refusal(testing::example_delivery({2, 0, 1})), HasSubstr("without scans"));
   EXPECT_EQ(refusal(testing::example_delivery({})), "");
 }
 
 TEST(Messages, HelloOfNoThreadsIsRefused) {
-  // Goal: a worker that could run nothing is not one. Method: 0 threads.
+  // Goal: a worker without threads is refused. Method: 0 threads.
   EXPECT_THAT(refusal(Hello{.results_version = "1", .identity = "i", .threads = 0}),
               HasSubstr("0 threads"));
 }
 
 TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
-  // Goal: a worker never gets a block that it must not run. Method: break one rule at a time, of a
-  // unit alone and of a ladder's part, which are right before; numbers that overflow among them.
+  // Goal: a worker never gets a block that it must not run. Method: break one rule at a time in a
+  // valid single unit and in a valid part of a ladder, with numbers that overflow too.
   const plan::Unit unit{.replica = {}, .seed = 0, .first_scan = {}, .scans = 1};
   const Assignment alone{
       .epoch = 1, .assignment = 2, .block = {.members = {unit}, .ladder = {}}, .states = {{}}};
@@ -209,8 +208,8 @@ TEST(Messages, AssignmentsThatDoNotFitAreRefused) {
 }
 
 TEST(Messages, PiecesOfNothingAreRefused) {
-  // Goal: lengths that can't be a message are refused before reading. Method: no bytes, and one
-  // byte more or less than a message.
+  // Goal: impossible lengths are refused before reading. Method: no bytes, and a message with one
+  // byte more or less.
   EXPECT_FALSE(decode({}).ok());
   const base::Bytes whole = encode(testing::example_delivery({2}));
   EXPECT_FALSE(decode(base::BytesView(whole).first(whole.size() - 1)).ok());
@@ -220,7 +219,7 @@ TEST(Messages, PiecesOfNothingAreRefused) {
 }
 
 TEST(Messages, AreReadAtAnyAddress) {
-  // Goal: bytes need no alignment. Method: the same message at eight neighbouring addresses.
+  // Goal: bytes need no alignment. Method: decode one message at eight neighbouring addresses.
   const Message message = testing::example_delivery({3});
   const base::Bytes bytes = encode(message);
   for (std::size_t offset = 0; offset < 8; ++offset) {
